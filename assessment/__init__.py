@@ -1,0 +1,1 @@
+"""Standards, projects and reports on top of `mechanics`."""

@@ -1,0 +1,204 @@
+"""An assembly of blocks and the states it can be in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mechanics.block import GRAVITY, Array, Block
+from mechanics.contacts import Contacts, Kinematics, kinematics, place_contacts
+from mechanics.errors import require
+from mechanics.joints import Index, Joints, default_tolerance, find_joints
+
+Behaviour = Literal["rigid", "elastic"]
+Direction = Literal["+x", "-x"]
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Where the blocks are and how they move.
+
+    `positions` (b, 3): x, z (m) of each centroid and rotation (rad) from the drawing, supports included;
+    `velocities` (b, 3): their rates; `shear`: tangential contact forces (kN) carried by joints of finite
+    tangential stiffness, None where there are none.
+    """
+
+    positions: Array
+    velocities: Array
+    shear: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """Blocks and the dry joints between them; supports are the blocks that bear a support's name.
+
+    `tolerance` (m): edges closer than this touch (default: a thousandth of the median edge).
+    Raises ValueError where there is nothing to analyse.
+    """
+
+    blocks: Sequence[Block]
+    segments_per_joint: int = 1
+    tolerance: float | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "blocks", tuple(self.blocks))
+        require(len(self.blocks) > 0, "blocks", 0, "at least one block")
+        require(self.segments_per_joint >= 1, "segments_per_joint", self.segments_per_joint, "≥ 1")
+        if self.tolerance is None:
+            object.__setattr__(self, "tolerance", default_tolerance(self.blocks))
+        require(0.0 < self.joint_tolerance < np.inf, "tolerance", self.tolerance, "positive, in m")
+        require(bool(self.movable.any()), "blocks", "all supports", "an assembly with a movable block")
+
+    @property
+    def joint_tolerance(self) -> float:
+        """Tolerance in use, m."""
+        assert self.tolerance is not None
+        return self.tolerance
+
+    @cached_property
+    def joints(self) -> Joints:
+        """Joints between the blocks."""
+        return find_joints(self.blocks, self.joint_tolerance)
+
+    @cached_property
+    def elastic_contacts(self) -> Contacts:
+        """Contact points of the joints, each divided into its segments."""
+        wished = np.array([b.segments or self.segments_per_joint for b in self.blocks], dtype=np.intp)
+        return place_contacts(
+            self.blocks, self.joints, np.maximum(wished[self.joints.a], wished[self.joints.b])
+        )
+
+    @cached_property
+    def rigid_contacts(self) -> Contacts:
+        """Contact points of rigid analyses: straight rigid edges meet at their ends, so one segment is exact."""
+        return place_contacts(self.blocks, self.joints, np.ones(len(self.joints.a), dtype=np.intp))
+
+    def contacts(self, behaviour: Behaviour) -> Contacts:
+        """Contact points of an analysis; ValueError where elastic ones lack a stiffness."""
+        require(behaviour in {"rigid", "elastic"}, "contacts", behaviour, '"rigid" or "elastic"')
+        if behaviour == "rigid":
+            return self.rigid_contacts
+        if np.isnan(self.elastic_contacts.stiffness).any():
+            raise ValueError("normal_stiffness: elastic contacts need it for the material of every block")
+        return self.elastic_contacts
+
+    @cached_property
+    def movable(self) -> NDArrayBool:
+        """Which blocks (b,) are no supports."""
+        return np.array([b.support is None for b in self.blocks])
+
+    @cached_property
+    def dof(self) -> Index:
+        """Degree of freedom (b, 3) of x, z, ω of each block; −1 for supports."""
+        index = np.full((len(self.blocks), 3), -1, dtype=np.intp)
+        index[self.movable] = np.arange(3 * self.movable.sum()).reshape(-1, 3)
+        return index
+
+    @cached_property
+    def initial(self) -> State:
+        """The state as drawn, at rest."""
+        centroid = np.array([b.centroid for b in self.blocks])
+        return State(np.column_stack([centroid, np.zeros(len(centroid))]), np.zeros((len(centroid), 3)))
+
+    @cached_property
+    def mass(self) -> Array:
+        """Mass (b, 3): Mg, Mg, Mg·m² of each block."""
+        return np.array([(b.mass, b.mass, b.inertia) for b in self.blocks])
+
+    @cached_property
+    def dead_load(self) -> Array:
+        """f_D (b, 3): weights and vertical loads, kN."""
+        load = np.zeros((len(self.blocks), 3))
+        load[:, 1] = [-b.weight for b in self.blocks]
+        return load
+
+    def lateral_load(self, direction: Direction) -> Array:
+        """f_L (b, 3), kN: the weight of every seismic mass, laid over in the direction."""
+        require(direction in {"+x", "-x"}, "direction", direction, '"+x" or "-x"')
+        load = np.zeros((len(self.blocks), 3))
+        load[:, 0] = (1.0 if direction == "+x" else -1.0) * GRAVITY * self.mass[:, 0]
+        return load
+
+    @cached_property
+    def weight(self) -> float:
+        """Weight of the movable blocks with their loads, kN."""
+        return -float(self.dead_load[self.movable, 1].sum())
+
+    @cached_property
+    def size(self) -> float:
+        """A block's size, m: the root of the mean area of the movable blocks (the program's unit of length)."""
+        return float(np.sqrt(np.mean([b.area for b in self.blocks if b.support is None])))
+
+    def kinematics(self, behaviour: Behaviour, positions: Array) -> Kinematics:
+        """Gaps and compatibility rows in a configuration."""
+        return kinematics(self.contacts(behaviour), positions)
+
+    def support(self, name: str) -> Index:
+        """Blocks of a support; ValueError naming the known ones."""
+        index = np.array([i for i, b in enumerate(self.blocks) if b.support == name], dtype=np.intp)
+        known = sorted({b.support for b in self.blocks if b.support})
+        require(len(index) > 0, "support", name, f"one of {', '.join(known) or '(the model has no support)'}")
+        return index
+
+    def moved_support(self, positions: Array, name: str, displacement: Array, rotation: float) -> Array:
+        """Positions after the rigid movement of a support: a translation and a turn about its drawn centroid."""
+        index = self.support(name)
+        area = np.array([self.blocks[i].area for i in index])
+        centre = area @ self.initial.positions[index, :2] / area.sum()
+        arm = self.initial.positions[index, :2] - centre
+        cos, sin = np.cos(rotation), np.sin(rotation)
+        moved = positions.copy()
+        moved[index, 0] = centre[0] + displacement[0] + cos * arm[:, 0] - sin * arm[:, 1]
+        moved[index, 1] = centre[1] + displacement[1] + sin * arm[:, 0] + cos * arm[:, 1]
+        moved[index, 2] = rotation
+        return moved
+
+    def rotated(self, block: int, about: ArrayLike, rotation: float) -> State:
+        """The drawn state with one block turned by `rotation` (rad) about a point (m): an initial position."""
+        require(0 <= block < len(self.blocks), "block", block, f"from 0 to {len(self.blocks) - 1}")
+        pivot = np.asarray(about, dtype=float)
+        require(pivot.shape == (2,), "about", about, "a point (x, z) in m")
+        positions = self.initial.positions.copy()
+        arm = positions[block, :2] - pivot
+        cos, sin = np.cos(rotation), np.sin(rotation)
+        positions[block] = (
+            pivot[0] + cos * arm[0] - sin * arm[1],
+            pivot[1] + sin * arm[0] + cos * arm[1],
+            rotation,
+        )
+        return State(positions, np.zeros_like(positions))
+
+    def block_at(self, point: ArrayLike) -> int:
+        """The block that holds a point (m) as drawn, edges included; ValueError where none does."""
+        import shapely
+
+        at = np.asarray(point, dtype=float)
+        require(at.shape == (2,) and bool(np.isfinite(at).all()), "control", point, "a point (x, z) in m")
+        distance = shapely.distance([shapely.Polygon(b.polygon) for b in self.blocks], shapely.Point(at))
+        distance = distance + np.where(
+            self.movable, 0.0, 0.5 * self.joint_tolerance
+        )  # a shared edge: the movable one
+        nearest = int(np.argmin(distance))
+        require(
+            distance[nearest] <= self.joint_tolerance,
+            "control",
+            tuple(at.tolist()),
+            f"in or on a block (the nearest one is {distance[nearest]:.4g} m away)",
+        )
+        return nearest
+
+    def point_displacement(self, point: ArrayLike, block: int, positions: Array) -> Array:
+        """Displacement (2,), m, of a drawn point of a block in the given positions."""
+        arm = np.asarray(point, dtype=float) - self.initial.positions[block, :2]
+        cos, sin = np.cos(positions[block, 2]), np.sin(positions[block, 2])
+        turned = np.array([cos * arm[0] - sin * arm[1], sin * arm[0] + cos * arm[1]])
+        moved: Array = positions[block, :2] + turned - np.asarray(point, dtype=float)
+        return moved
+
+
+NDArrayBool = np.ndarray[tuple[int, ...], np.dtype[np.bool_]]

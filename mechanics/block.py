@@ -1,0 +1,130 @@
+"""A block: a simple polygon with depth and material, and its mass properties."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mechanics.errors import require
+
+GRAVITY = 9.80665  # m/s²
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """Stone and the dry joints it makes.
+
+    unit_weight in kN/m³; friction is the tangent of the friction angle; the stiffnesses (kN/m³) are of a
+    joint per unit area. Without normal_stiffness only rigid analyses are possible; an infinite
+    tangential_stiffness is the paper's choice (§4). Raises ValueError naming the argument.
+    """
+
+    unit_weight: float
+    friction: float = 0.6
+    normal_stiffness: float | None = None
+    tangential_stiffness: float = float("inf")
+
+    def __post_init__(self) -> None:
+        require(0.0 < self.unit_weight < np.inf, "unit_weight", self.unit_weight, "positive, in kN/m³")
+        require(0.0 <= self.friction < np.inf, "friction", self.friction, "zero or positive")
+        require(
+            self.normal_stiffness is None or 0.0 < self.normal_stiffness < np.inf,
+            "normal_stiffness",
+            self.normal_stiffness,
+            "positive, in kN/m³, or None",
+        )
+        require(
+            self.tangential_stiffness > 0.0,
+            "tangential_stiffness",
+            self.tangential_stiffness,
+            "positive, in kN/m³ (inf: rigid in shear)",
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """A rigid block: simple polygon `vertices` (n, 2) in m, kept anticlockwise, `depth` in m out of plane.
+
+    `support` names the support the block belongs to (None: movable). `vertical_load` (kN) acts downward
+    at the centroid and counts as seismic mass when `load_has_mass`. `segments` overrides the assembly's
+    segments per joint. `layer` and `handle` say where the block comes from in the drawing.
+    Raises ValueError for fewer than three distinct vertices, zero area, or non-finite numbers.
+    """
+
+    vertices: ArrayLike
+    depth: float
+    material: Material
+    support: str | None = None
+    vertical_load: float = 0.0
+    load_has_mass: bool = True
+    segments: int | None = None
+    layer: str = ""
+    handle: str = ""
+
+    def __post_init__(self) -> None:
+        v = np.array(self.vertices, dtype=float)
+        require(
+            v.ndim == 2 and v.shape[1] == 2 and len(v) >= 3 and bool(np.isfinite(v).all()),
+            "vertices",
+            v.shape,
+            "three or more finite (x, z) pairs",
+        )
+        require(0.0 < self.depth < np.inf, "depth", self.depth, "positive, in m")
+        require(bool(np.isfinite(self.vertical_load)), "vertical_load", self.vertical_load, "finite, in kN")
+        require(self.segments is None or self.segments >= 1, "segments", self.segments, "a whole number ≥ 1")
+        size = float(np.ptp(v, axis=0).max())
+        area = _signed_area(v)
+        require(abs(area) > 1e-12 * size**2, "vertices", area, "a polygon with an area")
+        if area < 0.0:
+            v = v[::-1].copy()
+        v.flags.writeable = False
+        object.__setattr__(self, "vertices", v)
+
+    @property
+    def polygon(self) -> Array:
+        """Vertices (n, 2), m, anticlockwise."""
+        return self.vertices  # type: ignore[return-value]
+
+    @cached_property
+    def area(self) -> float:
+        """Area of the polygon, m²."""
+        return _signed_area(self.polygon)
+
+    @cached_property
+    def centroid(self) -> Array:
+        """Centroid (2,), m."""
+        origin = self.polygon[0]
+        p, q = self.polygon - origin, np.roll(self.polygon, -1, axis=0) - origin
+        cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
+        return origin + ((p + q) * cross[:, None]).sum(axis=0) / (6.0 * self.area)
+
+    @cached_property
+    def mass(self) -> float:
+        """Seismic mass, Mg: the stone's and, where it has mass, the load's."""
+        load = self.vertical_load if self.load_has_mass else 0.0
+        return (self.material.unit_weight * self.area * self.depth + load) / GRAVITY
+
+    @cached_property
+    def inertia(self) -> float:
+        """Polar moment of inertia of the stone about the centroid, Mg·m² (a load is a point mass there)."""
+        p = self.polygon - self.centroid
+        q = np.roll(p, -1, axis=0)
+        cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
+        second_moment = float((cross * ((p * p).sum(1) + (p * q).sum(1) + (q * q).sum(1))).sum()) / 12.0
+        return self.material.unit_weight / GRAVITY * self.depth * second_moment
+
+    @property
+    def weight(self) -> float:
+        """Vertical force, kN: own weight and load."""
+        return self.material.unit_weight * self.area * self.depth + self.vertical_load
+
+
+def _signed_area(v: Array) -> float:
+    p = v - v[0]
+    q = np.roll(p, -1, axis=0)
+    return 0.5 * float((p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]).sum())

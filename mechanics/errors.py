@@ -1,0 +1,25 @@
+"""The exceptions of the mechanics, in the words of the person who has to act on them."""
+
+from __future__ import annotations
+
+
+class UnstableError(ValueError):
+    """Gravity alone cannot be carried: no equilibrium exists in this configuration."""
+
+
+class NoEquilibriumError(ValueError):
+    """No equilibrium near a configuration under its loads: a mechanical statement, the end of a path."""
+
+
+class ConvergenceError(RuntimeError):
+    """A program has, or may have, a solution that no solver found to the required accuracy."""
+
+
+class DrawingError(ValueError):
+    """The drawing cannot be read as blocks; the message names layer, entity handle and coordinates."""
+
+
+def require(condition: bool, name: str, value: object, must_be: str) -> None:
+    """Raise ValueError naming the argument unless the condition holds."""
+    if not condition:
+        raise ValueError(f"{name} = {value!r}: must be {must_be}")

@@ -1,0 +1,47 @@
+"""Limit analysis: the multiplier at which a mechanism forms, and the mechanism (paper, eq. 5, first step)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mechanics.assembly import Assembly, Direction, State
+from mechanics.block import Array
+from mechanics.equilibrium import check_self_weight, closed_program
+from mechanics.errors import NoEquilibriumError
+from mechanics.program import LARGEST_MULTIPLIER, Certificate
+from mechanics.solvers import solve
+
+
+@dataclass(frozen=True, eq=False)
+class Limit:
+    """Onset of collapse: `alpha`; `mechanism` (b, 3), virtual displacements scaled to a largest centroid displacement of 1;
+    `forces` (c, 2) kN at the rigid contact points; and the certificate.
+    """
+
+    alpha: float
+    mechanism: Array
+    forces: Array
+    certificate: Certificate
+
+
+def limit_analysis(model: Assembly, direction: Direction = "+x", state: State | None = None) -> Limit:
+    """The largest α with equilibrium under f_D + α f_L over the contacts closed in a state (default: as drawn).
+
+    Friction is associative, as in the paper. Raises UnstableError where gravity alone cannot be carried and
+    NoEquilibriumError where the load meets no mechanism (an interlocked assembly).
+    """
+    state = state or model.initial
+    check_self_weight(model, state)
+    onset, closed = closed_program(model, state, model.lateral_load(direction))
+    solution = solve(onset)
+    if solution.alpha > 0.99 * LARGEST_MULTIPLIER:
+        raise NoEquilibriumError(
+            f"{direction}: no mechanism, the load only wedges the blocks (α > {LARGEST_MULTIPLIER:g})"
+        )
+    mechanism = np.zeros((len(model.blocks), 3))
+    mechanism[model.movable] = solution.displacement.reshape(-1, 3)
+    forces = np.zeros((len(model.rigid_contacts), 2))
+    forces[closed] = solution.forces
+    return Limit(solution.alpha, mechanism / abs(mechanism[:, :2]).max(), forces, solution.certificate)

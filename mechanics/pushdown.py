@@ -1,0 +1,144 @@
+"""Pushdown: reaction and configuration against the movement of a support (paper, §4, eqs 6 and 7)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mechanics.assembly import Assembly, Behaviour, State
+from mechanics.block import Array
+from mechanics.equilibrium import Step, check_self_weight, find_step, reaction, rest, rest_size
+from mechanics.errors import NoEquilibriumError, require
+from mechanics.program import Certificate
+
+HALVINGS = 5
+ONSET = 1e-3  # of an increment: a movement small enough to tell the reaction at its beginning
+SETTLED = 1e-7  # of the block size: what a gap left by dilatant sliding may be when the movement stops
+
+
+@dataclass(frozen=True, eq=False)
+class Pushdown:
+    """The path of a moving support.
+
+    `movement` (k,) m: its largest component, from zero (a pure turn: the arc at the support's farthest corner);
+    `reaction` (k, 2) kN: x, z force of the support on the structure (at zero, rigid: as the movement begins);
+    `states` of each point and `final`, at rest after the whole movement. `ultimate` m: the movement beyond which no
+    equilibrium is found, bracketed to an increment's 1/32 (None: not sought or not reached); `end` says why.
+    """
+
+    movement: Array
+    reaction: Array
+    states: tuple[State, ...]
+    final: State
+    ultimate: float | None
+    end: str
+    steps: tuple[Step, ...]
+    certificates: tuple[Certificate, ...]
+
+
+def pushdown(
+    model: Assembly,
+    support: str,
+    displacement: ArrayLike = (0.0, 0.0),
+    rotation: float = 0.0,
+    increment: float = 0.001,
+    contacts: Behaviour = "rigid",
+    to_collapse: bool = False,
+) -> Pushdown:
+    """Move a support by `displacement` (2,) m and `rotation` (rad, about its drawn centroid), in increments.
+
+    `increment` (m) is of the largest component. With `to_collapse` the movement goes on in the same direction to the
+    last equilibrium, after `final` has been taken. A failing increment is halved, so that a fall is told from a coarse
+    step. Raises UnstableError where the structure as drawn cannot stand, NoEquilibriumError where it collapses before
+    the whole movement is applied (the message says at which movement), ValueError for bad arguments.
+    """
+    index = model.support(support)
+    target = np.asarray(displacement, dtype=float)
+    require(
+        target.shape == (2,) and bool(np.isfinite(target).all()), "displacement", displacement, "(x, z) in m"
+    )
+    require(bool(np.isfinite(rotation)), "rotation", rotation, "finite, in rad")
+    require(0.0 < increment < np.inf, "increment", increment, "positive, in m")
+    drawn = np.concatenate([np.asarray(model.blocks[i].polygon) for i in index])
+    reach = float(np.hypot(*(drawn - drawn.mean(axis=0)).T).max())
+    full = float(abs(target).max()) or abs(rotation) * reach
+    require(full > 0.0, "displacement", displacement, "a movement: displacement and rotation are both zero")
+    check_self_weight(model)
+
+    def moved(state: State, movement: float) -> Array:
+        share = movement / full
+        return model.moved_support(state.positions, support, share * target, share * rotation)
+
+    def advance(state: State, past: Array, movement: float, by: float) -> Step:
+        guess = moved(State(state.positions + past * by, state.velocities), movement + by)
+        return find_step(model, contacts, state, guess, model.dead_load, max(by, smallest))
+
+    smallest = rest_size(model, contacts) if contacts == "elastic" else 0.0
+    start = rest(model, contacts, model.initial)
+    begun = (
+        start
+        if contacts == "elastic"
+        else advance(model.initial, np.zeros_like(moved(model.initial, 0.0)), 0.0, ONSET * increment)
+    )
+    states, path = [start.state], [0.0]
+    reactions = [reaction(model, contacts, begun, index)[:2]]
+    steps, certificates = [start], [start.certificate, begun.certificate]
+    final: State | None = None
+    ultimate, end = None, "the whole movement is applied"
+    past, by = np.zeros_like(start.state.positions), increment
+    limit = full if not to_collapse else max(full, float(np.ptp(drawn_extent(model), axis=0).max()))
+    while path[-1] < limit * (1.0 - 1e-9):
+        now, here = states[-1], path[-1]
+        aim = full if final is None else limit
+        stride = min(by, aim - here)
+        try:
+            step = advance(now, past, here, stride)
+        except NoEquilibriumError as stop:
+            end = str(stop)
+            by = stride / 2.0
+            if by >= increment / 2.0**HALVINGS:
+                continue
+            ultimate = here
+            break
+        past = (step.state.positions - now.positions) / stride
+        states.append(step.state)
+        path.append(here + stride)
+        steps.append(step)
+        certificates.append(step.certificate)
+        reactions.append(reaction(model, contacts, step, index)[:2])
+        if final is None and path[-1] >= full * (1.0 - 1e-9):
+            final = settle(model, contacts, step, certificates)
+    if final is None:
+        raise NoEquilibriumError(
+            f"the structure collapses at a movement of {path[-1]:.4g} m of {full:.4g} m: {end}"
+        )
+    return Pushdown(
+        np.array(path),
+        np.array(reactions),
+        tuple(states),
+        final,
+        ultimate,
+        end,
+        tuple(steps),
+        tuple(certificates),
+    )
+
+
+def settle(model: Assembly, contacts: Behaviour, step: Step, certificates: list[Certificate]) -> State:
+    """Close the gaps that dilatant sliding left under joints that carry, with no further movement."""
+    for _ in range(10):
+        carrying = step.forces[:, 0] > 1e-6 * model.weight
+        gap = model.kinematics(contacts, step.state.positions).gap
+        if contacts == "elastic" or gap[carrying].max(initial=0.0) <= SETTLED * model.size:
+            break
+        step = rest(model, contacts, step.state)
+        certificates.append(step.certificate)
+    return step.state
+
+
+def drawn_extent(model: Assembly) -> Array:
+    """Corners (2, 2) of the drawing's bounding box, m."""
+    points = np.concatenate([b.polygon for b in model.blocks])
+    return np.stack([points.min(axis=0), points.max(axis=0)])

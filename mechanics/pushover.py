@@ -1,0 +1,177 @@
+"""Pushover: the multiplier of lateral loads against the displacement of a control point (paper, §4, eqs 4 and 5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mechanics.assembly import Assembly, Behaviour, Direction, State
+from mechanics.block import Array
+from mechanics.equilibrium import Step, check_self_weight, find_step, rest, rest_size
+from mechanics.errors import NoEquilibriumError, UnstableError, require
+from mechanics.limit import limit_analysis
+from mechanics.program import Certificate
+
+MOST_STEPS = 5000
+HALVINGS = 5
+SNAP = 64.0  # increments across which a hinge of the settlement may snap shut
+GROWTH = 1.5  # of steps that begin small
+FIRST = 0.02  # of the rigid multiplier: the first step of that branch
+SETTLED_FIRST = 0.1  # of an increment: the first step from a settled state, whose open hinges may close first
+LARGEST = 2.0  # a block may move this many increments where the control point moves less
+
+
+@dataclass(frozen=True, eq=False)
+class Pushover:
+    """A capacity curve from a state's own equilibrium.
+
+    `displacement` (k,) m of the control point, positive along the push; `multiplier` (k,); `states` of each point;
+    `steps`: the equilibria behind the points (rigid: none at the onset). `reached_zero`: whether the curve was
+    followed to α = 0, at its last point; `end`: why it ends. `certificates` of every step.
+    """
+
+    displacement: Array
+    multiplier: Array
+    states: tuple[State, ...]
+    steps: tuple[Step, ...]
+    certificates: tuple[Certificate, ...]
+    reached_zero: bool
+    end: str
+
+    @property
+    def peak(self) -> int:
+        """Index of the largest multiplier.
+
+        In a settled state the onset may be a local motion that closes a hinge of the settlement: the multiplier then
+        rises before it falls.
+        """
+        return int(np.argmax(self.multiplier))
+
+
+def pushover(
+    model: Assembly,
+    control: ArrayLike,
+    direction: Direction = "+x",
+    contacts: Behaviour = "rigid",
+    increment: float = 0.001,
+    state: State | None = None,
+) -> Pushover:
+    """Push the assembly over, from onset (rigid) or rest (elastic) until the multiplier has come down to zero.
+
+    `control`: drawn point (m) in or on a block; `increment` (m) of its displacement along the push. Every point is an
+    equilibrium in its own displaced geometry, under a free multiplier whose loads do a given work (eq. 5; with
+    compliance the same program traces the elastic curve through its peak). A step that fails is halved, so that a loss
+    of equilibrium (a further hinge) is told from a coarse step and located within an increment's 1/32.
+    Raises UnstableError, ValueError for a control point outside every block, NoEquilibriumError where the load meets
+    no mechanism.
+    """
+    require(0.0 < increment < np.inf, "increment", increment, "positive, in m")
+    block = model.block_at(control)
+    lateral = model.lateral_load(direction)
+    onset = _onset if contacts == "rigid" else _rest
+    states, steps, multiplier, certificates, rate, shrink = onset(model, direction, lateral, state, increment)
+
+    def along(at: Array) -> float:
+        u = model.point_displacement(control, block, at) - model.point_displacement(
+            control, block, states[0].positions
+        )
+        return float(u[0]) if direction == "+x" else -float(u[0])
+
+    # the next step from the rate of the last one: per unit work, how far the blocks and the control point move
+    control_rate = along(states[0].positions + 1e-6 * model.size * rate) / (1e-6 * model.size)
+    path, smallest = [0.0], 0.0
+    reached, end = False, f"{MOST_STEPS} points"
+    while len(path) < MOST_STEPS and not reached:
+        now = states[-1]
+        fastest = float(abs(rate[:, :2]).max())
+        work = shrink * increment / max(control_rate, fastest / LARGEST)
+
+        def advance(gamma: float, now: State = now, rate: Array = rate, size: float = work * fastest) -> Step:
+            guess = now.positions + gamma * rate
+            return find_step(model, contacts, now, guess, model.dead_load, size, lateral, gamma)
+
+        waits = path[-1] < 0.5 * increment  # the structure has not moved as a whole yet
+        try:
+            step = advance(work)
+            ahead = along(step.state.positions) - path[-1]
+            if not waits and ahead < 0.0:
+                raise NoEquilibriumError(
+                    f"the structure falls back: a step of {increment:.3g} m makes {ahead:.3g} m"
+                )
+            if step.alpha < 0.0 and not waits:  # back to α = 0, on the chord of the last two points
+                work *= multiplier[-1] / (multiplier[-1] - step.alpha)
+                step, reached, end = advance(work), True, "α = 0"
+            snaps = waits and ahead < 0.5 * increment and step.alpha < max(multiplier)
+        except NoEquilibriumError as stop:
+            end, snaps = str(stop), waits
+            if not waits:
+                smallest = smallest or shrink * 0.5**HALVINGS
+                shrink /= 2.0
+                if shrink < smallest:
+                    break
+                continue
+        if snaps:
+            # a hinge of the settlement snaps shut: step across it
+            shrink *= 2.0
+            if shrink > SNAP:
+                end = (
+                    f"the control point {tuple(np.asarray(control).tolist())} takes no part in the mechanism"
+                )
+                break
+            continue
+        states.append(step.state)
+        steps.append(step)
+        certificates.append(step.certificate)
+        multiplier.append(step.alpha)
+        path.append(along(step.state.positions))
+        rate = (step.state.positions - now.positions) / work
+        control_rate = (path[-1] - path[-2]) / work
+        if not smallest:
+            shrink = min(1.0, GROWTH * shrink)
+    return Pushover(
+        np.array(path), np.array(multiplier), tuple(states), tuple(steps), tuple(certificates), reached, end
+    )
+
+
+Onset = tuple[list[State], list[Step], list[float], list[Certificate], Array, float]
+
+
+def _onset(
+    model: Assembly, direction: Direction, lateral: Array, state: State | None, increment: float
+) -> Onset:
+    """The rigid curve's first point, and the displacements per unit work of its mechanism."""
+    limit = limit_analysis(model, direction, state)
+    rate = limit.mechanism / float((lateral * limit.mechanism).sum())
+    shrink = 1.0 if state is None else SETTLED_FIRST
+    return [state or model.initial], [], [limit.alpha], [limit.certificate], rate, shrink
+
+
+def _rest(
+    model: Assembly, direction: Direction, lateral: Array, state: State | None, increment: float
+) -> Onset:
+    """The elastic curve's first point, the displacements per unit work of a small load, and how small to begin."""
+    start = settled(model, state)
+    try:
+        alpha = FIRST * limit_analysis(model, direction).alpha
+    except NoEquilibriumError:  # interlocked rigid blocks have no multiplier to go by
+        alpha = FIRST
+    size = rest_size(model, "elastic")
+    begun = find_step(
+        model, "elastic", start.state, start.state.positions, model.dead_load + alpha * lateral, size
+    )
+    moved = begun.state.positions - start.state.positions
+    shrink = min(1.0, float(abs(moved[:, :2]).max()) / increment)
+    return [start.state], [start], [0.0], [start.certificate], moved / float((lateral * moved).sum()), shrink
+
+
+def settled(model: Assembly, state: State | None) -> Step:
+    """Elastic rest under gravity from a state (default: as drawn); UnstableError where there is none."""
+    check_self_weight(model)
+    try:
+        return rest(model, "elastic", state or model.initial)
+    except NoEquilibriumError as fall:
+        raise UnstableError(
+            f"with elastic joints the structure cannot stand under its own weight: {fall}"
+        ) from fall

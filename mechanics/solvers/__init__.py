@@ -1,0 +1,78 @@
+"""Solvers of the program, one module each; nothing else imports a solver library."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from mechanics.block import GRAVITY, Array
+from mechanics.errors import ConvergenceError, NoEquilibriumError
+from mechanics.program import Program, Solution, certify
+from mechanics.solvers import interior_point
+
+Answer = tuple[Array, float, Array]
+
+GOOD = 1e-8  # a certificate that needs no second opinion
+USABLE = 1e-6  # the worst that is accepted when every solver has been asked
+BALANCED = 1e-6  # of gravity: an acceleration that is none
+
+
+def solve(program: Program) -> Solution:
+    """The first certified solution.
+
+    A poor certificate is met by a tighter and sturdier run, then by another solver; no status is ever trusted. Raises
+    NoEquilibriumError where the loads cannot be balanced (decided by a program of its own, see imbalance) and
+    ConvergenceError where they can but no solver shows how.
+    """
+    best: Solution | None = None
+    for count, attempt in enumerate(_attempts(program)):
+        answer = attempt()
+        if answer is None:
+            if count == 0 and program.mass is None and (a := imbalance(program)) > BALANCED:
+                raise NoEquilibriumError(f"no equilibrium: some block would start to move with {a:.2g} g")
+            continue
+        solution = Solution(*answer, certify(program, *answer))
+        worst = solution.certificate.worst(program.step)
+        if worst <= GOOD:
+            return solution
+        if best is None or worst < best.certificate.worst(program.step):
+            best = solution
+    if best is None or best.certificate.worst(program.step) > USABLE:
+        raise ConvergenceError("equilibrium exists, but no solver found it to the required accuracy")
+    return best
+
+
+def imbalance(program: Program) -> float:
+    """The least acceleration, per gravity, with which blocks of mean mass would start to move (Gauss's principle).
+
+    Every contact point of a static program counts as closed and rigid. This auxiliary program always has a solution:
+    zero where the loads (for some multiplier, where there is one) can be balanced.
+    """
+    mass = np.full(len(program.load), program.weight / GRAVITY)
+    mass[2::3] *= program.size**2
+    gauss = replace(
+        program,
+        gap=np.zeros_like(program.gap),
+        compliance=np.zeros_like(program.compliance),
+        work=0.0,
+        mass=mass,
+        step=GRAVITY,
+    )
+    answers = (interior_point.solve(gauss, 1e-9), interior_point.solve(gauss, 1e-10, refine=True))
+    for answer in answers:
+        if answer is not None and certify(gauss, *answer).equilibrium <= BALANCED:
+            return float(abs(answer[2].reshape(-1, 3) * (1.0, 1.0, program.size)).max()) / GRAVITY
+    raise ConvergenceError("the auxiliary program of least acceleration was not solved")
+
+
+def _attempts(program: Program) -> Iterator[Callable[[], Answer | None]]:
+    yield lambda: interior_point.solve(program, 1e-10)
+    yield lambda: interior_point.solve(program, 1e-12, refine=True)
+    if program.mass is None and not program.compliance.any():
+        from mechanics.solvers import linear
+
+        yield lambda: linear.solve(program)
+        yield lambda: linear.solve(program, "highs-ipm")
+    yield lambda: interior_point.solve(program, 1e-8, refine=True)

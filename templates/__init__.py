@@ -1,0 +1,1 @@
+"""What the report looks like: Jinja2 templates and style sheets, found through `importlib.resources`."""
