@@ -1,8 +1,16 @@
-"""Rigid blocks in dry contact: limit analysis, pushdown, pushover and time history by one mathematical program."""
+"""Rigid blocks in dry contact: limit analysis, pushdown and pushover by one program."""
 
 from mechanics.assembly import Assembly, State
 from mechanics.block import Block, Material
-from mechanics.errors import ConvergenceError, DrawingError, NoEquilibriumError, UnstableError
+from mechanics.drawing import read_drawing
+from mechanics.errors import (
+    CollapseError,
+    ControlError,
+    ConvergenceError,
+    DrawingError,
+    NoEquilibriumError,
+    UnstableError,
+)
 from mechanics.limit import limit_analysis
 from mechanics.pushdown import pushdown
 from mechanics.pushover import pushover
@@ -10,6 +18,8 @@ from mechanics.pushover import pushover
 __all__ = [
     "Assembly",
     "Block",
+    "CollapseError",
+    "ControlError",
     "ConvergenceError",
     "DrawingError",
     "Material",
@@ -19,4 +29,5 @@ __all__ = [
     "limit_analysis",
     "pushdown",
     "pushover",
+    "read_drawing",
 ]

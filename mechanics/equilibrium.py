@@ -15,6 +15,7 @@ from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program
 from mechanics.solvers import BALANCED, imbalance, solve
 
 GEOMETRY_TOLERANCE = 1e-4  # of the step: how closely the geometry of forces and of positions must agree
+ALTERNATION = 0.25  # of the step: how far apart alternating mechanisms of rigid blocks may leave the blocks
 MOST_ITERATIONS = 30
 JUMP = 30.0  # a step this many times larger than asked is a fall, not a path of equilibrium
 CLOSED = 1e-6  # of the block size: a gap that is none
@@ -76,6 +77,8 @@ def find_step(
         acted, at = at, found
         if change <= GEOMETRY_TOLERANCE * size:
             break
+        if behaviour == "rigid" and count > 3 and change <= ALTERNATION * size and change > 0.9 * earlier:
+            break  # two mechanisms alternate, each the answer in the other's geometry: both are close enough
         if count > 8 and change > 0.9 * earlier:
             raise NoEquilibriumError("the geometry of the step does not settle: loss of stability")
         earlier = change

@@ -11,6 +11,18 @@ class NoEquilibriumError(ValueError):
     """No equilibrium near a configuration under its loads: a mechanical statement, the end of a path."""
 
 
+class CollapseError(NoEquilibriumError):
+    """A support cannot make its whole movement: the structure collapses first. `path`: the pushdown so far."""
+
+    def __init__(self, message: str, path: object) -> None:
+        super().__init__(message)
+        self.path = path
+
+
+class ControlError(ValueError):
+    """The control point takes no part in the mechanism."""
+
+
 class ConvergenceError(RuntimeError):
     """A program has, or may have, a solution that no solver found to the required accuracy."""
 

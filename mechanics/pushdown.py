@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from mechanics.assembly import Assembly, Behaviour, State
 from mechanics.block import Array
 from mechanics.equilibrium import Step, check_self_weight, find_step, reaction, rest, rest_size
-from mechanics.errors import NoEquilibriumError, require
+from mechanics.errors import CollapseError, NoEquilibriumError, require
 from mechanics.program import Certificate
 
 HALVINGS = 5
@@ -51,8 +51,8 @@ def pushdown(
 
     `increment` (m) is of the largest component. With `to_collapse` the movement goes on in the same direction to the
     last equilibrium, after `final` has been taken. A failing increment is halved, so that a fall is told from a coarse
-    step. Raises UnstableError where the structure as drawn cannot stand, NoEquilibriumError where it collapses before
-    the whole movement is applied (the message says at which movement), ValueError for bad arguments.
+    step. Raises UnstableError where the structure as drawn cannot stand, CollapseError where it collapses before
+    the whole movement is applied (it carries the path up to there), ValueError for bad arguments.
     """
     index = model.support(support)
     target = np.asarray(displacement, dtype=float)
@@ -110,20 +110,22 @@ def pushdown(
         reactions.append(reaction(model, contacts, step, index)[:2])
         if final is None and path[-1] >= full * (1.0 - 1e-9):
             final = settle(model, contacts, step, certificates)
-    if final is None:
-        raise NoEquilibriumError(
-            f"the structure collapses at a movement of {path[-1]:.4g} m of {full:.4g} m: {end}"
-        )
-    return Pushdown(
+    path_so_far = Pushdown(
         np.array(path),
         np.array(reactions),
         tuple(states),
-        final,
+        final or states[-1],
         ultimate,
         end,
         tuple(steps),
         tuple(certificates),
     )
+    if final is None:
+        raise CollapseError(
+            f"the structure collapses at a movement of {path[-1]:.4g} m, before the whole of {full:.4g} m: {end}",
+            path_so_far,
+        )
+    return path_so_far
 
 
 def settle(model: Assembly, contacts: Behaviour, step: Step, certificates: list[Certificate]) -> State:

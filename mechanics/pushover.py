@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from mechanics.assembly import Assembly, Behaviour, Direction, State
 from mechanics.block import Array
 from mechanics.equilibrium import Step, check_self_weight, find_step, rest, rest_size
-from mechanics.errors import NoEquilibriumError, UnstableError, require
+from mechanics.errors import ControlError, NoEquilibriumError, UnstableError, require
 from mechanics.limit import limit_analysis
 from mechanics.program import Certificate
 
@@ -29,7 +29,8 @@ class Pushover:
 
     `displacement` (k,) m of the control point, positive along the push; `multiplier` (k,); `states` of each point;
     `steps`: the equilibria behind the points (rigid: none at the onset). `reached_zero`: whether the curve was
-    followed to α = 0, at its last point; `end`: why it ends. `certificates` of every step.
+    followed to α = 0, at its last point; `end`: why it ends. `certificates` of every step. `mechanism` (b, 3):
+    virtual displacements at the peak, in which the control point moves; `forces` (c, 2) kN: contact forces there.
     """
 
     displacement: Array
@@ -39,6 +40,8 @@ class Pushover:
     certificates: tuple[Certificate, ...]
     reached_zero: bool
     end: str
+    mechanism: Array
+    forces: Array
 
     @property
     def peak(self) -> int:
@@ -64,14 +67,14 @@ def pushover(
     equilibrium in its own displaced geometry, under a free multiplier whose loads do a given work (eq. 5; with
     compliance the same program traces the elastic curve through its peak). A step that fails is halved, so that a loss
     of equilibrium (a further hinge) is told from a coarse step and located within an increment's 1/32.
-    Raises UnstableError, ValueError for a control point outside every block, NoEquilibriumError where the load meets
-    no mechanism.
+    Raises UnstableError, ValueError for a control point outside every block, ControlError for one that takes no part
+    in the mechanism, NoEquilibriumError where the load meets no mechanism.
     """
     require(0.0 < increment < np.inf, "increment", increment, "positive, in m")
     block = model.block_at(control)
     lateral = model.lateral_load(direction)
-    onset = _onset if contacts == "rigid" else _rest
-    states, steps, multiplier, certificates, rate, shrink = onset(model, direction, lateral, state, increment)
+    begin = _onset if contacts == "rigid" else _rest
+    states, steps, multiplier, certificates, rate, first, shrink = begin(model, direction, lateral, state, increment)
 
     def along(at: Array) -> float:
         u = model.point_displacement(control, block, at) - model.point_displacement(
@@ -81,6 +84,7 @@ def pushover(
 
     # the next step from the rate of the last one: per unit work, how far the blocks and the control point move
     control_rate = along(states[0].positions + 1e-6 * model.size * rate) / (1e-6 * model.size)
+    onset, onset_rate = rate, control_rate
     path, smallest = [0.0], 0.0
     reached, end = False, f"{MOST_STEPS} points"
     while len(path) < MOST_STEPS and not reached:
@@ -116,10 +120,10 @@ def pushover(
             # a hinge of the settlement snaps shut: step across it
             shrink *= 2.0
             if shrink > SNAP:
-                end = (
-                    f"the control point {tuple(np.asarray(control).tolist())} takes no part in the mechanism"
+                point = tuple(np.asarray(control).tolist())
+                raise ControlError(
+                    f"control = {point} takes no part in the mechanism along {direction}: {end}"
                 )
-                break
             continue
         states.append(step.state)
         steps.append(step)
@@ -130,12 +134,26 @@ def pushover(
         control_rate = (path[-1] - path[-2]) / work
         if not smallest:
             shrink = min(1.0, GROWTH * shrink)
+    peak = int(np.argmax(multiplier))
+    if peak == 0 and onset_rate > 1e-3 * float(abs(onset[:, :2]).max()):
+        mechanism = onset
+    else:
+        after = int(np.argmax(np.array(path[peak:]) >= min(path[peak] + 0.5 * increment, max(path)))) + peak
+        mechanism = states[after].positions - states[peak - (after == peak)].positions
     return Pushover(
-        np.array(path), np.array(multiplier), tuple(states), tuple(steps), tuple(certificates), reached, end
+        np.array(path),
+        np.array(multiplier),
+        tuple(states),
+        tuple(steps),
+        tuple(certificates),
+        reached,
+        end,
+        mechanism,
+        steps[peak - (contacts == "rigid")].forces if peak else first,
     )
 
 
-Onset = tuple[list[State], list[Step], list[float], list[Certificate], Array, float]
+Onset = tuple[list[State], list[Step], list[float], list[Certificate], Array, Array, float]
 
 
 def _onset(
@@ -145,7 +163,7 @@ def _onset(
     limit = limit_analysis(model, direction, state)
     rate = limit.mechanism / float((lateral * limit.mechanism).sum())
     shrink = 1.0 if state is None else SETTLED_FIRST
-    return [state or model.initial], [], [limit.alpha], [limit.certificate], rate, shrink
+    return [state or model.initial], [], [limit.alpha], [limit.certificate], rate, limit.forces, shrink
 
 
 def _rest(
@@ -163,7 +181,8 @@ def _rest(
     )
     moved = begun.state.positions - start.state.positions
     shrink = min(1.0, float(abs(moved[:, :2]).max()) / increment)
-    return [start.state], [start], [0.0], [start.certificate], moved / float((lateral * moved).sum()), shrink
+    rate = moved / float((lateral * moved).sum())
+    return [start.state], [start], [0.0], [start.certificate], rate, start.forces, shrink
 
 
 def settled(model: Assembly, state: State | None) -> Step:

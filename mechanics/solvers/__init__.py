@@ -29,19 +29,21 @@ def solve(program: Program) -> Solution:
     best: Solution | None = None
     for count, attempt in enumerate(_attempts(program)):
         answer = attempt()
-        if answer is None:
-            if count == 0 and program.mass is None and (a := imbalance(program)) > BALANCED:
-                raise NoEquilibriumError(f"no equilibrium: some block would start to move with {a:.2g} g")
-            continue
-        solution = Solution(*answer, certify(program, *answer))
-        worst = solution.certificate.worst(program.step)
-        if worst <= GOOD:
-            return solution
-        if best is None or worst < best.certificate.worst(program.step):
-            best = solution
-    if best is None or best.certificate.worst(program.step) > USABLE:
+        if answer is not None:
+            solution = Solution(*answer, certify(program, *answer))
+            if best is None or _worst(program, solution) < _worst(program, best):
+                best = solution
+            if _worst(program, best) <= GOOD:
+                return best
+        if count == 0 and program.mass is None and (a := imbalance(program)) > BALANCED:
+            raise NoEquilibriumError(f"no equilibrium: some block would start to move with {a:.2g} g")
+    if best is None or _worst(program, best) > USABLE:
         raise ConvergenceError("equilibrium exists, but no solver found it to the required accuracy")
     return best
+
+
+def _worst(program: Program, solution: Solution) -> float:
+    return solution.certificate.worst(program.step)
 
 
 def imbalance(program: Program) -> float:
@@ -60,19 +62,18 @@ def imbalance(program: Program) -> float:
         mass=mass,
         step=GRAVITY,
     )
-    answers = (interior_point.solve(gauss, 1e-9), interior_point.solve(gauss, 1e-10, refine=True))
-    for answer in answers:
+    for tolerance in (1e-9, 1e-11):
+        answer = interior_point.solve(gauss, tolerance)
         if answer is not None and certify(gauss, *answer).equilibrium <= BALANCED:
             return float(abs(answer[2].reshape(-1, 3) * (1.0, 1.0, program.size)).max()) / GRAVITY
     raise ConvergenceError("the auxiliary program of least acceleration was not solved")
 
 
 def _attempts(program: Program) -> Iterator[Callable[[], Answer | None]]:
-    yield lambda: interior_point.solve(program, 1e-10)
-    yield lambda: interior_point.solve(program, 1e-12, refine=True)
+    yield lambda: interior_point.solve(program, 1e-9)
+    yield lambda: interior_point.solve(program, 1e-11, most_iterations=200)
     if program.mass is None and not program.compliance.any():
         from mechanics.solvers import linear
 
         yield lambda: linear.solve(program)
         yield lambda: linear.solve(program, "highs-ipm")
-    yield lambda: interior_point.solve(program, 1e-8, refine=True)

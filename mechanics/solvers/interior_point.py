@@ -1,6 +1,7 @@
 """The program by PIQP, a sparse interior-point method.
 
-In the plane the friction cone is spanned by two rays, c = s₁(1, μ) + s₂(1, −μ): with s ≥ 0 as unknowns the cone is a
+In the plane the friction cone is spanned by two unit rays along (1, μ) and (1, −μ): with the forces s ≥ 0 along them
+as unknowns the cone is a
 bound and the method's matrices halve. Every call sets up a new solver object: PIQP's update() accepts a wrong pattern
 without a word.
 """
@@ -15,11 +16,11 @@ from mechanics.block import Array
 from mechanics.program import LARGEST_MULTIPLIER, Program
 
 
-def solve(program: Program, tolerance: float, refine: bool = False) -> tuple[Array, float, Array] | None:
-    """Contact forces (c, 2), multiplier and displacements (m,), or None where PIQP does not say "solved".
+def solve(program: Program, tolerance: float, most_iterations: int = 60) -> tuple[Array, float, Array] | None:
+    """Contact forces (c, 2), multiplier and displacements (m,) where PIQP stops, whatever it says of them.
 
-    `tolerance` is PIQP's, in the dimensionless program; `refine` asks for iterative refinement and a dearer, sturdier
-    factorisation.
+    None only where they are not finite: an answer at "max iterations" is often good to ten digits and one that is
+    "solved" may be wrong, so that the certificate decides. `tolerance` is PIQP's, in the dimensionless program.
     """
     p, q, a, b, scale = standard_form(program)
     c = len(program.gap)
@@ -28,19 +29,16 @@ def solve(program: Program, tolerance: float, refine: bool = False) -> tuple[Arr
     solver = piqp.SparseSolver()
     solver.settings.eps_abs = solver.settings.eps_rel = tolerance
     solver.settings.eps_duality_gap_abs = solver.settings.eps_duality_gap_rel = tolerance
-    solver.settings.max_iter = 100
-    if refine:
-        solver.settings.iterative_refinement_always_enabled = True
-        solver.settings.preconditioner_scale_cost = True
-        solver.settings.max_iter = 400
+    solver.settings.reg_lower_limit = 1e-12  # at the default, 1e-10, one linear program in five stalls
+    solver.settings.max_iter = most_iterations
     lower, upper = np.full(len(q), -np.inf), np.full(len(q), np.inf)
     lower[: 2 * c] = 0.0
     if program.lateral is not None:
         upper[2 * c] = LARGEST_MULTIPLIER
     solver.setup(p, q, a, b, None, None, None, lower, upper)
-    status = solver.solve()
+    solver.solve()
     z, y = np.array(solver.result.x), np.array(solver.result.y)
-    if status != piqp.PIQP_SOLVED or not (np.isfinite(z).all() and np.isfinite(y).all()):
+    if not (np.isfinite(z).all() and np.isfinite(y).all()):
         return None
     return recover(program, z, y, scale)
 
@@ -49,7 +47,8 @@ def recover(program: Program, z: Array, y: Array, scale: Array) -> tuple[Array, 
     """Forces, multiplier and displacements with their units from the standard form's solution and multipliers."""
     c = len(program.gap)
     rays = program.weight * z[: 2 * c].reshape(-1, 2)
-    forces = np.stack([rays.sum(axis=1), program.friction * (rays[:, 0] - rays[:, 1])], axis=1)
+    normal, tangential = _ray(program)
+    forces = np.stack([normal * rays.sum(axis=1), tangential * (rays[:, 0] - rays[:, 1])], axis=1)
     alpha = float(z[2 * c]) if program.lateral is not None else 0.0
     return forces, alpha, -program.step * y / scale
 
@@ -65,10 +64,9 @@ def standard_form(
     scale[2::3] = program.size
     w, d = program.weight, program.step
 
-    mu = program.friction
+    n, t = _ray(program)
     rays = np.stack(
-        [program.normal + mu[:, None] * program.tangent, program.normal - mu[:, None] * program.tangent],
-        axis=1,
+        [n[:, None] * program.normal + sign * t[:, None] * program.tangent for sign in (1, -1)], axis=1
     )
     moving = np.broadcast_to((program.dof >= 0)[:, None, :], rays.shape)
     rows = np.broadcast_to(program.dof[:, None, :], rays.shape)[moving]
@@ -76,10 +74,7 @@ def standard_form(
     parts = [(-rays[moving] / scale[rows], rows, cols)]
     q = np.zeros(size)
     q[: 2 * c] = (
-        np.stack(
-            [program.gap[:, 0] + mu * program.gap[:, 1], program.gap[:, 0] - mu * program.gap[:, 1]], 1
-        ).ravel()
-        / d
+        np.stack([n * program.gap[:, 0] + sign * t * program.gap[:, 1] for sign in (1, -1)], 1).ravel() / d
     )
     every = np.arange(m)
     if program.lateral is not None:
@@ -91,7 +86,7 @@ def standard_form(
     a = sparse.csc_matrix((data, (row, col)), shape=(m, size))
 
     cn, ct = (program.compliance * (w / d)).T
-    same, cross = cn + mu**2 * ct, cn - mu**2 * ct
+    same, cross = n**2 * cn + t**2 * ct, n**2 * cn - t**2 * ct
     first = 2 * np.arange(c)
     p_parts = [(same, first, first), (cross, first, first + 1), (same, first + 1, first + 1)]
     if program.mass is not None:
@@ -102,3 +97,9 @@ def standard_form(
     used = data != 0.0
     p = sparse.csc_matrix((data[used], (row[used], col[used])), shape=(size, size))
     return p, q, a, program.load / scale / w, scale
+
+
+def _ray(program: Program) -> tuple[Array, Array]:
+    """Normal and tangential component (c,) of the unit ray (1, μ)."""
+    size = np.hypot(1.0, program.friction)
+    return 1.0 / size, program.friction / size

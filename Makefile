@@ -1,0 +1,21 @@
+# make run | test | benchmark | clean; all but clean first build the environment in .venv.
+.PHONY: run test benchmark setup clean
+
+run: setup
+	.venv/bin/assesto run projects/buttressed_arch
+
+test: setup
+	.venv/bin/ruff check .
+	.venv/bin/ruff format --check .
+	.venv/bin/mypy
+	.venv/bin/python -m pytest -n 2
+
+benchmark: setup
+	.venv/bin/assesto benchmark
+
+setup:
+	@sh tools/setup.sh
+
+clean:
+	rm -rf .venv build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis projects/*/output
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,198 @@
+"""Capacity and verification of every state from the stages' results, as plain numbers for results.json."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from mechanics.block import GRAVITY
+
+from assessment.capacity import CapacityCurve, Participation, capacity_curve, participation
+
+from assessment.hazard import HazardCurve, return_period, site_curve
+from assessment.idealisation import CapacityError, Curve, CurveFit, fit_curve
+from assessment.messages import ProjectError
+from assessment.spectrum import ElasticSpectrum, Spectrum
+from assessment.verification import Check, Method, verify
+
+if TYPE_CHECKING:
+    from mechanics import Assembly
+
+    from assessment.project import Project
+    from assessment.project_schema import AssessmentTable, SiteTable
+
+DAMPING = 0.05
+PERIODS = np.linspace(0.0, 4.0, 401)
+
+
+def demand_spectra(project: Project) -> tuple[dict[str, Spectrum], HazardCurve | None]:
+    """The site's elastic spectrum of each limit state, and its hazard curve where a grid gives it.
+
+    Raises ProjectError for a site that the grid does not hold.
+    """
+    assessment = project.assessment
+    assert assessment is not None
+    site = assessment.site
+    if site is None:
+        raise ProjectError(f"{project.source}: assessment.site: missing; give the site's hazard")
+    curve = _hazard_curve(project, site)
+    spectra: dict[str, Spectrum] = {}
+    for limit_state in assessment.limit_states:
+        if curve is not None:
+            hazard = curve.at(return_period(limit_state, site.nominal_life_years, site.use_class))
+            ag, F0, Tc_star = hazard.ag, hazard.F0, hazard.Tc_star
+        else:
+            typed = getattr(site, limit_state)
+            ag, F0, Tc_star = typed.ag_g, typed.F0, typed.Tc_star_s
+        spectra[limit_state] = ElasticSpectrum(ag, F0, Tc_star, site.soil, site.topography, DAMPING)
+    return spectra, curve
+
+
+def assess(
+    project: Project,
+    model: Assembly,
+    pushovers: Mapping[str, Mapping[str, Any]],
+    demands: Mapping[str, Spectrum],
+    hazard: HazardCurve | None,
+    warnings: list[str],
+) -> dict[str, Any]:
+    """Capacity and checks of one state in each direction; fills the fitted values into the elastic curves."""
+    assessment = project.assessment
+    assert assessment is not None
+    found = {}
+    for direction, curves in pushovers.items():
+        rigid = curves.get("rigid")
+        if rigid is None:
+            warnings.append(f"{direction}: no capacity without the rigid pushover curve")
+            continue
+        try:
+            part = _participation(model, rigid["mechanism"])
+            elastic = curves.get("elastic")
+            fit = fit_curve(assessment.model, rigid_branch(rigid), _elastic_branch(elastic))
+            capacity = capacity_curve(fit, part.e_star, part.gamma_star, assessment.confidence_factor)
+            checks = verify(capacity, demands, _method(assessment, hazard))
+        except CapacityError as refusal:
+            warnings.append(f"{direction}: no capacity: {refusal}")
+            continue
+        if elastic is not None and fit.alpha_y is not None:
+            elastic |= {"alpha_y": fit.alpha_y, "d_y_m": fit.d_y}
+        rigid["mechanism"] |= {"e_star": part.e_star, "gamma_star": part.gamma_star}
+        found[direction] = _numbers(part, fit, capacity, checks)
+    return found
+
+
+def rigid_branch(rigid: Mapping[str, Any]) -> Curve:
+    """The rigid curve from its peak on, over growing displacements.
+
+    Where equilibrium is lost before α = 0 the capacity falls to nothing there: the branch ends with a vertical drop,
+    and d_0 is that displacement.
+    """
+    d = np.array(rigid["curve"]["displacement_m"])
+    alpha = np.array(rigid["curve"]["multiplier"])
+    peak = int(np.argmax(alpha))
+    d, alpha = d[peak:], alpha[peak:]
+    grows = np.concatenate([[True], d[1:] > np.maximum.accumulate(d)[:-1]])
+    d, alpha = d[grows], alpha[grows]
+    if not rigid["reached_zero"]:
+        d, alpha = np.append(d, d[-1] * (1.0 + 1e-9) + 1e-15), np.append(alpha, 0.0)
+    return d, alpha
+
+
+def spectra_numbers(demands: Mapping[str, Spectrum]) -> dict[str, Any]:
+    """The demand spectra as tables of numbers."""
+    numbers = {}
+    for name, spectrum in demands.items():
+        entry = {
+            "T_s": PERIODS.tolist(),
+            "S_e_g": spectrum.acceleration(PERIODS).tolist(),
+            "S_De_m": spectrum.displacement(PERIODS).tolist(),
+        }
+        if isinstance(spectrum, ElasticSpectrum):
+            entry |= {
+                "a_g_g": spectrum.ag,
+                "F0": spectrum.F0,
+                "Tc_star_s": spectrum.Tc_star,
+                "soil": spectrum.soil,
+                "topography": spectrum.topography,
+            }
+        numbers[name] = entry
+    return numbers
+
+
+def _hazard_curve(project: Project, site: SiteTable) -> HazardCurve | None:
+    if site.grid is None or site.latitude is None or site.longitude is None:
+        return None
+    try:
+        return site_curve(project.path(site.grid), site.latitude, site.longitude)
+    except ValueError as error:
+        raise ProjectError(f"{project.source}: assessment.site: {error}") from None
+
+
+def _method(assessment: AssessmentTable, hazard: HazardCurve | None) -> Method:
+    limit = assessment.local_displacement_limit_m
+    return Method(
+        behaviour_factor=assessment.behaviour_factor,
+        circular=str(assessment.circular),
+        scaling="return_period" if assessment.method == "grid" else "shape",
+        hazard=hazard,
+        local_limits={} if limit is None else dict.fromkeys(("SLV", "SLC"), limit),
+    )
+
+
+def _participation(model: Assembly, mechanism: Mapping[str, Any]) -> Participation:
+    """e* and Γ* of the mechanism, whose displacements are per unit displacement of the control point."""
+    moved = np.array(mechanism["displacements"])
+    weights = np.array([block.mass * GRAVITY for block in model.blocks])
+    weights[~model.movable] = 0.0
+    largest = abs(moved[:, :2]).max()
+    moving = (abs(moved[:, :2]).max(axis=1) > 1e-6 * largest) & model.movable
+    return participation(weights, moved[:, 0], 1.0, moving)
+
+
+def _elastic_branch(elastic: Mapping[str, Any] | None) -> Curve | None:
+    return None if elastic is None else (elastic["curve"]["displacement_m"], elastic["curve"]["multiplier"])
+
+
+def _numbers(
+    part: Participation, fit: CurveFit, capacity: CapacityCurve, checks: Mapping[str, Check]
+) -> dict[str, Any]:
+    return {
+        "e_star": part.e_star,
+        "gamma_star": part.gamma_star,
+        "T_0_s": capacity.T_0,
+        "model": fit.model,
+        "d_0_star_m": capacity.d_0_star,
+        "notes": list(fit.notes),
+        "curve": {"d_star_m": capacity.displacement.tolist(), "a_star_g": capacity.acceleration.tolist()},
+        **{name: _check(check, part, capacity) for name, check in checks.items()},
+    }
+
+
+def _check(check: Check, part: Participation, capacity: CapacityCurve) -> dict[str, Any]:
+    trace = (*part.steps(), *capacity.steps(), *check.trace)
+    return {
+        "method": check.method,
+        "d_star_m": check.d_star,
+        "a_star_g": check.a_star,
+        "T_s": check.T,
+        "a_g_g": check.a_g,
+        "demand_a_g_g": check.demand_a_g,
+        "zeta_E": check.zeta_E,
+        "verified": check.verified,
+        "damping": check.damping,
+        "return_period_years": check.return_period,
+        "governing": check.governing,
+        "notes": list(check.notes),
+        "trace": [
+            {
+                "symbol": s.symbol,
+                "formula": s.formula,
+                "inputs": dict(s.inputs),
+                "result": s.result,
+                "unit": s.unit,
+                "paragraph": s.paragraph,
+            }
+            for s in trace
+        ],
+    }

@@ -1,0 +1,183 @@
+"""The command line: assesto run, check, new, report."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from assessment.workflow import Results
+
+DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
+TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; return its exit code: 0 done, 2 wrong input, 3 an analysis could not be completed."""
+    options = _parser().parse_args(arguments)
+    try:
+        code: int = options.command(options)
+    except (ValueError, OSError) as error:
+        if not _is_input_error(error):
+            raise
+        for line in _message(error).splitlines():
+            print(f"error: {line}", file=sys.stderr)
+        return WRONG_INPUT
+    except KeyboardInterrupt:
+        print("interrupted: nothing of an earlier result was changed", file=sys.stderr)
+        return INCOMPLETE
+    return code
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="assesto", description="Seismic capacity of dry-joint masonry before and after foundation settlements."
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    run = commands.add_parser("run", help="run every stage the project asks for and write its report")
+    _add_project(run)
+    run.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default: PROJECT/output)")
+    run.add_argument("--only", type=lambda text: text.split(","), metavar="STAGE,…", help="only these stages")
+    run.add_argument("--jobs", type=int, default=0, metavar="N", help="processes (default: as many as help)")
+    run.add_argument("--no-report", action="store_true", help="numbers, tables and figures only")
+    run.set_defaults(command=_run)
+
+    check = commands.add_parser("check", help="read and validate everything, draw the model; no analysis")
+    _add_project(check)
+    check.add_argument("--out", type=Path, metavar="DIR", help="folder of model.svg (default: PROJECT/output)")
+    check.set_defaults(command=_check)
+
+    new = commands.add_parser("new", help="make a new project folder from a template")
+    new.add_argument("folder", type=Path, metavar="DIR")
+    new.add_argument("--template", required=True, metavar="NAME", help=", ".join(TEMPLATES))
+    new.add_argument("--set", action="append", default=[], metavar="KEY=NUMBER", help="a dimension; see --list")
+    new.add_argument("--list", action="store_true", help="print the template's dimensions and stop")
+    new.set_defaults(command=_new)
+
+    report = commands.add_parser("report", help="render the report again from stored results")
+    _add_project(report)
+    report.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default: PROJECT/output)")
+    report.set_defaults(command=_report)
+    return parser
+
+
+def _add_project(command: argparse.ArgumentParser) -> None:
+    command.add_argument("project", type=Path, metavar="PROJECT", help="folder that holds project.toml")
+
+
+def _run(options: argparse.Namespace) -> int:
+    from assessment.model import build_model
+    from assessment.project import load_project
+    from assessment.terminal import progress, summary
+    from assessment.workflow import run, select, write
+
+    project = select(load_project(options.project), options.only)
+    folder = _writable(options.out or project.folder / "output")
+    model = build_model(project)
+    with progress() as line:
+        outcome = run(project, model, options.jobs, line)
+        line("report" if not options.no_report else "figures and tables")
+        warnings = write(outcome.results, folder, report=not options.no_report)
+    print(summary(outcome.results, folder, warnings))
+    return DONE if outcome.complete else INCOMPLETE
+
+
+def _check(options: argparse.Namespace) -> int:
+    from mechanics import UnstableError
+    from mechanics.equilibrium import check_self_weight
+
+    from assessment.figures import write_model
+    from assessment.model import build_model
+    from assessment.project import load_project
+    from assessment.terminal import model_summary
+    from assessment.workflow import describe
+
+    project = load_project(options.project)
+    folder = _writable(options.out or project.folder / "output")
+    model = build_model(project)
+    results = describe(project, model)
+    try:
+        check_self_weight(model.assembly)
+    except UnstableError as error:
+        results["model"]["self_weight_stable"] = False
+        results["model"]["warnings"].append(str(error))
+    drawn = write_model(results, folder)
+    print(model_summary(results))
+    print(f"drawing of the model: {drawn}")
+    return DONE
+
+
+def _new(options: argparse.Namespace) -> int:
+    from assessment.new_project import new_project, template_options
+
+    if options.list:
+        for name, (default, unit, description) in template_options(options.template).items():
+            print(f"{name:28} {default:>8g} {unit:3} {description}")
+        return DONE
+    given = {}
+    for item in options.set:
+        key, _, value = item.partition("=")
+        try:
+            given[key.strip()] = float(value)
+        except ValueError:
+            raise ValueError(f"--set {item}: not KEY=NUMBER; give for example span=6.0") from None
+    new_project(options.folder, options.template, given)
+    print(f"wrote {options.folder}; next: assesto check {options.folder}")
+    return DONE
+
+
+def _report(options: argparse.Namespace) -> int:
+    from assessment.project import load_project
+    from assessment.workflow import write
+
+    project = load_project(options.project)
+    folder = _writable(options.out or project.folder / "output")
+    stored = folder / "results.json"
+    if not stored.is_file():
+        raise ValueError(f"{stored}: no stored results; run the project first (assesto run {options.project})")
+    try:
+        results: Results = json.loads(stored.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise ValueError(f"{stored}: not readable as results ({error}); run the project again") from None
+    for key in ("client", "engineer", "location", "language"):
+        results["echo"]["report"][key] = getattr(project.report, key)
+    for warning in write(results, folder):
+        print(f"warning: {warning}", file=sys.stderr)
+    print(f"report: {folder / 'report.html'}")
+    return DONE
+
+
+def _writable(folder: Path) -> Path:
+    """The folder, if results can be written there: asked before any analysis."""
+    import os
+
+    existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not existing.is_dir():
+        raise ValueError(f"{existing}: is a file; give another folder with --out DIR")
+    if not os.access(existing, os.W_OK):
+        raise ValueError(f"{existing}: no permission to write; change it or give another folder with --out DIR")
+    return folder
+
+
+def _is_input_error(error: ValueError | OSError) -> bool:
+    """Whether an exception is the user's to mend: those that name what is wrong; any other one is a bug."""
+    from assessment.messages import ProjectError
+    from mechanics import DrawingError
+
+    return isinstance(error, ProjectError | DrawingError | OSError) or type(error) is ValueError
+
+
+def _message(error: ValueError | OSError) -> str:
+    if isinstance(error, OSError):
+        return f"{error.filename}: {error.strerror}; change it or choose another place"
+    return str(error)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,138 @@
+"""Tables of results as cells of text in the report's language and units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from markupsafe import Markup
+
+from assessment.tables import Row, Table, directions
+from assessment.words import Words, direction_name
+
+MILLIMETRES = {
+    "d_y_m",
+    "d_0_m",
+    "d_star_m",
+    "displacement_x_m",
+    "displacement_z_m",
+    "ultimate_rigid_m",
+    "ultimate_elastic_m",
+}
+PERCENT = {"reduction", "static_reduction", "dynamic_reduction", "deviation"}
+TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
+REDUCTIONS = 3  # settled states beside the original in one table
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A table of the report: headings (HTML) and rows of cells; `text` marks the columns of words."""
+
+    caption: Markup
+    head: list[Markup]
+    rows: list[list[Markup]]
+    text: list[bool]
+
+    @property
+    def widths(self) -> list[float]:
+        """Return the widths of the columns in per cent, after the longest text of each, within bounds."""
+        longest = [
+            max(6.0, *(1.35 * len(word) for word in self.head[column].striptags().split()), *map(len, cells))
+            for column, cells in enumerate(zip(*self.rows, strict=True))
+        ]
+        bounded = [min(length, 36.0) + 2.0 for length in longest]
+        return [round(100.0 * length / sum(bounded), 2) for length in bounded]
+
+
+def grid(table: Table, words: Words, caption: Markup, significant: int = 3) -> Grid:
+    """Write a table for the report, without the columns that no row has."""
+    columns = [column for column in table.columns if any(column in row for row in table.rows)]
+    return Grid(
+        caption,
+        [words(f"column.{column}").replace(" [", "\u00a0[") for column in columns],
+        [[cell(column, row, words, significant) for column in columns] for row in table.rows],
+        [column in TEXT for column in columns],
+    )
+
+
+def cell(column: str, row: Row, words: Words, significant: int = 3) -> Markup:
+    """Write one value: a dash where it was not asked for, "not reached" for null, the unit of the heading."""
+    value = row.get(column)
+    if column not in row or (value is None and column in TEXT):
+        return words("value.none")
+    if isinstance(value, float):
+        factor = 1000.0 if column in MILLIMETRES else 100.0 if column in PERCENT else 1.0
+        return Markup.escape(words.number(factor * value, significant))
+    return Markup.escape(_name(column, value, words))
+
+
+def _name(column: str, value: Any, words: Words) -> str:
+    """Return the report's word for a value that is no measure."""
+    if column == "state":
+        return words.state(value)
+    if column == "direction":
+        return direction_name(value)
+    if column == "verified" and value is not None:
+        return words.plain("value.verified" if value else "value.not_verified")
+    if column == "stage" and value in words.strings["value"]:
+        return words.plain(f"value.{value}")
+    return words.show(value)
+
+
+def summary_grids(table: Table, results: Mapping[str, Any], words: Words) -> Iterator[Grid]:
+    """Write the paper's Table 1: per direction a column per state, each settled one with its reduction."""
+    settled = [name for name in results["states"] if name != "original"]
+    portions = [settled[i : i + REDUCTIONS] for i in range(0, len(settled), REDUCTIONS)] or [[]]
+    for direction in directions(results):
+        rows = [row for row in table.rows if row["direction"] == direction]
+        for names in portions:
+            head = [words("column.quantity"), Markup.escape(words.state("original"))]
+            for name in names:
+                head += [Markup.escape(name), words("column.reduction")]
+            yield Grid(
+                words("caption.summary", direction=direction_name(direction)),
+                head,
+                [_summary_row(row, names, words) for row in rows],
+                [True] + [False] * (len(head) - 1),
+            )
+
+
+def _summary_row(row: Row, names: list[str], words: Words) -> list[Markup]:
+    quantity, limit = row["quantity"], row["limit_state"]
+    label = words(f"column.{quantity}")
+    if limit:
+        label += Markup(" <span class='limit'>{}</span>").format(limit)
+    cells = [label, _valued(quantity, row, "original", words)]
+    for name in names:
+        cells.append(_valued(quantity, row, name, words))
+        loss = row.get(f"reduction: {name}")
+        cells.append(words("value.none") if loss is None else Markup.escape(words.number(100.0 * loss)))
+    return cells
+
+
+def _valued(quantity: str, row: Row, state: str, words: Words) -> Markup:
+    return cell(quantity, {quantity: row[state]} if state in row else {}, words)
+
+
+def flatten(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield dotted keys and leaves of nested tables; entries of arrays of tables are numbered from 1."""
+    if isinstance(value, Mapping):
+        for name, inner in value.items():
+            yield from flatten(inner, f"{key}.{name}" if key else str(name))
+    elif isinstance(value, list) and any(isinstance(item, Mapping) for item in value):
+        for number, item in enumerate(value, 1):
+            yield from flatten(item, f"{key}[{number}]")
+    else:
+        yield key, value
+
+
+def exact(value: Any, words: Words) -> str:
+    """Write an input as it was given, in the language's decimal mark."""
+    if value is None:
+        return words.plain("value.none")
+    if isinstance(value, float):
+        return words.comma(f"{value:.12g}").replace("inf", "∞")
+    if isinstance(value, list):
+        return "; ".join(exact(item, words) for item in value)
+    return words.show(value)

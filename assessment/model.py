@@ -1,0 +1,82 @@
+"""From a project's tables and drawing to an assembly of blocks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mechanics import Assembly, DrawingError, Material
+from mechanics.drawing import Layer, read_drawing
+from mechanics.joints import default_tolerance
+from mechanics.layout import check_layout
+
+from assessment.messages import ProjectError
+
+if TYPE_CHECKING:
+    from assessment.project import Project
+    from assessment.project_schema import LayerTable
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """The assembly of a project and what its drawing gave cause to warn about."""
+
+    assembly: Assembly
+    warnings: tuple[str, ...]
+
+
+def build_model(project: Project) -> Model:
+    """Read the drawing, check it, and place the control points.
+
+    Raises DrawingError for a drawing that is no assembly and ProjectError for a control point outside every block.
+    """
+    geometry = project.geometry
+    drawing = read_drawing(
+        project.path(geometry.drawing),
+        geometry.unit,
+        _layer(project, None),
+        {name: _layer(project, table) for name, table in project.layers.items()},
+        geometry.sagitta_m,
+    )
+    tolerance = geometry.tolerance_m or default_tolerance(drawing.blocks)
+    warnings = drawing.warnings + check_layout(drawing.blocks, tolerance)
+    if all(block.support is not None for block in drawing.blocks):
+        raise DrawingError(f"{geometry.drawing}: every block is a support; put the movable ones on other layers")
+    if not any(block.support for block in drawing.blocks):
+        raise ProjectError(f"{project.source}: layers: no layer is a support; give one of them support = \"…\"")
+    assembly = Assembly(drawing.blocks, geometry.segments_per_joint, tolerance)
+    for point in project.control:
+        try:
+            assembly.block_at(point.point_m)
+        except ValueError as error:
+            reason = str(error).partition("must be ")[2]
+            raise ProjectError(
+                f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}"
+            ) from None
+    return Model(assembly, warnings)
+
+
+def _layer(project: Project, table: LayerTable | None) -> Layer:
+    """What the blocks of a layer are: the layer's own keys before the defaults of [material] and [geometry]."""
+
+    def key(name: str) -> float | None:
+        own = getattr(table, name, None)
+        value: float | None = getattr(project.material, name) if own is None else own
+        return value
+
+    material = Material(
+        unit_weight=key("unit_weight_kN_m3") or 0.0,
+        friction=key("friction") or 0.0,
+        normal_stiffness=key("normal_stiffness_kN_m3"),
+        tangential_stiffness=key("tangential_stiffness_kN_m3") or 0.0,
+    )
+    if table is None:
+        return Layer(material, project.geometry.depth_m)
+    return Layer(
+        material,
+        table.depth_m or project.geometry.depth_m,
+        table.support,
+        table.vertical_load_kN,
+        table.load_has_mass,
+        table.segments_per_joint,
+    )

@@ -1,0 +1,114 @@
+"""A new project from a built-in template: its drawing and a project file that explains every key."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from assessment.messages import ProjectError, nearest
+from assessment.parametric import Layout
+from assessment.project_schema import KeyPath, keys_at
+from assessment.project_templates import DRAWING, NUMBER, TEMPLATES, Option, Template
+from assessment.project_toml import to_toml
+
+PROJECT = "project.toml"
+COLOURS = (7, 8, 30, 1, 5, 3)  # AutoCAD colour indices of the layers, in their order
+
+
+def template_options(template: str) -> dict[str, Option]:
+    """Options of a template, name to (default, unit, description); ProjectError for an unknown template."""
+    return dict(_template(template).options)
+
+
+def template_layout(template: str, options: Mapping[str, float] | None = None) -> Layout:
+    """Polygons of a template by layer, m; raises ProjectError for options that do not fit."""
+    try:
+        return _template(template).layout(**_values(template, options or {}))
+    except ProjectError:
+        raise
+    except ValueError as error:
+        raise ProjectError(f"{template}: {error}") from None
+
+
+def new_project(folder: Path, template: str, options: Mapping[str, float]) -> None:
+    """Write geometry.dxf and project.toml of a template into a new folder, whole or not at all.
+
+    `options` change the template's dimensions (see template_options). Raises ProjectError where the template
+    or an option is unknown or does not fit, or the folder holds something already; OSError where it cannot be
+    written.
+    """
+    layout = template_layout(template, options)
+    content = _template(template).content(_values(template, options))
+    write_project(folder, layout, content)
+
+
+def write_project(folder: Path, layout: Layout, content: Mapping[str, Any]) -> None:
+    """Write a drawing and a commented project file into a new folder, whole or not at all."""
+    if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
+        raise ProjectError(f"{folder}: folder: exists and is not empty; give the name of a new one")
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
+    try:
+        temporary.chmod(0o755)
+        write_drawing(temporary / DRAWING, layout)
+        (temporary / PROJECT).write_text(commented_toml(content), encoding="utf-8")
+        temporary.replace(folder)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def write_drawing(path: Path, layout: Layout) -> None:
+    """Write a DXF in metres: one closed polyline per block on the layer of its role."""
+    from ezdxf import units
+    from ezdxf.filemanagement import new
+
+    drawing = new("R2010")
+    drawing.units = units.M
+    space = drawing.modelspace()
+    for colour, (layer, polygons) in zip(COLOURS, layout.items(), strict=False):
+        drawing.layers.add(layer, color=colour)
+        for polygon in polygons:
+            space.add_lwpolyline(polygon.tolist(), close=True, dxfattribs={"layer": layer})
+    drawing.saveas(path)
+
+
+def commented_toml(content: Mapping[str, Any]) -> str:
+    """TOML text of a project's content with the meaning of every table and key beside it."""
+    return "\n".join(_commented(to_toml(content).splitlines())) + "\n"
+
+
+def _commented(lines: Iterable[str]) -> Iterator[str]:
+    path: KeyPath = ()
+    for line in lines:
+        if line.startswith("["):
+            path = tuple(line.strip("[]").split("."))
+            meaning = keys_at(path[:-1]).get(str(path[-1]), "")
+            path = (*path, 0) if line.startswith("[[") else path
+        else:
+            meaning = keys_at(path).get(line.partition(" = ")[0], "")
+        yield f"{line:<40} # {meaning}" if meaning else line
+
+
+def _template(name: str) -> Template:
+    if name not in TEMPLATES:
+        raise ProjectError(f"--template: {name}: no such template; {nearest(name, TEMPLATES)}")
+    return TEMPLATES[name]
+
+
+def _values(template: str, options: Mapping[str, float]) -> dict[str, float]:
+    """Return the template's defaults with the given options over them, counts as int."""
+    known = _template(template).options
+    values = {name: default for name, (default, _, _) in known.items()}
+    for name, value in options.items():
+        if name not in known:
+            raise ProjectError(f"{template}: {name}: no such option; {nearest(name, known)}")
+        counts = known[name][1] == NUMBER
+        if not (0.0 < value < math.inf) or (counts and value != int(value)):
+            must_be = "a whole number, 1 or more" if counts else f"a positive number, in {known[name][1]}"
+            raise ProjectError(f"{template}: {name}: is {value:g}; must be {must_be}")
+        values[name] = value
+    return {name: int(v) if known[name][1] == NUMBER else float(v) for name, v in values.items()}

@@ -1,0 +1,261 @@
+"""Parametric geometry of the built-in templates: closed polygons (n, 2) in m, by drawing layer.
+
+Everything stands symmetrically about x = 0 unless said otherwise, z = 0 at the foot of the masonry. Edges are
+straight: a ring is bounded by chords between its radial joints, so neighbours share their boundaries exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely.geometry import Polygon, box
+from shapely.ops import unary_union
+
+Array = NDArray[np.float64]
+Layout = dict[str, list[Array]]
+
+THINNEST = 0.06  # m; a cut block thinner than this is joined to its neighbour
+DECIMALS = 12  # of coordinates in m: shared vertices become identical
+
+
+@dataclass(frozen=True)
+class Ring:
+    """Circular arch of equal voussoirs: clear span and rise of the intrados, thickness, springing level (m).
+
+    Raises ValueError for a rise above half the span (a horseshoe has no springing ledge here).
+    """
+
+    span: float
+    rise: float
+    thickness: float
+    voussoirs: int
+    springing: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.rise > 0.5 * self.span * (1.0 + 1e-9):
+            raise ValueError(f"rise_m: {self.rise:g} is more than half of span_m ({self.span:g}); lower it")
+
+    @property
+    def radius(self) -> float:
+        """Radius of the intrados, m."""
+        return (0.25 * self.span**2 + self.rise**2) / (2.0 * self.rise)
+
+    @property
+    def half_angle(self) -> float:
+        """Half of the angle of embrace, rad."""
+        return float(np.arcsin(min(0.5 * self.span / self.radius, 1.0)))
+
+    def joints(self, offset: float) -> Array:
+        """Return the ends (voussoirs + 1, 2) of the radial joints at radius + offset, left to right."""
+        angle = np.linspace(-self.half_angle, self.half_angle, self.voussoirs + 1)
+        centre = self.springing + self.rise - self.radius
+        r = self.radius + offset
+        return np.column_stack([r * np.sin(angle), centre + r * np.cos(angle)])
+
+    def blocks(self) -> list[Array]:
+        """Return the voussoirs, from left to right."""
+        inner, outer = self.joints(0.0), self.joints(self.thickness)
+        return [np.array([inner[k], inner[k + 1], outer[k + 1], outer[k]]) for k in range(self.voussoirs)]
+
+    def springer(self, width: float, bottom: float) -> Array:
+        """Right-hand block `width` wide below the ring, its inner face flush with the intrados."""
+        (xi, zi), (xe, ze) = self.joints(0.0)[-1], self.joints(self.thickness)[-1]
+        if xe - xi > width + 1e-9:
+            raise ValueError(f"thickness: the ring's foot is {xe - xi:.3g} m wide, its support {width:g} m")
+        return np.array([(xi, bottom), (xi + width, bottom), (xi + width, ze), (xe, ze), (xi, zi)])
+
+
+def rectangle(x0: float, x1: float, z0: float, z1: float) -> Array:
+    """Rectangle (4, 2), anticlockwise."""
+    return np.array([(x0, z0), (x1, z0), (x1, z1), (x0, z1)])
+
+
+def course(x0: float, x1: float, z0: float, z1: float, *, blocks: int, shifted: bool) -> list[Array]:
+    """One course of equal blocks; a shifted one begins and ends with half a block."""
+    cuts = np.linspace(x0, x1, 2 * blocks + 1)
+    cuts = np.concatenate([cuts[:1], cuts[1::2], cuts[-1:]]) if shifted else cuts[::2]
+    return [rectangle(a, b, z0, z1) for a, b in pairwise(cuts)]
+
+
+def running_bond(x0: float, x1: float, levels: Array, blocks: int) -> list[Array]:
+    """Courses between consecutive levels, every second one shifted by half a block."""
+    return [
+        block
+        for k, (z0, z1) in enumerate(pairwise(levels))
+        for block in course(x0, x1, z0, z1, blocks=blocks, shifted=k % 2 == 1)
+    ]
+
+
+def fitted(cells: Iterable[Array], region: Polygon) -> list[Array]:
+    """Return the cells cut to a region without gap or overlap; slivers are joined to a neighbour."""
+    cut = [Polygon(cell).intersection(region) for cell in cells]
+    pieces = [part for c in cut for part in getattr(c, "geoms", [c]) if part.area > 1e-9]
+    while len(pieces) > 1 and _width(thin := min(pieces, key=_width)) < THINNEST:
+        pieces.remove(thin)
+        shared = np.array([piece.intersection(thin).length for piece in pieces])
+        hosts = shared > shared.max() - 1e-9  # two of them on the axis of symmetry
+        joined = unary_union([thin, *(p for p, host in zip(pieces, hosts, strict=True) if host)])
+        pieces = [joined, *(p for p, host in zip(pieces, hosts, strict=True) if not host)]
+    return [np.array(piece.exterior.coords[:-1]) for piece in pieces]
+
+
+def mirrored(blocks: Iterable[Array]) -> list[Array]:
+    """Mirror images about x = 0, still anticlockwise."""
+    return [(block * (-1.0, 1.0))[::-1] for block in blocks]
+
+
+def block(*, width_m: float, height_m: float) -> Layout:
+    """One block on a wider base."""
+    half, base = 0.5 * width_m, 0.5 * width_m
+    return _layout(
+        BASE=[rectangle(-half - base, half + base, -base, 0.0)],
+        BLOCK=[rectangle(-half, half, 0.0, height_m)],
+    )
+
+
+def wall(
+    *, block_length_m: float, block_height_m: float, blocks: int, courses: int, moving_blocks: int
+) -> Layout:
+    """Running-bond wall from x = 0 on two bases, the right one under the last `moving_blocks`."""
+    if moving_blocks >= blocks:
+        raise ValueError(f"moving_blocks: must be fewer than blocks ({blocks}), is {moving_blocks}")
+    length, split = blocks * block_length_m, (blocks - moving_blocks) * block_length_m
+    levels = np.linspace(0.0, courses * block_height_m, courses + 1)
+    return _layout(
+        BASE_LEFT=[rectangle(-block_length_m, split, -block_height_m, 0.0)],
+        BASE_RIGHT=[rectangle(split, length + block_length_m, -block_height_m, 0.0)],
+        WALL=running_bond(0.0, length, levels, blocks),
+    )
+
+
+def arch(*, span_m: float, rise_m: float, thickness_m: float, voussoirs: int) -> Layout:
+    """Voussoir arch on two springer supports."""
+    ring = Ring(span_m, rise_m, thickness_m, voussoirs)
+    springer = ring.springer(thickness_m, -thickness_m)
+    return _layout(BASE_LEFT=mirrored([springer]), BASE_RIGHT=[springer], ARCH=ring.blocks())
+
+
+def buttressed_arch(
+    *,
+    span_m: float,
+    rise_m: float,
+    thickness_m: float,
+    voussoirs: int,
+    pier_width_m: float,
+    pier_height_m: float,
+    blocks_per_pier: int,
+) -> Layout:
+    """Voussoir arch on two piers, each a stack of blocks on a base; the top one is cut to the arch's foot."""
+    ring = Ring(span_m, rise_m, thickness_m, voussoirs, springing=pier_height_m)
+    levels = np.linspace(0.0, pier_height_m, blocks_per_pier + 1)
+    inner, outer = 0.5 * span_m, 0.5 * span_m + pier_width_m
+    pier = [rectangle(inner, outer, a, b) for a, b in pairwise(levels[:-1])]
+    pier.append(ring.springer(pier_width_m, float(levels[-2])))
+    base = _base(inner, outer)
+    return _layout(
+        BASE_LEFT=mirrored([base]),
+        BASE_RIGHT=[base],
+        PIERS=mirrored(pier) + pier,
+        ARCH=ring.blocks(),
+    )
+
+
+def triumphal_arch(
+    *,
+    span_m: float,
+    rise_m: float,
+    thickness_m: float,
+    voussoirs: int,
+    springing_m: float,
+    height_m: float,
+    wall_thickness_m: float,
+    course_height_m: float,
+    wall_blocks: int,
+    spandrel_blocks: int,
+    beams: int,
+    beam_side_m: float,
+) -> Layout:
+    """Triumphal arch between two nave walls seen in section, roof beams on top.
+
+    The ring stands on a ledge: above the springing the nave walls are set back by the width of its foot.
+    Spandrels are running bond between the walls, cut to the ring's extrados; courses run through.
+    Raises ValueError where the ring does not fit below the top.
+    """
+    ring = Ring(span_m, rise_m, thickness_m, voussoirs, springing_m)
+    crown = springing_m + rise_m + thickness_m
+    if crown + THINNEST > height_m:
+        raise ValueError(f"height_m: must be above the ring's crown at {crown:.3g} m, is {height_m:g}")
+    inner, outer = 0.5 * span_m, 0.5 * span_m + wall_thickness_m
+    foot = ring.springer(wall_thickness_m, 0.0)
+    face, ledge = foot[3]  # end of the ring's foot: inner face of the wall above it
+    lower = _levels(0.0, springing_m, course_height_m)
+    upper = _levels(springing_m, height_m, course_height_m)
+    upper_blocks = max(1, round(wall_blocks * (outer - face) / wall_thickness_m))
+
+    skewback = [z for z in upper if z < ledge - 1e-9]
+    first_upper = len(skewback)
+    nave = running_bond(inner, outer, np.append(lower, upper[1 : first_upper + 1]), wall_blocks)
+    nave_region = unary_union([Polygon(foot), box(face, 0.0, outer, height_m)])
+    nave = fitted(nave, nave_region) + running_bond(face, outer, upper[first_upper:], upper_blocks)
+
+    below = np.vstack([[(-face, 0.0)], ring.joints(thickness_m), [(face, 0.0)]])
+    spandrel_region = box(-face, springing_m, face, height_m).difference(Polygon(below))
+    spandrels = fitted(running_bond(-face, face, upper, spandrel_blocks), spandrel_region)
+
+    nave = mirrored(nave) + nave
+    tops = [b for b in nave + spandrels if b[:, 1].max() > height_m - 1e-9]
+    base = _base(inner, outer)
+    return _layout(
+        BASE_LEFT=mirrored([base]),
+        BASE_RIGHT=[base],
+        NAVE=nave,
+        ARCH=ring.blocks() + spandrels,
+        ROOF=_beams(tops, outer, height_m, beams, beam_side_m),
+    )
+
+
+def _beams(tops: list[Array], half_width: float, z: float, number: int, side: float) -> list[Array]:
+    """Square beams at about equal distances, each over the middle of a block of the top course."""
+    middles = np.array([0.5 * (b[:, 0].min() + b[:, 0].max()) for b in tops])
+    spots = half_width * (np.arange(1, 2 * number, 2) / number - 1.0)
+    # of two blocks equally near, the one nearer the axis: the roof stays symmetric
+    nearest = [middles[np.argmin(np.abs(middles - x) + 1e-6 * np.abs(middles))] for x in spots]
+    if min(np.diff(nearest), default=np.inf) < side:
+        raise ValueError(f"beams: {number} beams of {side:g} m do not fit side by side on the top course")
+    return [rectangle(x - 0.5 * side, x + 0.5 * side, z, z + side) for x in nearest]
+
+
+def _base(inner: float, outer: float) -> Array:
+    """Return a base block, a quarter of the pier wider on either side: a toe that slides stays on it."""
+    margin = 0.25 * (outer - inner)
+    return rectangle(inner - margin, outer + margin, -2.0 * margin, 0.0)
+
+
+def _levels(z0: float, z1: float, course_height: float) -> Array:
+    """Levels of the nearest whole number of equal courses."""
+    return np.linspace(z0, z1, max(1, round((z1 - z0) / course_height)) + 1)
+
+
+def _width(piece: Polygon) -> float:
+    """Smallest width of a piece, m."""
+    corners = np.array(piece.minimum_rotated_rectangle.exterior.coords)
+    return float(np.hypot(*np.diff(corners, axis=0).T).min())
+
+
+def _layout(**layers: list[Array]) -> Layout:
+    return {layer: [_tidy(polygon) for polygon in polygons] for layer, polygons in layers.items()}
+
+
+def _tidy(polygon: Array) -> Array:
+    """Return it rounded, anticlockwise, without repeated or collinear vertices."""
+    p: Array = polygon.round(DECIMALS) + 0.0
+    p = p[np.hypot(*(p - np.roll(p, 1, axis=0)).T) > 1e-9]
+    back, ahead = p - np.roll(p, 1, axis=0), np.roll(p, -1, axis=0) - p
+    p = p[np.abs(back[:, 0] * ahead[:, 1] - back[:, 1] * ahead[:, 0]) > 1e-9]
+    following = np.roll(p, -1, axis=0)
+    clockwise = float((p[:, 0] * following[:, 1] - following[:, 0] * p[:, 1]).sum()) < 0.0
+    return p[::-1] if clockwise else p

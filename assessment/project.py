@@ -1,0 +1,90 @@
+"""The project file: read as TOML or spreadsheet, checked as a whole, handed on frozen.
+
+`load_project` is the only entry: what it returns has passed every check that needs no drawing and no
+record. Wrong keys, types and ranges are all reported at once; where there are none, all that does not fit
+together (names, files, stages that need each other) is.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, ValidationError
+
+from assessment.messages import ProjectError, project_error, schema_problems
+from assessment.project_checks import content_problems, matches
+from assessment.project_schema import ControlTable, Direction, ProjectContent
+from assessment.project_toml import read_toml
+from assessment.project_xlsx import read_xlsx
+
+_SOURCES = ("project.toml", "project.xlsx")
+
+
+class Project(ProjectContent):
+    """A checked project: the tables of its file, the folder it lives in and the file's name."""
+
+    folder: Path = Field(description="absolute folder of the project")
+    source: str = Field(description="name of the project file in the folder")
+
+    def path(self, name: str) -> Path:
+        """Return the file that the project calls `name`, relative to its folder."""
+        return self.folder / name
+
+    def control_point(self, name: str | None = None) -> ControlTable:
+        """Return the control point of that name, or the first; stages that need one have one."""
+        return next(point for point in self.control if name in (None, point.name))
+
+    def pushover_control(self, direction: Direction) -> ControlTable:
+        """Return the control point of the pushover in a direction."""
+        control = self.pushover.control if self.pushover else None
+        return self.control_point(control.get(direction) if isinstance(control, dict) else control)
+
+    def incremental_records(self) -> tuple[Path, ...]:
+        """Record files of [incremental], patterns expanded, each file once, sorted within a pattern."""
+        patterns = self.incremental.records if self.incremental else ()
+        return tuple(dict.fromkeys(file for pattern in patterns for file in matches(self.folder, pattern)))
+
+    def content(self) -> dict[str, Any]:
+        """Return what the file says as plain values, defaults included, without what is absent."""
+        return self.model_dump(mode="json", exclude={"folder", "source"}, exclude_none=True)
+
+
+def load_project(folder: Path | str) -> Project:
+    """Read and check the project in `folder` (or the project file itself).
+
+    Raises ProjectError with one line `FILE: KEY: what is wrong; what to do` per problem.
+    """
+    try:
+        file = _source(Path(folder).absolute())
+        content, places = read_xlsx(file) if file.suffix == ".xlsx" else (read_toml(file), {})
+    except OSError as error:
+        raise ProjectError(f"{error.filename}: project: {error.strerror}; make it readable") from None
+    try:
+        tables = ProjectContent.model_validate(content)
+    except ValidationError as error:
+        raise project_error(file.name, schema_problems(error, content), places) from None
+    if problems := list(content_problems(tables, file.parent)):
+        raise project_error(file.name, problems, places)
+    fields = {name: getattr(tables, name) for name in ProjectContent.model_fields}
+    return Project(**fields, folder=file.parent, source=file.name)
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON schema of the project file, for editors."""
+    return ProjectContent.model_json_schema()
+
+
+def _source(path: Path) -> Path:
+    if path.name in _SOURCES and path.is_file():
+        return path
+    if path.is_file():
+        raise ProjectError(f"{path}: project: a file; give the folder that holds {' or '.join(_SOURCES)}")
+    if not path.is_dir():
+        raise ProjectError(f"{path}: project: no such folder; give the folder that holds {_SOURCES[0]}")
+    found = [path / name for name in _SOURCES if (path / name).is_file()]
+    if len(found) > 1:
+        raise ProjectError(f"{path}: project: holds {' and '.join(_SOURCES)}; keep one of them")
+    if not found:
+        raise ProjectError(f"{path}: project: holds no {' or '.join(_SOURCES)}; write one (assesto new)")
+    return found[0]

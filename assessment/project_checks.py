@@ -1,0 +1,210 @@
+"""What in a project does not fit together: names, files, and stages that need each other."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from glob import escape, glob
+from pathlib import Path
+
+from assessment.messages import Problem, nearest
+from assessment.project_schema import (
+    ORIGINAL,
+    AssessmentTable,
+    KeyPath,
+    LimitState,
+    MotionTable,
+    ProjectContent,
+    SettlementTable,
+    SiteTable,
+)
+
+_MOST_STEPS = 100_000
+
+
+def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]:
+    """Every problem between tables and with the files they name, in the order of the tables."""
+    yield from _file(folder, ("geometry", "drawing"), project.geometry.drawing)
+    yield from _stiffness(project)
+    for name, layer in project.layers.items():
+        if layer.vertical_load_kN < 0.0 and layer.load_has_mass:
+            text = f"{layer.vertical_load_kN:g} acts upward and has no mass; add load_has_mass = false"
+            yield Problem(("layers", name, "vertical_load_kN"), text)
+    yield from _doubles("control", [point.name for point in project.control])
+    yield from _control(project)
+    yield from _doubles("settlements", list(project.states[1:]))
+    for index, settlement in enumerate(project.settlements):
+        yield from _settlement(project, ("settlements", index), settlement)
+    yield from _motions(project, folder)
+    if project.assessment:
+        yield from _assessment(project, project.assessment)
+        if project.assessment.site:
+            yield from _site(project.assessment.site, project.assessment.limit_states, folder)
+
+
+def matches(folder: Path, pattern: str) -> list[Path]:
+    """Return the files in `folder` that a name or a pattern such as "records/*.acc" means, sorted."""
+    if _is_file(folder / pattern):
+        return [folder / pattern]
+    names = glob(str(Path(escape(str(folder))) / pattern))  # noqa: PTH207 - absolute patterns are fine here
+    return sorted(path for path in map(Path, names) if path.is_file())
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # a name that is too long, a folder that may not be searched
+        return False
+
+
+def _file(folder: Path, path: KeyPath, name: str | None) -> Iterator[Problem]:
+    if name is not None and not _is_file(folder / name):
+        parent = Path(name).parent
+        try:
+            files = [str(parent / file.name) for file in (folder / parent).iterdir() if file.is_file()]
+        except OSError:
+            files = []
+        remedy = nearest(name, files) if files else "put it there or correct the name"
+        yield Problem(path, f'no file "{name}" in the project folder; {remedy}')
+
+
+def _doubles(table: str, names: list[str | None]) -> Iterator[Problem]:
+    for index, name in enumerate(names):
+        if name is not None and name in names[:index]:
+            yield Problem((table, index, "name"), f'"{name}" is the name of an earlier entry; write another')
+
+
+def _known(path: KeyPath, name: str, valid: Iterable[str], what: str) -> Iterator[Problem]:
+    names = list(valid)
+    if name not in names:
+        yield Problem(path, f'no {what} "{name}"; {nearest(name, names) if names else f"add a {what}"}')
+
+
+def _stiffness(project: ProjectContent) -> Iterator[Problem]:
+    """Ask for a stiffness somewhere if an analysis is elastic; which blocks lack it, the drawing tells."""
+    layers = project.layers.values()
+    if project.material.normal_stiffness_kN_m3 or any(layer.normal_stiffness_kN_m3 for layer in layers):
+        return
+    pushover, incremental, assessment = project.pushover, project.incremental, project.assessment
+    needed_by = [
+        f"history[{n}].contacts" for n, each in enumerate(project.history, 1) if each.contacts == "elastic"
+    ]
+    if pushover and "elastic" in pushover.contacts:
+        needed_by.append("pushover.contacts")
+    if incremental and incremental.contacts == "elastic":
+        needed_by.append("incremental.contacts")
+    if assessment and assessment.model != "none":
+        needed_by.append("assessment.model")
+    if needed_by:
+        text = (
+            f"missing, but {', '.join(needed_by)} ask for elastic contacts; add it, in kN/m³ "
+            '(or write contacts "rigid", model "none")'
+        )
+        yield Problem(("material", "normal_stiffness_kN_m3"), text)
+
+
+def _control(project: ProjectContent) -> Iterator[Problem]:
+    if not project.control and (project.pushover or project.history or project.incremental):
+        yield Problem(("control",), "no control point; add [[control]] with name and point_m")
+        return
+    references: list[tuple[KeyPath, str | None]] = [
+        (("history", index, "control"), motion.control) for index, motion in enumerate(project.history)
+    ]
+    if project.pushover:
+        control = project.pushover.control
+        by_key = control.items() if isinstance(control, dict) else ()
+        references += [(("pushover", "control", direction), name) for direction, name in by_key]
+        references += [(("pushover", "control"), control)] if isinstance(control, str) else []
+    if project.incremental:
+        references.append((("incremental", "control"), project.incremental.control))
+    if project.assessment:
+        references.append((("assessment", "control"), project.assessment.control))
+    for path, name in references:
+        if name is not None:
+            yield from _known(path, name, [point.name for point in project.control], "control point")
+
+
+def _settlement(project: ProjectContent, path: KeyPath, settlement: SettlementTable) -> Iterator[Problem]:
+    if settlement.name == ORIGINAL:
+        yield Problem((*path, "name"), f'"{ORIGINAL}" is the state before any settlement; write another name')
+    yield from _known((*path, "support"), settlement.support, project.supports, "support")
+    largest = max(map(abs, settlement.displacement_m))
+    if largest == 0.0 and settlement.rotation_rad == 0.0:
+        yield Problem((*path, "displacement_m"), "nothing moves; write a displacement or a rotation_rad")
+    elif "increment_m" in settlement.model_fields_set and settlement.increment_m > largest > 0.0:
+        text = f"{settlement.increment_m:g} is larger than the movement; write {largest:g} or less"
+        yield Problem((*path, "increment_m"), text)
+    if settlement.steps > _MOST_STEPS:
+        text = f"the movement takes {settlement.steps} steps; write increments for {_MOST_STEPS} or fewer"
+        yield Problem((*path, "increment_m"), text)
+
+
+def _motions(project: ProjectContent, folder: Path) -> Iterator[Problem]:
+    yield from _doubles("history", [history.name for history in project.history])
+    for index, history in enumerate(project.history):
+        path: KeyPath = ("history", index)
+        yield from _file(folder, (*path, "record"), history.record)
+        yield from _file(folder, (*path, "vertical_record"), history.vertical_record)
+        if history.scale == 0.0:
+            yield Problem((*path, "scale"), "0 leaves no motion; write 1.0 for the record as it is")
+        yield from _motion(project, path, history)
+    if project.incremental:
+        for index, pattern in enumerate(project.incremental.records):
+            if not matches(folder, pattern):
+                yield from _file(folder, ("incremental", "records", index), pattern)
+        yield from _motion(project, ("incremental",), project.incremental)
+
+
+def _motion(project: ProjectContent, path: KeyPath, motion: MotionTable) -> Iterator[Problem]:
+    if isinstance(motion.window_s, tuple) and not 0.0 <= motion.window_s[0] < motion.window_s[1]:
+        yield Problem(
+            (*path, "window_s"), "not a stretch of time; write first and last second, 0 ≤ first < last"
+        )
+    for index, name in enumerate(motion.states or ()):
+        yield from _known((*path, "states", index), name, project.states, "state")
+
+
+def _assessment(project: ProjectContent, assessment: AssessmentTable) -> Iterator[Problem]:
+    needed = ["rigid"] if assessment.model == "none" else ["rigid", "elastic"]
+    if project.pushover is None:
+        yield Problem(
+            ("assessment",), "there is no pushover to assess; add [pushover] or leave [assessment] out"
+        )
+    elif missing := [contacts for contacts in needed if contacts not in project.pushover.contacts]:
+        text = (
+            f"{' and '.join(missing)} missing, but assessment.model asks for it; write {json.dumps(needed)}"
+        )
+        yield Problem(("pushover", "contacts"), text)
+    if assessment.spectrum == "record" and not project.history:
+        text = 'there is no record to take the spectrum of; add [[history]] or write spectrum = "ntc"'
+        yield Problem(("assessment", "spectrum"), text)
+    if assessment.spectrum == "ntc" and assessment.site is None:
+        yield Problem(("assessment", "site"), 'missing; add [assessment.site] or write spectrum = "record"')
+    if assessment.method == "grid" and (assessment.site is None or assessment.site.grid is None):
+        text = (
+            'there is no grid; add latitude, longitude and grid to [assessment.site] or write "demand-shape"'
+        )
+        yield Problem(("assessment", "method"), text)
+
+
+def _site(site: SiteTable, limit_states: Iterable[LimitState], folder: Path) -> Iterator[Problem]:
+    path: KeyPath = ("assessment", "site")
+    yield from _file(folder, (*path, "grid"), site.grid)
+    by_place = {key: getattr(site, key) for key in ("latitude", "longitude", "grid")}
+    by_state = {key: getattr(site, key) for key in ("SLD", "SLV", "SLC")}
+    placed = [key for key, value in by_place.items() if value is not None]
+    typed = [key for key, value in by_state.items() if value is not None]
+    if placed and typed:
+        text = f"given twice, by {', '.join(placed)} and by {', '.join(typed)}; keep one of the two"
+        yield Problem(path, text)
+    elif placed:
+        for key in sorted(by_place.keys() - placed):
+            yield Problem((*path, key), "missing; latitude, longitude and grid go together")
+    elif typed:
+        for key in limit_states:
+            if key not in typed:
+                text = "missing, but assessment.limit_states asks for it; add its ag_g, F0 and Tc_star_s"
+                yield Problem((*path, key), text)
+    else:
+        text = "no hazard; add latitude, longitude and grid, or ag_g, F0 and Tc_star_s per limit state"
+        yield Problem(path, text)

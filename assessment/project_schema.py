@@ -1,0 +1,360 @@
+"""The tables of a project file: every key with its type, unit, default and meaning.
+
+Units as everywhere: kN, m, s, Mg, accelerations in g. The descriptions are written for the user: they
+become the comments of a new project file and the texts of the JSON schema.
+"""
+
+# ruff: noqa: N815 - the fields are the keys of the file, units in their names
+
+from __future__ import annotations
+
+import math
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
+
+KeyPath = tuple[str | int, ...]
+"""Where a value stands in the project's content, list entries counted from 0."""
+
+ORIGINAL = "original"
+"""Name of the state before any settlement."""
+
+# Nothing invisible: what cannot be seen in an editor or held by a spreadsheet cell is a typing slip.
+_UNSEEN = r"\x00-\x08\x0b-\x1f\x7f-\x9f\ufffe\uffff"
+
+
+def _unique(items: tuple[str, ...]) -> tuple[str, ...]:
+    if len(set(items)) < len(items):
+        raise ValueError("an entry appears twice; write each entry once")
+    return items
+
+
+def _without_default(schema: dict[str, Any]) -> None:
+    """Leave an infinite default out of the JSON schema: JSON has no infinity."""
+    del schema["default"]
+
+
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True)]
+Segments = Annotated[int, Field(ge=1, le=100)]
+Pair = Annotated[tuple[float, float], Field(strict=False)]
+Name = Annotated[str, Field(max_length=200, pattern=rf"^[^\s{_UNSEEN}]([^\t\n{_UNSEEN}]*[^\s{_UNSEEN}])?$")]
+Text = Annotated[str, StringConstraints(strip_whitespace=True, max_length=2000, pattern=rf"^[^{_UNSEEN}]*$")]
+Names = Annotated[tuple[Name, ...], Field(strict=False, min_length=1), AfterValidator(_unique)]
+Contacts = Literal["rigid", "elastic"]
+Direction = Literal["+x", "-x"]
+LimitState = Literal["SLD", "SLV", "SLC"]
+ContactsList = Annotated[tuple[Contacts, ...], Field(strict=False, min_length=1), AfterValidator(_unique)]
+Directions = Annotated[tuple[Direction, ...], Field(strict=False, min_length=1), AfterValidator(_unique)]
+LimitStates = Annotated[tuple[LimitState, ...], Field(strict=False, min_length=1), AfterValidator(_unique)]
+
+
+class Table(BaseModel):
+    """A table of the project file: exact types, finite numbers, no other keys, not to be changed."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class GeometryTable(Table):
+    """[geometry]: the drawing and how it becomes blocks and joints."""
+
+    drawing: Name = Field(description="DXF file with one closed polyline per block")
+    unit: Literal["mm", "cm", "m"] = Field(description="unit of the drawing: mm, cm or m")
+    depth_m: Positive = Field(description="out-of-plane depth, m; default of every layer")
+    segments_per_joint: Segments = Field(
+        default=4, description="contact interfaces along each joint, four contact points each"
+    )
+    tolerance_m: Positive | None = Field(
+        default=None, description="edges closer than this, m, form a joint; default from the drawing's size"
+    )
+    sagitta_m: Positive | None = Field(
+        default=None,
+        description="largest distance, m, between a drawn arc and its chords; default from its size",
+    )
+
+
+class MaterialTable(Table):
+    """[material]: stone and joints, default of every layer."""
+
+    unit_weight_kN_m3: Positive = Field(description="unit weight of the stone, kN/m³")
+    friction: NotNegative = Field(default=0.6, description="tangent of the friction angle of a joint")
+    normal_stiffness_kN_m3: Positive | None = Field(
+        default=None,
+        description="normal stiffness of a joint per unit area, kN/m³; needed by elastic analyses only",
+    )
+    tangential_stiffness_kN_m3: Stiffness = Field(
+        default=math.inf,
+        description="tangential stiffness of a joint per unit area, kN/m³; inf (default): rigid in shear",
+        json_schema_extra=_without_default,
+    )
+
+
+class LayerTable(Table):
+    """[layers.NAME]: what the blocks on one layer of the drawing have of their own."""
+
+    unit_weight_kN_m3: Positive | None = Field(
+        default=None, description="unit weight, kN/m³, instead of [material]'s"
+    )
+    friction: NotNegative | None = Field(
+        default=None, description="tangent of friction angle, instead of [material]'s"
+    )
+    normal_stiffness_kN_m3: Positive | None = Field(
+        default=None, description="normal stiffness, kN/m³, instead of [material]'s"
+    )
+    tangential_stiffness_kN_m3: Stiffness | None = Field(
+        default=None, description="tangential stiffness, kN/m³, instead of [material]'s"
+    )
+    depth_m: Positive | None = Field(
+        default=None, description="out-of-plane depth, m, instead of [geometry]'s"
+    )
+    segments_per_joint: Segments | None = Field(
+        default=None, description="contact interfaces along each joint, instead of [geometry]'s"
+    )
+    support: Name | None = Field(
+        default=None, description="the blocks of this layer are a support of this name"
+    )
+    vertical_load_kN: float = Field(
+        default=0.0, description="load on each block of the layer, kN, downward, at its centroid"
+    )
+    load_has_mass: bool = Field(default=True, description="the load also counts as seismic mass")
+
+
+class ControlTable(Table):
+    """[[control]]: a point whose displacement is followed; the first one is the default."""
+
+    name: Name = Field(description="name of the control point")
+    point_m: Pair = Field(description="x and z, m, in or on a block; the point moves with it")
+
+
+class SettlementTable(Table):
+    """[[settlements]]: a support movement, and with it a state beside the state "original"."""
+
+    name: Name = Field(description="name of the settled state")
+    support: Name = Field(description="the support that moves, as named in [layers]")
+    displacement_m: Pair = Field(default=(0.0, 0.0), description="movement along x and z, m")
+    rotation_rad: float = Field(
+        default=0.0, description="rotation about the support's centroid, anticlockwise, rad"
+    )
+    increment_m: Positive = Field(
+        default=0.001, description="step of the largest component of the movement, m"
+    )
+    increment_rad: Positive = Field(default=0.001, description="largest step of the rotation, rad")
+    to_collapse: bool = Field(
+        default=False, description="also look for the ultimate movement along the same direction"
+    )
+
+    @property
+    def steps(self) -> int:
+        """Number of equal steps that keep within both increments, at least one."""
+        movement = max(map(abs, self.displacement_m)) / self.increment_m
+        return max(1, math.ceil(max(movement, abs(self.rotation_rad) / self.increment_rad) - 1e-9))
+
+
+class PushoverTable(Table):
+    """[pushover]: lateral loads proportional to weight, from every state."""
+
+    contacts: ContactsList = Field(default=("rigid",), description="contact models: rigid, elastic or both")
+    directions: Directions = Field(default=("+x", "-x"), description="directions of the lateral loads")
+    increment_m: Positive = Field(default=0.001, description="step of the control point's displacement, m")
+    control: Name | dict[Direction, Name] | None = Field(
+        default=None,
+        description='control point, or one per direction: {"+x" = "C1", "-x" = "C2"}; default the first',
+    )
+
+
+class MotionTable(Table):
+    """What [[history]] and [incremental] have in common."""
+
+    time_step_s: Positive | None = Field(
+        default=None,
+        description="time step, s; default the record's; also the sampling step of a one-column record",
+    )
+    window_s: Pair | Literal["arias"] | None = Field(
+        default=None, description='first and last second of the record to use, or "arias": its 5–95 % window'
+    )
+    contacts: Contacts = Field(default="elastic", description="contact model: rigid or elastic")
+    integrator: Literal["implicit-euler", "second-order"] = Field(
+        default="implicit-euler", description="time integration: implicit-euler (the paper's) or second-order"
+    )
+    damping_ratio: Annotated[float, Field(ge=0, lt=1)] | None = Field(
+        default=None, description="viscous damping ratio of the contacts"
+    )
+    control: Name | None = Field(default=None, description="control point; default the first")
+    states: Names | None = Field(
+        default=None, description='states to analyse: "original" and names of settlements; default all'
+    )
+
+
+class HistoryTable(MotionTable):
+    """[[history]]: a time history of one record, from every state."""
+
+    record: Name = Field(description="file of the horizontal ground acceleration")
+    name: Name | None = Field(
+        default=None, description="name in tables and figures; default the record's file name"
+    )
+    scale: float = Field(default=1.0, description="factor on the accelerations of the record; not zero")
+    vertical_record: Name | None = Field(default=None, description="file of the vertical ground acceleration")
+
+
+class IncrementalTable(MotionTable):
+    """[incremental]: incremental dynamic analysis, PGA at incipient collapse per record and state."""
+
+    records: Names = Field(description='record files; patterns such as "records/*.acc" are expanded')
+    tolerance_g: Positive = Field(default=0.01, description="tolerance of the PGA at collapse, g")
+    max_scale: Positive = Field(default=5.0, description="largest factor on a record that is tried")
+
+
+class HazardTable(Table):
+    """[assessment.site.SLV] and so on: the hazard of one limit state, typed in."""
+
+    ag_g: Positive = Field(description="peak ground acceleration on rigid level ground, g")
+    F0: Positive = Field(description="largest amplification of the spectrum")
+    Tc_star_s: Positive = Field(description="T_C*, s: reference for the end of the constant branch")
+
+
+class SiteTable(Table):
+    """[assessment.site]: hazard by coordinates and grid, or typed in per limit state; ground and use."""
+
+    latitude: Annotated[float, Field(ge=-90, le=90)] | None = Field(
+        default=None, description="latitude, degrees north"
+    )
+    longitude: Annotated[float, Field(ge=-180, le=180)] | None = Field(
+        default=None, description="longitude, degrees east"
+    )
+    grid: Name | None = Field(default=None, description="file of the reference hazard grid (Allegato B)")
+    SLD: HazardTable | None = Field(
+        default=None, description="hazard at SLD, instead of coordinates and grid"
+    )
+    SLV: HazardTable | None = Field(
+        default=None, description="hazard at SLV, instead of coordinates and grid"
+    )
+    SLC: HazardTable | None = Field(
+        default=None, description="hazard at SLC, instead of coordinates and grid"
+    )
+    soil: Literal["A", "B", "C", "D", "E"] = Field(description="ground type A to E, NTC 2018 Tab. 3.2.II")
+    topography: Literal["T1", "T2", "T3", "T4"] = Field(
+        default="T1", description="topographic class T1 to T4, NTC 2018 Tab. 3.2.III"
+    )
+    nominal_life_years: Positive = Field(default=50.0, description="nominal life V_N, years")
+    use_class: Literal["I", "II", "III", "IV"] = Field(
+        default="II", description="use class I to IV, NTC 2018 §2.4.2"
+    )
+
+
+class AssessmentTable(Table):
+    """[assessment]: the displacement-based check of every pushover curve."""
+
+    limit_states: LimitStates = Field(default=("SLD", "SLV", "SLC"), description="limit states to check")
+    confidence_factor: Annotated[float, Field(ge=1)] = Field(
+        default=1.35, description="confidence factor F_C"
+    )
+    behaviour_factor: Annotated[float, Field(ge=1)] = Field(
+        default=2.0, description="behaviour factor q of the linear check"
+    )
+    model: Literal["trilinear", "bilinear", "none"] = Field(
+        default="trilinear",
+        description="capacity curve: trilinear (as in the paper), bilinear or none (rigid branch)",
+    )
+    spectrum: Literal["ntc", "record"] = Field(
+        default="ntc", description="demand: ntc, or record (the [[history]] record's own spectrum)"
+    )
+    method: Literal["demand-shape", "grid"] = Field(
+        default="demand-shape",
+        description="capacity a_g by scaling the demand spectrum, or by return period iterated on the grid",
+    )
+    circular: Literal[2019, 2009] = Field(
+        default=2019, description="circular whose rules apply: 2019 or 2009"
+    )
+    control: Name | None = Field(
+        default=None, description="control point of the check; default the pushover's"
+    )
+    local_displacement_limit_m: Positive | None = Field(
+        default=None,
+        description="displacement of the control point, m, at a local loss such as a beam unseating",
+    )
+    site: SiteTable | None = Field(
+        default=None, description="site, ground and use; needed by the ntc spectrum"
+    )
+
+
+class ReportTable(Table):
+    """[report]: language and the free text of the title page."""
+
+    language: Literal["it", "en"] = Field(default="it", description="language of the report: it or en")
+    client: Text = Field(default="", description="client, free text of the title page")
+    engineer: Text = Field(default="", description="engineer, free text of the title page")
+    location: Text = Field(default="", description="location, free text of the title page")
+
+
+class ProjectContent(Table):
+    """All that a project file says. A table that is absent switches its stage off."""
+
+    title: Name = Field(description="title of the project")
+    geometry: GeometryTable = Field(description="the drawing and how it becomes blocks and joints")
+    material: MaterialTable = Field(description="stone and joints, default of every layer")
+    layers: dict[Name, LayerTable] = Field(
+        default={}, description="what the blocks of a layer have of their own"
+    )
+    control: Annotated[tuple[ControlTable, ...], Field(strict=False)] = Field(
+        default=(), description="control points; the first one is the default"
+    )
+    settlements: Annotated[tuple[SettlementTable, ...], Field(strict=False)] = Field(
+        default=(), description="support movements to review, each one a state"
+    )
+    pushover: PushoverTable | None = Field(default=None, description="pushover analysis")
+    history: Annotated[tuple[HistoryTable, ...], Field(strict=False)] = Field(
+        default=(), description="time histories, one per record and state"
+    )
+    incremental: IncrementalTable | None = Field(default=None, description="incremental dynamic analysis")
+    assessment: AssessmentTable | None = Field(default=None, description="check against the standard")
+    report: ReportTable = Field(default=ReportTable(), description="language and title page of the report")
+
+    @property
+    def supports(self) -> tuple[str, ...]:
+        """Names of the supports, in the order of the layers."""
+        return tuple(dict.fromkeys(layer.support for layer in self.layers.values() if layer.support))
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states: the original one, then one per settlement."""
+        return (ORIGINAL, *(settlement.name for settlement in self.settlements))
+
+
+def alternatives(annotation: Any) -> tuple[Any, ...]:
+    """Return the plain types behind an annotation: Annotated stripped, unions opened, None left out."""
+    origin = get_origin(annotation)
+    if origin is Annotated:
+        return alternatives(get_args(annotation)[0])
+    if origin in (Union, UnionType):
+        return tuple(plain for member in get_args(annotation) for plain in alternatives(member))
+    return () if annotation is NoneType else (annotation,)
+
+
+def annotation_at(path: KeyPath) -> Any:
+    """Return the annotation of the value at `path` of the content, or None where no such key is."""
+    annotation: Any = ProjectContent
+    for part in path:
+        annotation = _inside(annotation, part)
+    return annotation
+
+
+def keys_at(path: KeyPath) -> dict[str, str]:
+    """Return the keys of the table at `path` with their descriptions; none where keys are free."""
+    for plain in alternatives(annotation_at(path)):
+        if isinstance(plain, type) and issubclass(plain, BaseModel):
+            return {key: field.description or "" for key, field in plain.model_fields.items()}
+    return {}
+
+
+def _inside(annotation: Any, part: str | int) -> Any:
+    for plain in alternatives(annotation):
+        origin, args = get_origin(plain), get_args(plain)
+        if origin is tuple and isinstance(part, int):
+            return args[0]
+        if origin is dict:
+            return args[1]
+        if isinstance(plain, type) and issubclass(plain, BaseModel) and part in plain.model_fields:
+            return plain.model_fields[str(part)].annotation
+    return None

@@ -1,0 +1,92 @@
+"""A project's content as TOML text, read and written."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from assessment.messages import ProjectError
+
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+_PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Return the content of a TOML file; raises ProjectError with line and column where it is none."""
+    raw = path.read_bytes().removeprefix(_BYTE_ORDER_MARK)
+    try:
+        text = raw.decode("utf-8")
+    except UnicodeDecodeError as error:
+        number = raw.count(b"\n", 0, error.start) + 1
+        raise ProjectError(f"{path.name}: line {number}: not UTF-8 text; save the file as UTF-8") from None
+    try:
+        return tomllib.loads(text)
+    except ValueError as error:  # TOMLDecodeError, or a number of thousands of digits
+        raise ProjectError(f"{path.name}: {_syntax(text, str(error))}") from None
+
+
+def to_toml(content: Mapping[str, Any]) -> str:
+    """Return the TOML text of a project's content: plain values, lists, tables and lists of tables."""
+    return "\n".join(_table(content, ())).strip() + "\n"
+
+
+def _syntax(text: str, message: str) -> str:
+    lines = text.splitlines() or [""]
+    place = _PLACE.search(message)
+    if place is None or place[1] is None:
+        number = max((n for n, line in enumerate(lines, 1) if line.strip()), default=1)
+        column = len(lines[number - 1]) + 1
+    else:
+        number, column = int(place[1]), int(place[2])
+    what = message[: place.start()] if place else message
+    line = text.split("\n")[number - 1].strip()
+    return (
+        f"line {number}, column {column}: {what[:1].lower()}{what[1:]}: {line}; "
+        "texts stand in quotes, decimals have a point, a table or key appears once"
+    )
+
+
+def _table(table: Mapping[str, Any], path: tuple[str, ...]) -> list[str]:
+    lines = [f"{_key(key)} = {_value(value)}" for key, value in table.items() if not _is_tables(value)]
+    for key, value in table.items():
+        name = ".".join(map(_key, (*path, key)))
+        if isinstance(value, Mapping):
+            lines += ["", f"[{name}]", *_table(value, (*path, key))]
+        elif _is_tables(value):
+            for entry in value:
+                lines += ["", f"[[{name}]]", *_table(entry, (*path, key))]
+    return lines
+
+
+def _is_tables(value: Any) -> bool:
+    """Whether the value is a table or a list of tables, which stand after the plain values."""
+    return isinstance(value, Mapping) or (
+        isinstance(value, list | tuple) and bool(value) and all(isinstance(each, Mapping) for each in value)
+    )
+
+
+def _key(key: str) -> str:
+    return key if _BARE_KEY.fullmatch(key) else _text(key)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, str):
+        return _text(value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_value, value))}]"
+    return repr(value)
+
+
+def _text(text: str) -> str:
+    named = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t"}
+    return (
+        '"'
+        + "".join(named.get(c) or (c if c >= " " and c != "\x7f" else f"\\u{ord(c):04x}") for c in text)
+        + '"'
+    )

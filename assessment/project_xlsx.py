@@ -1,0 +1,219 @@
+"""A project's content as a spreadsheet, read and written: one sheet per table.
+
+Single tables (project, geometry, material, pushover, incremental, assessment, site, report) are sheets of
+key | value | comment; "project" holds the title, and a table within a table is written with a point
+(`control.+x`, `SLV.ag_g`). Lists of tables (layers, control, settlements, history) have a header of keys
+and one row per entry; the first column of "layers" is the layer's name. A list stands in one cell,
+"0.020; -0.020"; numbers in a text may have a decimal comma. An empty cell is an absent key, a missing
+sheet an absent table.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, get_args, get_origin
+from zipfile import BadZipFile
+
+from assessment.messages import ProjectError, nearest
+from assessment.project_schema import KeyPath, alternatives, annotation_at, keys_at
+
+_TABLES: dict[str, KeyPath] = {
+    "project": (),
+    "geometry": ("geometry",),
+    "material": ("material",),
+    "pushover": ("pushover",),
+    "incremental": ("incremental",),
+    "assessment": ("assessment",),
+    "site": ("assessment", "site"),
+    "report": ("report",),
+}
+_LISTS: dict[str, KeyPath] = {name: (name,) for name in ("layers", "control", "settlements", "history")}
+_SHEETS = {**_TABLES, **_LISTS}
+
+_Rows = dict[int, tuple[Any, ...]]
+
+
+class _Entry(NamedTuple):
+    """A value, or the empty table that values go into, and the cell or row it was read from."""
+
+    path: KeyPath
+    value: Any
+    place: str
+
+
+def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str]]:
+    """Return the content of a project spreadsheet and where each value stands (sheet and cell).
+
+    Raises ProjectError naming sheet and cell where the form is wrong; values are not checked here.
+    """
+    from openpyxl import load_workbook
+
+    try:
+        book = load_workbook(path, read_only=True, data_only=True)
+    except (BadZipFile, KeyError, ValueError, SyntaxError):
+        raise ProjectError(f"{path.name}: file: not an XLSX workbook; save it as .xlsx") from None
+    rows = {sheet.title: _rows(sheet) for sheet in book.worksheets}
+    book.close()
+    for name in rows.keys() - _SHEETS.keys():
+        if rows[name]:
+            raise ProjectError(f'{path.name}: sheet "{name}": unknown sheet; {nearest(name, _SHEETS)}')
+    content: dict[str, Any] = {}
+    places: dict[KeyPath, str] = {}
+    for name in (each for each in _SHEETS if each in rows):
+        entries = _list_entries(name, rows[name]) if name in _LISTS else _table_entries(name, rows[name])
+        for entry in entries:
+            places[entry.path] = f'sheet "{name}"{entry.place}'
+            if fault := _put(content, entry):
+                raise ProjectError(f"{path.name}: {places[entry.path]}: {fault}")
+    for name in _LISTS.keys() & content.keys() - {"layers"}:
+        content[name] = list(content[name].values())
+    return content, places
+
+
+def write_xlsx(content: Mapping[str, Any], path: Path) -> None:
+    """Write a project's content, as read from TOML, as a spreadsheet with a comment beside each key."""
+    from openpyxl import Workbook
+
+    book = Workbook()
+    book.remove(book.active)
+    for name, table in _SHEETS.items():
+        node: Any = content
+        for part in table:
+            node = node.get(part) if node else None
+        if node is None:
+            continue
+        sheet = book.create_sheet(name)
+        for number, row in enumerate(
+            _list_rows(name, node) if name in _LISTS else _table_rows(table, node), 1
+        ):
+            for column, value in enumerate(row, 1):
+                cell = sheet.cell(number, column, value)
+                if isinstance(value, str):
+                    cell.data_type = "s"  # a text that begins with = is no formula
+        for letter in "ABC":
+            sheet.column_dimensions[letter].width = 28
+    book.save(path)
+
+
+def _rows(sheet: Any) -> _Rows:
+    """Return the rows of a sheet that hold something, by number; blank texts are None."""
+    sheet.reset_dimensions()  # some programs store a wrong size
+    rows = {
+        number: tuple(None if isinstance(value, str) and not value.strip() else value for value in row)
+        for number, row in enumerate(sheet.iter_rows(values_only=True), 1)
+    }
+    return {number: row for number, row in rows.items() if any(value is not None for value in row)}
+
+
+def _table_entries(name: str, rows: _Rows) -> Iterator[_Entry]:
+    table = _TABLES[name]
+    if table:
+        yield _Entry(table, {}, "")
+    for number, row in rows.items():
+        key, value = (*row, None)[:2]
+        if value is None or (number == 1 and str(key).strip().lower() == "key"):
+            continue
+        path = (*table, *_text(key).strip().split("."))
+        yield _Entry(path, _typed(value, annotation_at(path)), f", cell B{number}")
+
+
+def _list_entries(name: str, rows: _Rows) -> Iterator[_Entry]:
+    from openpyxl.utils import get_column_letter
+
+    header, *entries = [*rows.items()] or [(0, ())]
+    keys = [_text(key).strip() for key in header[1]]
+    first = 1 if name == "layers" else 0
+    for index, (number, row) in enumerate(entries):
+        entry: KeyPath = (name, _text(row[0]) if first else index)
+        yield _Entry(entry, {}, f", row {number}")
+        for column, value in enumerate(row[first:], first):
+            if value is not None:
+                path = (*entry, keys[column] if column < len(keys) else "")
+                place = f", cell {get_column_letter(column + 1)}{number}"
+                yield _Entry(path, _typed(value, annotation_at(path)), place)
+
+
+def _put(content: dict[str, Any], entry: _Entry) -> str:
+    """Put an entry into the content, lists as tables of their indices; return what is wrong, if anything."""
+    node: Any = content
+    for part in entry.path[:-1]:
+        node = node.setdefault(part, {})
+        if not isinstance(node, dict):
+            return "is a value and a table at once; write one of them"
+    key = entry.path[-1]
+    if key == "":
+        return "has no key or name; write it in the first column or in the header"
+    if key in node:
+        return f'"{key}" appears twice; write it once'
+    node[key] = entry.value
+    return ""
+
+
+def _typed(value: Any, annotation: Any) -> Any:
+    """Return the content of a cell as the type its key asks for; left as it is where that cannot be."""
+    kinds = alternatives(annotation)
+    members = [member for kind in kinds if get_origin(kind) is Literal for member in get_args(kind)]
+    lists = [kind for kind in kinds if get_origin(kind) is tuple]
+    takes_text = str in kinds or any(isinstance(member, str) for member in members)
+    if lists and value not in members:
+        one_line = _text(value).replace("\r", ";").replace("\n", ";")
+        parts = next(csv.reader([one_line], delimiter=";", skipinitialspace=True))
+        return [_typed(part.strip(), get_args(lists[0])[0]) for part in parts if part.strip()]
+    if isinstance(value, str):
+        return value if takes_text else _number(value, kinds)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        whole = isinstance(value, float) and value.is_integer() and float not in kinds
+        return _text(value) if takes_text else int(value) if whole else value
+    return value
+
+
+def _number(text: str, kinds: tuple[Any, ...]) -> Any:
+    if bool in kinds:
+        return {"true": True, "false": False}.get(text.strip().lower(), text)
+    try:
+        number = float(text.replace(",", "."))
+    except ValueError:
+        return text
+    return int(number) if number.is_integer() and float not in kinds else number
+
+
+def _text(value: Any) -> str:
+    """Return a cell as text: the layer 0 is called "0", whether typed as text or number."""
+    if value is None:
+        return ""
+    return str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)
+
+
+def _table_rows(table: KeyPath, node: Mapping[str, Any]) -> list[list[Any]]:
+    comments = keys_at(table)
+    rows: list[list[Any]] = [["key", "value", "comment"]]
+    for key, value in node.items():
+        path = (*table, key)
+        if path in _SHEETS.values():
+            continue
+        parts = {f"{key}.{k}": v for k, v in value.items()} if isinstance(value, Mapping) else {key: value}
+        rows += [[name, _cell(part), comments[key]] for name, part in parts.items()]
+    return rows
+
+
+def _list_rows(name: str, node: Any) -> list[list[Any]]:
+    entries = [{"layer": key, **table} for key, table in node.items()] if name == "layers" else node
+    keys = list(dict.fromkeys(key for entry in entries for key in entry))
+    return [keys, *([_cell(entry.get(key)) for key in keys] for entry in entries)]
+
+
+def _cell(value: Any) -> Any:
+    """Return a value as one cell: lists joined by semicolons, with quotes where a text needs them."""
+    if isinstance(value, list | tuple):
+        return "; ".join(
+            '"' + each.replace('"', '""') + '"'
+            if isinstance(each, str) and set(each) & set(';"')
+            else str(each)
+            for each in value
+        )
+    if isinstance(value, float) and (math.isinf(value) or float(f"{value:.16g}") != value):
+        return repr(value)  # openpyxl stores 16 digits and no infinity
+    return value

@@ -1,0 +1,198 @@
+"""The calculation report, as NTC 2018 ch. 10 asks: one template to HTML and PDF, from results alone."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup
+
+from assessment import tables
+from assessment.display import Grid, exact, flatten, grid, summary_grids
+from assessment.figures import pictures
+from assessment.files import write_atomically
+from assessment.judgement import all_warnings, draft_judgement
+from assessment.trace import pretty
+from assessment.words import Words, direction_name, words_of
+
+Results = Mapping[str, Any]
+APT_COMMAND = "sudo apt-get install libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0 fonts-dejavu-core"
+CHAPTERS = (
+    "units",
+    "analysis",
+    "software",
+    "model",
+    "settlements",
+    "pushdown",
+    "mechanisms",
+    "pushover",
+    "capacity",
+    "comparison",
+    "quality",
+    "hand_check",
+    "judgement",
+)
+
+
+@dataclass(frozen=True)
+class Report:
+    """What was written: `html` always, `pdf` unless system libraries are missing: a warning says so."""
+
+    html: Path
+    pdf: Path | None
+    warnings: tuple[str, ...] = ()
+
+
+def render_report(results: Results, figures: Path, folder: Path) -> Report:
+    """Write report.html and report.pdf into `folder` from results and the SVG files of `write_figures`.
+
+    Both appear whole or not at all and depend on nothing but results and figures: no date is printed. Without
+    WeasyPrint's system libraries only the HTML is written; the warning holds the command that installs them.
+    """
+    words = words_of(results)
+    html = render_html(results, figures, words)
+    page = folder / "report.html"
+    write_atomically(page, html.encode())
+    try:
+        import weasyprint
+    except OSError as error:  # a shared library that cannot be loaded
+        reason = str(error).partition("\n")[0]
+        return Report(page, None, (words.plain("warning.no_pdf", reason=reason, command=APT_COMMAND),))
+    document = folder / "report.pdf"
+    write_atomically(document, weasyprint.HTML(string=html).write_pdf())
+    return Report(page, document)
+
+
+def render_html(results: Results, figures: Path, words: Words) -> str:
+    """Return the report as one self-contained page."""
+    environment = jinja2.Environment(
+        loader=jinja2.FunctionLoader(lambda name: (files("templates") / name).read_text(encoding="utf-8")),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    annexes = ["echo", "trace"] if any(_traces(results, words)) else ["echo"]
+    return environment.get_template("report.html.j2").render(
+        w=words,
+        results=results,
+        style=Markup((files("templates") / "report.css").read_text(encoding="utf-8")),
+        chapters=CHAPTERS,
+        annexes=annexes,
+        count=Counter(),
+        figures=_embedded(results, figures, words),
+        grids=_grids(results, words),
+        summaries=list(summary_grids(tables.summary(results), results, words)),
+        traces=list(_traces(results, words)),
+        contacts=_contacts(results),
+        missing=list(_missing(results, words)),
+        judgement=draft_judgement(results, words),
+        warnings=all_warnings(results),
+    )
+
+
+class Counter:
+    """Numbers of figures and tables, in the order in which they are printed."""
+
+    def __init__(self) -> None:
+        self._last: dict[str, int] = {}
+
+    def next(self, kind: str) -> int:
+        """Return 1, 2, 3… for each kind."""
+        self._last[kind] = self._last.get(kind, 0) + 1
+        return self._last[kind]
+
+
+def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[dict[str, object]]]:
+    """Return per chapter the caption and data address of each figure; as images, their ids cannot clash."""
+    found: dict[str, list[dict[str, object]]] = {chapter: [] for chapter in CHAPTERS}
+    for picture in pictures(results):
+        svg = base64.b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()
+        caption = words(f"caption.{picture.caption}", **picture.fields)
+        found[picture.section].append({"caption": caption, "address": f"data:image/svg+xml;base64,{svg}"})
+    return found
+
+
+def _grids(results: Results, words: Words) -> dict[str, Grid]:
+    """Return the tables of the report that have rows, by name."""
+    echo = [{"key": key, "value": exact(value, words)} for key, value in flatten(results["echo"])]
+    made = [
+        tables.Table("validation", words.rows("validation"), ("case", "source", "expected")),
+        tables.layers(results),
+        tables.settlements(results),
+        tables.mechanisms(results),
+        tables.verification(results),
+        tables.Table("comparison", _compared(results), tables.COMPARISON),
+        tables.Table("quality", list(results["quality"].get("by_stage") or []), tables.QUALITY),
+        tables.hand_check(results),
+        tables.Table("echo", echo, ("key", "value")),
+    ]
+    return {
+        table.name: grid(table, words, words(f"caption.{table.name}"), 4 if table.name == "hand_check" else 3)
+        for table in made
+        if table.rows
+    }
+
+
+def _compared(results: Results) -> list[tables.Row]:
+    """Return the comparison without its dynamic columns where no dynamic analysis was made."""
+    rows = list(results.get("comparison") or [])
+    static_only = all(row.get("dynamic_pga_g") is None for row in rows)
+    kept = [key for key in tables.COMPARISON if not (static_only and key.startswith("dynamic"))]
+    return [{key: row.get(key) for key in kept} for row in rows]
+
+
+def _traces(results: Results, words: Words) -> Iterator[Grid]:
+    columns = ("symbol", "formula", "inputs", "result", "paragraph")
+    for name, content in results["states"].items():
+        for direction, capacity in (content.get("capacity") or {}).items():
+            for limit in tables.LIMIT_STATES:
+                steps = ((capacity or {}).get(limit) or {}).get("trace")
+                if steps:
+                    caption = words(
+                        "caption.trace",
+                        state=words.state(name),
+                        direction=direction_name(direction),
+                        limit=limit,
+                    )
+                    rows = [_step(step, words) for step in steps]
+                    yield grid(tables.Table("trace", rows, columns), words, caption)
+
+
+def _step(step: Mapping[str, Any], words: Words) -> tables.Row:
+    result = words.number(step["result"], 5)
+    return {
+        "symbol": pretty(step["symbol"]),
+        "formula": pretty(step["formula"]) or words.plain("value.datum"),
+        "inputs": "; ".join(
+            f"{pretty(name)} = {words.number(value, 5)}" for name, value in step["inputs"].items()
+        ),
+        "result": f"{result} {step['unit']}".strip() if step.get("unit") else result,
+        "paragraph": step["paragraph"],
+    }
+
+
+def _contacts(results: Results) -> list[str]:
+    """Return the kinds of contact of which there is any curve."""
+    stages = [
+        stage
+        for content in results["states"].values()
+        for stage in [*(content.get("pushover") or {}).values(), content.get("pushdown")]
+        if stage
+    ]
+    return [contacts for contacts in ("rigid", "elastic") if any(stage.get(contacts) for stage in stages)]
+
+
+def _missing(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield a sentence for each state without the pushover that another state has."""
+    for direction in tables.directions(results):
+        for name, content in results["states"].items():
+            if not (content.get("pushover") or {}).get(direction):
+                yield words(
+                    "text.missing_pushover", state=words.state(name), direction=direction_name(direction)
+                )

@@ -1,0 +1,237 @@
+"""The static stages of one state under one contact behaviour, as plain numbers for results.json."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from mechanics import (
+    Assembly,
+    CollapseError,
+    ControlError,
+    ConvergenceError,
+    NoEquilibriumError,
+    State,
+    UnstableError,
+    pushdown,
+    pushover,
+)
+from mechanics.assembly import Behaviour, Direction
+from mechanics.mechanism import hinges, virtual_work_multiplier
+from mechanics.program import Certificate
+from mechanics.pushdown import Pushdown
+from mechanics.pushover import Pushover
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from assessment.project import Project
+    from assessment.project_schema import ControlTable, SettlementTable
+
+ORIGINAL = "original"
+
+
+@dataclass
+class Quality:
+    """The worst certificate of the programs solved in a stage."""
+
+    state: str
+    stage: str
+    solves: int = 0
+    worst: Certificate | None = None
+    penetration: float = 0.0
+
+    def add(self, path: Pushdown | Pushover) -> None:
+        """Take in every step of a path."""
+        for certificate in path.certificates:
+            self.worst = certificate if self.worst is None else self.worst.joined(certificate)
+        self.solves += sum(step.solves for step in path.steps) + len(path.certificates) - len(path.steps)
+        self.penetration = max([self.penetration, *(step.penetration for step in path.steps)])
+
+    def numbers(self) -> dict[str, Any]:
+        """The row of the results' table."""
+        worst = self.worst or Certificate(0.0, 0.0, 0.0, 0.0, 0.0)
+        return {
+            "state": self.state,
+            "stage": self.stage,
+            "solves": self.solves,
+            "worst_equilibrium_residual": worst.equilibrium,
+            "worst_penetration_m": max(worst.penetration, self.penetration),
+            "worst_complementarity": worst.complementarity,
+            "worst_cone_violation": worst.cone,
+        }
+
+
+@dataclass
+class StateResult:
+    """What one state gave under one behaviour; `failures`: analyses that could not be completed."""
+
+    state: str
+    behaviour: Behaviour
+    pushdown: dict[str, Any] | None = None
+    pushover: dict[str, dict[str, Any]] = field(default_factory=dict)
+    configuration: list[list[float]] | None = None
+    quality: list[dict[str, Any]] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+def analyse_state(
+    project: Project, model: Assembly, settlement: SettlementTable | None, behaviour: Behaviour
+) -> StateResult:
+    """Settle the structure as a scenario asks (None: not at all), then push it over in every direction asked for."""
+    result = StateResult(settlement.name if settlement else ORIGINAL, behaviour)
+    state: State | None = None
+    if settlement is not None:
+        began = time.perf_counter()
+        state = _settle(project, model, settlement, result)
+        result.seconds["pushdown"] = time.perf_counter() - began
+        if state is None:
+            return result
+        result.configuration = configuration(model, state)
+    if project.pushover is not None and behaviour in project.pushover.contacts:
+        began = time.perf_counter()
+        quality = Quality(result.state, f"pushover, {behaviour}")
+        for direction in project.pushover.directions:
+            _push(project, model, state, direction, result, quality)
+        result.quality.append(quality.numbers())
+        result.seconds["pushover"] = time.perf_counter() - began
+    return result
+
+
+def _settle(project: Project, model: Assembly, settlement: SettlementTable, result: StateResult) -> State | None:
+    title = f"{settlement.name}, {result.behaviour} contacts"
+    path: Pushdown
+    reached: State | None
+    try:
+        path = pushdown(
+            model,
+            settlement.support,
+            settlement.displacement_m,
+            settlement.rotation_rad,
+            settlement.increment_m,
+            result.behaviour,
+            settlement.to_collapse,
+        )
+        reached = path.final
+    except CollapseError as collapse:
+        result.failures.append(f"{title}: {collapse}")
+        assert isinstance(collapse.path, Pushdown)
+        path, reached = collapse.path, None
+    except (UnstableError, ConvergenceError, NoEquilibriumError) as error:
+        result.failures.append(f"{title}: {error}")
+        return None
+    if settlement.to_collapse and path.ultimate is None:
+        result.warnings.append(f"{title}: no ultimate movement up to {path.movement[-1]:.3g} m ({path.end})")
+    quality = Quality(result.state, f"pushdown, {result.behaviour}")
+    quality.add(path)
+    result.quality.append(quality.numbers())
+    control = project.control[0] if project.control else None
+    result.pushdown = {
+        "movement_m": path.movement.tolist(),
+        "reaction_x_kN": path.reaction[:, 0].tolist(),
+        "reaction_z_kN": path.reaction[:, 1].tolist(),
+        "ultimate_movement_m": path.ultimate,
+        "end": path.end,
+        "configuration": configuration(model, path.final),
+        "ultimate_configuration": configuration(model, path.states[-1]) if path.ultimate is not None else None,
+        "control_displacement_m": _control_path(model, control, path) if control else None,
+    }
+    return reached
+
+
+def _control_path(model: Assembly, control: ControlTable, path: Pushdown) -> list[list[float]]:
+    block = model.block_at(control.point_m)
+    start = model.point_displacement(control.point_m, block, path.states[0].positions)
+    return [
+        (model.point_displacement(control.point_m, block, state.positions) - start).tolist() for state in path.states
+    ]
+
+
+def _push(
+    project: Project,
+    model: Assembly,
+    state: State | None,
+    direction: Direction,
+    result: StateResult,
+    quality: Quality,
+) -> None:
+    """Push over in one direction, with the control point asked for or, where it stays still, the next that moves."""
+    assert project.pushover is not None
+    title = f"{result.state}, pushover {direction}, {result.behaviour} contacts"
+    wished = project.pushover_control(direction)
+    for control in (wished, *(point for point in project.control if point != wished)):
+        try:
+            path = pushover(
+                model, control.point_m, direction, result.behaviour, project.pushover.increment_m, state
+            )
+        except ControlError as error:
+            result.warnings.append(f"{title}: control point {control.name}: {error}")
+            continue
+        except (UnstableError, ConvergenceError, NoEquilibriumError) as error:
+            result.failures.append(f"{title}: {error}")
+            return
+        quality.add(path)
+        numbers = _rigid if result.behaviour == "rigid" else _elastic
+        result.pushover[direction] = {"control": control.name} | numbers(model, control, direction, path)
+        if not path.reached_zero:
+            result.warnings.append(
+                f"{title}: ends at d = {path.displacement[-1]:.4g} m, α = {path.multiplier[-1]:.4g}: {path.end}"
+            )
+        return
+    result.failures.append(f"{title}: no control point takes part in the mechanism; add one on a part that moves")
+
+
+def _rigid(model: Assembly, control: ControlTable, direction: Direction, path: Pushover) -> dict[str, Any]:
+    peak, mechanism = path.peak, path.mechanism
+    at = path.states[peak]
+    block = model.block_at(control.point_m)
+    small = 1e-6 * model.size / abs(mechanism[:, :2]).max()
+    shift = model.point_displacement(control.point_m, block, at.positions + small * mechanism)
+    rate = (shift - model.point_displacement(control.point_m, block, at.positions))[0] / small
+    found = hinges(model, at, mechanism, path.forces)
+    return {
+        "alpha_0": float(path.multiplier[peak]),
+        "alpha_onset": float(path.multiplier[0]),
+        "d_0_m": float(path.displacement[-1]),
+        "reached_zero": path.reached_zero,
+        "end": path.end,
+        "curve": _curve(path),
+        "mechanism": {
+            "hinges": len(found.points),
+            "displacements": (mechanism / rate).tolist(),
+            "hinge_points_m": found.points.tolist(),
+            "sliding_joints": found.sliding.tolist(),
+            "moving_weight_kN": float(found.moving_weight),
+        },
+        "virtual_work_alpha": virtual_work_multiplier(model, mechanism, direction),
+        "peak_configuration": configuration(model, at),
+        "final_configuration": configuration(model, path.states[-1]),
+    }
+
+
+def _elastic(model: Assembly, control: ControlTable, direction: Direction, path: Pushover) -> dict[str, Any]:
+    del control, direction
+    return {
+        "alpha_u": float(path.multiplier[path.peak]),
+        "d_u_m": float(path.displacement[path.peak]),
+        "end": path.end,
+        "reached_zero": path.reached_zero,
+        "curve": _curve(path),
+        "rest_configuration": configuration(model, path.states[0]),
+        "peak_configuration": configuration(model, path.states[path.peak]),
+    }
+
+
+def _curve(path: Pushover) -> dict[str, list[float]]:
+    return {"displacement_m": path.displacement.tolist(), "multiplier": path.multiplier.tolist()}
+
+
+def configuration(model: Assembly, state: State) -> list[list[float]]:
+    """Displacements and rotation (b, 3) of the blocks from the drawing."""
+    moved: NDArray[np.float64] = state.positions - model.initial.positions
+    rows: list[list[float]] = moved.tolist()
+    return rows

@@ -1,0 +1,348 @@
+"""The tables of a set of results: CSV files, and the same rows for the report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from assessment.files import write_atomically
+
+Results = Mapping[str, Any]
+Row = dict[str, Any]
+LIMIT_STATES = ("SLO", "SLD", "SLV", "SLC")
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows as dictionaries. A missing key was not asked for; None was asked for and not reached."""
+
+    name: str
+    rows: list[Row]
+    columns: tuple[str, ...]
+
+
+def write_tables(results: Results, folder: Path) -> list[Path]:
+    """Write every table of the results that has rows as CSV (comma, point, UTF-8) into the folder."""
+    import pandas as pd  # late: the report needs the rows only
+
+    paths = []
+    for table in tables(results):
+        if table.rows:
+            frame = pd.DataFrame(table.rows, columns=list(table.columns))
+            path = folder / f"{table.name}.csv"
+            write_atomically(path, frame.to_csv(index=False, lineterminator="\n").encode())
+            paths.append(path)
+    return paths
+
+
+def tables(results: Results) -> list[Table]:
+    """List all tables of the results, long ones included."""
+    return [
+        blocks(results),
+        layers(results),
+        settlements(results),
+        pushdown_curves(results),
+        mechanisms(results),
+        pushover_curves(results),
+        capacity_curves(results),
+        summary(results),
+        verification(results),
+        Table("comparison", list(results.get("comparison") or []), COMPARISON),
+        hand_check(results),
+        Table("quality", list(results["quality"].get("by_stage") or []), QUALITY),
+        spectra(results),
+    ]
+
+
+COMPARISON = (
+    "state",
+    "direction",
+    "static_pga_g",
+    "static_reduction",
+    "dynamic_pga_g",
+    "dynamic_reduction",
+)
+QUALITY = (
+    "state",
+    "stage",
+    "solves",
+    "worst_equilibrium_residual",
+    "worst_penetration_m",
+    "worst_complementarity",
+    "worst_cone_violation",
+)
+VERIFICATION = ("d_star_m", "a_star_g", "T_s", "a_g_g", "demand_a_g_g", "zeta_E", "verified")
+
+
+def blocks(results: Results) -> Table:
+    """List every block: layer, support, centroid, area, volume and extra load."""
+    rows = []
+    for number, block in enumerate(results["geometry"]["blocks"]):
+        area = _area(block["vertices_m"])
+        rows.append(
+            {
+                "block": number,
+                "layer": block["layer"],
+                "support": block["support"],
+                "x_m": block["centroid_m"][0],
+                "z_m": block["centroid_m"][1],
+                "area_m2": area,
+                "depth_m": block["depth_m"],
+                "vertical_load_kN": block["vertical_load_kN"],
+            }
+        )
+    return Table("blocks", rows, tuple(rows[0]))
+
+
+def layers(results: Results) -> Table:
+    """Sum up each layer: its role, blocks, depth, material and loads; defaults from [material]."""
+    echo, rows = results["echo"], []
+    blocks = results["geometry"]["blocks"]
+    for layer in sorted({block["layer"] for block in blocks}):
+        own = [block for block in blocks if block["layer"] == layer]
+        given = {**(echo.get("material") or {}), **((echo.get("layers") or {}).get(layer) or {})}
+        rows.append(
+            {
+                "layer": layer,
+                "support": own[0]["support"],
+                "blocks": len(own),
+                "depth_m": own[0]["depth_m"],
+                "area_m2": sum(_area(block["vertices_m"]) for block in own),
+                "vertical_load_kN": sum(block["vertical_load_kN"] for block in own),
+            }
+            | {key: given[key] for key in MATERIAL if given.get(key) is not None}
+        )
+    return Table(
+        "layers",
+        rows,
+        ("layer", "support", "blocks", "depth_m", "area_m2", *MATERIAL, "vertical_load_kN"),
+    )
+
+
+MATERIAL = ("unit_weight_kN_m3", "friction", "normal_stiffness_kN_m3", "tangential_stiffness_kN_m3")
+
+
+def settlements(results: Results) -> Table:
+    """List the movements and how far each may go: the ultimate movement by kind of contact."""
+    rows = []
+    for name, content in results["states"].items():
+        settlement = content.get("settlement")
+        if settlement:
+            row = {
+                "state": name,
+                "support": settlement["support"],
+                "displacement_x_m": settlement["displacement_m"][0],
+                "displacement_z_m": settlement["displacement_m"][1],
+                "rotation_rad": settlement.get("rotation_rad") or 0.0,
+            }
+            for contacts, stage in (content.get("pushdown") or {}).items():
+                if "ultimate_movement_m" in stage:
+                    row[f"ultimate_{contacts}_m"] = stage["ultimate_movement_m"]
+            rows.append(row)
+    columns = ("state", "support", "displacement_x_m", "displacement_z_m", "rotation_rad")
+    return Table("settlements", rows, (*columns, "ultimate_rigid_m", "ultimate_elastic_m"))
+
+
+def pushdown_curves(results: Results) -> Table:
+    """List the points of every pushdown curve."""
+    rows = [
+        {
+            "state": name,
+            "contacts": contacts,
+            "movement_m": movement,
+            "reaction_x_kN": reaction_x,
+            "reaction_z_kN": reaction_z,
+        }
+        for name, content in results["states"].items()
+        for contacts, stage in (content.get("pushdown") or {}).items()
+        for movement, reaction_x, reaction_z in zip(
+            stage["movement_m"], stage["reaction_x_kN"], stage["reaction_z_kN"], strict=True
+        )
+    ]
+    return Table("pushdown", rows, ("state", "contacts", "movement_m", "reaction_x_kN", "reaction_z_kN"))
+
+
+def mechanisms(results: Results) -> Table:
+    """List the rigid mechanism of every state and direction."""
+    rows = []
+    for name, direction, pushover in _pushovers(results):
+        mechanism = pushover.get("rigid", {}).get("mechanism")
+        if mechanism:
+            rows.append(
+                {"state": name, "direction": direction, "alpha_0": pushover["rigid"]["alpha_0"]}
+                | {key: mechanism.get(key) for key in ("hinges", "moving_weight_kN", "e_star", "gamma_star")}
+                | {"sliding_joints": len(mechanism["sliding_joints"])}
+            )
+    columns = ("state", "direction", "alpha_0", "hinges", "sliding_joints", "moving_weight_kN")
+    return Table("mechanisms", rows, (*columns, "e_star", "gamma_star"))
+
+
+def pushover_curves(results: Results) -> Table:
+    """List the points of every pushover curve."""
+    rows = [
+        {
+            "state": name,
+            "direction": direction,
+            "contacts": contacts,
+            "displacement_m": displacement,
+            "multiplier": multiplier,
+        }
+        for name, direction, pushover in _pushovers(results)
+        for contacts in ("rigid", "elastic")
+        if contacts in pushover
+        for displacement, multiplier in zip(
+            pushover[contacts]["curve"]["displacement_m"],
+            pushover[contacts]["curve"]["multiplier"],
+            strict=True,
+        )
+    ]
+    return Table("pushover", rows, ("state", "direction", "contacts", "displacement_m", "multiplier"))
+
+
+def capacity_curves(results: Results) -> Table:
+    """List the points of every capacity curve in spectral coordinates."""
+    rows = [
+        {"state": name, "direction": direction, "d_star_m": d_star, "a_star_g": a_star}
+        for name, direction, capacity in _capacities(results)
+        if capacity.get("curve")
+        for d_star, a_star in zip(capacity["curve"]["d_star_m"], capacity["curve"]["a_star_g"], strict=True)
+    ]
+    return Table("capacity", rows, ("state", "direction", "d_star_m", "a_star_g"))
+
+
+def summary(results: Results) -> Table:
+    """Return the quantities of the paper's Table 1 per direction, a column per state, and the reductions.
+
+    A reduction is 1 − settled/original: positive where the movement costs capacity.
+    """
+    names = list(results["states"])
+    rows: list[Row] = []
+    for direction in directions(results):
+        for quantity, limit, values in _quantities(results, direction):
+            row: Row = {"direction": direction, "quantity": quantity, "limit_state": limit} | values
+            original = values.get("original")
+            for name in names:
+                if name != "original" and name in values:
+                    row[f"reduction: {name}"] = _reduction(original, values[name])
+            rows.append(row)
+    columns = [column for name in names for column in _with_reduction(name)]
+    return Table("summary", rows, ("direction", "quantity", "limit_state", *columns))
+
+
+def verification(results: Results) -> Table:
+    """List the check of every state, direction and limit state."""
+    rows = [
+        {"state": name, "direction": direction, "limit_state": limit}
+        | {key: capacity[limit][key] for key in VERIFICATION if key in capacity[limit]}
+        for name, direction, capacity in _capacities(results)
+        for limit in LIMIT_STATES
+        if capacity.get(limit)
+    ]
+    return Table("verification", rows, ("state", "direction", "limit_state", *VERIFICATION))
+
+
+def hand_check(results: Results) -> Table:
+    """Compare α0 with the multiplier that virtual work gives on the mechanism, where it was computed."""
+    rows = []
+    for name, direction, pushover in _pushovers(results):
+        rigid = pushover.get("rigid", {})
+        if rigid.get("virtual_work_alpha") is not None and rigid.get("alpha_0"):
+            computed, by_hand = rigid["alpha_0"], rigid["virtual_work_alpha"]
+            rows.append(
+                {
+                    "state": name,
+                    "direction": direction,
+                    "alpha_0": computed,
+                    "virtual_work_alpha": by_hand,
+                    "deviation": by_hand / computed - 1.0,
+                }
+            )
+    return Table("hand_check", rows, ("state", "direction", "alpha_0", "virtual_work_alpha", "deviation"))
+
+
+def spectra(results: Results) -> Table:
+    """List the points of the demand spectra (5 % damping)."""
+    rows = [
+        {"limit_state": limit, "T_s": period, "S_e_g": acceleration, "S_De_m": displacement}
+        for limit, spectrum in (results.get("spectra") or {}).items()
+        for period, acceleration, displacement in zip(
+            spectrum["T_s"], spectrum["S_e_g"], spectrum["S_De_m"], strict=True
+        )
+    ]
+    return Table("spectra", rows, ("limit_state", "T_s", "S_e_g", "S_De_m"))
+
+
+def directions(results: Results) -> list[str]:
+    """Return the directions in which any state was pushed."""
+    found = {
+        direction for content in results["states"].values() for direction in content.get("pushover") or {}
+    }
+    return sorted(found)
+
+
+def _quantities(results: Results, direction: str) -> Iterator[tuple[str, str, Row]]:
+    """Yield quantity, limit state and the value of each state that has it."""
+    sources: dict[str, tuple[str, ...]] = {
+        "alpha_0": ("pushover", direction, "rigid", "alpha_0"),
+        "alpha_u": ("pushover", direction, "elastic", "alpha_u"),
+        "alpha_y": ("pushover", direction, "elastic", "alpha_y"),
+        "d_y_m": ("pushover", direction, "elastic", "d_y_m"),
+        "d_0_m": ("pushover", direction, "rigid", "d_0_m"),
+        "e_star": ("pushover", direction, "rigid", "mechanism", "e_star"),
+        "gamma_star": ("pushover", direction, "rigid", "mechanism", "gamma_star"),
+        "T_0_s": ("capacity", direction, "T_0_s"),
+    }
+    listed = [(quantity, "", path) for quantity, path in sources.items()]
+    listed += [
+        (quantity, limit, ("capacity", direction, limit, quantity))
+        for quantity in ("d_star_m", "T_s", "a_g_g", "zeta_E")
+        for limit in LIMIT_STATES
+    ]
+    for quantity, limit, path in listed:
+        values = {}
+        for name, content in results["states"].items():
+            found, value = _look_up(content, path)
+            if found:
+                values[name] = value
+        if values:
+            yield quantity, limit, values
+
+
+def _look_up(content: Any, path: Sequence[str]) -> tuple[bool, Any]:
+    for key in path:
+        if not isinstance(content, Mapping) or key not in content:
+            return False, None
+        content = content[key]
+    return True, content
+
+
+def _reduction(original: float | None, settled: float | None) -> float | None:
+    return None if not original or settled is None else 1.0 - settled / original
+
+
+def _with_reduction(name: str) -> tuple[str, ...]:
+    return (name,) if name == "original" else (name, f"reduction: {name}")
+
+
+def _pushovers(results: Results) -> Iterator[tuple[str, str, Any]]:
+    for name, content in results["states"].items():
+        for direction, pushover in (content.get("pushover") or {}).items():
+            if pushover:
+                yield name, direction, pushover
+
+
+def _capacities(results: Results) -> Iterator[tuple[str, str, Any]]:
+    for name, content in results["states"].items():
+        for direction, capacity in (content.get("capacity") or {}).items():
+            if capacity:
+                yield name, direction, capacity
+
+
+def _area(vertices: Sequence[Sequence[float]]) -> float:
+    """Return the area of a simple polygon in m² (shoelace)."""
+    x, z = np.asarray(vertices, dtype=float).T
+    return float(abs(np.dot(x, np.roll(z, -1)) - np.dot(z, np.roll(x, -1))) / 2.0)

@@ -1,0 +1,89 @@
+"""The words of the report in one language, and how its numbers are written."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any
+
+from markupsafe import Markup
+
+LANGUAGES = ("it", "en")
+SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
+
+@dataclass(frozen=True)
+class Words:
+    """Strings of `templates/strings_<language>.toml`, found by dotted keys; numbers with its decimal mark."""
+
+    language: str
+    strings: Mapping[str, Any]
+
+    def __call__(self, key: str, **values: object) -> Markup:
+        """Return the string as HTML, its {fields} shown by `show` and escaped."""
+        return Markup(self._find(key)).format(**{name: self.show(value) for name, value in values.items()})
+
+    def plain(self, key: str, **values: object) -> str:
+        """Return the string as plain text, for figures."""
+        return str(self._find(key)).format(**{name: self.show(value) for name, value in values.items()})
+
+    def rows(self, key: str) -> list[dict[str, str]]:
+        """Return an array of tables of the strings file."""
+        return list(self.strings[key])
+
+    def show(self, value: object) -> str:
+        """Write a value of results.json: null is "not reached", floats have three significant digits."""
+        if value is None:
+            return self.plain("value.not_reached")
+        if isinstance(value, bool):
+            return self.plain("value.yes" if value else "value.no")
+        if isinstance(value, float):
+            return self.number(value)
+        return str(value)
+
+    def number(self, value: float, significant: int = 3) -> str:
+        """Write a number with so many significant digits; never fewer digits than its whole part has."""
+        if value == 0.0 or not math.isfinite(value):
+            return "0" if value == 0.0 else ("∞" if value > 0 else "−∞")
+        mantissa, _, power = f"{value:.{significant - 1}e}".partition("e")
+        exponent = int(power)
+        if -5 < exponent < 7:
+            text = f"{value:.{max(0, significant - 1 - exponent)}f}"
+        else:
+            text = f"{mantissa}·10{str(exponent).translate(SUPERSCRIPTS)}"
+        return self.comma(text).replace("-", "−")
+
+    def millimetres(self, value: float | None) -> str:
+        """Write a length given in metres as millimetres, with the unit."""
+        return self.show(None) if value is None else f"{self.number(1000.0 * value)} mm"
+
+    def comma(self, text: str) -> str:
+        """Put the language's decimal mark into a number written with a point."""
+        return text.replace(".", self._find("value.decimal_mark"))
+
+    def state(self, name: str) -> str:
+        """Return the display name of a state; only the implicit one, "original", is translated."""
+        return self.plain("value.original") if name == "original" else name
+
+    def _find(self, key: str) -> str:
+        node: Any = self.strings
+        for part in key.split("."):
+            node = node[part]
+        return str(node)
+
+
+def words_of(results: Mapping[str, Any]) -> Words:
+    """Return the words of the language that the project's [report] table asks for (default Italian)."""
+    language = (results["echo"].get("report") or {}).get("language", "it")
+    if language not in LANGUAGES:
+        raise ValueError(f"report.language = {language!r}: must be one of {', '.join(LANGUAGES)}")
+    text = (files("templates") / f"strings_{language}.toml").read_text(encoding="utf-8")
+    return Words(language, tomllib.loads(text))
+
+
+def direction_name(direction: str) -> str:
+    """Write a direction with a true minus sign: +x, −x."""
+    return direction.replace("-", "−")

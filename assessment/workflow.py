@@ -1,0 +1,327 @@
+"""Which stages a project needs, in what order, and what they leave behind."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+import platform
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mechanics import Assembly, UnstableError
+from mechanics.block import GRAVITY
+from mechanics.equilibrium import check_self_weight
+
+from assessment.checks import assess, demand_spectra, spectra_numbers
+from assessment.files import write_atomically
+from assessment.messages import ProjectError
+from assessment.model import Model, build_model
+from assessment.stages import ORIGINAL, StateResult, analyse_state
+
+if TYPE_CHECKING:
+    from mechanics.assembly import Behaviour
+
+    from assessment.project import Project
+    from assessment.project_schema import SettlementTable
+
+Results = dict[str, Any]
+Progress = Callable[[str], None]
+PACKAGES = ("numpy", "scipy", "piqp", "ezdxf", "shapely", "pandas", "matplotlib", "jinja2", "weasyprint", "pydantic")
+SMALL = 2000  # contact points times analyses: below it a second process costs more than it saves
+LIMIT_STATES = ("SLC", "SLV", "SLD")  # the order in which a state's PGA is quoted
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a run came to: its results and whether every analysis asked for was completed."""
+
+    results: Results
+    complete: bool
+
+
+STAGES = {"pushdown": "settlements", "pushover": "pushover", "history": "history", "incremental": "incremental", "assessment": "assessment"}
+
+
+def select(project: Project, only: Iterable[str] | None) -> Project:
+    """The project with only some of its stages; ProjectError for a stage that does not exist.
+
+    A settled state is made where a stage needs it: settlements stay unless no other stage but the assessment is left.
+    """
+    if only is None:
+        return project
+    wanted = list(only)
+    for name in wanted:
+        if name not in STAGES:
+            raise ProjectError(f"--only: {name}: no such stage; choose from {', '.join(STAGES)}")
+    if "assessment" in wanted and "pushover" not in wanted:
+        wanted.append("pushover")
+    dropped: dict[str, Any] = {
+        table: () if table == "history" else None
+        for stage, table in STAGES.items()
+        if stage not in wanted and table != "settlements"
+    }
+    return project.model_copy(update=dropped)
+
+
+def run(project: Project, model: Model, jobs: int = 0, progress: Progress = lambda _: None) -> Outcome:
+    """Carry out every stage that the project asks for (jobs: processes, 0: as many as help)."""
+    assembly = model.assembly
+    demands, hazard = demand_spectra(project) if project.assessment else ({}, None)
+    results = describe(project, model)
+    try:
+        check_self_weight(assembly)
+    except UnstableError as error:
+        results["model"]["self_weight_stable"] = False
+        results["quality"]["warnings"] = [str(error)]
+        return Outcome(results, complete=False)
+    stages = list(_analyses(project, assembly, jobs, progress))
+    warnings = results["quality"]["warnings"]
+    states = results["states"]
+    for stage in stages:
+        _merge(states[stage.state], stage)
+        warnings += stage.warnings + stage.failures
+        results["quality"]["by_stage"] += stage.quality
+        for name, seconds in stage.seconds.items():
+            results["timing_s"][name] = results["timing_s"].get(name, 0.0) + seconds
+    if project.assessment:
+        began = time.perf_counter()
+        for name, state in states.items():
+            notes: list[str] = []
+            state["capacity"] = assess(project, assembly, state["pushover"], demands, hazard, notes)
+            warnings += [f"{name}: {note}" for note in notes]
+        results["spectra"] = spectra_numbers(demands)
+        results["comparison"] = _comparison(states)
+        results["timing_s"]["assessment"] = time.perf_counter() - began
+    _sum_up(results["quality"])
+    return Outcome(_without_nan(results), not any(stage.failures for stage in stages))
+
+
+def describe(project: Project, model: Model) -> Results:
+    """The part of the results that needs no analysis: inputs, model, geometry, echo."""
+    a = model.assembly
+    return {
+        "assesto": _version("assesto"),
+        "title": project.title,
+        "inputs": {name: hashlib.sha256(project.path(name).read_bytes()).hexdigest() for name in _inputs(project)},
+        "model": {
+            "blocks": len(a.blocks),
+            "movable_blocks": int(a.movable.sum()),
+            "joints": len(a.joints.a),
+            "contact_points": len(a.elastic_contacts),
+            "weight_kN": a.weight,
+            "self_weight_stable": True,
+            "warnings": list(model.warnings),
+        },
+        "geometry": _geometry(project, a),
+        "echo": project.content(),
+        "states": {
+            name: {
+                "configuration": [[0.0, 0.0, 0.0]] * len(a.blocks),
+                "settlement": settlement,
+                "pushdown": {},
+                "pushover": {},
+                "capacity": {},
+                "history": [],
+                "incremental": {},
+            }
+            for name, settlement in _states(project)
+        },
+        "comparison": [],
+        "quality": {"solves": 0, "warnings": [], "by_stage": []},
+        "timing_s": {},
+        "software": {
+            "version": _version("assesto"),
+            "python": platform.python_version(),
+            "platform": platform.system(),
+            "packages": {name: _version(name) for name in PACKAGES},
+        },
+    }
+
+
+def write(results: Results, folder: Path, report: bool = True) -> list[str]:
+    """Write results.json, tables, figures and report into `folder`; each appears whole or not at all.
+
+    Returns warnings (a PDF that could not be made). results.json comes last: where it is new, all is.
+    """
+    from assessment.figures import write_figures
+    from assessment.report import render_report
+    from assessment.tables import write_tables
+
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    warnings: list[str] = []
+    with tempfile.TemporaryDirectory(prefix=f".{folder.name}-", dir=folder.parent) as scratch:
+        new = Path(scratch)
+        write_tables(results, new / "tables")
+        write_figures(results, new / "figures")
+        if report:
+            made = render_report(results, new / "figures", new)
+            warnings = list(made.warnings)
+        write_atomically(new / "results.json", json.dumps(results, ensure_ascii=False, allow_nan=False).encode())
+        folder.mkdir(exist_ok=True)
+        for item in sorted(new.iterdir(), key=lambda path: path.name == "results.json"):
+            _replace(item, folder / item.name)
+    return warnings
+
+
+def _replace(new: Path, old: Path) -> None:
+    """Put a finished file or folder in the place of an earlier one."""
+    if new.is_dir() and old.exists():
+        aside = new.with_name(f"{new.name}.old")
+        old.rename(aside)
+        new.rename(old)
+        shutil.rmtree(aside)
+    else:
+        os.replace(new, old)
+
+
+def _analyses(project: Project, assembly: Assembly, jobs: int, progress: Progress) -> Iterable[StateResult]:
+    """Every state under every contact behaviour, on several processes where that pays."""
+    behaviours: tuple[Behaviour, ...] = project.pushover.contacts if project.pushover else ("rigid",)
+    scenarios = [*([None] if project.pushover else []), *project.settlements]
+    tasks: list[tuple[SettlementTable | None, Behaviour]] = [(s, b) for s in scenarios for b in behaviours]
+    points = len(assembly.elastic_contacts)
+    processes = jobs or (min(os.cpu_count() or 1, len(tasks)) if points * len(tasks) > SMALL else 1)
+
+    def name(task: tuple[SettlementTable | None, Behaviour]) -> str:
+        return f"{task[0].name if task[0] else ORIGINAL}: {task[1]} contacts"
+
+    if processes <= 1 or len(tasks) <= 1:
+        for task in tasks:
+            progress(name(task))
+            yield analyse_state(project, assembly, *task)
+        return
+    with ProcessPoolExecutor(processes) as pool:
+        # the elastic tasks are the long ones: first
+        order = sorted(tasks, key=lambda task: task[1] == "rigid")
+        futures = {id(task): pool.submit(analyse_state, project, assembly, *task) for task in order}
+        for task in tasks:
+            progress(name(task))
+            yield futures[id(task)].result()
+
+
+def _merge(state: Results, stage: StateResult) -> None:
+    if stage.pushdown is not None:
+        state["pushdown"][stage.behaviour] = stage.pushdown
+    if stage.configuration is not None and (stage.behaviour == "rigid" or not any(map(any, state["configuration"]))):
+        state["configuration"] = stage.configuration
+    for direction, numbers in stage.pushover.items():
+        control = numbers.pop("control")
+        state["pushover"].setdefault(direction, {"control": control})[stage.behaviour] = numbers
+
+
+def _comparison(states: Mapping[str, Any]) -> list[Results]:
+    """Static capacities of each settled state beside the original one's."""
+    rows = []
+    for name, state in states.items():
+        if name == ORIGINAL:
+            continue
+        for direction in states.get(ORIGINAL, {}).get("pushover", {}):
+            before = _pga(states[ORIGINAL]["capacity"].get(direction))
+            after = _pga(state["capacity"].get(direction))
+            rows.append(
+                {
+                    "state": name,
+                    "direction": direction,
+                    "static_pga_g": after,
+                    "static_reduction": 1.0 - after / before if before and after is not None else None,
+                    "dynamic_pga_g": None,
+                    "dynamic_reduction": None,
+                }
+            )
+    return rows
+
+
+def _pga(capacity: Mapping[str, Any] | None) -> float | None:
+    """The capacity a_g (g) at the farthest limit state that was checked."""
+    for limit_state in LIMIT_STATES:
+        if capacity and limit_state in capacity:
+            value: float | None = capacity[limit_state]["a_g_g"]
+            return value
+    return None
+
+
+def _sum_up(quality: Results) -> None:
+    rows = quality["by_stage"]
+    quality["solves"] = sum(row["solves"] for row in rows)
+    for key in (
+        "worst_equilibrium_residual",
+        "worst_penetration_m",
+        "worst_complementarity",
+        "worst_cone_violation",
+    ):
+        quality[key] = max((row[key] for row in rows), default=None)
+
+
+def _states(project: Project) -> Iterable[tuple[str, Results | None]]:
+    if project.pushover:
+        yield ORIGINAL, None
+    for s in project.settlements:
+        yield (
+            s.name,
+            {
+                "support": s.support,
+                "displacement_m": list(s.displacement_m),
+                "rotation_rad": s.rotation_rad,
+                "increment_m": s.increment_m,
+            },
+        )
+
+
+def _geometry(project: Project, a: Assembly) -> Results:
+    return {
+        "blocks": [
+            {
+                "vertices_m": block.polygon.tolist(),
+                "centroid_m": block.centroid.tolist(),
+                "depth_m": block.depth,
+                "layer": block.layer,
+                "handle": block.handle,
+                "support": block.support,
+                "vertical_load_kN": block.vertical_load,
+            }
+            for block in a.blocks
+        ],
+        "controls": [
+            {"name": point.name, "point_m": list(point.point_m), "block": a.block_at(point.point_m)}
+            for point in project.control
+        ],
+        "joints": [
+            {"blocks": [int(i), int(j)], "ends_m": ends.tolist()}
+            for i, j, ends in zip(a.joints.a, a.joints.b, a.joints.ends, strict=True)
+        ],
+        "gravity_m_s2": GRAVITY,
+    }
+
+
+def _inputs(project: Project) -> list[str]:
+    names = [project.source, project.geometry.drawing]
+    if project.assessment and project.assessment.site and project.assessment.site.grid:
+        names.append(project.assessment.site.grid)
+    return names
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def _without_nan(value: Any) -> Any:
+    """JSON has no NaN and no infinity: null in their place."""
+    if isinstance(value, Mapping):
+        return {key: _without_nan(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_without_nan(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value.item() if hasattr(value, "item") else value

@@ -1,0 +1,129 @@
+"""Figures are drawn from results alone, the same bytes each time, at the scale and places they claim."""
+
+import math
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from results_example import SETTLED, results_example
+
+from assessment.canvas import MM, SCALES, nice, save_svg, sheet
+from assessment.figures import pictures, slug, write_figures
+from assessment.outlines import Outlines, outlines
+from assessment.spectral_plots import damped
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("figures")
+    return write_figures(results_example(), folder)
+
+
+def test_every_figure_of_the_results_is_written(drawn):
+    names = {path.stem for path in drawn}
+    stem = slug(results_example(), SETTLED)
+    assert {"model", f"settlement_{stem}", f"pushdown_{stem}"} <= names
+    for side in ("plus_x", "minus_x"):
+        wanted = {f"mechanism_{side}", f"pushover_{side}", f"spectra_{side}_SLV", f"spectra_{side}_SLC"}
+        assert wanted <= names
+    for path in drawn:
+        assert ElementTree.parse(path).getroot().tag.endswith("svg")
+
+
+def test_bytes_depend_on_the_results_only(drawn, tmp_path):
+    for first, again in zip(drawn, write_figures(results_example(), tmp_path), strict=True):
+        assert first.read_bytes() == again.read_bytes()
+
+
+def test_no_temporary_file_is_left(drawn):
+    assert {path.name for path in drawn[0].parent.iterdir()} == {path.name for path in drawn}
+
+
+def test_figures_speak_the_language_of_the_report(drawn, tmp_path):
+    for picture in pictures(results_example("en")):
+        if picture.name == "pushover_plus_x":
+            save_svg(picture.draw, tmp_path / "pushover_plus_x.svg")
+    english = {path.name: path.read_text() for path in tmp_path.iterdir()}
+    italian = {path.name: path.read_text() for path in drawn}
+    assert "spostamento del punto di controllo [mm]" in italian["pushover_plus_x.svg"]
+    assert "displacement of the control point [mm]" in english["pushover_plus_x.svg"]
+    assert "d₀ = 192 mm" in english["pushover_plus_x.svg"]
+    assert "α_y = 0,118" in italian["pushover_plus_x.svg"]
+    assert "scala 1:20" in italian["model.svg"]
+
+
+def test_only_what_was_computed_is_drawn():
+    results = results_example()
+    for content in results["states"].values():
+        del content["capacity"], content["pushover"]
+        content.pop("pushdown", None)
+    assert [p.name for p in pictures(results)] == ["model", f"settlement_{slug(results, SETTLED)}"]
+
+
+def test_slugs_are_file_names_and_differ():
+    results = {"states": {"à / b": {}, "a b": {}, "«»": {}}}
+    assert [slug(results, name) for name in results["states"]] == ["0_a_b", "1_a_b", "2"]
+
+
+def test_sheet_is_to_scale():
+    page = sheet((0.0, 0.0, 2.7, 1.6), border_mm=14.0)
+    axes, figure = page.panels[0], page.figure
+    width_mm = axes.get_position().width * figure.get_size_inches()[0] / MM
+    assert page.scale in SCALES
+    assert width_mm == pytest.approx(2.7e3 / page.scale + 28.0)
+
+
+def test_panels_stay_on_the_page():
+    for bounds in ((0, 0, 1, 1), (0, 0, 12, 2), (0, 0, 1, 9)):
+        for count in (1, 2, 3, 4):
+            width, height = sheet(bounds, count).figure.get_size_inches() / MM
+            assert width <= 170.0 + 1e-6
+            assert height <= 216.0
+
+
+@given(st.floats(1e-6, 1e6))
+def test_nice_numbers_are_just_below(value):
+    found = nice(value)
+    assert found <= value * (1 + 1e-6) < 2.5 * found * (1 + 1e-6)
+
+
+@given(st.floats(-3.0, 3.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
+def test_a_rigid_motion_keeps_lengths_and_turns_by_the_angle(angle, dx, dz):
+    shape = outlines(results_example())
+    moved = shape.moved(np.tile([dx, dz, angle], (7, 1)))
+    for block in range(7):
+        before, after = (each.points[each.owner == block] for each in (shape, moved))
+        side = after[1] - after[0]
+        assert np.linalg.norm(side) == pytest.approx(np.linalg.norm(before[1] - before[0]))
+        turn = math.atan2(*side[::-1]) - math.atan2(*(before[1] - before[0])[::-1])
+        assert math.cos(turn - angle) == pytest.approx(1.0)
+    assert moved.centroids == pytest.approx(shape.centroids + np.array([dx, dz]))
+
+
+def test_the_nearest_block_of_a_hinge():
+    points = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [2, 0], [3, 0], [3, 1], [2, 1]], dtype=float)
+    shape = Outlines(points, np.repeat([0, 1], 4), np.array([[0.5, 0.5], [2.5, 0.5]]))
+    assert shape.nearest([0.0, 0.6]) == 0  # on the closing edge of the ring
+    assert shape.nearest([1.4, 0.5]) == 0
+    assert shape.nearest([1.6, 0.5]) == 1
+
+
+def test_mechanism_and_finite_motion_agree_to_first_order():
+    shape = outlines(results_example())
+    rate = np.random.default_rng(1).normal(size=(7, 3))
+    difference = shape.swept(rate, 1e-4).points - shape.moved(1e-4 * rate).points
+    assert np.abs(difference).max() < 1e-7
+
+
+def test_damping_reduces_the_spectrum_as_the_standard_says():
+    """NTC 2018 §3.2.3.2.1: S_e at 10 % damping written out, a_g = 0.25 g, S = 1.2, F0 = 2.4, T_C = 0.45 s."""
+    eta, T = math.sqrt(10.0 / 15.0), np.array([0.0, 0.05, 0.15, 0.30, 0.45, 1.0])
+    plateau = 0.25 * 1.2 * 2.4
+
+    def spectrum(eta):
+        rising = 0.25 * 1.2 * (eta * 2.4 * T / 0.15 + 1.0 - T / 0.15)
+        return np.where(T < 0.15, rising, eta * plateau * np.minimum(1.0, 0.45 / np.maximum(T, 0.45)))
+
+    assert damped(spectrum(1.0), T, 0.10) == pytest.approx(spectrum(eta))
