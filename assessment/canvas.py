@@ -76,7 +76,7 @@ def sheet(
     width, height = max(x1 - x0, 1e-6), max(z1 - z0, 1e-6)
     columns = 1 if count == 1 or width > 2.0 * height else 2
     rows = math.ceil(count / columns)
-    head_mm = 6.0
+    head_mm = 9.0
     room_x = WIDTH_MM / columns - 2.0 * border_mm
     room_z = min(130.0, (height_mm - foot_mm) / rows - head_mm) - 2.0 * border_mm
     needed = max(width / room_x, height / room_z) * 1000.0

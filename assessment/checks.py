@@ -94,7 +94,9 @@ def rigid_branch(rigid: Mapping[str, Any]) -> Curve:
     d, alpha = d[peak:], alpha[peak:]
     grows = np.concatenate([[True], d[1:] > np.maximum.accumulate(d)[:-1]])
     d, alpha = d[grows], alpha[grows]
-    if not rigid["reached_zero"]:
+    if rigid["reached_zero"]:
+        alpha[-1] = 0.0  # met to the tolerance of the last step
+    else:
         d, alpha = np.append(d, d[-1] * (1.0 + 1e-9) + 1e-15), np.append(alpha, 0.0)
     return d, alpha
 

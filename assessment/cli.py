@@ -92,10 +92,12 @@ def _check(options: argparse.Namespace) -> int:
     from mechanics import UnstableError
     from mechanics.equilibrium import check_self_weight
 
-    from assessment.figures import write_model
+    from assessment.canvas import save_svg
+    from assessment.drawings import draw_model
     from assessment.model import build_model
     from assessment.project import load_project
     from assessment.terminal import model_summary
+    from assessment.words import words_of
     from assessment.workflow import describe
 
     project = load_project(options.project)
@@ -107,9 +109,10 @@ def _check(options: argparse.Namespace) -> int:
     except UnstableError as error:
         results["model"]["self_weight_stable"] = False
         results["model"]["warnings"].append(str(error))
-    drawn = write_model(results, folder)
+    drawing = folder / "model.svg"
+    save_svg(lambda: draw_model(results, words_of(results)), drawing)
     print(model_summary(results))
-    print(f"drawing of the model: {drawn}")
+    print(f"drawing of the model: {drawing}")
     return DONE
 
 

@@ -38,11 +38,16 @@ class Grid:
     def widths(self) -> list[float]:
         """Return the widths of the columns in per cent, after the longest text of each, within bounds."""
         longest = [
-            max(6.0, *(1.35 * len(word) for word in self.head[column].striptags().split()), *map(len, cells))
+            max(6.0, *(1.2 * len(word) for word in self.head[column].striptags().split()), *map(_room, cells))
             for column, cells in enumerate(zip(*self.rows, strict=True))
         ]
         bounded = [min(length, 36.0) + 2.0 for length in longest]
         return [round(100.0 * length / sum(bounded), 2) for length in bounded]
+
+
+def _room(cell: Markup) -> float:
+    """Return the width of a text in average letters; capitals are wider."""
+    return len(cell) + 0.4 * sum(letter.isupper() for letter in cell)
 
 
 def grid(table: Table, words: Words, caption: Markup, significant: int = 3) -> Grid:
@@ -50,7 +55,7 @@ def grid(table: Table, words: Words, caption: Markup, significant: int = 3) -> G
     columns = [column for column in table.columns if any(column in row for row in table.rows)]
     return Grid(
         caption,
-        [words(f"column.{column}").replace(" [", "\u00a0[") for column in columns],
+        [words(f"column.{column}") for column in columns],
         [[cell(column, row, words, significant) for column in columns] for row in table.rows],
         [column in TEXT for column in columns],
     )

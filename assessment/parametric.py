@@ -47,7 +47,7 @@ class Ring:
     @property
     def half_angle(self) -> float:
         """Half of the angle of embrace, rad."""
-        return float(np.arcsin(min(0.5 * self.span / self.radius, 1.0)))
+        return 2.0 * float(np.arctan2(2.0 * self.rise, self.span))
 
     def joints(self, offset: float) -> Array:
         """Return the ends (voussoirs + 1, 2) of the radial joints at radius + offset, left to right."""
@@ -91,15 +91,19 @@ def running_bond(x0: float, x1: float, levels: Array, blocks: int) -> list[Array
 
 
 def fitted(cells: Iterable[Array], region: Polygon) -> list[Array]:
-    """Return the cells cut to a region without gap or overlap; slivers are joined to a neighbour."""
+    """Return the cells cut to a region without gap or overlap; slivers are joined to a neighbour.
+
+    Symmetric cells in a symmetric region stay symmetric: of neighbours that share equally much with a sliver
+    the one nearer the axis takes it, or both where it stands on the axis itself.
+    """
     cut = [Polygon(cell).intersection(region) for cell in cells]
     pieces = [part for c in cut for part in getattr(c, "geoms", [c]) if part.area > 1e-9]
-    while len(pieces) > 1 and _width(thin := min(pieces, key=_width)) < THINNEST:
-        pieces.remove(thin)
-        shared = np.array([piece.intersection(thin).length for piece in pieces])
-        hosts = shared > shared.max() - 1e-9  # two of them on the axis of symmetry
-        joined = unary_union([thin, *(p for p, host in zip(pieces, hosts, strict=True) if host)])
-        pieces = [joined, *(p for p, host in zip(pieces, hosts, strict=True) if not host)]
+    while len(pieces) > 1 and (slivers := [piece for piece in pieces if _is_sliver(piece)]):
+        sliver = min(slivers, key=lambda piece: (round(piece.area, 9), _off_axis(piece)))
+        others = [piece for piece in pieces if piece is not sliver]
+        bond = [(round(other.intersection(sliver).length, 9), -_off_axis(other)) for other in others]
+        joined = [other for other, each in zip(others, bond, strict=True) if each == max(bond)]
+        pieces = [other for other in others if other not in joined] + [unary_union([sliver, *joined])]
     return [np.array(piece.exterior.coords[:-1]) for piece in pieces]
 
 
@@ -240,10 +244,13 @@ def _levels(z0: float, z1: float, course_height: float) -> Array:
     return np.linspace(z0, z1, max(1, round((z1 - z0) / course_height)) + 1)
 
 
-def _width(piece: Polygon) -> float:
-    """Smallest width of a piece, m."""
-    corners = np.array(piece.minimum_rotated_rectangle.exterior.coords)
-    return float(np.hypot(*np.diff(corners, axis=0).T).min())
+def _is_sliver(piece: Polygon) -> bool:
+    """Whether no circle of the least thickness fits in."""
+    return bool(piece.buffer(-0.5 * THINNEST).is_empty)
+
+
+def _off_axis(piece: Polygon) -> float:
+    return round(abs(float(piece.centroid.x)), 9)
 
 
 def _layout(**layers: list[Array]) -> Layout:

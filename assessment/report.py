@@ -77,6 +77,7 @@ def render_html(results: Results, figures: Path, words: Words) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["unit_kept"] = _unit_kept
     annexes = ["echo", "trace"] if any(_traces(results, words)) else ["echo"]
     return environment.get_template("report.html.j2").render(
         w=words,
@@ -94,6 +95,11 @@ def render_html(results: Results, figures: Path, words: Words) -> str:
         judgement=draft_judgement(results, words),
         warnings=all_warnings(results),
     )
+
+
+def _unit_kept(head: Markup) -> Markup:
+    """Keep the unit of a heading on one line: [kN/m³] would break at the slash."""
+    return head.replace("[", Markup("<span class='unit'>[")).replace("]", Markup("]</span>"))
 
 
 class Counter:
@@ -165,12 +171,12 @@ def _traces(results: Results, words: Words) -> Iterator[Grid]:
 
 
 def _step(step: Mapping[str, Any], words: Words) -> tables.Row:
-    result = words.number(step["result"], 5)
+    result = words.number(step["result"], 6)
     return {
         "symbol": pretty(step["symbol"]),
         "formula": pretty(step["formula"]) or words.plain("value.datum"),
         "inputs": "; ".join(
-            f"{pretty(name)} = {words.number(value, 5)}" for name, value in step["inputs"].items()
+            f"{pretty(name)} = {words.number(value, 6)}" for name, value in step["inputs"].items()
         ),
         "result": f"{result} {step['unit']}".strip() if step.get("unit") else result,
         "paragraph": step["paragraph"],

@@ -186,15 +186,15 @@ def _push(
 
 
 def _rigid(model: Assembly, control: ControlTable, direction: Direction, path: Pushover) -> dict[str, Any]:
-    peak, mechanism = path.peak, path.mechanism
-    at = path.states[peak]
+    mechanism, at = path.mechanism, path.states[path.formed]
+    reference = path.multiplier[path.formed : path.formed + (2 if path.formed else 1)].mean()
     block = model.block_at(control.point_m)
     small = 1e-6 * model.size / abs(mechanism[:, :2]).max()
     shift = model.point_displacement(control.point_m, block, at.positions + small * mechanism)
     rate = (shift - model.point_displacement(control.point_m, block, at.positions))[0] / small
     found = hinges(model, at, mechanism, path.forces)
     return {
-        "alpha_0": float(path.multiplier[peak]),
+        "alpha_0": float(path.multiplier[path.peak]),
         "alpha_onset": float(path.multiplier[0]),
         "d_0_m": float(path.displacement[-1]),
         "reached_zero": path.reached_zero,
@@ -202,13 +202,16 @@ def _rigid(model: Assembly, control: ControlTable, direction: Direction, path: P
         "curve": _curve(path),
         "mechanism": {
             "hinges": len(found.points),
+            "e_star": None,
+            "gamma_star": None,
             "displacements": (mechanism / rate).tolist(),
             "hinge_points_m": found.points.tolist(),
             "sliding_joints": found.sliding.tolist(),
             "moving_weight_kN": float(found.moving_weight),
         },
         "virtual_work_alpha": virtual_work_multiplier(model, mechanism, direction),
-        "peak_configuration": configuration(model, at),
+        "virtual_work_reference": float(reference),
+        "mechanism_configuration": configuration(model, at),
         "final_configuration": configuration(model, path.states[-1]),
     }
 
@@ -218,6 +221,8 @@ def _elastic(model: Assembly, control: ControlTable, direction: Direction, path:
     return {
         "alpha_u": float(path.multiplier[path.peak]),
         "d_u_m": float(path.displacement[path.peak]),
+        "alpha_y": None,
+        "d_y_m": None,
         "end": path.end,
         "reached_zero": path.reached_zero,
         "curve": _curve(path),

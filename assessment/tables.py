@@ -251,7 +251,8 @@ def hand_check(results: Results) -> Table:
     for name, direction, pushover in _pushovers(results):
         rigid = pushover.get("rigid", {})
         if rigid.get("virtual_work_alpha") is not None and rigid.get("alpha_0"):
-            computed, by_hand = rigid["alpha_0"], rigid["virtual_work_alpha"]
+            computed = rigid.get("virtual_work_reference", rigid["alpha_0"])
+            by_hand = rigid["virtual_work_alpha"]
             rows.append(
                 {
                     "state": name,

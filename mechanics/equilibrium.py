@@ -110,16 +110,14 @@ def assemble(
     contacts = model.contacts(behaviour)
     rows = model.kinematics(behaviour, at)
     movable = model.movable
-    # the gap is true at `at` and carried back to the start; the slip is counted from the start, supports' part known
-    back = start.positions - at
-    imposed = -back
-    imposed[movable] = 0.0
-    back[~movable] = 0.0
+    # gap and slip since the start are true at `at`; carried back to the start of the movable blocks for the program
+    begun = model.kinematics(behaviour, start.positions) if at is not start.positions else rows
+    back = np.where(movable[:, None], start.positions - at, 0.0)
     compliance = np.zeros((len(contacts), 2)) if behaviour == "rigid" else 1.0 / contacts.stiffness
     gap = np.stack(
         [
             rows.gap + local(rows.normal, contacts.a, contacts.b, back),
-            local(rows.tangent, contacts.a, contacts.b, imposed),
+            rows.slide - begun.slide + local(rows.tangent, contacts.a, contacts.b, back),
         ],
         axis=1,
     )

@@ -30,7 +30,8 @@ class Pushover:
     `displacement` (k,) m of the control point, positive along the push; `multiplier` (k,); `states` of each point;
     `steps`: the equilibria behind the points (rigid: none at the onset). `reached_zero`: whether the curve was
     followed to α = 0, at its last point; `end`: why it ends. `certificates` of every step. `mechanism` (b, 3):
-    virtual displacements at the peak, in which the control point moves; `forces` (c, 2) kN: contact forces there.
+    virtual displacements at the point `formed`, in which the control point moves: the onset, or in a settled state
+    whose onset is local the first tenth of the path; `forces` (c, 2) kN: the contact forces there.
     """
 
     displacement: Array
@@ -41,6 +42,7 @@ class Pushover:
     reached_zero: bool
     end: str
     mechanism: Array
+    formed: int
     forces: Array
 
     @property
@@ -134,12 +136,14 @@ def pushover(
         control_rate = (path[-1] - path[-2]) / work
         if not smallest:
             shrink = min(1.0, GROWTH * shrink)
-    peak = int(np.argmax(multiplier))
-    if peak == 0 and onset_rate > 1e-3 * float(abs(onset[:, :2]).max()):
-        mechanism = onset
-    else:
-        after = int(np.argmax(np.array(path[peak:]) >= min(path[peak] + 0.5 * increment, max(path)))) + peak
-        mechanism = states[after].positions - states[peak - (after == peak)].positions
+    formed, mechanism, forces = 0, onset, first
+    if multiplier[0] < max(multiplier) or onset_rate < 1e-3 * float(abs(onset[:, :2]).max()):
+        # the onset was the closing of a settlement's hinge: the mechanism is read off once that is over
+        peak = int(np.argmax(multiplier))
+        over = path[peak] + max(0.5 * increment, SETTLED_FIRST * (path[-1] - path[peak]))
+        formed = max(int(np.argmax(np.array(path) >= min(over, max(path)))) - 1, 0)
+        mechanism = states[formed + 1].positions - states[formed].positions
+        forces = steps[max(formed - (contacts == "rigid"), 0)].forces
     return Pushover(
         np.array(path),
         np.array(multiplier),
@@ -149,7 +153,8 @@ def pushover(
         reached,
         end,
         mechanism,
-        steps[peak - (contacts == "rigid")].forces if peak else first,
+        formed,
+        forces,
     )
 
 

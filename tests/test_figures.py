@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from results_example import SETTLED, results_example
 
 from assessment.canvas import MM, SCALES, nice, save_svg, sheet
 from assessment.figures import pictures, slug, write_figures
 from assessment.outlines import Outlines, outlines
 from assessment.spectral_plots import damped
+from tests.results_example import SETTLED, results_example
 
 
 @pytest.fixture(scope="module")

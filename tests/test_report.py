@@ -10,12 +10,12 @@ import pypdf
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from results_example import SETTLED, results_example
 
 from assessment.figures import write_figures
 from assessment.judgement import draft_judgement
 from assessment.report import APT_COMMAND, CHAPTERS, render_html, render_report
 from assessment.words import LANGUAGES, words_of
+from tests.results_example import SETTLED, results_example
 
 TEMPLATES = files("templates")
 
@@ -76,7 +76,7 @@ def test_expected_sections_stand_in_order_with_page_numbers(report):
 
 
 def test_numbers_of_the_results_are_in_the_document(report):
-    language, results, _, pages = report
+    language, results, made, pages = report
     words, text = words_of(results), squeezed("".join(pages))
     for content in results["states"].values():
         for direction, pushover in content["pushover"].items():
@@ -90,7 +90,8 @@ def test_numbers_of_the_results_are_in_the_document(report):
     assert words.number(100 * results["comparison"][0]["static_reduction"]) in text
     assert ("0,153" if language == "it" else "0.153") in text
     assert results["model"]["warnings"][0].replace(" ", "") in text
-    assert "Comune<A&B>" in text
+    assert "Comune<A&B>" in squeezed(pages[0])
+    assert f"<td>{words.number(1000 * 0.192)}</td>" in made.html.read_text()
 
 
 def test_figures_and_tables_are_numbered_without_gaps(report):

@@ -4,9 +4,9 @@ import io
 
 import pandas as pd
 import pytest
-from results_example import SETTLED, results_example
 
 from assessment.tables import blocks, hand_check, layers, summary, verification, write_tables
+from tests.results_example import SETTLED, results_example
 
 
 @pytest.fixture(scope="module")
