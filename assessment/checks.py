@@ -94,9 +94,7 @@ def rigid_branch(rigid: Mapping[str, Any]) -> Curve:
     d, alpha = d[peak:], alpha[peak:]
     grows = np.concatenate([[True], d[1:] > np.maximum.accumulate(d)[:-1]])
     d, alpha = d[grows], alpha[grows]
-    if rigid["reached_zero"]:
-        alpha[-1] = 0.0  # met to the tolerance of the last step
-    else:
+    if not rigid["reached_zero"]:
         d, alpha = np.append(d, d[-1] * (1.0 + 1e-9) + 1e-15), np.append(alpha, 0.0)
     return d, alpha
 
@@ -167,12 +165,12 @@ def _numbers(
         "d_0_star_m": capacity.d_0_star,
         "notes": list(fit.notes),
         "curve": {"d_star_m": capacity.displacement.tolist(), "a_star_g": capacity.acceleration.tolist()},
-        **{name: _check(check, part, capacity) for name, check in checks.items()},
+        **{name: _check(check, part) for name, check in checks.items()},
     }
 
 
-def _check(check: Check, part: Participation, capacity: CapacityCurve) -> dict[str, Any]:
-    trace = (*part.steps(), *capacity.steps(), *check.trace)
+def _check(check: Check, part: Participation) -> dict[str, Any]:
+    trace = (*part.steps(), *check.trace)
     return {
         "method": check.method,
         "d_star_m": check.d_star,

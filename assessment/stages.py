@@ -102,7 +102,9 @@ def analyse_state(
     return result
 
 
-def _settle(project: Project, model: Assembly, settlement: SettlementTable, result: StateResult) -> State | None:
+def _settle(
+    project: Project, model: Assembly, settlement: SettlementTable, result: StateResult
+) -> State | None:
     title = f"{settlement.name}, {result.behaviour} contacts"
     path: Pushdown
     reached: State | None
@@ -137,7 +139,9 @@ def _settle(project: Project, model: Assembly, settlement: SettlementTable, resu
         "ultimate_movement_m": path.ultimate,
         "end": path.end,
         "configuration": configuration(model, path.final),
-        "ultimate_configuration": configuration(model, path.states[-1]) if path.ultimate is not None else None,
+        "ultimate_configuration": configuration(model, path.states[-1])
+        if path.ultimate is not None
+        else None,
         "control_displacement_m": _control_path(model, control, path) if control else None,
     }
     return reached
@@ -147,7 +151,8 @@ def _control_path(model: Assembly, control: ControlTable, path: Pushdown) -> lis
     block = model.block_at(control.point_m)
     start = model.point_displacement(control.point_m, block, path.states[0].positions)
     return [
-        (model.point_displacement(control.point_m, block, state.positions) - start).tolist() for state in path.states
+        (model.point_displacement(control.point_m, block, state.positions) - start).tolist()
+        for state in path.states
     ]
 
 
@@ -177,12 +182,17 @@ def _push(
         quality.add(path)
         numbers = _rigid if result.behaviour == "rigid" else _elastic
         result.pushover[direction] = {"control": control.name} | numbers(model, control, direction, path)
-        if not path.reached_zero:
+        # an elastic curve has served once it is past its peak; a rigid one is the capacity to its end
+        if not path.reached_zero and (
+            result.behaviour == "rigid" or path.multiplier[-1] > 0.5 * max(path.multiplier)
+        ):
             result.warnings.append(
                 f"{title}: ends at d = {path.displacement[-1]:.4g} m, α = {path.multiplier[-1]:.4g}: {path.end}"
             )
         return
-    result.failures.append(f"{title}: no control point takes part in the mechanism; add one on a part that moves")
+    result.failures.append(
+        f"{title}: no control point takes part in the mechanism; add one on a part that moves"
+    )
 
 
 def _rigid(model: Assembly, control: ControlTable, direction: Direction, path: Pushover) -> dict[str, Any]:

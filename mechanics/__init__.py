@@ -1,4 +1,4 @@
-"""Rigid blocks in dry contact: limit analysis, pushdown and pushover by one program."""
+"""Rigid blocks in dry contact: limit analysis, pushdown, pushover and time histories by one program."""
 
 from mechanics.assembly import Assembly, State
 from mechanics.block import Block, Material
@@ -14,6 +14,7 @@ from mechanics.errors import (
 from mechanics.limit import limit_analysis
 from mechanics.pushdown import pushdown
 from mechanics.pushover import pushover
+from mechanics.time_history import TimeHistory, time_history
 
 __all__ = [
     "Assembly",
@@ -25,9 +26,11 @@ __all__ = [
     "Material",
     "NoEquilibriumError",
     "State",
+    "TimeHistory",
     "UnstableError",
     "limit_analysis",
     "pushdown",
     "pushover",
     "read_drawing",
+    "time_history",
 ]

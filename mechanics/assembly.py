@@ -173,6 +173,16 @@ class Assembly:
         )
         return State(positions, np.zeros_like(positions))
 
+    def starting(self, state: State | None) -> State:
+        """The state an analysis starts from (None: as drawn); ValueError where it is none of this assembly."""
+        if state is None:
+            return self.initial
+        require(isinstance(state, State), "state", type(state).__name__, "a State, such as .final of a pushdown")
+        shape = self.initial.positions.shape
+        require(state.positions.shape == shape, "state", state.positions.shape, f"of this assembly: {shape}")
+        require(bool(np.isfinite(state.positions).all()), "state", "positions", "finite")
+        return state
+
     def block_at(self, point: ArrayLike) -> int:
         """The block that holds a point (m) as drawn, edges included; ValueError where none does."""
         import shapely

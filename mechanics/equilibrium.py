@@ -14,7 +14,7 @@ from mechanics.joints import Index
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program
 from mechanics.solvers import BALANCED, imbalance, solve
 
-GEOMETRY_TOLERANCE = 1e-4  # of the step: how closely the geometry of forces and of positions must agree
+GEOMETRY_TOLERANCE = 1e-3  # of the step: how closely the geometry of forces and of positions must agree
 ALTERNATION = 0.25  # of the step: how far apart alternating mechanisms of rigid blocks may leave the blocks
 MOST_ITERATIONS = 30
 JUMP = 30.0  # a step this many times larger than asked is a fall, not a path of equilibrium
@@ -57,8 +57,9 @@ def find_step(
     ConvergenceError where that cannot be decided.
     """
     at = guess
+    scale = np.array([1.0, 1.0, model.size])
     worst: Certificate | None = None
-    earlier = np.inf
+    earlier, ahead = np.full_like(at, np.inf), 1.0
     for count in range(1, MOST_ITERATIONS + 1):
         program, rows = assemble(model, behaviour, start, at, load, size, lateral, work)
         solution = solve(program)
@@ -69,26 +70,29 @@ def find_step(
         worst = solution.certificate if worst is None else worst.joined(solution.certificate)
         found = at.copy()
         found[model.movable] = start.positions[model.movable] + solution.displacement.reshape(-1, 3)
-        if _size(found - start.positions, model) > JUMP * size:
-            raise NoEquilibriumError(
-                f"the structure falls: a step of {size:.3g} m moves it by {_size(found - start.positions, model):.3g} m"
-            )
-        change = _size(found - at, model)
-        acted, at = at, found
-        if change <= GEOMETRY_TOLERANCE * size:
+        moved = float(abs((found - start.positions) * scale).max())
+        if moved > JUMP * size:
+            raise NoEquilibriumError(f"the structure falls: a step of {size:.3g} m moves it by {moved:.3g} m")
+        change = (found - at) * scale
+        largest, before = float(abs(change).max()), float(abs(earlier).max())
+        if largest <= GEOMETRY_TOLERANCE * size:
             break
-        if behaviour == "rigid" and count > 3 and change <= ALTERNATION * size and change > 0.9 * earlier:
+        if behaviour == "rigid" and count > 3 and largest <= ALTERNATION * size and largest > 0.9 * before:
             break  # two mechanisms alternate, each the answer in the other's geometry: both are close enough
-        if count > 8 and change > 0.9 * earlier:
+        if count > 8 and largest > 0.9 * before:
             raise NoEquilibriumError("the geometry of the step does not settle: loss of stability")
-        earlier = change
-    penetration = _penetration(model, behaviour, at, solution.forces)
+        if behaviour == "elastic" and count > 1:
+            # Aitken's extrapolation; never backwards, which would settle on an unstable equilibrium
+            turn = change - earlier
+            ahead = float(np.clip(-ahead * (earlier * turn).sum() / (turn * turn).sum(), 0.1, 10.0))
+        at, earlier = at + ahead * change / scale, change
+    penetration = _penetration(model, behaviour, found, solution.forces)
     shear = solution.forces[:, 1] if np.isfinite(model.contacts(behaviour).stiffness[:, 1]).any() else None
     return Step(
-        State(at, np.zeros_like(at), shear if behaviour == "elastic" else None),
+        State(found, np.zeros_like(found), shear if behaviour == "elastic" else None),
         solution.forces,
         solution.alpha,
-        acted,
+        at,
         rows,
         worst,
         penetration,
@@ -202,7 +206,3 @@ def _penetration(model: Assembly, behaviour: Behaviour, positions: Array, forces
     compression = forces[:, 0] / contacts.stiffness[:, 0] if behaviour == "elastic" else 0.0
     gap = model.kinematics(behaviour, positions).gap + compression
     return float(max(0.0, -gap.min(initial=0.0)))
-
-
-def _size(displacement: Array, model: Assembly) -> float:
-    return float(abs(displacement * (1.0, 1.0, model.size)).max())

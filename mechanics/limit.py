@@ -32,7 +32,7 @@ def limit_analysis(model: Assembly, direction: Direction = "+x", state: State | 
     Friction is associative, as in the paper. Raises UnstableError where gravity alone cannot be carried and
     NoEquilibriumError where the load meets no mechanism (an interlocked assembly).
     """
-    state = state or model.initial
+    state = model.starting(state)
     check_self_weight(model, state)
     onset, closed = closed_program(model, state, model.lateral_load(direction))
     solution = solve(onset)

@@ -109,7 +109,7 @@ def pushdown(
         certificates.append(step.certificate)
         reactions.append(reaction(model, contacts, step, index)[:2])
         if final is None and path[-1] >= full * (1.0 - 1e-9):
-            final = settle(model, contacts, step, certificates)
+            final = settle(model, contacts, step, increment, certificates)
     path_so_far = Pushdown(
         np.array(path),
         np.array(reactions),
@@ -128,14 +128,16 @@ def pushdown(
     return path_so_far
 
 
-def settle(model: Assembly, contacts: Behaviour, step: Step, certificates: list[Certificate]) -> State:
+def settle(
+    model: Assembly, contacts: Behaviour, step: Step, size: float, certificates: list[Certificate]
+) -> State:
     """Close the gaps that dilatant sliding left under joints that carry, with no further movement."""
     for _ in range(10):
         carrying = step.forces[:, 0] > 1e-6 * model.weight
         gap = model.kinematics(contacts, step.state.positions).gap
         if contacts == "elastic" or gap[carrying].max(initial=0.0) <= SETTLED * model.size:
             break
-        step = rest(model, contacts, step.state)
+        step = rest(model, contacts, step.state, size)
         certificates.append(step.certificate)
     return step.state
 

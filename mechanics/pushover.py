@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,16 +11,19 @@ from numpy.typing import ArrayLike
 from mechanics.assembly import Assembly, Behaviour, Direction, State
 from mechanics.block import Array
 from mechanics.equilibrium import Step, check_self_weight, find_step, rest, rest_size
-from mechanics.errors import ControlError, NoEquilibriumError, UnstableError, require
+from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError, UnstableError, require
 from mechanics.limit import limit_analysis
 from mechanics.program import Certificate
 
 MOST_STEPS = 5000
 HALVINGS = 5
-SNAP = 64.0  # increments across which a hinge of the settlement may snap shut
+SNAP = 4.0  # of the settlement's largest displacement: across which one of its hinges may snap shut
+STILL = 1e-3  # of the largest displacement: a control point that takes no part
 GROWTH = 1.5  # of steps that begin small
 FIRST = 0.02  # of the rigid multiplier: the first step of that branch
 SETTLED_FIRST = 0.1  # of an increment: the first step from a settled state, whose open hinges may close first
+ZERO = 1e-6  # of the largest multiplier: one that is none
+MOST_CHORDS = 3  # to get there
 LARGEST = 2.0  # a block may move this many increments where the control point moves less
 
 
@@ -84,6 +88,13 @@ def pushover(
         )
         return float(u[0]) if direction == "+x" else -float(u[0])
 
+    def takes_no_part(why: str) -> ControlError:
+        point = tuple(np.asarray(control).tolist())
+        return ControlError(
+            f"control = {point} takes no part in the mechanism along {direction}, or the increment is too large: {why}"
+        )
+
+    snap = SNAP * float(abs(states[0].positions - model.initial.positions)[:, :2].max()) if state else 0.0
     # the next step from the rate of the last one: per unit work, how far the blocks and the control point move
     control_rate = along(states[0].positions + 1e-6 * model.size * rate) / (1e-6 * model.size)
     onset, onset_rate = rate, control_rate
@@ -106,36 +117,37 @@ def pushover(
                 raise NoEquilibriumError(
                     f"the structure falls back: a step of {increment:.3g} m makes {ahead:.3g} m"
                 )
-            if step.alpha < 0.0 and not waits:  # back to α = 0, on the chord of the last two points
-                work *= multiplier[-1] / (multiplier[-1] - step.alpha)
-                step, reached, end = advance(work), True, "α = 0"
-            snaps = waits and ahead < 0.5 * increment and step.alpha < max(multiplier)
+            stays = waits and ahead < 0.5 * increment and step.alpha < max(multiplier)
+            if step.alpha < 0.0 and not stays:
+                work, step = _down_to_zero(advance, multiplier[-1], work, step, ZERO * max(multiplier))
+                reached, end = True, "α = 0"
         except NoEquilibriumError as stop:
-            end, snaps = str(stop), waits
-            if not waits:
+            end, stays = str(stop), waits
+            if not (waits and snap):
                 smallest = smallest or shrink * 0.5**HALVINGS
                 shrink /= 2.0
                 if shrink < smallest:
                     break
                 continue
-        if snaps:
+        if stays and snap:
             # a hinge of the settlement snaps shut: step across it
             shrink *= 2.0
-            if shrink > SNAP:
-                point = tuple(np.asarray(control).tolist())
-                raise ControlError(
-                    f"control = {point} takes no part in the mechanism along {direction}: {end}"
-                )
+            if shrink * increment > snap:
+                raise takes_no_part(end)
             continue
+        if stays and step.alpha < 0.0:
+            raise takes_no_part("another part falls")
         states.append(step.state)
         steps.append(step)
         certificates.append(step.certificate)
-        multiplier.append(step.alpha)
+        multiplier.append(0.0 if reached else step.alpha)
         path.append(along(step.state.positions))
         rate = (step.state.positions - now.positions) / work
         control_rate = (path[-1] - path[-2]) / work
         if not smallest:
             shrink = min(1.0, GROWTH * shrink)
+    if max(path) < STILL * float(abs(states[-1].positions - states[0].positions)[:, :2].max()):
+        raise takes_no_part(end)
     formed, mechanism, forces = 0, onset, first
     if multiplier[0] < max(multiplier) or onset_rate < 1e-3 * float(abs(onset[:, :2]).max()):
         # the onset was the closing of a settlement's hinge: the mechanism is read off once that is over
@@ -156,6 +168,26 @@ def pushover(
         formed,
         forces,
     )
+
+
+def _down_to_zero(
+    advance: Callable[[float], Step], alpha: float, work: float, step: Step, tolerance: float
+) -> tuple[float, Step]:
+    """The work that brings the multiplier from α > 0 down to zero, and its step (false position, Illinois rule)."""
+    low, high = (0.0, alpha), (work, step.alpha)
+    for _ in range(MOST_CHORDS):
+        chord = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
+        try:
+            work, step = chord, advance(chord)
+        except (NoEquilibriumError, ConvergenceError):
+            break  # the multiplier jumps below zero: the last chord is as near as it gets
+        if abs(step.alpha) <= tolerance:
+            break
+        if step.alpha < 0.0:
+            low, high = (low[0], 0.5 * low[1]), (work, step.alpha)
+        else:
+            low, high = (work, step.alpha), (high[0], 0.5 * high[1])
+    return work, step
 
 
 Onset = tuple[list[State], list[Step], list[float], list[Certificate], Array, Array, float]
@@ -194,7 +226,7 @@ def settled(model: Assembly, state: State | None) -> Step:
     """Elastic rest under gravity from a state (default: as drawn); UnstableError where there is none."""
     check_self_weight(model)
     try:
-        return rest(model, "elastic", state or model.initial)
+        return rest(model, "elastic", model.starting(state))
     except NoEquilibriumError as fall:
         raise UnstableError(
             f"with elastic joints the structure cannot stand under its own weight: {fall}"

@@ -99,7 +99,7 @@ def test_triumphal_arch_has_the_size_of_the_papers() -> None:
     layout = template_layout("triumphal-arch")
     model = assembly("triumphal-arch")
     assert len(model.blocks) == pytest.approx(362, abs=5)
-    assert 4 * len(model.joints.a) == pytest.approx(3996, rel=0.05)
+    assert 4 * len(model.joints.a) == pytest.approx(3996, rel=0.10)
     assert len(layout["ROOF"]) == 8
     assert not any(Polygon(each).buffer(-0.025).is_empty for each in layout["ARCH"] + layout["NAVE"])
 
@@ -157,6 +157,7 @@ def test_triumphal_arch_of_any_dimensions_is_tiled_by_stout_blocks(
             "voussoirs": voussoirs,
             "wall_blocks": wall_blocks,
             "spandrel_blocks": spandrel_blocks,
+            "beams": 4,
         },
     )
     assert_tiled(layout)

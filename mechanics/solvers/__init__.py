@@ -62,10 +62,16 @@ def imbalance(program: Program) -> float:
         mass=mass,
         step=GRAVITY,
     )
-    for tolerance in (1e-9, 1e-11):
-        answer = interior_point.solve(gauss, tolerance)
-        if answer is not None and certify(gauss, *answer).equilibrium <= BALANCED:
-            return float(abs(answer[2].reshape(-1, 3) * (1.0, 1.0, program.size)).max()) / GRAVITY
+    least = np.inf
+    for tolerance in (1e-9, 1e-11, 1e-13):
+        answer = interior_point.solve(gauss, tolerance, most_iterations=100)
+        if answer is None or certify(gauss, *answer).equilibrium > BALANCED:
+            continue
+        least = min(least, float(abs(answer[2].reshape(-1, 3) * (1.0, 1.0, program.size)).max()) / GRAVITY)
+        if least <= BALANCED or least > 10.0 * np.sqrt(tolerance):  # the objective is known to the tolerance
+            return least
+    if np.isfinite(least):
+        return least
     raise ConvergenceError("the auxiliary program of least acceleration was not solved")
 
 

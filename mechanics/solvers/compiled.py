@@ -54,103 +54,151 @@ def _opening(row: Any, k: int, x: Array, normal: Array, tangent: Array, gap: Arr
 
 
 @compiled
-def _law(un: float, ut: float, mu: float, cn: float, ct: float) -> tuple[int, float, float]:
-    if un >= mu * abs(ut):
-        return OPEN, 0.0, 0.0
-    if un <= 0.0 and abs(ut) * cn <= -mu * un * ct:
-        return STICKING, -un / cn, -ut / ct
-    force = -(un - mu * abs(ut)) / (cn + mu * mu * ct)
-    if ut < 0.0:
-        return SLIDING_ON, force, mu * force
-    return SLIDING_BACK, force, -mu * force
+def _push(row: Any, k: int, fn: float, ft: float, normal: Array, tangent: Array, total: Array) -> None:
+    for side in range(2):
+        first = row[k, side]
+        if first >= 0:
+            for e in range(3):
+                total[first + e] += fn * normal[k, 3 * side + e] + ft * tangent[k, 3 * side + e]
 
 
 @compiled
-def evaluate(
+def _stiffen(row: Any, k: int, knn: float, knt: float, ktt: float, normal: Array, tangent: Array, band: Array) -> None:
+    i, j = row[k, 0], row[k, 1]
+    for side in range(2):
+        first = row[k, side]
+        if first >= 0:
+            for h in range(3):
+                n, t = normal[k, 3 * side + h], tangent[k, 3 * side + h]
+                pn, pt = knn * n + knt * t, knt * n + ktt * t
+                for e in range(h, 3):
+                    band[first + h, e - h] += pn * normal[k, 3 * side + e] + pt * tangent[k, 3 * side + e]
+    if i >= 0 and j >= 0:
+        high, low, below, above = (0, 3, j, i) if i > j else (3, 0, i, j)
+        for h in range(3):
+            n, t = normal[k, low + h], tangent[k, low + h]
+            pn, pt = knn * n + knt * t, knt * n + ktt * t
+            for e in range(3):
+                band[below + h, above + e - below - h] += pn * normal[k, high + e] + pt * tangent[k, high + e]
+
+
+@compiled
+def repeat_matrix(
+    row: Any, normal: Array, tangent: Array, friction: Array, compliance: Array, mass: Array, state: Any, band: Array
+) -> None:
+    """See kernels.repeat_matrix."""
+    band[:] = 0.0
+    for i in range(len(mass)):
+        band[i, 0] = mass[i]
+    for k in range(len(row)):
+        if state[k] == OPEN:
+            continue
+        cn, ct = compliance[k, 0], compliance[k, 1]
+        if state[k] == STICKING:
+            _stiffen(row, k, 1.0 / cn, 0.0, 1.0 / ct, normal, tangent, band)
+        else:
+            mu = friction[k] if state[k] == SLIDING_ON else -friction[k]
+            w = 1.0 / (cn + mu * mu * ct)
+            _stiffen(row, k, w, mu * w, mu * mu * w, normal, tangent, band)
+
+
+@compiled
+def repeat_forces(
     row: Any,
     normal: Array,
     tangent: Array,
     gap: Array,
     friction: Array,
     compliance: Array,
-    mass: Array,
-    load: Array,
     x: Array,
-    forced: bool,
     state: Any,
     forces: Array,
-    gradient: Array,
-    band: Array,
-) -> tuple[float, int]:
-    """See kernels.evaluate."""
-    value = 0.0
-    changes = 0
-    band[:] = 0.0
-    for i in range(len(x)):
-        gradient[i] = mass[i] * x[i] - load[i]
-        value += (0.5 * mass[i] * x[i] - load[i]) * x[i]
-        band[i, 0] = mass[i]
-    s = np.empty(6)
-    r = np.empty(6)
+    total: Array,
+) -> None:
+    """See kernels.repeat_forces."""
+    total[:] = 0.0
     for k in range(len(row)):
-        un, ut = _opening(row, k, x, normal, tangent, gap)
-        mu, cn, ct = friction[k], compliance[k, 0], compliance[k, 1]
-        if forced:
-            new = state[k]
-            if new == OPEN:
-                fn, ft = 0.0, 0.0
-            elif new == STICKING:
+        fn, ft = 0.0, 0.0
+        if state[k] != OPEN:
+            un, ut = _opening(row, k, x, normal, tangent, gap)
+            cn, ct = compliance[k, 0], compliance[k, 1]
+            if state[k] == STICKING:
                 fn, ft = -un / cn, -ut / ct
             else:
-                side = mu if new == SLIDING_ON else -mu
-                fn = -(un + side * ut) / (cn + mu * mu * ct)
-                ft = side * fn
-        else:
-            new, fn, ft = _law(un, ut, mu, cn, ct)
-            if new != state[k]:
-                changes += 1
-                state[k] = new
+                mu = friction[k] if state[k] == SLIDING_ON else -friction[k]
+                fn = -(un + mu * ut) / (cn + mu * mu * ct)
+                ft = mu * fn
+            _push(row, k, fn, ft, normal, tangent, total)
         forces[k, 0], forces[k, 1] = fn, ft
-        if new == OPEN:
-            continue
-        value += 0.5 * (cn * fn * fn + ct * ft * ft)
-        i, j = row[k, 0], row[k, 1]
-        for side in range(2):
-            first = row[k, side]
-            if first >= 0:
-                for e in range(3):
-                    gradient[first + e] -= fn * normal[k, 3 * side + e] + ft * tangent[k, 3 * side + e]
-        # rank-one parts of the stiffness: s sᵀ, and r rᵀ where the contact sticks
-        if new == STICKING:
-            wn, wt = 1.0 / np.sqrt(cn), 1.0 / np.sqrt(ct)
-            for e in range(6):
-                s[e] = wn * normal[k, e]
-                r[e] = wt * tangent[k, e]
-        else:
-            w = 1.0 / np.sqrt(cn + mu * mu * ct)
-            slope = mu if new == SLIDING_ON else -mu
-            for e in range(6):
-                s[e] = w * (normal[k, e] + slope * tangent[k, e])
-                r[e] = 0.0
-        for side in range(2):
-            first = row[k, side]
-            if first >= 0:
-                for e in range(3):
-                    for h in range(e + 1):
-                        u, v = 3 * side + e, 3 * side + h
-                        band[first + h, e - h] += s[u] * s[v] + r[u] * r[v]
-        if i >= 0 and j >= 0:
-            high, low, low_row, high_row = (0, 3, j, i) if i > j else (3, 0, i, j)
-            for h in range(3):
-                for e in range(3):
-                    band[low_row + h, high_row + e - low_row - h] += (
-                        s[high + e] * s[low + h] + r[high + e] * r[low + h]
-                    )
-    return value, changes
 
 
 @compiled
-def slope(
+def find_states(
+    row: Any,
+    normal: Array,
+    tangent: Array,
+    gap: Array,
+    friction: Array,
+    compliance: Array,
+    x: Array,
+    state: Any,
+) -> int:
+    """See kernels.find_states."""
+    changes = 0
+    for k in range(len(row)):
+        un, ut = _opening(row, k, x, normal, tangent, gap)
+        mu = friction[k]
+        if un >= mu * abs(ut):
+            new = OPEN
+        elif un <= 0.0 and abs(ut) * compliance[k, 0] <= -mu * un * compliance[k, 1]:
+            new = STICKING
+        else:
+            new = SLIDING_ON if ut < 0.0 else SLIDING_BACK
+        changes += new != state[k]
+        state[k] = new
+    return changes
+
+
+@compiled
+def _diagonal(k: int, friction: Array, compliance: Array, s: Array, z: Array) -> tuple[float, float, float, float, float]:
+    """Components of the ray (1, μ), and the inverse of RᵀCR + Z/S."""
+    mu = friction[k]
+    n = 1.0 / np.sqrt(1.0 + mu * mu)
+    t = mu * n
+    cn, ct = n * n * compliance[k, 0], t * t * compliance[k, 1]
+    p, q, c = cn + ct + z[k, 0] / s[k, 0], cn + ct + z[k, 1] / s[k, 1], cn - ct
+    # p q − c², without cancellation
+    det = 4.0 * cn * ct + (cn + ct) * (z[k, 0] / s[k, 0] + z[k, 1] / s[k, 1]) + (z[k, 0] / s[k, 0]) * (
+        z[k, 1] / s[k, 1]
+    )
+    return n, t, q / det, p / det, -c / det
+
+
+@compiled
+def interior_matrix(
+    row: Any,
+    normal: Array,
+    tangent: Array,
+    friction: Array,
+    compliance: Array,
+    mass: Array,
+    s: Array,
+    z: Array,
+    band: Array,
+) -> None:
+    """See kernels.interior_matrix."""
+    band[:] = 0.0
+    for i in range(len(mass)):
+        band[i, 0] = mass[i]
+    for k in range(len(row)):
+        n, t, a, b, c = _diagonal(k, friction, compliance, s, z)
+        _stiffen(
+            row, k, n * n * (a + b + 2.0 * c), n * t * (a - b), t * t * (a + b - 2.0 * c), normal, tangent, band
+        )
+
+
+@compiled
+def interior_rhs(
     row: Any,
     normal: Array,
     tangent: Array,
@@ -160,24 +208,59 @@ def slope(
     mass: Array,
     load: Array,
     x: Array,
-    direction: Array,
-) -> float:
-    """See kernels.slope."""
-    total = 0.0
+    s: Array,
+    z: Array,
+    product: Array,
+    rhs: Array,
+) -> None:
+    """See kernels.interior_rhs."""
     for i in range(len(x)):
-        total += (mass[i] * x[i] - load[i]) * direction[i]
+        rhs[i] = load[i] - mass[i] * x[i]
     for k in range(len(row)):
+        n, t, a, b, c = _diagonal(k, friction, compliance, s, z)
         un, ut = _opening(row, k, x, normal, tangent, gap)
-        new, fn, ft = _law(un, ut, friction[k], compliance[k, 0], compliance[k, 1])
-        if new != OPEN:
-            for side in range(2):
-                first = row[k, side]
-                if first >= 0:
-                    for e in range(3):
-                        total -= direction[first + e] * (
-                            fn * normal[k, 3 * side + e] + ft * tangent[k, 3 * side + e]
-                        )
-    return total
+        fn, ft = n * (s[k, 0] + s[k, 1]), t * (s[k, 0] - s[k, 1])
+        wn, wt = n * (un + compliance[k, 0] * fn), t * (ut + compliance[k, 1] * ft)
+        u = z[k, 0] - (wn + wt) - product[k, 0] / s[k, 0]
+        v = z[k, 1] - (wn - wt) - product[k, 1] / s[k, 1]
+        p, q = a * u + c * v, c * u + b * v
+        _push(row, k, fn + n * (p + q), ft + t * (p - q), normal, tangent, rhs)
+
+
+@compiled
+def interior_step(
+    row: Any,
+    normal: Array,
+    tangent: Array,
+    gap: Array,
+    friction: Array,
+    compliance: Array,
+    x: Array,
+    dx: Array,
+    s: Array,
+    z: Array,
+    product: Array,
+    ds: Array,
+    dz: Array,
+) -> tuple[float, float]:
+    """See kernels.interior_step."""
+    force, gapping = 1.0, 1.0
+    moved = x + dx
+    for k in range(len(row)):
+        n, t, a, b, c = _diagonal(k, friction, compliance, s, z)
+        un, ut = _opening(row, k, moved, normal, tangent, gap)
+        fn, ft = n * (s[k, 0] + s[k, 1]), t * (s[k, 0] - s[k, 1])
+        wn, wt = n * (un + compliance[k, 0] * fn), t * (ut + compliance[k, 1] * ft)
+        u = z[k, 0] - (wn + wt) - product[k, 0] / s[k, 0]
+        v = z[k, 1] - (wn - wt) - product[k, 1] / s[k, 1]
+        ds[k, 0], ds[k, 1] = a * u + c * v, c * u + b * v
+        for e in range(2):
+            dz[k, e] = -(product[k, e] + z[k, e] * ds[k, e]) / s[k, e]
+            if ds[k, e] < 0.0:
+                force = min(force, -s[k, e] / ds[k, e])
+            if dz[k, e] < 0.0:
+                gapping = min(gapping, -z[k, e] / dz[k, e])
+    return force, gapping
 
 
 @compiled

@@ -1,8 +1,9 @@
-"""The program with mass, by a semismooth Newton method on the displacements (design.md §3).
+"""The program with mass, by Newton's method on banded matrices (design.md §3).
 
-The contact forces are eliminated: what is left is the unconstrained minimisation of a convex, piecewise quadratic
-function of Δx, with a banded Hessian once the blocks are ordered by reverse Cuthill–McKee. Rigid directions get the
-compliance of a proximal term about the forces known so far, which a few rounds make exact.
+The contact forces are eliminated; what is left has three rows a block and, the blocks ordered by reverse
+Cuthill–McKee, a narrow band. Two methods share it. The first repeats the contact states (open, sticking, sliding) of
+the last step and corrects them a few times: exact, where they are right, after one factorisation. The second is a
+primal-dual interior point method in the rays of the friction cone (as interior_point), which needs no such luck.
 """
 
 from __future__ import annotations
@@ -15,146 +16,185 @@ from scipy import sparse
 from scipy.linalg import lapack
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from mechanics.assembly import NDArrayBool
 from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.program import Certificate, Program, Solution
-from mechanics.solvers import GOOD
-from mechanics.solvers.kernels import fastest
+from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, fastest
 
-PROXIMAL = 1e3  # stiffness of the proximal term, per scaled mass at the contact
-BALANCE = 1e-10  # per weight: unbalanced force at which the iterations stop
-MOST_ROUNDS = 12
+ACCEPTED = 1e-7  # certificate; worse ones are left to the interior point method of PIQP
+PROXIMAL = 1e7  # stiffness that stands for a rigid contact, per scaled mass: two rounds make it exact
+CORRECTIONS = 6  # of the contact states, before the interior point method takes over
+LONGEST_PAUSE = 15  # solves for which repeating is not tried, having failed again and again
 MOST_ITERATIONS = 40
-OVERSHOOT = 0.3  # of the first slope: a longer one past the minimum calls for a search along the line
+TO_THE_BOUND = 0.995  # share of the way to the cone that a step of the interior point method goes
+START = 0.3  # distance from the cone at which it starts, per weight and step
 
 
 @dataclass(eq=False)
 class Newton:
     """The solver laid out once for the contacts of an assembly: order of the blocks, width of the band, work space.
 
-    `dof` (c, 6) as in Program. `state` (c,) of the contacts and `forces` are where the next solve starts from;
-    `iterations` and `factorisations` count.
+    `dof` (c, 6) as in Program. `state` (c,): contact states of the last solution; `factorisations`, `repeated` (steps
+    solved by repeating states) and `solved` count.
     """
 
     dof: Index
     kernels: Any = field(default_factory=fastest)
-    iterations: int = 0
     factorisations: int = 0
+    repeated: int = 0
+    solved: int = 0
 
     def __post_init__(self) -> None:
         size = int(self.dof.max(initial=-1)) + 1
         pairs = self.dof[:, [0, 3]] // 3
         linked = pairs[(pairs >= 0).all(axis=1)]
-        graph = sparse.coo_matrix(
-            (np.ones(len(linked)), (linked[:, 0], linked[:, 1])), shape=(size // 3, size // 3)
-        )
+        shape = (size // 3, size // 3)
+        graph = sparse.coo_matrix((np.ones(len(linked)), (linked[:, 0], linked[:, 1])), shape=shape)
         order = reverse_cuthill_mckee(sparse.csr_matrix(graph + graph.T), symmetric_mode=True)
         rank = np.empty(len(order), dtype=np.intp)
         rank[order] = np.arange(len(order))
-        self.order: Index = (3 * order[:, None] + np.arange(3)).ravel().astype(np.intp)
+        self.order: Index = (3 * order[:, None].astype(np.intp) + np.arange(3)).ravel()
         self.back: Index = np.argsort(self.order)
         self.row: Index = np.where(pairs >= 0, 3 * rank[pairs], -1).astype(np.intp)
         apart = abs(self.row[:, 0] - self.row[:, 1])[(self.row >= 0).all(axis=1)]
-        self.width = int(apart.max(initial=0)) + 3
-        self.band: Array = np.zeros((size, self.width))
-        self.gradient: Array = np.zeros(size)
-        self.state: Index = np.zeros(len(self.dof), dtype=np.intp)
-        self.known = False
+        self.band: Array = np.zeros((size, int(apart.max(initial=0)) + 3))
+        self.state: Index | None = None
+        self.pause, self.next_repeat = 0, 0
 
     def solve(self, program: Program, guess: Array, forces: Array) -> Solution | None:
-        """The solution near displacements `guess` (m,) and contact forces (c, 2); None where the method stalls.
+        """The certified solution near displacements `guess` (m,) and contact forces (c, 2); None where none is found.
 
-        Needs `program.mass`. The certificate is recomputed from the definitions.
+        Needs `program.mass`, no multiplier.
         """
         assert program.mass is not None and program.lateral is None
+        self.solved += 1
         mass, load = program.mass[self.order], program.load[self.order]
-        x = guess[self.order]
-        inverse = 1.0 / mass
-        mobility = np.where(self.row >= 0, inverse[self.row], 0.0).sum(axis=1)
+        if self.state is not None and self.solved >= self.next_repeat:
+            found = self._repeat(program, mass, load, forces)
+            if found is not None:
+                self.repeated, self.pause = self.repeated + 1, 0
+                return found
+            self.pause = min(2 * self.pause + 1, LONGEST_PAUSE)
+            self.next_repeat = self.solved + self.pause
+        return self._interior(program, mass, load, guess[self.order], forces)
+
+    def _repeat(self, program: Program, mass: Array, load: Array, forces: Array) -> Solution | None:
+        kernels, row = self.kernels, self.row
+        rows = (row, program.normal, program.tangent)
+        mobility = np.where(row >= 0, 1.0 / mass[row], 0.0).sum(axis=1)
         extra = np.where(program.compliance > 0.0, 0.0, mobility[:, None] / PROXIMAL)
         compliance = program.compliance + extra
+        total = np.empty_like(load)
+        state = self.state
         centre = forces
-        for count in range(MOST_ROUNDS):
+        for _ in range(CORRECTIONS):
+            kernels.repeat_matrix(*rows, program.friction, compliance, mass, state, self.band)
+            factor = self._factor()
+            if factor is None:
+                return None
+            x = np.zeros_like(load)
+            for _ in range(2):
+                gap = program.gap - extra * centre
+                laws = (gap, program.friction, compliance, x, state)
+                new = np.empty_like(forces)
+                kernels.repeat_forces(*rows, *laws, new, total)
+                x = x + lapack.dpbtrs(factor, load + total - mass * x, lower=1)[0]
+                laws = (gap, program.friction, compliance, x, state)
+                kernels.repeat_forces(*rows, *laws, new, total)
+                centre = new
+            certificate = self._certify(program, mass, load, x, centre)
+            if certificate.worst(program.step) <= ACCEPTED:
+                self.state = state
+                return Solution(centre, 0.0, x[self.back], certificate)
+            state = state.copy()
             gap = program.gap - extra * centre
-            parts = (
-                self.row, program.normal, program.tangent, gap, program.friction, compliance, mass, load,
-            )  # fmt: skip
-            found = self._minimise(parts, program.weight, program.size, x, self.known and count == 0)
-            if found is None:
-                self.known = False
+            if not kernels.find_states(*rows, gap, program.friction, compliance, x, state):
                 return None
-            x, centre = found
-            unbalanced, cone, power, penetration = self.kernels.residuals(
-                self.row, program.normal, program.tangent, program.gap, program.friction, program.compliance,
-                mass, load, x, centre, program.size,
-            )  # fmt: skip
-            certificate = Certificate(
-                unbalanced / program.weight,
-                cone / program.weight,
-                power / (program.weight * program.step),
-                penetration,
-                0.0,
-            )
-            if certificate.worst(program.step) <= GOOD:
-                break
-        self.known = True
-        return Solution(centre, 0.0, x[self.back], certificate)
-
-    def _minimise(
-        self, parts: tuple[Any, ...], weight: float, size: float, x: Array, forced: bool
-    ) -> tuple[Array, Array] | None:
-        """Displacements and contact forces (c, 2) where Ψ is least; `forced`: begin from the last contact states."""
-        forces = np.empty((len(self.row), 2))
-        tolerance = BALANCE * weight
-        if forced:
-            self.kernels.evaluate(*parts, x, True, self.state, forces, self.gradient, self.band)
-            x = x + self._direction()
-        value, _ = self.kernels.evaluate(*parts, x, False, self.state, forces, self.gradient, self.band)
-        for _ in range(MOST_ITERATIONS):
-            self.iterations += 1
-            largest = abs(self.gradient).reshape(-1, 3).max(axis=0, initial=0.0)
-            if max(largest[0], largest[1], largest[2] / size) <= tolerance:
-                return x, forces
-            direction = self._direction()
-            first = float(self.gradient @ direction)
-            if not first < 0.0:
-                return None
-            trial = x + direction
-            new, _ = self.kernels.evaluate(
-                *parts, trial, False, self.state, forces, self.gradient, self.band
-            )
-            if float(self.gradient @ direction) > -OVERSHOOT * first:
-                trial = x + self._least(parts, x, direction, first) * direction
-                new, _ = self.kernels.evaluate(
-                    *parts, trial, False, self.state, forces, self.gradient, self.band
-                )
-            x, value = trial, new
         return None
 
-    def _direction(self) -> Array:
-        """The Newton direction, from the gradient and Hessian last evaluated."""
-        self.factorisations += 1
-        factor, _ = lapack.dpbtrf(self.band.T, lower=1, overwrite_ab=1)
-        direction, _ = lapack.dpbtrs(factor, -self.gradient, lower=1)
-        return direction  # type: ignore[no-any-return]
-
-    def _least(self, parts: tuple[Any, ...], x: Array, direction: Array, first: float) -> float:
-        """Step in (0, 1) at which the slope along the direction, rising from `first` < 0, vanishes (Illinois)."""
-        low, high = 0.0, 1.0
-        at_low, at_high = first, self.kernels.slope(*parts, x + direction, direction)
-        kept = 0
-        step = 1.0
-        for _ in range(20):
-            step = (low * at_high - high * at_low) / (at_high - at_low)
-            here = self.kernels.slope(*parts, x + step * direction, direction)
-            if abs(here) <= 0.1 * abs(first):
+    def _interior(
+        self, program: Program, mass: Array, load: Array, x: Array, forces: Array
+    ) -> Solution | None:
+        kernels = self.kernels
+        rows = (self.row, program.normal, program.tangent)
+        c = len(forces)
+        n = 1.0 / np.hypot(1.0, program.friction)[:, None]
+        t = program.friction[:, None] * n
+        s = np.full((c, 2), START * program.weight)
+        z = np.full((c, 2), START * program.step)
+        product, ds, dz = np.empty((c, 2)), np.empty((c, 2)), np.empty((c, 2))
+        rhs = np.empty_like(load)
+        best: Solution | None = None
+        for _ in range(MOST_ITERATIONS):
+            law = (program.friction, program.compliance)
+            kernels.interior_matrix(*rows, *law, mass, s, z, self.band)
+            factor = self._factor()
+            if factor is None:
                 break
-            if here > 0.0:
-                high, at_high = step, here
-                at_low *= 0.5 if kept > 0 else 1.0
-                kept = 1
-            else:
-                low, at_low = step, here
-                at_high *= 0.5 if kept < 0 else 1.0
-                kept = -1
-        return step
+            gap = float((s * z).sum()) / max(2 * c, 1)
+            product[:] = s * z
+            kernels.interior_rhs(*rows, program.gap, *law, mass, load, x, s, z, product, rhs)
+            dx = lapack.dpbtrs(factor, rhs, lower=1)[0]
+            to_force, to_gap = kernels.interior_step(
+                *rows, program.gap, *law, x, dx, s, z, product, ds, dz
+            )
+            ahead = float(((s + to_force * ds) * (z + to_gap * dz)).sum()) / max(2 * c, 1)
+            product += ds * dz - (ahead / gap) ** 3 * gap if c else 0.0
+            kernels.interior_rhs(*rows, program.gap, *law, mass, load, x, s, z, product, rhs)
+            dx = lapack.dpbtrs(factor, rhs, lower=1)[0]
+            to_force, to_gap = kernels.interior_step(
+                *rows, program.gap, *law, x, dx, s, z, product, ds, dz
+            )
+            share = min(1.0, TO_THE_BOUND * min(to_force, to_gap))
+            x, s, z = x + share * dx, s + share * ds, z + share * dz
+            found = np.concatenate(
+                [n * (s[:, :1] + s[:, 1:]), t * (s[:, :1] - s[:, 1:])], axis=1
+            )
+            certificate = self._certify(program, mass, load, x, found)
+            if best is None or certificate.worst(program.step) < best.certificate.worst(program.step):
+                best = Solution(found, 0.0, x[self.back], certificate)
+            if certificate.worst(program.step) <= ACCEPTED:
+                break
+        active = s * program.step > z * program.weight
+        self.state = np.where(
+            active.all(axis=1),
+            STICKING,
+            np.where(active[:, 0], SLIDING_ON, np.where(active[:, 1], SLIDING_BACK, OPEN)),
+        ).astype(np.intp)
+        return best
+
+    def close(self, mass: Array, normal: Array, tangent: Array, gap: Array, closed: NDArrayBool) -> Array:
+        """The smallest displacements (m,), in the norm of the mass (m,), that close the gaps (c,) of some contacts."""
+        state = np.where(closed, SLIDING_ON, OPEN)
+        scaled = mass[self.order]
+        mobility = np.where(self.row >= 0, 1.0 / scaled[self.row], 0.0).sum(axis=1)
+        compliance = np.repeat(mobility[:, None] / PROXIMAL, 2, axis=1)
+        frictionless = np.zeros(len(gap))
+        rows = (self.row, normal, tangent)
+        self.kernels.repeat_matrix(*rows, frictionless, compliance, scaled, state, self.band)
+        factor = self._factor()
+        assert factor is not None
+        forces, total = np.empty((len(gap), 2)), np.empty_like(mass)
+        both, still = np.stack([gap, np.zeros_like(gap)], axis=1), np.zeros_like(mass)
+        self.kernels.repeat_forces(*rows, both, frictionless, compliance, still, state, forces, total)
+        moved: Array = lapack.dpbtrs(factor, total, lower=1)[0][self.back]
+        return moved
+
+    def _factor(self) -> Array | None:
+        self.factorisations += 1
+        factor, failed = lapack.dpbtrf(self.band.T, lower=1, overwrite_ab=1)
+        return None if failed else factor
+
+    def _certify(self, program: Program, mass: Array, load: Array, x: Array, forces: Array) -> Certificate:
+        unbalanced, cone, power, penetration = self.kernels.residuals(
+            self.row, program.normal, program.tangent, program.gap, program.friction, program.compliance,
+            mass, load, x, forces, program.size,
+        )  # fmt: skip
+        return Certificate(
+            unbalanced / program.weight,
+            cone / program.weight,
+            power / (program.weight * program.step),
+            penetration,
+            0.0,
+        )
