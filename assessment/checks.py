@@ -6,21 +6,19 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from mechanics.block import GRAVITY
 
 from assessment.capacity import CapacityCurve, Participation, capacity_curve, participation
-
 from assessment.hazard import HazardCurve, return_period, site_curve
 from assessment.idealisation import CapacityError, Curve, CurveFit, fit_curve
 from assessment.messages import ProjectError
 from assessment.spectrum import ElasticSpectrum, Spectrum
 from assessment.verification import Check, Method, verify
+from mechanics.block import GRAVITY
 
 if TYPE_CHECKING:
-    from mechanics import Assembly
-
     from assessment.project import Project
     from assessment.project_schema import AssessmentTable, SiteTable
+    from mechanics import Assembly
 
 DAMPING = 0.05
 PERIODS = np.linspace(0.0, 4.0, 401)

@@ -89,9 +89,6 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from mechanics import UnstableError
-    from mechanics.equilibrium import check_self_weight
-
     from assessment.canvas import save_svg
     from assessment.drawings import draw_model
     from assessment.model import build_model
@@ -99,6 +96,8 @@ def _check(options: argparse.Namespace) -> int:
     from assessment.terminal import model_summary
     from assessment.words import words_of
     from assessment.workflow import describe
+    from mechanics import UnstableError
+    from mechanics.equilibrium import check_self_weight
 
     project = load_project(options.project)
     folder = _writable(options.out or project.folder / "output")

@@ -217,7 +217,7 @@ def _cell(nodes: Array) -> Sequence[int] | None:
     if not found.size:
         return None
     reach = np.hypot(corners[found, :, 0], corners[found, :, 1]).sum(axis=1)
-    return fours[found[np.argmin(reach)]].tolist()  # type: ignore[no-any-return]
+    return fours[found[np.argmin(reach)]].tolist()
 
 
 def _outside(grid: HazardGrid, latitude: float, longitude: float, node: int, distance: float) -> str:

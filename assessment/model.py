@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from assessment.messages import ProjectError
 from mechanics import Assembly, DrawingError, Material
 from mechanics.drawing import Layer, read_drawing
 from mechanics.joints import default_tolerance
 from mechanics.layout import check_layout
-
-from assessment.messages import ProjectError
 
 if TYPE_CHECKING:
     from assessment.project import Project

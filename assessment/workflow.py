@@ -17,21 +17,19 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from assessment.checks import assess, demand_spectra, spectra_numbers
+from assessment.files import write_atomically
+from assessment.messages import ProjectError
+from assessment.model import Model
+from assessment.stages import ORIGINAL, StateResult, analyse_state
 from mechanics import Assembly, UnstableError
 from mechanics.block import GRAVITY
 from mechanics.equilibrium import check_self_weight
 
-from assessment.checks import assess, demand_spectra, spectra_numbers
-from assessment.files import write_atomically
-from assessment.messages import ProjectError
-from assessment.model import Model, build_model
-from assessment.stages import ORIGINAL, StateResult, analyse_state
-
 if TYPE_CHECKING:
-    from mechanics.assembly import Behaviour
-
     from assessment.project import Project
     from assessment.project_schema import SettlementTable
+    from mechanics.assembly import Behaviour
 
 Results = dict[str, Any]
 Progress = Callable[[str], None]
@@ -48,7 +46,13 @@ class Outcome:
     complete: bool
 
 
-STAGES = {"pushdown": "settlements", "pushover": "pushover", "history": "history", "incremental": "incremental", "assessment": "assessment"}
+STAGES = {  # stage: table
+    "pushdown": "settlements",
+    "pushover": "pushover",
+    "history": "history",
+    "incremental": "incremental",
+    "assessment": "assessment",
+}
 
 
 def select(project: Project, only: Iterable[str] | None) -> Project:
@@ -180,7 +184,7 @@ def _replace(new: Path, old: Path) -> None:
         new.rename(old)
         shutil.rmtree(aside)
     else:
-        os.replace(new, old)
+        new.replace(old)
 
 
 def _analyses(project: Project, assembly: Assembly, jobs: int, progress: Progress) -> Iterable[StateResult]:

@@ -77,7 +77,14 @@ def first_frequency(scene: Scene, x: Array) -> float:
     state = np.where(gap[:, 0] <= CLOSED * scene.model.size, STICKING, OPEN)
     band = np.zeros_like(newton.band)
     newton.kernels.repeat_matrix(
-        newton.row, normal, tangent, scene.contacts.friction, compliance, np.zeros(len(scene.mass)), state, band
+        newton.row,
+        normal,
+        tangent,
+        scene.contacts.friction,
+        compliance,
+        np.zeros(len(scene.mass)),
+        state,
+        band,
     )
     root = np.sqrt(scene.mass[newton.order])
     for offset in range(band.shape[1]):

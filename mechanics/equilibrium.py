@@ -58,7 +58,7 @@ def find_step(
     """
     at = guess
     scale = np.array([1.0, 1.0, model.size])
-    worst: Certificate | None = None
+    worst = Certificate(0.0, 0.0, 0.0, 0.0, 0.0)
     earlier, ahead = np.full_like(at, np.inf), 1.0
     for count in range(1, MOST_ITERATIONS + 1):
         program, rows = assemble(model, behaviour, start, at, load, size, lateral, work)
@@ -67,7 +67,7 @@ def find_step(
             raise NoEquilibriumError(
                 "no mechanism: the load only wedges the blocks, the multiplier has no bound"
             )
-        worst = solution.certificate if worst is None else worst.joined(solution.certificate)
+        worst = worst.joined(solution.certificate)
         found = at.copy()
         found[model.movable] = start.positions[model.movable] + solution.displacement.reshape(-1, 3)
         moved = float(abs((found - start.positions) * scale).max())
@@ -167,8 +167,8 @@ def check_self_weight(model: Assembly, state: State | None = None) -> None:
     acceleration = imbalance(closed_program(model, state or model.initial)[0])
     if acceleration > BALANCED:
         raise UnstableError(
-            f"the structure cannot stand under its own weight: some block would start to move with {acceleration:.2g} g; "
-            "check supports, friction and joints (gaps wider than the tolerance carry nothing)"
+            "the structure cannot stand under its own weight: some block would start to move with "
+            f"{acceleration:.2g} g; check supports, friction and joints (open ones carry nothing)"
         )
 
 

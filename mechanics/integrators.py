@@ -75,7 +75,9 @@ class Scene:
             self.compliance = 1.0 / contacts.stiffness
         self.block_size = np.sqrt([b.area for b in model.blocks])
         self.weight = model.weight / len(self.movable)
-        self.impulse = np.sqrt(model.size / GRAVITY)  # s: velocities stand for displacements, impulses for forces
+        self.impulse = np.sqrt(
+            model.size / GRAVITY
+        )  # s: velocities stand for displacements, impulses for forces
 
     def geometry(self, x: Array) -> tuple[Array, Array, Array]:
         """Gap and slide (c, 2), and the rows (c, 6) of A₀ᵀ, normal and tangential."""

@@ -16,8 +16,10 @@ from mechanics.solvers import solve
 
 @dataclass(frozen=True, eq=False)
 class Limit:
-    """Onset of collapse: `alpha`; `mechanism` (b, 3), virtual displacements scaled to a largest centroid displacement of 1;
-    `forces` (c, 2) kN at the rigid contact points; and the certificate.
+    """Onset of collapse.
+
+    `alpha`; `mechanism` (b, 3): virtual displacements, the largest centroid displacement being 1; `forces` (c, 2) kN at
+    the rigid contact points; and the certificate.
     """
 
     alpha: float

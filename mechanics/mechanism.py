@@ -43,7 +43,7 @@ def hinges(model: Assembly, state: State, mechanism: Array, forces: Array) -> Hi
     share = forces[:, 0] / np.maximum(carried, 1e-300)[contacts.joint]
     point = _points(model, state)
     moment = share[:, None] * point
-    centre = np.stack([np.bincount(contacts.joint, moment[:, k], minlength=len(carried)) for k in (0, 1)], axis=1)
+    centre: Array = np.stack([np.bincount(contacts.joint, moment[:, k], minlength=len(carried)) for k in (0, 1)], axis=1)
     hinged = np.flatnonzero(carries & (turn > NOTICEABLE * largest))
     fastest = float(abs(mechanism[:, :2]).max())
     slides = carries[contacts.joint] & (share > 0.05) & (slip > NOTICEABLE * fastest)
@@ -67,7 +67,7 @@ def _merged(points: Array, turn: Array, distance: float) -> Array:
     for k in np.argsort(-turn, kind="stable"):
         if all(np.hypot(*(points[k] - other)) > distance for other in kept):
             kept.append(points[k])
-    return np.array(kept).reshape(-1, 2)
+    return np.array(kept, dtype=float).reshape(-1, 2)
 
 
 def virtual_work_multiplier(model: Assembly, mechanism: Array, direction: Direction) -> float:

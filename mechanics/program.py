@@ -55,8 +55,8 @@ class Program:
         """A₀c (m,): forces and moments that contact forces (c, 2) exert on the blocks."""
         entries = forces[:, :1] * self.normal + forces[:, 1:] * self.tangent
         moving = self.dof >= 0
-        total: Array = np.bincount(self.dof[moving], entries[moving], minlength=len(self.load))
-        return total
+        total = np.bincount(self.dof[moving], entries[moving], minlength=len(self.load))
+        return np.asarray(total, dtype=float)
 
     def relative(self, displacement: Array) -> Array:
         """A₀ᵀΔx (c, 2): opening and slip that block displacements (m,) cause at the contact points."""

@@ -113,11 +113,13 @@ def pushover(
         try:
             step = advance(work)
             ahead = along(step.state.positions) - path[-1]
-            if not waits and ahead < 0.0:
+            if ahead < 0.0 and not (waits and snap):
                 raise NoEquilibriumError(
                     f"the structure falls back: a step of {increment:.3g} m makes {ahead:.3g} m"
                 )
             stays = waits and ahead < 0.5 * increment and step.alpha < max(multiplier)
+            if step.alpha < 0.0 and stays and not snap:
+                raise NoEquilibriumError("another part falls")
             if step.alpha < 0.0 and not stays:
                 work, step = _down_to_zero(advance, multiplier[-1], work, step, ZERO * max(multiplier))
                 reached, end = True, "α = 0"
@@ -135,8 +137,6 @@ def pushover(
             if shrink * increment > snap:
                 raise takes_no_part(end)
             continue
-        if stays and step.alpha < 0.0:
-            raise takes_no_part("another part falls")
         states.append(step.state)
         steps.append(step)
         certificates.append(step.certificate)

@@ -145,7 +145,9 @@ def _base(horizontal: ArrayLike, vertical: ArrayLike | None, time_step: float) -
     base[:, 0] = GRAVITY * a
     if vertical is not None:
         v = np.asarray(vertical, dtype=float)
-        require(v.shape == a.shape, "vertical_acceleration", v.shape, f"of the horizontal one's shape {a.shape}")
+        require(
+            v.shape == a.shape, "vertical_acceleration", v.shape, f"of the horizontal one's shape {a.shape}"
+        )
         require(bool(np.isfinite(v).all()), "vertical_acceleration", "nan or inf", "finite")
         base[:, 1] = GRAVITY * v
     return base

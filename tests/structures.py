@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from mechanics import Assembly, Block, Material
@@ -37,7 +39,7 @@ def running_bond(
         edges = np.arange(columns + 1) * length if whole else np.r_[0.0, (np.arange(columns) + 0.5) * length, width]
         blocks += [
             Block(rectangle(a, j * height, b, (j + 1) * height), 0.1, stone)
-            for a, b in zip(edges[:-1], edges[1:], strict=True)
+            for a, b in pairwise(edges)
         ]
     return Assembly(blocks)
 
@@ -81,7 +83,7 @@ def arch_on_piers(
 
     blocks = [
         Block([at(inner, a), at(outer, a), at(outer, b), at(inner, b)], 0.1, stone)
-        for a, b in zip(angles[:-1], angles[1:], strict=True)
+        for a, b in pairwise(angles)
     ]
     step = pier_height / courses
     for side, name in ((1, "right"), (-1, "left")):

@@ -63,7 +63,9 @@ def _push(row: Any, k: int, fn: float, ft: float, normal: Array, tangent: Array,
 
 
 @compiled
-def _stiffen(row: Any, k: int, knn: float, knt: float, ktt: float, normal: Array, tangent: Array, band: Array) -> None:
+def _stiffen(
+    row: Any, k: int, knn: float, knt: float, ktt: float, normal: Array, tangent: Array, band: Array
+) -> None:
     i, j = row[k, 0], row[k, 1]
     for side in range(2):
         first = row[k, side]
@@ -84,7 +86,14 @@ def _stiffen(row: Any, k: int, knn: float, knt: float, ktt: float, normal: Array
 
 @compiled
 def repeat_matrix(
-    row: Any, normal: Array, tangent: Array, friction: Array, compliance: Array, mass: Array, state: Any, band: Array
+    row: Any,
+    normal: Array,
+    tangent: Array,
+    friction: Array,
+    compliance: Array,
+    mass: Array,
+    state: Any,
+    band: Array,
 ) -> None:
     """See kernels.repeat_matrix."""
     band[:] = 0.0
@@ -160,7 +169,9 @@ def find_states(
 
 
 @compiled
-def _diagonal(k: int, friction: Array, compliance: Array, s: Array, z: Array) -> tuple[float, float, float, float, float]:
+def _diagonal(
+    k: int, friction: Array, compliance: Array, s: Array, z: Array
+) -> tuple[float, float, float, float, float]:
     """Components of the ray (1, μ), and the inverse of RᵀCR + Z/S."""
     mu = friction[k]
     n = 1.0 / np.sqrt(1.0 + mu * mu)
@@ -168,8 +179,10 @@ def _diagonal(k: int, friction: Array, compliance: Array, s: Array, z: Array) ->
     cn, ct = n * n * compliance[k, 0], t * t * compliance[k, 1]
     p, q, c = cn + ct + z[k, 0] / s[k, 0], cn + ct + z[k, 1] / s[k, 1], cn - ct
     # p q − c², without cancellation
-    det = 4.0 * cn * ct + (cn + ct) * (z[k, 0] / s[k, 0] + z[k, 1] / s[k, 1]) + (z[k, 0] / s[k, 0]) * (
-        z[k, 1] / s[k, 1]
+    det = (
+        4.0 * cn * ct
+        + (cn + ct) * (z[k, 0] / s[k, 0] + z[k, 1] / s[k, 1])
+        + (z[k, 0] / s[k, 0]) * (z[k, 1] / s[k, 1])
     )
     return n, t, q / det, p / det, -c / det
 
@@ -193,7 +206,14 @@ def interior_matrix(
     for k in range(len(row)):
         n, t, a, b, c = _diagonal(k, friction, compliance, s, z)
         _stiffen(
-            row, k, n * n * (a + b + 2.0 * c), n * t * (a - b), t * t * (a + b - 2.0 * c), normal, tangent, band
+            row,
+            k,
+            n * n * (a + b + 2.0 * c),
+            n * t * (a - b),
+            t * t * (a + b - 2.0 * c),
+            normal,
+            tangent,
+            band,
         )
 
 

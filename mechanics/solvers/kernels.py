@@ -31,7 +31,15 @@ def fastest() -> ModuleType:
 
 
 def geometry(
-    a: Index, b: Index, p: Array, q: Array, n: Array, positions: Array, gap: Array, normal: Array, tangent: Array
+    a: Index,
+    b: Index,
+    p: Array,
+    q: Array,
+    n: Array,
+    positions: Array,
+    gap: Array,
+    normal: Array,
+    tangent: Array,
 ) -> None:
     """Gap and slide (c, 2) and the rows of A₀ᵀ in a configuration, into the last three arguments (see contacts)."""
     nothing = np.zeros(0)
@@ -39,61 +47,92 @@ def geometry(
     gap[:, 0], gap[:, 1], normal[:], tangent[:] = rows.gap, rows.slide, rows.normal, rows.tangent
 
 
-def evaluate(
+def repeat_matrix(
+    row: Index,
+    normal: Array,
+    tangent: Array,
+    friction: Array,
+    compliance: Array,
+    mass: Array,
+    state: Index,
+    band: Array,
+) -> None:
+    """M̄ + A₀KA₀ᵀ into `band`, K the stiffness of contacts that keep their `state`."""
+    stick = np.where((state == STICKING)[:, None], 1.0 / compliance, 0.0)
+    mu, ray = _ray(friction, compliance, state)
+    _assemble(row, normal, tangent, stick[:, 0] + ray, mu * ray, stick[:, 1] + mu * mu * ray, mass, band)
+
+
+def repeat_forces(
     row: Index,
     normal: Array,
     tangent: Array,
     gap: Array,
     friction: Array,
     compliance: Array,
-    mass: Array,
-    load: Array,
     x: Array,
-    forced: bool,
     state: Index,
     forces: Array,
-    gradient: Array,
-    band: Array,
-) -> tuple[float, int]:
-    """The dual function Ψ = ½xᵀM̄x − f̄ᵀx + Σφ_k(A_kᵀx + g_k), its gradient and its (generalised) Hessian.
-
-    The contact forces are those that minimise ½cᵀCc + cᵀ(A_kᵀx + g_k) in the friction cone: a projection in the
-    metric of C. With `forced` each contact keeps the linear law of its `state`; else the states are found and written.
-    Returns Ψ and the number of states that changed; writes `forces`, `gradient` and `band`.
-    """
+    total: Array,
+) -> None:
+    """Contact forces c = −K(A₀ᵀx + g) of contacts that keep their `state`, into `forces`; A₀c into `total`."""
     u = _opening(row, x, normal, tangent, gap)
-    changes = 0
-    if not forced:
-        found = _state(u, friction, compliance)
-        changes = int((found != state).sum())
-        state[:] = found
-    sliding = np.where(state == SLIDING_ON, friction, np.where(state == SLIDING_BACK, -friction, 0.0))
-    ray = np.where(state >= SLIDING_ON, 1.0 / (compliance[:, 0] + friction**2 * compliance[:, 1]), 0.0)
-    stick = np.where((state == STICKING)[:, None], 1.0 / compliance, 0.0)
-    along = ray * (u[:, 0] + sliding * u[:, 1])
-    forces[:, 0] = -stick[:, 0] * u[:, 0] - along
-    forces[:, 1] = -stick[:, 1] * u[:, 1] - sliding * along
-    gradient[:] = mass * x - load - _resultant(row, normal, tangent, forces, len(x))
-    value = float((0.5 * mass * x - load) @ x + 0.5 * (compliance * forces**2).sum())
+    mu, ray = _ray(friction, compliance, state)
+    along = ray * (u[:, 0] + mu * u[:, 1])
+    forces[:] = np.where((state == STICKING)[:, None], -u / compliance, 0.0)
+    forces[:, 0] -= along
+    forces[:, 1] -= mu * along
+    total[:] = _resultant(row, normal, tangent, forces, len(x))
 
-    oblique = normal + sliding[:, None] * tangent
-    stiffness = (
-        np.einsum("ki,kj,k->kij", normal, normal, stick[:, 0])
-        + np.einsum("ki,kj,k->kij", tangent, tangent, stick[:, 1])
-        + np.einsum("ki,kj,k->kij", oblique, oblique, ray)
+
+def find_states(
+    row: Index,
+    normal: Array,
+    tangent: Array,
+    gap: Array,
+    friction: Array,
+    compliance: Array,
+    x: Array,
+    state: Index,
+) -> int:
+    """States of the forces that minimise ½cᵀCc + cᵀ(A₀ᵀx + g) in the friction cone, written; how many changed."""
+    n, t = _opening(row, x, normal, tangent, gap).T
+    slip = friction * abs(t)
+    sticks = (n <= 0.0) & (abs(t) * compliance[:, 0] <= -friction * n * compliance[:, 1])
+    found = np.where(n >= slip, OPEN, np.where(sticks, STICKING, np.where(t < 0.0, SLIDING_ON, SLIDING_BACK)))
+    changes = int((found != state).sum())
+    state[:] = found
+    return changes
+
+
+def interior_matrix(
+    row: Index,
+    normal: Array,
+    tangent: Array,
+    friction: Array,
+    compliance: Array,
+    mass: Array,
+    s: Array,
+    z: Array,
+    band: Array,
+) -> None:
+    """M̄ + B(RᵀCR + Z/S)⁻¹Bᵀ into `band`: R the unit rays (1, ±μ) of the cones, B = A₀R, s (c, 2) ≥ 0 the forces along
+    them and z (c, 2) ≥ 0 their gaps.
+    """
+    n, t, a, b, c = _diagonal(friction, compliance, s, z)
+    _assemble(
+        row,
+        normal,
+        tangent,
+        n * n * (a + b + 2.0 * c),
+        n * t * (a - b),
+        t * t * (a + b - 2.0 * c),
+        mass,
+        band,
     )
-    rows = _rows(row)
-    i = np.broadcast_to(rows[:, :, None], stiffness.shape)
-    j = np.broadcast_to(rows[:, None, :], stiffness.shape)
-    lower = (i >= j) & (j >= 0)
-    width = band.shape[1]
-    flat = np.bincount(j[lower] * width + i[lower] - j[lower], stiffness[lower], minlength=band.size)
-    band[:] = flat.reshape(band.shape)
-    band[:, 0] += mass
-    return value, changes
 
 
-def slope(
+def interior_rhs(
     row: Index,
     normal: Array,
     tangent: Array,
@@ -103,18 +142,45 @@ def slope(
     mass: Array,
     load: Array,
     x: Array,
-    direction: Array,
-) -> float:
-    """Derivative of Ψ at `x` along a direction (m,)."""
-    u = _opening(row, x, normal, tangent, gap)
-    state = _state(u, friction, compliance)
-    sliding = np.where(state == SLIDING_ON, friction, -friction)
-    along = np.where(
-        state >= SLIDING_ON, (u[:, 0] + sliding * u[:, 1]) / (compliance[:, 0] + friction**2 * compliance[:, 1]), 0.0
-    )
-    stick = (state == STICKING)[:, None] * u / compliance
-    forces = -stick - along[:, None] * np.stack([np.ones_like(sliding), sliding], axis=1)
-    return float((mass * x - load - _resultant(row, normal, tangent, forces, len(x))) @ direction)
+    s: Array,
+    z: Array,
+    product: Array,
+    rhs: Array,
+) -> None:
+    """The right-hand side, into `rhs`, of the step in x that takes s·z to s·z − `product` (c, 2), to first order."""
+    n, t, a, b, c = _diagonal(friction, compliance, s, z)
+    u, v = _missing(row, normal, tangent, gap, compliance, x, s, z, product, n, t)
+    p, q = a * u + c * v + s[:, 0], c * u + b * v + s[:, 1]
+    forces = np.stack([n * (p + q), t * (p - q)], axis=1)
+    rhs[:] = load - mass * x + _resultant(row, normal, tangent, forces, len(x))
+
+
+def interior_step(
+    row: Index,
+    normal: Array,
+    tangent: Array,
+    gap: Array,
+    friction: Array,
+    compliance: Array,
+    x: Array,
+    dx: Array,
+    s: Array,
+    z: Array,
+    product: Array,
+    ds: Array,
+    dz: Array,
+) -> tuple[float, float]:
+    """The steps in s and z that go with `dx`, into `ds` and `dz`; how far each can be gone, at most 1."""
+    n, t, a, b, c = _diagonal(friction, compliance, s, z)
+    u, v = _missing(row, normal, tangent, gap, compliance, x + dx, s, z, product, n, t)
+    ds[:, 0], ds[:, 1] = a * u + c * v, c * u + b * v
+    dz[:] = -(product + z * ds) / s
+
+    def reach(value: Array, change: Array) -> float:
+        falls = change < 0.0
+        return float((-value[falls] / change[falls]).min(initial=1.0))
+
+    return reach(s, ds), reach(z, dz)
 
 
 def residuals(
@@ -155,14 +221,51 @@ def _opening(row: Index, x: Array, normal: Array, tangent: Array, gap: Array) ->
     return opening
 
 
-def _state(u: Array, friction: Array, compliance: Array) -> Index:
-    n, t = u.T
-    slip = friction * abs(t)
-    sticks = (n <= 0.0) & (abs(t) * compliance[:, 0] <= -friction * n * compliance[:, 1])
-    state: Index = np.where(
-        n >= slip, OPEN, np.where(sticks, STICKING, np.where(t < 0.0, SLIDING_ON, SLIDING_BACK))
-    )
-    return state
+def _ray(friction: Array, compliance: Array, state: Index) -> tuple[Array, Array]:
+    """Slope of the ray that sliding contacts are on, and the stiffness along it (zero for the others)."""
+    mu = np.where(state == SLIDING_ON, friction, -friction)
+    stiffness = 1.0 / (compliance[:, 0] + friction**2 * compliance[:, 1])
+    return mu, np.where((state == SLIDING_ON) | (state == SLIDING_BACK), stiffness, 0.0)
+
+
+def _diagonal(
+    friction: Array, compliance: Array, s: Array, z: Array
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Components of the unit ray (1, μ), and the inverse of RᵀCR + Z/S."""
+    n = 1.0 / np.hypot(1.0, friction)
+    t = friction * n
+    cn, ct = n * n * compliance[:, 0], t * t * compliance[:, 1]
+    first, second = z[:, 0] / s[:, 0], z[:, 1] / s[:, 1]
+    # the determinant without cancellation
+    det = 4.0 * cn * ct + (cn + ct) * (first + second) + first * second
+    return n, t, (cn + ct + second) / det, (cn + ct + first) / det, -(cn - ct) / det
+
+
+def _missing(
+    row: Index, normal: Array, tangent: Array, gap: Array, compliance: Array, x: Array, s: Array, z: Array,
+    product: Array, n: Array, t: Array,
+) -> tuple[Array, Array]:  # fmt: skip
+    u = _opening(row, x, normal, tangent, gap)
+    along = n * (u[:, 0] + compliance[:, 0] * n * (s[:, 0] + s[:, 1]))
+    across = t * (u[:, 1] + compliance[:, 1] * t * (s[:, 0] - s[:, 1]))
+    return z[:, 0] - along - across - product[:, 0] / s[:, 0], z[:, 1] - along + across - product[:, 1] / s[
+        :, 1
+    ]
+
+
+def _assemble(
+    row: Index, normal: Array, tangent: Array, knn: Array, knt: Array, ktt: Array, mass: Array, band: Array
+) -> None:
+    first = knn[:, None] * normal + knt[:, None] * tangent
+    second = knt[:, None] * normal + ktt[:, None] * tangent
+    stiffness = normal[:, :, None] * first[:, None, :] + tangent[:, :, None] * second[:, None, :]
+    rows = _rows(row)
+    i = np.broadcast_to(rows[:, :, None], stiffness.shape)
+    j = np.broadcast_to(rows[:, None, :], stiffness.shape)
+    lower = (i >= j) & (j >= 0)
+    flat = np.bincount(j[lower] * band.shape[1] + i[lower] - j[lower], stiffness[lower], minlength=band.size)
+    band[:] = flat.reshape(band.shape)
+    band[:, 0] += mass
 
 
 def _resultant(row: Index, normal: Array, tangent: Array, forces: Array, size: int) -> Array:

@@ -136,21 +136,15 @@ class Newton:
             product[:] = s * z
             kernels.interior_rhs(*rows, program.gap, *law, mass, load, x, s, z, product, rhs)
             dx = lapack.dpbtrs(factor, rhs, lower=1)[0]
-            to_force, to_gap = kernels.interior_step(
-                *rows, program.gap, *law, x, dx, s, z, product, ds, dz
-            )
+            to_force, to_gap = kernels.interior_step(*rows, program.gap, *law, x, dx, s, z, product, ds, dz)
             ahead = float(((s + to_force * ds) * (z + to_gap * dz)).sum()) / max(2 * c, 1)
             product += ds * dz - (ahead / gap) ** 3 * gap if c else 0.0
             kernels.interior_rhs(*rows, program.gap, *law, mass, load, x, s, z, product, rhs)
             dx = lapack.dpbtrs(factor, rhs, lower=1)[0]
-            to_force, to_gap = kernels.interior_step(
-                *rows, program.gap, *law, x, dx, s, z, product, ds, dz
-            )
+            to_force, to_gap = kernels.interior_step(*rows, program.gap, *law, x, dx, s, z, product, ds, dz)
             share = min(1.0, TO_THE_BOUND * min(to_force, to_gap))
             x, s, z = x + share * dx, s + share * ds, z + share * dz
-            found = np.concatenate(
-                [n * (s[:, :1] + s[:, 1:]), t * (s[:, :1] - s[:, 1:])], axis=1
-            )
+            found = np.concatenate([n * (s[:, :1] + s[:, 1:]), t * (s[:, :1] - s[:, 1:])], axis=1)
             certificate = self._certify(program, mass, load, x, found)
             if best is None or certificate.worst(program.step) < best.certificate.worst(program.step):
                 best = Solution(found, 0.0, x[self.back], certificate)

@@ -1,9 +1,9 @@
 """The semicircular voussoir arch: minimum thickness, friction, thrusts.
 
 Minimum t/R on the centre line [literature and computed independently]: 0.0957, 0.1061, 0.1067, 0.1074 with 7, 15, 27,
-51 voussoirs without sliding (limit 0.1075); with 27 voussoirs 0.1067, 0.1211, 0.1512 at μ = 0.40, 0.38, 0.35 and none at
-0.30. Thrust over weight at t/R = 0.12, 0.15, 0.20, many voussoirs: least 0.1908, 0.1759, 0.1540, greatest 0.2070, 0.2270,
-0.2546.
+51 voussoirs without sliding (limit 0.1075); with 27 voussoirs 0.1067, 0.1211, 0.1512 at μ = 0.40, 0.38, 0.35 and none
+at 0.30. Thrust over weight at t/R = 0.12, 0.15, 0.20, many voussoirs: least 0.1908, 0.1759, 0.1540, greatest 0.2070,
+0.2270, 0.2546.
 """
 
 from __future__ import annotations
