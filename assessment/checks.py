@@ -12,6 +12,7 @@ from assessment.hazard import HazardCurve, return_period, site_curve
 from assessment.idealisation import CapacityError, Curve, CurveFit, fit_curve
 from assessment.messages import ProjectError
 from assessment.spectrum import ElasticSpectrum, Spectrum
+from assessment.trace import Trace
 from assessment.verification import Check, Method, verify
 from mechanics.block import GRAVITY
 
@@ -163,12 +164,13 @@ def _numbers(
         "d_0_star_m": capacity.d_0_star,
         "notes": list(fit.notes),
         "curve": {"d_star_m": capacity.displacement.tolist(), "a_star_g": capacity.acceleration.tolist()},
-        **{name: _check(check, part) for name, check in checks.items()},
+        "trace": _trace((*part.steps(), *capacity.steps())),
+        **{name: _check(check, len(capacity.steps())) for name, check in checks.items()},
     }
 
 
-def _check(check: Check, part: Participation) -> dict[str, Any]:
-    trace = (*part.steps(), *check.trace)
+def _check(check: Check, common: int) -> dict[str, Any]:
+    """The numbers of a check; its trace without the `common` first steps, which are the capacity curve's."""
     return {
         "method": check.method,
         "d_star_m": check.d_star,
@@ -182,15 +184,19 @@ def _check(check: Check, part: Participation) -> dict[str, Any]:
         "return_period_years": check.return_period,
         "governing": check.governing,
         "notes": list(check.notes),
-        "trace": [
-            {
-                "symbol": s.symbol,
-                "formula": s.formula,
-                "inputs": dict(s.inputs),
-                "result": s.result,
-                "unit": s.unit,
-                "paragraph": s.paragraph,
-            }
-            for s in trace
-        ],
+        "trace": _trace(check.trace[common:]),
     }
+
+
+def _trace(steps: Trace) -> list[dict[str, Any]]:
+    return [
+        {
+            "symbol": s.symbol,
+            "formula": s.formula,
+            "inputs": dict(s.inputs),
+            "result": s.result,
+            "unit": s.unit,
+            "paragraph": s.paragraph,
+        }
+        for s in steps
+    ]

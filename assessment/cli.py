@@ -145,10 +145,11 @@ def _report(options: argparse.Namespace) -> int:
         raise ValueError(f"{stored}: no stored results; run the project first (assesto run {options.project})")
     try:
         results: Results = json.loads(stored.read_text(encoding="utf-8"))
-    except ValueError as error:
+        echo = results["echo"]["report"]
+    except (ValueError, KeyError, TypeError) as error:
         raise ValueError(f"{stored}: not readable as results ({error}); run the project again") from None
     for key in ("client", "engineer", "location", "language"):
-        results["echo"]["report"][key] = getattr(project.report, key)
+        echo[key] = getattr(project.report, key)
     for warning in write(results, folder):
         print(f"warning: {warning}", file=sys.stderr)
     print(f"report: {folder / 'report.html'}")

@@ -137,7 +137,8 @@ def _wall(values: Values) -> dict[str, Any]:
 
 
 def _arch(values: Values) -> dict[str, Any]:
-    crown = values["rise_m"] + values["thickness_m"]
+    layout = parametric.arch(**values)
+    crown = max(float(polygon[:, 1].max()) for polygons in layout.values() for polygon in polygons)
     movement = round(0.01 * values["span_m"], 6)
     return _content(
         "Arch",
@@ -233,7 +234,7 @@ TEMPLATES: dict[str, Template] = {
     "triumphal-arch": Template(
         {
             "span_m": (5.4, "m", "clear span"),
-            "rise_m": (0.55, "m", "rise of the intrados, at most half the span"),
+            "rise_m": (0.54, "m", "rise of the intrados, at most half the span"),
             "thickness_m": (0.3, "m", "thickness of the ring"),
             "voussoirs": (23, NUMBER, "voussoirs of the ring"),
             "springing_m": (4.2, "m", "height of the springing above the bases"),

@@ -154,20 +154,28 @@ def _compared(results: Results) -> list[tables.Row]:
 
 
 def _traces(results: Results, words: Words) -> Iterator[Grid]:
+    """Yield, for each state, the steps of its governing direction; those of all directions are in tables/trace.csv."""
     columns = ("symbol", "formula", "inputs", "result", "paragraph")
     for name, content in results["states"].items():
-        for direction, capacity in (content.get("capacity") or {}).items():
-            for limit in tables.LIMIT_STATES:
-                steps = ((capacity or {}).get(limit) or {}).get("trace")
-                if steps:
-                    caption = words(
-                        "caption.trace",
-                        state=words.state(name),
-                        direction=direction_name(direction),
-                        limit=limit,
-                    )
-                    rows = [_step(step, words) for step in steps]
-                    yield grid(tables.Table("trace", rows, columns), words, caption)
+        capacities = {d: c for d, c in (content.get("capacity") or {}).items() if c}
+        if not capacities:
+            continue
+        direction = min(capacities, key=lambda d: _least_index(capacities[d]))
+        for part, trace in tables.traces(capacities[direction]):
+            caption = words(
+                "caption.trace",
+                state=words.state(name),
+                direction=direction_name(direction),
+                limit=words.plain("value.capacity_curve") if part == "capacity" else part,
+            )
+            rows = [_step(step, words) for step in trace]
+            yield grid(tables.Table("trace", rows, columns), words, caption)
+
+
+def _least_index(capacity: Mapping[str, Any]) -> float:
+    """Return the lowest ζ_E over the limit states of a direction."""
+    found = [(capacity.get(limit) or {}).get("zeta_E") for limit in tables.LIMIT_STATES]
+    return min((value for value in found if value is not None), default=float("inf"))
 
 
 def _step(step: Mapping[str, Any], words: Words) -> tables.Row:

@@ -67,13 +67,17 @@ class Quality:
 
 @dataclass
 class StateResult:
-    """What one state gave under one behaviour; `failures`: analyses that could not be completed."""
+    """What one state gave under one behaviour; `failures`: analyses that could not be completed.
+
+    `reached`: the settled state, at rest; None where the structure collapses before.
+    """
 
     state: str
     behaviour: Behaviour
     pushdown: dict[str, Any] | None = None
     pushover: dict[str, dict[str, Any]] = field(default_factory=dict)
     configuration: list[list[float]] | None = None
+    reached: State | None = None
     quality: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
@@ -90,6 +94,7 @@ def analyse_state(
         began = time.perf_counter()
         state = _settle(project, model, settlement, result)
         result.seconds["pushdown"] = time.perf_counter() - began
+        result.reached = state
         if state is None:
             return result
         result.configuration = configuration(model, state)

@@ -55,6 +55,7 @@ def tables(results: Results) -> list[Table]:
         hand_check(results),
         Table("quality", list(results["quality"].get("by_stage") or []), QUALITY),
         spectra(results),
+        trace(results),
     ]
 
 
@@ -275,6 +276,33 @@ def spectra(results: Results) -> Table:
         )
     ]
     return Table("spectra", rows, ("limit_state", "T_s", "S_e_g", "S_De_m"))
+
+
+def traces(capacity: Mapping[str, Any]) -> Iterator[tuple[str, list[Mapping[str, Any]]]]:
+    """Yield the traces of a direction: "capacity" for the curve that all checks share, then each limit state's."""
+    if capacity.get("trace"):
+        yield "capacity", capacity["trace"]
+    for limit in LIMIT_STATES:
+        if (capacity.get(limit) or {}).get("trace"):
+            yield limit, capacity[limit]["trace"]
+
+
+def trace(results: Results) -> Table:
+    """List every step of every check: formula, numbers put in, result and paragraph."""
+    rows = [
+        {
+            "state": name,
+            "direction": direction,
+            "part": part,
+            **{key: step.get(key) for key in ("symbol", "formula", "result", "unit", "paragraph")},
+            "inputs": "; ".join(f"{symbol}={value!r}" for symbol, value in step["inputs"].items()),
+        }
+        for name, direction, capacity in _capacities(results)
+        for part, steps in traces(capacity)
+        for step in steps
+    ]
+    columns = ("state", "direction", "part", "symbol", "formula", "inputs", "result", "unit", "paragraph")
+    return Table("trace", rows, columns)
 
 
 def directions(results: Results) -> list[str]:

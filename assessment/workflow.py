@@ -7,7 +7,6 @@ import json
 import math
 import os
 import platform
-import shutil
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assessment.checks import assess, demand_spectra, spectra_numbers
+from assessment.dynamic_stages import add_dynamics, dynamic_contacts, read_motions
 from assessment.files import write_atomically
 from assessment.messages import ProjectError
 from assessment.model import Model
@@ -79,14 +79,17 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
 def run(project: Project, model: Model, jobs: int = 0, progress: Progress = lambda _: None) -> Outcome:
     """Carry out every stage that the project asks for (jobs: processes, 0: as many as help)."""
     assembly = model.assembly
+    motions = read_motions(project)
     demands, hazard = demand_spectra(project) if project.assessment else ({}, None)
     results = describe(project, model)
+    results["quality"]["warnings"] += motions.notes
     try:
         check_self_weight(assembly)
     except UnstableError as error:
         results["model"]["self_weight_stable"] = False
-        results["quality"]["warnings"] = [str(error)]
-        return Outcome(results, complete=False)
+        results["quality"]["warnings"].append(str(error))
+        _sum_up(results["quality"])
+        return Outcome(_without_nan(results), complete=False)
     stages = list(_analyses(project, assembly, jobs, progress))
     warnings = results["quality"]["warnings"]
     states = results["states"]
@@ -103,10 +106,12 @@ def run(project: Project, model: Model, jobs: int = 0, progress: Progress = lamb
             state["capacity"] = assess(project, assembly, state["pushover"], demands, hazard, notes)
             warnings += [f"{name}: {note}" for note in notes]
         results["spectra"] = spectra_numbers(demands)
-        results["comparison"] = _comparison(states)
         results["timing_s"]["assessment"] = time.perf_counter() - began
+    shaken = add_dynamics(results, project, assembly, motions, stages, jobs, progress)
+    if project.assessment or project.incremental:
+        results["comparison"] = _comparison(states)
     _sum_up(results["quality"])
-    return Outcome(_without_nan(results), not any(stage.failures for stage in stages))
+    return Outcome(_without_nan(results), shaken and not any(stage.failures for stage in stages))
 
 
 def describe(project: Project, model: Model) -> Results:
@@ -177,21 +182,24 @@ def write(results: Results, folder: Path, report: bool = True) -> list[str]:
 
 
 def _replace(new: Path, old: Path) -> None:
-    """Put a finished file or folder in the place of an earlier one."""
-    if new.is_dir() and old.exists():
-        aside = new.with_name(f"{new.name}.old")
-        old.rename(aside)
-        new.rename(old)
-        shutil.rmtree(aside)
-    else:
-        new.replace(old)
+    """Put a finished file, or each file of a finished folder, in the place of an earlier one."""
+    if not new.is_dir():
+        os.replace(new, old)
+        return
+    old.mkdir(exist_ok=True)
+    names = {item.name for item in new.iterdir()}
+    for name in sorted(names):
+        os.replace(new / name, old / name)
+    for stale in [item for item in old.iterdir() if item.name not in names]:
+        stale.unlink()
 
 
 def _analyses(project: Project, assembly: Assembly, jobs: int, progress: Progress) -> Iterable[StateResult]:
     """Every state under every contact behaviour, on several processes where that pays."""
-    behaviours: tuple[Behaviour, ...] = project.pushover.contacts if project.pushover else ("rigid",)
-    scenarios = [*([None] if project.pushover else []), *project.settlements]
-    tasks: list[tuple[SettlementTable | None, Behaviour]] = [(s, b) for s in scenarios for b in behaviours]
+    pushed: tuple[Behaviour, ...] = project.pushover.contacts if project.pushover else ()
+    settled = list(dict.fromkeys([*pushed, *dynamic_contacts(project)])) or ["rigid"]
+    tasks: list[tuple[SettlementTable | None, Behaviour]] = [(None, b) for b in pushed]
+    tasks += [(s, b) for s in project.settlements for b in settled]
     points = len(assembly.elastic_contacts)
     processes = jobs or (min(os.cpu_count() or 1, len(tasks)) if points * len(tasks) > SMALL else 1)
 
@@ -223,25 +231,33 @@ def _merge(state: Results, stage: StateResult) -> None:
 
 
 def _comparison(states: Mapping[str, Any]) -> list[Results]:
-    """Static capacities of each settled state beside the original one's."""
-    rows = []
+    """Capacities of each settled state beside the original one's; the dynamic one is the same in every direction."""
+    rows: list[Results] = []
+    original = states.get(ORIGINAL)
+    if original is None:
+        return rows
     for name, state in states.items():
         if name == ORIGINAL:
             continue
-        for direction in states.get(ORIGINAL, {}).get("pushover", {}):
-            before = _pga(states[ORIGINAL]["capacity"].get(direction))
+        dynamic = state["incremental"].get("pga_collapse_g")
+        for direction in original["pushover"] or ([None] if state["incremental"] else []):
+            before = _pga(original["capacity"].get(direction))
             after = _pga(state["capacity"].get(direction))
             rows.append(
                 {
                     "state": name,
                     "direction": direction,
                     "static_pga_g": after,
-                    "static_reduction": 1.0 - after / before if before and after is not None else None,
-                    "dynamic_pga_g": None,
-                    "dynamic_reduction": None,
+                    "static_reduction": _reduction(before, after),
+                    "dynamic_pga_g": dynamic,
+                    "dynamic_reduction": _reduction(original["incremental"].get("pga_collapse_g"), dynamic),
                 }
             )
     return rows
+
+
+def _reduction(before: float | None, after: float | None) -> float | None:
+    return 1.0 - after / before if before and after is not None else None
 
 
 def _pga(capacity: Mapping[str, Any] | None) -> float | None:
@@ -266,7 +282,7 @@ def _sum_up(quality: Results) -> None:
 
 
 def _states(project: Project) -> Iterable[tuple[str, Results | None]]:
-    if project.pushover:
+    if project.pushover or project.history or project.incremental:
         yield ORIGINAL, None
     for s in project.settlements:
         yield (
@@ -310,7 +326,10 @@ def _inputs(project: Project) -> list[str]:
     names = [project.source, project.geometry.drawing]
     if project.assessment and project.assessment.site and project.assessment.site.grid:
         names.append(project.assessment.site.grid)
-    return names
+    for history in project.history:
+        names += [name for name in (history.record, history.vertical_record) if name]
+    names += [os.path.relpath(path, project.folder) for path in project.incremental_records()]
+    return list(dict.fromkeys(names))
 
 
 def _version(package: str) -> str:

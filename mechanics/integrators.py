@@ -19,8 +19,10 @@ from mechanics.solvers.newton import ACCEPTED, Newton
 
 CLOSED = 1e-6  # of the block size: a gap that is none
 RESTING = 1e-6  # of √(g·size): an approach that is none
+CARRYING = 1e-5  # of a block's weight: a contact force that is one
 MOST_EVENTS = 6  # impacts located in one step; where more come, contacts chatter
 FAR = 1e3  # displacements of a step: a gap that cannot close in it
+SETTLED = 1e-5  # of a displacement: dilation that is no longer corrected
 MOST_TRIALS = 12  # of the time of one impact, or of the slip that dilates
 STAGE = 1.0 - np.sqrt(0.5)  # of the step: the stages of the L-stable second-order scheme
 
@@ -191,12 +193,16 @@ def second_order_rigid(scene: Scene, motion: Motion, load: Load, time: float, st
     implicit Euler, and counted.
     """
     done = 0.0
-    for _ in range(MOST_EVENTS):
-        motion = _impact(scene, motion)
-        new, h = _until_impact(scene, motion, load, time + done, step - done)
-        done, motion = done + h, new
-        if step - done <= 1e-9 * step:
-            return motion
+    try:
+        for _ in range(MOST_EVENTS):
+            motion = _impact(scene, motion)
+            motion, h = _until_impact(scene, motion, load, time + done, step - done)
+            done += h
+            if step - done <= 1e-9 * step:
+                return motion
+    except ConvergenceError:
+        # jammed by friction: no motion without dilation exists (Painlevé)
+        pass
     scene.fallbacks += 1
     return implicit_euler(scene, motion, load, time + done, step - done)
 
@@ -243,21 +249,37 @@ def _midpoint(
         np.where(closed, 0.0, FAR * _span(motion.v, step)), motion, step * v, _span(motion.v, step),
     )  # fmt: skip
     dx = scene.spread(moved)
-    x = motion.x + dx
-    carrying = forces[:, 0] > 0.0
+    x, v1 = motion.x + dx, 2.0 * dx / step - motion.v
+    carrying = closed & (forces[:, 0] > CARRYING * scene.weight)
     if carrying.any():
-        # constraints on velocities drift in position: closed contacts that carry are brought together again
-        gap, normal, tangent = scene.geometry(x)
-        if abs(gap[carrying, 0]).max() > 1e-3 * CLOSED * scene.model.size:
-            x = x + scene.spread(scene.newton.close(mass, normal, tangent, gap[:, 0], carrying))
+        x, v1 = _kept_together(scene, x, v1, carrying, abs(slip) <= RESTING * _span(motion.v, step))
     return replace(
         motion,
         x=x,
-        v=2.0 * dx / step - motion.v,
+        v=v1,
         forces=forces,
         friction=motion.friction - float(forces[:, 1] @ slip),
         input=motion.input + float(((force - scene.model.dead_load) * dx).sum()),
     )
+
+
+def _kept_together(
+    scene: Scene, x: Array, v: Array, carrying: NDArrayBool, stuck: NDArrayBool
+) -> tuple[Array, Array]:
+    """Positions and velocities with the contacts that carry closed, and those that are stuck without a slip.
+
+    Constraints on mean velocities drift in position, and a contact that came to rest in the step would go back.
+    """
+    gap, normal, tangent = scene.geometry(x)
+    if abs(gap[carrying, 0]).max() > 1e-3 * CLOSED * scene.model.size:
+        gap[:, 1] = 0.0
+        x = x + scene.spread(scene.newton.close(scene.mass, normal, tangent, gap, carrying.astype(np.intp)))
+    rate = np.stack([scene.relative(normal, v), scene.relative(tangent, v)], axis=1)
+    held = carrying.astype(np.intp) + (carrying & stuck)
+    off = np.where(held > [[0], [1]], abs(rate).T, 0.0).max()
+    if off > RESTING * np.sqrt(GRAVITY * scene.model.size):
+        v = v + scene.spread(scene.newton.close(scene.mass, normal, tangent, rate, held))
+    return x, v
 
 
 def _impact(scene: Scene, motion: Motion) -> Motion:
@@ -294,11 +316,11 @@ def _without_dilation(
         both = np.stack([gap + dilation, np.zeros_like(gap)], axis=1)
         solution = scene.solve(mass, load, rows, both, scene.compliance, motion, guess, span)
         slip = scene.relative(rows[1], scene.spread(solution.displacement))
-        slid = np.where(solution.forces[:, 0] > 0.0, scene.contacts.friction * abs(slip), 0.0)
-        if abs(slid - dilation).max(initial=0.0) <= 1e-6 * span:
-            break
+        slid = np.where(solution.forces[:, 0] > CARRYING * scene.weight, scene.contacts.friction * abs(slip), 0.0)
+        if abs(slid - dilation).max(initial=0.0) <= SETTLED * span:
+            return solution.displacement, solution.forces, slip
         dilation = slid
-    return solution.displacement, solution.forces, slip
+    raise ConvergenceError("no motion without dilation found")
 
 
 def _span(v: Array, step: float) -> float:

@@ -5,7 +5,7 @@ import io
 import pandas as pd
 import pytest
 
-from assessment.tables import blocks, hand_check, layers, summary, verification, write_tables
+from assessment.tables import blocks, hand_check, layers, summary, trace, verification, write_tables
 from tests.results_example import SETTLED, results_example
 
 
@@ -17,7 +17,7 @@ def written(tmp_path_factory):
 
 def test_all_tables_are_written(written):
     names = {"blocks", "layers", "settlements", "pushdown", "mechanisms", "pushover", "capacity", "summary"}
-    assert set(written) == names | {"verification", "comparison", "hand_check", "quality", "spectra"}
+    assert set(written) == names | {"verification", "comparison", "hand_check", "quality", "spectra", "trace"}
 
 
 def test_curves_come_back_as_they_were(written):
@@ -91,3 +91,26 @@ def test_same_bytes_and_plain_csv(written, tmp_path):
         assert path.read_bytes() == written[path.stem].read_bytes()
         assert b"\r" not in path.read_bytes()
         assert len(pd.read_csv(io.BytesIO(path.read_bytes()))) > 0
+
+
+def test_the_trace_holds_every_direction_and_limit_state():
+    steps = [
+        {
+            "symbol": "a",
+            "formula": "b*c",
+            "inputs": {"b": 2.0, "c": 0.5},
+            "result": 1.0,
+            "unit": "m",
+            "paragraph": "§",
+        }
+    ]
+    results = results_example()
+    for state in results["states"].values():
+        for capacity in state["capacity"].values():
+            capacity["trace"] = steps
+            for limit in ("SLD", "SLV", "SLC"):
+                capacity[limit]["trace"] = steps
+    rows = trace(results).rows
+    assert len(rows) == 2 * 2 * 4
+    assert {row["part"] for row in rows} == {"capacity", "SLD", "SLV", "SLC"}
+    assert rows[0]["inputs"] == "b=2.0; c=0.5"

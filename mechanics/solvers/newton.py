@@ -16,7 +16,6 @@ from scipy import sparse
 from scipy.linalg import lapack
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from mechanics.assembly import NDArrayBool
 from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.program import Certificate, Program, Solution
@@ -73,11 +72,16 @@ class Newton:
         if self.state is not None and self.solved >= self.next_repeat:
             found = self._repeat(program, mass, load, forces)
             if found is not None:
-                self.repeated, self.pause = self.repeated + 1, 0
+                self.repeated += 1
                 return found
-            self.pause = min(2 * self.pause + 1, LONGEST_PAUSE)
-            self.next_repeat = self.solved + self.pause
-        return self._interior(program, mass, load, guess[self.order], forces)
+        near = self._interior(program, mass, load, guess[self.order], forces)
+        if near is None or self.solved < self.next_repeat:
+            return near
+        # the states are known now: with them, forces that vanish are exactly zero
+        exact = self._repeat(program, mass, load, near.forces)
+        self.pause = 0 if exact is not None else min(2 * self.pause + 1, LONGEST_PAUSE)
+        self.next_repeat = self.solved + self.pause + (self.pause > 0)
+        return near if exact is None else exact
 
     def _repeat(self, program: Program, mass: Array, load: Array, forces: Array) -> Solution | None:
         kernels, row = self.kernels, self.row
@@ -158,9 +162,12 @@ class Newton:
         ).astype(np.intp)
         return best
 
-    def close(self, mass: Array, normal: Array, tangent: Array, gap: Array, closed: NDArrayBool) -> Array:
-        """The smallest displacements (m,), in the norm of the mass (m,), that close the gaps (c,) of some contacts."""
-        state = np.where(closed, SLIDING_ON, OPEN)
+    def close(self, mass: Array, normal: Array, tangent: Array, gap: Array, held: Index) -> Array:
+        """The smallest displacements (m,), in the norm of the mass (m,), that close gaps and slides (c, 2).
+
+        `held` (c,): 0 for contacts that do not count, 1 where the gap does, 2 where the slide does too.
+        """
+        state = np.array([OPEN, SLIDING_ON, STICKING])[held]
         scaled = mass[self.order]
         mobility = np.where(self.row >= 0, 1.0 / scaled[self.row], 0.0).sum(axis=1)
         compliance = np.repeat(mobility[:, None] / PROXIMAL, 2, axis=1)
@@ -169,9 +176,8 @@ class Newton:
         self.kernels.repeat_matrix(*rows, frictionless, compliance, scaled, state, self.band)
         factor = self._factor()
         assert factor is not None
-        forces, total = np.empty((len(gap), 2)), np.empty_like(mass)
-        both, still = np.stack([gap, np.zeros_like(gap)], axis=1), np.zeros_like(mass)
-        self.kernels.repeat_forces(*rows, both, frictionless, compliance, still, state, forces, total)
+        forces, total, still = np.empty((len(gap), 2)), np.empty_like(mass), np.zeros_like(mass)
+        self.kernels.repeat_forces(*rows, gap, frictionless, compliance, still, state, forces, total)
         moved: Array = lapack.dpbtrs(factor, total, lower=1)[0][self.back]
         return moved
 

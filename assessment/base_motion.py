@@ -1,0 +1,113 @@
+"""The base motions that a project asks for: records read, scaled, cut, resampled, and refused where they do not fit."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from assessment.messages import ProjectError
+from mechanics.block import Array
+from mechanics.ground_motion import Record, read_record
+
+if TYPE_CHECKING:
+    from assessment.project import Project
+    from assessment.project_schema import HistoryTable, MotionTable
+
+WHOLE = 1e-3  # of the peak acceleration: a window that loses no more of it holds the strong motion
+
+
+@dataclass(frozen=True, eq=False)
+class BaseMotion:
+    """What shakes the base: `record` at the analysis' step in the window that begins at `start` (s) of the file.
+
+    `pga` (g): largest horizontal acceleration in the window before resampling, `scale` included. `original`: the whole
+    record, scaled. `vertical` (n,) g, upward, None where there is none. `notes`: what the user should know.
+    """
+
+    record: Record
+    original: Record
+    pga: float
+    scale: float
+    start: float = 0.0
+    vertical: Array | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Name in tables and figures."""
+        return self.record.name
+
+
+def history_motions(project: Project) -> list[BaseMotion]:
+    """Base motion of each [[history]]; ProjectError or ValueError naming key or file where one cannot be used."""
+    motions = [
+        _motion(project, f"history[{n}]", table, project.path(table.record), table)
+        for n, table in enumerate(project.history, 1)
+    ]
+    doubles = Counter(motion.name for motion in motions)
+    return [
+        motion if doubles[motion.name] == 1 else _renamed(motion, f"{motion.name} × {motion.scale:g}")
+        for motion in motions
+    ]
+
+
+def incremental_motions(project: Project) -> list[BaseMotion]:
+    """Base motion, unscaled, of each record of [incremental]; errors as history_motions."""
+    if project.incremental is None:
+        return []
+    return [
+        _motion(project, "incremental", project.incremental, path) for path in project.incremental_records()
+    ]
+
+
+def _motion(
+    project: Project, key: str, table: MotionTable, path: Path, history: HistoryTable | None = None
+) -> BaseMotion:
+    if table.damping_ratio and table.contacts == "rigid":
+        text = 'rigid contacts have no stiffness to damp; leave it out or write contacts = "elastic"'
+        raise ProjectError(f"{project.source}: {key}.damping_ratio: {text}")
+    scale = history.scale if history else 1.0
+    original = read_record(path, table.time_step_s).scaled(scale)
+    if history and history.name:
+        original = replace(original, name=history.name)
+    try:
+        window = original.arias_window() if table.window_s == "arias" else table.window_s
+        start = window[0] if window else 0.0
+        cut = original.windowed(*window) if window else original
+        record = cut.resampled(table.time_step_s or cut.time_step)
+    except ValueError as error:
+        raise ProjectError(f"{project.source}: {key}: {path.name}: {error}") from None
+    vertical = None
+    if history and history.vertical_record:
+        vertical = _vertical(project, key, history, project.path(history.vertical_record), record, start)
+    notes = ()
+    if cut.pga < (1.0 - WHOLE) * original.pga:
+        notes = (
+            f"{original.name}: the window leaves out the peak of {original.pga:.3g} g; PGA means {cut.pga:.3g} g, "
+            "the largest acceleration inside it",
+        )
+    return BaseMotion(record, original, cut.pga, scale, start, vertical, notes)
+
+
+def _vertical(
+    project: Project, key: str, history: HistoryTable, path: Path, horizontal: Record, start: float
+) -> Array:
+    """Vertical acceleration (n,) g at the samples of the horizontal one; both files begin at the same instant."""
+    whole = read_record(path, history.time_step_s).scaled(history.scale)
+    missing = start + horizontal.duration - whole.duration
+    if missing > horizontal.time_step:
+        text = f"{path.name} ends {missing:.3g} s before the horizontal motion; give a longer record or a window_s"
+        raise ProjectError(f"{project.source}: {key}.vertical_record: {text}")
+    cut = whole.windowed(start, min(start + horizontal.duration, whole.duration))
+    vertical = np.zeros(horizontal.acceleration.size)
+    found = cut.resampled(horizontal.time_step).acceleration[: vertical.size]
+    vertical[: found.size] = found
+    return vertical
+
+
+def _renamed(motion: BaseMotion, name: str) -> BaseMotion:
+    return replace(motion, record=replace(motion.record, name=name))

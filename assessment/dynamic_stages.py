@@ -1,0 +1,116 @@
+"""The dynamic stages of a run: which motions start from which states, and their place in the results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from assessment.base_motion import BaseMotion, history_motions, incremental_motions
+from assessment.dynamics import StageResult, Start, histories, motion_numbers
+from assessment.incremental import searches, summarise
+from assessment.project_schema import ORIGINAL
+from mechanics.response_spectrum import response_spectrum
+
+if TYPE_CHECKING:
+    from assessment.project import Project
+    from assessment.stages import StateResult
+    from mechanics import Assembly
+    from mechanics.assembly import Behaviour
+
+Results = dict[str, Any]
+PERIODS = np.linspace(0.0, 4.0, 201)  # s
+
+
+@dataclass(frozen=True)
+class Motions:
+    """The base motions of [[history]] and [incremental], read before anything is analysed."""
+
+    history: list[BaseMotion]
+    incremental: list[BaseMotion]
+
+    @property
+    def notes(self) -> list[str]:
+        """What the user should know about the records."""
+        return [note for motion in (*self.history, *self.incremental) for note in motion.notes]
+
+
+def read_motions(project: Project) -> Motions:
+    """Read every record that the project names; ProjectError or ValueError naming file, line or key."""
+    return Motions(history_motions(project), incremental_motions(project))
+
+
+def dynamic_contacts(project: Project) -> list[Behaviour]:
+    """Contact behaviours of the dynamic stages: each needs its own settled state."""
+    tables = [*project.history, *([project.incremental] if project.incremental else [])]
+    return list(dict.fromkeys(table.contacts for table in tables))
+
+
+def add_dynamics(
+    results: Results,
+    project: Project,
+    model: Assembly,
+    motions: Motions,
+    stages: Iterable[StateResult],
+    jobs: int,
+    progress: Callable[[str], None],
+) -> bool:
+    """Carry out [[history]] and [incremental] from the states that `stages` reached and fill their results.
+
+    Returns whether every run was completed. A project without them costs nothing and is left as it is.
+    """
+    starts = _starts(dynamic_contacts(project), model, stages)
+    ultimates = _ultimates(results["states"])
+    warnings = results["quality"]["warnings"]
+    complete = True
+
+    def take(stage: StageResult) -> None:
+        nonlocal complete
+        warnings.extend([*stage.warnings, *stage.failures])
+        results["quality"]["by_stage"] += stage.quality
+        results["timing_s"][stage.stage] = results["timing_s"].get(stage.stage, 0.0) + stage.seconds
+        complete = complete and not stage.failures
+
+    if project.history:
+        results["motions"] = [
+            motion_numbers(motion, PERIODS, response_spectrum(motion.record.acceleration, motion.record.time_step, PERIODS))
+            for motion in motions.history
+        ]  # fmt: skip
+        for stage in histories(project, model, motions.history, starts, ultimates, jobs, progress):
+            take(stage)
+            results["states"][stage.state]["history"].append(stage.numbers)
+    if project.incremental:
+        found: dict[str, list[Results]] = {}
+        for stage in searches(project, model, motions.incremental, starts, ultimates, jobs, progress):
+            take(stage)
+            found.setdefault(stage.state, []).append(stage.numbers)
+        for state, records in found.items():
+            results["states"][state]["incremental"] = summarise(records, warnings, state)
+    return complete
+
+
+def _starts(
+    behaviours: Iterable[Behaviour], model: Assembly, stages: Iterable[StateResult]
+) -> dict[tuple[str, str], Start]:
+    """The state at rest of each name and behaviour, or why it was not reached."""
+    starts: dict[tuple[str, str], Start] = {(ORIGINAL, behaviour): model.initial for behaviour in behaviours}
+    for stage in stages:
+        if stage.state != ORIGINAL:
+            reason = "; ".join(stage.failures) or "the settled state was not reached"
+            starts[stage.state, stage.behaviour] = reason if stage.reached is None else stage.reached
+    return starts
+
+
+def _ultimates(states: Mapping[str, Any]) -> dict[tuple[str, str], float]:
+    """Displacement at which the static capacity vanishes, m, by state and control point, where both sides have one."""
+    found = {}
+    for state, content in states.items():
+        curves = content["pushover"]
+        sides = [curves.get(direction, {}) for direction in ("+x", "-x")]
+        ends = [side["rigid"]["d_0_m"] for side in sides if side.get("rigid", {}).get("reached_zero")]
+        controls = {side.get("control") for side in sides}
+        if len(ends) == 2 and len(controls) == 1:
+            found[state, controls.pop()] = max(ends)
+    return found

@@ -1,0 +1,260 @@
+"""Time histories of a project: every record from every state, as plain numbers for results.json."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from assessment.parallel import spread
+from mechanics import Assembly, ConvergenceError, State, TimeHistory, time_history
+from mechanics.block import GRAVITY, Array
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from assessment.base_motion import BaseMotion
+    from assessment.project import Project
+    from assessment.project_schema import ControlTable, MotionTable
+    from mechanics.program import Certificate
+
+Numbers = dict[str, Any]
+Start = State | str
+"""The state at rest that a motion begins from, or why it could not be reached."""
+
+MOST_POINTS = 2000  # of a curve kept for figures
+TAIL = 2.0  # s of free motion after the record, where the blocks still move: a fall under way is seen to its end
+STILL = 0.01  # of √(g·size): a speed that is none
+WORTHWHILE = 500_000  # contact points times steps: below it a second process costs more than it saves
+ENERGIES = ("kinetic", "potential", "elastic", "input", "friction", "impact", "viscous", "integrator")
+
+
+@dataclass
+class StageResult:
+    """What one motion, or one search, from one state gave; `failures`: what could not be completed."""
+
+    state: str
+    stage: str
+    numbers: Numbers
+    quality: list[Numbers] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How motions are integrated: the keys that [[history]] and [incremental] share.
+
+    `ultimate` (m): control displacement at which the static capacity vanishes, None where it is not known.
+    """
+
+    table: MotionTable
+    control: ControlTable
+    ultimate: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """A motion and the free one after it: time (k,) s from the beginning, control displacement (k,) m from rest.
+
+    `positions` (k, b, 3); `parts`: the runs it is made of.
+    """
+
+    time: Array
+    displacement: Array
+    positions: Array
+    parts: tuple[TimeHistory, ...]
+
+    @property
+    def last(self) -> TimeHistory:
+        """The run at whose end the response ends."""
+        return self.parts[-1]
+
+    @property
+    def certificate(self) -> Certificate:
+        """Worst residuals of all programs."""
+        first, *rest = (part.certificate for part in self.parts)
+        for other in rest:
+            first = first.joined(other)
+        return first
+
+    def total(self, count: str) -> int:
+        """Return the total of a count over the runs."""
+        return sum(getattr(part, count) for part in self.parts)
+
+    def energy(self) -> dict[str, float]:
+        """Return the balance since the beginning, kNm: changes of the stored energies, input, what was dissipated."""
+        return {
+            f"{name}_kNm": float(sum(energy[-1] - energy[0] for energy in series))
+            for name in ENERGIES
+            for series in [[getattr(part.energy, name) for part in self.parts]]
+        }
+
+
+def respond(model: Assembly, motion: BaseMotion, setting: Setting, start: State, factor: float = 1.0) -> Response:
+    """Shake the structure by a base motion times `factor` and, where it still moves then, let it come to rest.
+
+    Raises ConvergenceError where a step is not solved.
+    """
+    table, point = setting.table, setting.control.point_m
+    step = motion.record.time_step
+
+    def run(acceleration: Array, vertical: Array | None, state: State, ultimate: float | None) -> TimeHistory:
+        return time_history(
+            model, acceleration, step, table.contacts, state, table.integrator, vertical,
+            damping_ratio=table.damping_ratio or 0.0, control=point, ultimate=ultimate,
+        )  # fmt: skip
+
+    vertical = None if motion.vertical is None else factor * motion.vertical
+    shaken = run(factor * motion.record.acceleration, vertical, start, setting.ultimate)
+    assert shaken.displacement is not None
+    speed = abs(shaken.final.velocities[:, :2]).max()
+    if shaken.collapsed or speed <= STILL * np.sqrt(GRAVITY * model.size):
+        return Response(shaken.time, shaken.displacement, shaken.positions, (shaken,))
+    free = run(np.zeros(round(TAIL / step) + 2), None, shaken.final, None)
+    assert free.displacement is not None
+    return Response(
+        np.concatenate([shaken.time, shaken.time[-1] + free.time[1:]]),
+        np.concatenate([shaken.displacement, shaken.displacement[-1] + free.displacement[1:]]),
+        np.concatenate([shaken.positions, free.positions[1:]]),
+        (shaken, free),
+    )
+
+
+def histories(
+    project: Project,
+    model: Assembly,
+    motions: list[BaseMotion],
+    starts: Mapping[tuple[str, str], Start],
+    ultimates: Mapping[tuple[str, str], float],
+    jobs: int,
+    progress: Callable[[str], None],
+) -> Iterator[StageResult]:
+    """Every time history that the project asks for, state by state.
+
+    `starts`: state at rest by name and contacts; `ultimates`: ultimate displacement by state and control point.
+    """
+    tasks = [
+        (model, motion, Setting(table, control, ultimates.get((state, control.name))), state, starts[state, table.contacts])
+        for state in project.states
+        for table, motion in zip(project.history, motions, strict=True)
+        for control in [project.control_point(table.control)]
+        if table.states is None or state in table.states
+    ]  # fmt: skip
+    work = len(model.elastic_contacts) * sum(task[1].record.acceleration.size for task in tasks)
+
+    def announce(number: int) -> None:
+        progress(f"{tasks[number][3]}: history of {tasks[number][1].name}")
+
+    yield from spread(history, tasks, jobs, work > WORTHWHILE, announce)
+
+
+def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, start: Start) -> StageResult:
+    """One time history in numbers; displacements are horizontal, of the control point, from the state's own rest.
+
+    Times count from the first sample of the record's file, the window's start included.
+    """
+    title = f"{state}, history of {motion.name}"
+    numbers: Numbers = {
+        "record": motion.name,
+        "pga_g": motion.pga,
+        "scale": motion.scale,
+        "time_step_s": motion.record.time_step,
+        "contacts": setting.table.contacts,
+        "integrator": setting.table.integrator,
+        "control": setting.control.name,
+        "peak_displacement_m": None,
+        "residual_displacement_m": None,
+        "collapsed": None,
+        "time_of_collapse_s": None,
+        "reason": None,
+    }
+    result = StageResult(state, "history", numbers)
+    if isinstance(start, str):
+        numbers["reason"] = start
+        result.warnings.append(f"{title}: {start}")
+        return result
+    began = time.perf_counter()
+    try:
+        response = respond(model, motion, setting, start)
+    except ConvergenceError as error:
+        numbers["reason"] = str(error)
+        result.failures.append(f"{title}: {error}")
+        return result
+    result.seconds = time.perf_counter() - began
+    last, drawn = response.last, model.initial.positions
+    peak = int(np.argmax(abs(response.displacement)))
+    kept = thinned(response.displacement)
+    numbers |= {
+        "peak_displacement_m": float(abs(response.displacement[peak])),
+        "time_of_peak_s": motion.start + float(response.time[peak]),
+        "residual_displacement_m": None if last.collapsed else float(response.displacement[-1]),
+        "collapsed": last.collapsed,
+        "time_of_collapse_s": motion.start + float(response.time[-1]) if last.collapsed else None,
+        "reason": last.collapse_reason or None,
+        "free_motion_from_s": motion.start + motion.record.duration if len(response.parts) > 1 else None,
+        "curve": {
+            "time_s": (motion.start + response.time[kept]).tolist(),
+            "displacement_m": response.displacement[kept].tolist(),
+        },
+        "peak_configuration": (response.positions[peak] - drawn).tolist(),
+        "final_configuration": (response.positions[-1] - drawn).tolist(),
+        "energy": response.energy(),
+        "fallbacks": response.total("fallbacks"),
+        "impacts": response.total("impacts"),
+        "notes": list(last.notes),
+        "seconds": result.seconds,
+    }  # fmt: skip
+    result.quality.append(quality_row(state, f"history, {motion.name}", response.total("solves"), response.certificate))
+    result.warnings += [f"{title}: {note}" for note in last.notes]
+    if last.collapsed:
+        result.warnings.append(f"{title}: collapse at {numbers['time_of_collapse_s']:.4g} s: {last.collapse_reason}")
+    return result
+
+
+def quality_row(state: str, stage: str, solves: int, worst: Certificate) -> Numbers:
+    """The row of a stage in the table of certificates."""
+    return {
+        "state": state,
+        "stage": stage,
+        "solves": solves,
+        "worst_equilibrium_residual": worst.equilibrium,
+        "worst_penetration_m": worst.penetration,
+        "worst_complementarity": worst.complementarity,
+        "worst_cone_violation": worst.cone,
+    }
+
+
+def motion_numbers(motion: BaseMotion, periods: Array, spectral: tuple[Array, Array]) -> Numbers:
+    """A base motion for figures: its accelerations in the window, thinned, and its spectrum at 5 % damping."""
+    a = motion.record.acceleration
+    kept = thinned(a)
+    return {
+        "name": motion.name,
+        "pga_g": motion.pga,
+        "scale": motion.scale,
+        "window_s": [motion.start, motion.start + motion.record.duration],
+        "time_s": (motion.start + motion.record.time[kept]).tolist(),
+        "acceleration_g": a[kept].tolist(),
+        "T_s": periods.tolist(),
+        "S_a_g": spectral[0].tolist(),
+        "S_d_m": spectral[1].tolist(),
+        "vertical": motion.vertical is not None,
+    }
+
+
+def thinned(values: Array, most: int = MOST_POINTS) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
+    """Indices of at most `most` samples that keep the shape of a curve: the extremes of equal stretches, and its ends."""
+    if values.size <= most:
+        return np.arange(values.size)
+    bounds = np.linspace(0, values.size, (most - 2) // 2 + 1).astype(int)
+    extremes = [
+        start + index
+        for start, end in zip(bounds[:-1], bounds[1:], strict=True)
+        for index in (int(values[start:end].argmin()), int(values[start:end].argmax()))
+    ]
+    return np.unique([0, *extremes, values.size - 1])

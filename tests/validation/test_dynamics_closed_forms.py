@@ -1,0 +1,159 @@
+"""Motions with closed forms: sliding (Newmark), falling and bouncing blocks, a block on elastic joints.
+
+Newmark, "Effects of earthquakes on dams and embankments", Géotechnique 15 (1965): a block on a rough plane slides
+with the acceleration by which the base exceeds μg. The elastic block is a rigid one on a Winkler bed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mechanics import Assembly, Block, Material, State, time_history
+from mechanics.block import GRAVITY
+from tests.structures import block_on_base, rectangle
+
+FLAT = {"width": 2.0, "height": 0.2, "friction": 0.3}
+
+
+def newmark(acceleration: np.ndarray, step: float, friction: float, finer: int = 50) -> np.ndarray:
+    """Slip (k,) of a block under base accelerations in g, linear between samples, by small explicit steps."""
+    time = step * np.arange(len(acceleration))
+    fine = np.linspace(0.0, time[-1], finer * (len(time) - 1) + 1)
+    a, h = GRAVITY * np.interp(fine, time, acceleration), step / finer
+    x, v, slip = 0.0, 0.0, [0.0]
+    for k in range(len(fine) - 1):
+        mean = 0.5 * (a[k] + a[k + 1])
+        resisting = friction * GRAVITY
+        if v == 0.0 and abs(mean) <= resisting:
+            slip.append(x)
+            continue
+        drive = -mean - resisting * (np.sign(v) if v else -np.sign(mean))
+        new = v + h * drive
+        if v * new < 0.0:
+            new = 0.0
+        x += 0.5 * h * (v + new)
+        v = new
+        slip.append(x)
+    return np.array(slip)[::finer]
+
+
+@pytest.mark.parametrize(("integrator", "tolerance"), [("implicit-euler", 0.02), ("second-order", 0.001)])
+def test_sliding_under_constant_acceleration(integrator: str, tolerance: float) -> None:
+    step, n = 0.005, 101
+    motion = time_history(block_on_base(**FLAT), np.full(n, 0.4), step, "rigid", integrator=integrator)
+    moved = motion.positions[:, 1] - motion.positions[0, 1]
+    assert moved[-1, 0] == pytest.approx(-0.5 * 0.1 * GRAVITY * 0.5**2, rel=tolerance)
+    assert abs(moved[:, 2]).max() < 1e-4
+    assert motion.energy.friction[-1] == pytest.approx(
+        0.3 * motion.positions[-1, 1, 0] * -18.0 * 0.4 + 0.3 * 18.0 * 0.4, rel=0.02
+    )
+
+
+@pytest.mark.parametrize(("integrator", "tolerance"), [("implicit-euler", 0.03), ("second-order", 0.003)])
+def test_sliding_under_a_sine(integrator: str, tolerance: float) -> None:
+    step = 0.005
+    time = step * np.arange(401)
+    base = 0.6 * np.sin(2.0 * np.pi * time / 0.5)
+    motion = time_history(block_on_base(**FLAT), base, step, "rigid", integrator=integrator)
+    slip = newmark(base, step, 0.3)
+    assert abs(motion.positions[:, 1, 0] - motion.positions[0, 1, 0] - slip).max() < tolerance * np.ptp(slip)
+
+
+def lifted(by: float, **shape: float) -> tuple[Assembly, State]:
+    model = block_on_base(**shape)
+    positions = model.initial.positions.copy()
+    positions[1, 1] += by
+    return model, State(positions, np.zeros_like(positions))
+
+
+def test_falling_block_falls_freely_and_stays_down() -> None:
+    model, state = lifted(0.2, width=0.5, height=0.5)
+    motion = time_history(model, np.zeros(101), 0.005, "rigid", state, "second-order")
+    height = motion.positions[:, 1, 1] - model.initial.positions[1, 1]
+    landing = np.sqrt(2.0 * 0.2 / GRAVITY)
+    flying = motion.time < landing
+    assert height[flying] == pytest.approx(0.2 - 0.5 * GRAVITY * motion.time[flying] ** 2, abs=1e-9)
+    assert abs(height[motion.time > landing + 0.005]).max() < 1e-5
+    assert motion.energy.impact[-1] == pytest.approx(model.weight * 0.2, rel=1e-3)
+
+
+def test_bouncing_block_keeps_its_restitution() -> None:
+    model, state = lifted(0.2, width=0.5, height=0.5)
+    motion = time_history(model, np.zeros(161), 0.005, "rigid", state, "second-order", restitution=0.6)
+    height = motion.positions[:, 1, 1] - model.initial.positions[1, 1]
+    first = np.sqrt(2.0 * 0.2 / GRAVITY)
+    second = first + 2.0 * 0.6 * first
+    assert height[(motion.time > first) & (motion.time < second)].max() == pytest.approx(0.36 * 0.2, rel=1e-3)
+    third = second + 2.0 * 0.36 * first
+    assert height[(motion.time > second) & (motion.time < third)].max() == pytest.approx(0.36**2 * 0.2, rel=0.01)
+
+
+def test_block_thrown_by_a_vertical_acceleration() -> None:
+    """A base that falls with 1.5 g leaves the block behind: it rises against the ground with 0.5 g."""
+    motion = time_history(
+        block_on_base(0.5, 0.5), np.zeros(21), 0.005, "rigid", vertical_acceleration=np.full(21, -1.5),
+        integrator="second-order",
+    )  # fmt: skip
+    height = motion.positions[:, 1, 1] - motion.positions[0, 1, 1]
+    assert height == pytest.approx(0.25 * GRAVITY * motion.time**2, rel=1e-6, abs=1e-9)
+
+
+def winkler(segments: int) -> tuple[Assembly, float]:
+    """A block on an elastic joint, and its circular frequency of rocking on it.
+
+    k_θ = k d l³/12 (1 + 2/m²) of m segments, less the weight's overturning; inertia about the middle of the base.
+    """
+    width, height, stiffness = 0.5, 2.0, 2e4
+    stone = Material(18.0, 2.0, stiffness)
+    base = Block(rectangle(-1.0, -0.5, 1.5, 0.0), 1.0, stone, support="base")
+    model = Assembly([base, Block(rectangle(0.0, 0.0, width, height), 1.0, stone)], segments)
+    rotational = stiffness * width**3 / 12.0 * (1.0 + 2.0 / segments**2) - model.weight * height / 2.0
+    inertia = model.weight / GRAVITY * (height**2 / 3.0 + width**2 / 12.0)
+    return model, float(np.sqrt(rotational / inertia))
+
+
+@pytest.mark.parametrize("segments", [1, 4])
+def test_first_period_on_elastic_joints(segments: int) -> None:
+    model, omega = winkler(segments)
+    step = 2.0 * np.pi / omega / 100.0
+    rest = time_history(model, np.zeros(2), step, "elastic").start
+    velocities = np.zeros_like(rest.positions)
+    velocities[1] = (-1.0 * 1e-3, 0.0, 1e-3)
+    motion = time_history(model, np.zeros(401), step, "elastic", State(rest.positions, velocities), "second-order")
+    rotation = motion.positions[:, 1, 2]
+    up = np.flatnonzero((rotation[:-1] < 0.0) & (rotation[1:] >= 0.0))
+    crossing = up + rotation[up] / (rotation[up] - rotation[up + 1])
+    assert step * np.diff(crossing) == pytest.approx(2.0 * np.pi / omega, rel=0.005)
+    assert motion.energy.integrator[-1] < 0.02 * motion.energy.mechanical[0] + 1e-12
+
+
+def test_viscous_damping_has_the_ratio_asked_for() -> None:
+    """Free vibration on elastic joints: the logarithmic decrement is 2πζ; the integrator's share is reported apart."""
+    model, omega = winkler(4)
+    step = 2.0 * np.pi / omega / 200.0
+    rest = time_history(model, np.zeros(2), step, "elastic").start
+    velocities = np.zeros_like(rest.positions)
+    velocities[1] = (-1.0 * 1e-3, 0.0, 1e-3)
+    motion = time_history(
+        model, np.zeros(801), step, "elastic", State(rest.positions, velocities), "second-order", damping_ratio=0.05
+    )
+    rotation = motion.positions[:, 1, 2]
+    top = np.flatnonzero((rotation[1:-1] > rotation[:-2]) & (rotation[1:-1] >= rotation[2:])) + 1
+    assert np.diff(np.log(rotation[top])) == pytest.approx(-2.0 * np.pi * 0.05, rel=0.1)
+    assert abs(motion.energy.integrator[-1]) < 0.05 * motion.energy.viscous[-1]
+
+
+def test_elastic_second_order_scheme_is_of_second_order() -> None:
+    model, omega = winkler(4)
+    rest = time_history(model, np.zeros(2), 0.01, "elastic").start
+    velocities = np.zeros_like(rest.positions)
+    velocities[1] = (-1.0 * 1e-3, 0.0, 1e-3)
+    start, end = State(rest.positions, velocities), 2.0 * np.pi / omega
+    steps = np.array([20, 40, 80, 160])
+    found = [
+        time_history(model, np.zeros(n + 1), end / n, "elastic", start, "second-order").positions[-1, 1, 2]
+        for n in [*steps, 1280]
+    ]
+    errors = abs(np.array(found[:-1]) - found[-1])
+    assert -np.polyfit(np.log(steps), np.log(errors), 1)[0] > 1.7

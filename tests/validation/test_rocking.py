@@ -1,0 +1,183 @@
+"""Rocking of one rigid block against closed forms.
+
+Housner, "The behavior of inverted pendulum structures during earthquakes", Bull. Seism. Soc. Am. 53 (1963): equation
+of motion θ'' = −p² sin(α − θ), angular velocity after an impact e = 1 − 1.5 sin²α times the one before; the minimum
+duration of an overturning rectangular pulse. Blocks of the paper, §6.1. The references are integrated here, with the
+impacts located, to ten digits.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from mechanics import Assembly, State, time_history
+from mechanics.block import GRAVITY
+from tests.structures import block_on_base
+
+
+def released(width: float, height: float, share: float) -> tuple[Assembly, State, float]:
+    """The block turned about its right corner by a share of its slenderness angle, and that angle."""
+    model = block_on_base(width, height, friction=0.7, stiffness=5e8)
+    alpha = float(np.arctan(width / height))
+    return model, model.rotated(1, (width, 0.0), -share * alpha), alpha
+
+
+def housner(width: float, height: float, share: float, times: np.ndarray) -> tuple[np.ndarray, list[float]]:
+    """Rotation at the times, signed, and the times of impact, of the block released from rest."""
+    alpha, radius = np.arctan(width / height), 0.5 * np.hypot(width, height)
+    p2, e = 0.75 * GRAVITY / radius, 1.0 - 1.5 * np.sin(alpha) ** 2
+
+    def impact(_: float, y: np.ndarray) -> float:
+        return y[0]
+
+    impact.terminal, impact.direction = True, -1.0
+    start, y, side, rotation, impacts = 0.0, [share * alpha, 0.0], 1.0, np.zeros(len(times)), []
+    while start < times[-1]:
+        run = solve_ivp(
+            lambda _, y: [y[1], -p2 * np.sin(alpha - y[0])], (start, times[-1] + 1e-9), y, events=impact, rtol=1e-11,
+            atol=1e-13, dense_output=True,
+        )  # fmt: skip
+        inside = (times >= start) & (times <= run.t[-1])
+        if inside.any():
+            rotation[inside] = side * run.sol(times[inside])[0]
+        if not len(run.t_events[0]):
+            break
+        start, side = float(run.t[-1]), -side
+        impacts.append(start)
+        y = [0.0, -e * run.y_events[0][0][1]]
+    return rotation, impacts
+
+
+def exact_peaks(width: float, height: float, share: float) -> np.ndarray:
+    """First three peaks after release over the slenderness angle: e² of the energy is left at each impact."""
+    alpha = np.arctan(width / height)
+    e = 1.0 - 1.5 * np.sin(alpha) ** 2
+    energy = (np.cos(alpha * (1.0 - share)) - np.cos(alpha)) * e ** (2.0 * np.arange(1, 4))
+    return 1.0 - np.arccos(np.cos(alpha) + energy) / alpha
+
+
+def peaks(rotation: np.ndarray, alpha: float) -> np.ndarray:
+    """First three peaks after the start, of the parabola through three samples, over the slenderness angle."""
+    r = abs(rotation) / alpha
+    a, b, c = r[1:-2], r[2:-1], r[3:]
+    at = np.flatnonzero((b >= a) & (b > c))[:3]
+    return (b - (a - c) ** 2 / (8.0 * (a - 2.0 * b + c)))[at]
+
+
+def crossings(time: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+    k = np.flatnonzero(rotation[:-1] * rotation[1:] < 0.0)
+    return time[k] + (time[k + 1] - time[k]) * rotation[k] / (rotation[k] - rotation[k + 1])
+
+
+def third_peak_error(integrator: str, step: float) -> float:
+    model, state, alpha = released(0.6, 4.2, 0.5)
+    motion = time_history(model, np.zeros(round(4.6 / step)), step, "rigid", state, integrator)
+    return float(abs(peaks(motion.positions[:, 1, 2], alpha)[2] - exact_peaks(0.6, 4.2, 0.5)[2]))
+
+
+def test_the_formula_gives_the_published_peaks() -> None:
+    assert exact_peaks(0.6, 4.2, 0.5) == pytest.approx([0.4575, 0.4204, 0.3875], abs=1e-4)
+
+
+def test_tall_block_second_order_at_20_ms() -> None:
+    model, state, alpha = released(0.6, 4.2, 0.5)
+    motion = time_history(model, np.zeros(250), 0.02, "rigid", state, "second-order")
+    rotation = motion.positions[:, 1, 2]
+    assert peaks(rotation, alpha) == pytest.approx([0.4575, 0.4204, 0.3875], rel=0.005)
+    # g = 9.81 in the published times
+    assert crossings(motion.time, rotation)[:3] == pytest.approx([0.7076, 2.0201, 3.2468], rel=0.002)
+    assert motion.fallbacks == 0 and not motion.collapsed
+
+
+def test_short_block_second_order() -> None:
+    model, state, alpha = released(0.17, 1.0, 0.64)
+    motion = time_history(model, np.zeros(300), 0.01, "rigid", state, "second-order")
+    assert peaks(motion.positions[:, 1, 2], alpha) == pytest.approx(exact_peaks(0.17, 1.0, 0.64), rel=0.005)
+    _, impacts = housner(0.17, 1.0, 0.64, motion.time)
+    assert crossings(motion.time, motion.positions[:, 1, 2])[:3] == pytest.approx(impacts[:3], rel=0.003)
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_implicit_euler_needs_a_millisecond_for_a_few_percent(contacts: str) -> None:
+    model, state, alpha = released(0.6, 4.2, 0.5)
+    motion = time_history(model, np.zeros(4000), 0.001, contacts, state)
+    found, exact = peaks(motion.positions[:, 1, 2], alpha), exact_peaks(0.6, 4.2, 0.5)
+    assert found == pytest.approx(exact, rel=0.05)
+    assert found[0] < exact[0] * 0.995, "it damps the motion"
+
+
+def test_implicit_euler_is_of_first_order() -> None:
+    steps = np.array([0.01, 0.005, 0.0025, 0.00125])
+    errors = np.array([third_peak_error("implicit-euler", h) for h in steps])
+    order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    assert 0.6 < order < 1.4
+
+
+@pytest.mark.parametrize("end", [0.6, 3.0], ids=["before the first impact", "across two impacts"])
+def test_midpoint_rule_is_of_second_order(end: float) -> None:
+    model, state, _ = released(0.6, 4.2, 0.5)
+    steps = np.array([0.04, 0.02, 0.01, 0.005])
+    exact = abs(housner(0.6, 4.2, 0.5, np.array([0.0, end]))[0][1])
+    errors = []
+    for h in steps:
+        motion = time_history(model, np.zeros(round(end / h) + 1), h, "rigid", state, "second-order")
+        errors.append(abs(abs(motion.positions[-1, 1, 2]) - exact))
+    order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    assert 1.7 < order
+    assert errors[1] < 1e-3 * exact
+
+
+def test_energy_is_kept_between_impacts_and_lost_at_them() -> None:
+    model, state, alpha = released(0.6, 4.2, 0.5)
+    motion = time_history(model, np.zeros(250), 0.02, "rigid", state, "second-order")
+    energy = motion.energy
+    radius, weight = 0.5 * np.hypot(0.6, 4.2), model.weight
+    at_release = weight * radius * (np.cos(0.5 * alpha) - np.cos(alpha))
+    e = 1.0 - 1.5 * np.sin(alpha) ** 2
+    _, impacts = housner(0.6, 4.2, 0.5, motion.time)
+    after = np.searchsorted(motion.time, impacts[:3], side="right")
+    lost = at_release * (1.0 - e ** (2.0 * np.arange(1, 4)))
+    assert energy.impact[after] == pytest.approx(lost, rel=0.005)
+    assert abs(energy.integrator).max() < 0.005 * at_release
+    assert energy.mechanical + energy.dissipated - energy.input == pytest.approx(energy.mechanical[0], abs=1e-12)
+
+
+def pulse(amplitude: float, duration: float, end: float, step: float) -> np.ndarray:
+    """A rectangular pulse in g whose last sample is halved, so that it keeps its area."""
+    time = step * np.arange(round(end / step) + 1)
+    return amplitude * ((time < duration - 1e-9) + 0.5 * (abs(time - duration) < 1e-9))
+
+
+def test_rectangular_pulse_that_hardly_lifts_the_block() -> None:
+    """0.5 × 3.5 m under 0.15 g for 0.2 s (paper, §6.1): peak 6.28e-4 rad at 0.210 s, first impact at 0.257 s."""
+    model = block_on_base(0.5, 3.5, friction=0.7)
+    step = 0.001
+    motion = time_history(model, pulse(0.15, 0.2, 0.3, step), step, "rigid", integrator="second-order")
+    rotation = abs(motion.positions[:, 1, 2])
+    k = int(rotation[:240].argmax())
+    assert rotation[k] == pytest.approx(6.28e-4, rel=0.01)
+    assert motion.time[k] == pytest.approx(0.210, abs=0.002)
+    first = crossings(motion.time, motion.positions[:, 1, 2])[0]
+    assert first == pytest.approx(0.257, abs=0.002)
+
+
+@pytest.mark.parametrize("k", [1.3, 2.0, 4.0])
+def test_minimum_duration_of_an_overturning_pulse(k: float) -> None:
+    """cosh(p t) = 1 + 1/(2k(k − 1)), slender blocks; within 1 %."""
+    width, height = 0.1, 2.0
+    model = block_on_base(width, height, friction=1.0)
+    alpha, radius = np.arctan(width / height), 0.5 * np.hypot(width, height)
+    p = np.sqrt(0.75 * GRAVITY / radius)
+    duration = float(np.arccosh(1.0 + 1.0 / (2.0 * k * (k - 1.0))) / p)
+    step = duration / 50.0
+    overturned = []
+    for share in (0.99, 1.01):
+        # the same samples, the time scaled: the duration alone changes
+        motion = time_history(
+            model, pulse(k * alpha, duration, duration + 14.0 / p, step), share * step, "rigid",
+            integrator="second-order",
+        )  # fmt: skip
+        overturned.append(motion.collapsed)
+    assert overturned == [False, True]
