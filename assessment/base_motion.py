@@ -84,7 +84,7 @@ def _motion(
     vertical = None
     if history and history.vertical_record:
         vertical = _vertical(project, key, history, project.path(history.vertical_record), record, start)
-    notes = ()
+    notes: tuple[str, ...] = ()
     if cut.pga < (1.0 - WHOLE) * original.pga:
         notes = (
             f"{original.name}: the window leaves out the peak of {original.pga:.3g} g; PGA means {cut.pga:.3g} g, "

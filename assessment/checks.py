@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,27 +11,57 @@ from assessment.capacity import CapacityCurve, Participation, capacity_curve, pa
 from assessment.hazard import HazardCurve, return_period, site_curve
 from assessment.idealisation import CapacityError, Curve, CurveFit, fit_curve
 from assessment.messages import ProjectError
-from assessment.spectrum import ElasticSpectrum, Spectrum
+from assessment.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
 from assessment.trace import Trace
 from assessment.verification import Check, Method, verify
 from mechanics.block import GRAVITY
 
 if TYPE_CHECKING:
+    from assessment.base_motion import BaseMotion
     from assessment.project import Project
     from assessment.project_schema import AssessmentTable, SiteTable
     from mechanics import Assembly
 
 DAMPING = 0.05
+DAMPED = {"SLV": 0.08, "SLC": 0.10}  # Circolare 7/2019 C8.7.1.2
 PERIODS = np.linspace(0.0, 4.0, 401)
 
 
-def demand_spectra(project: Project) -> tuple[dict[str, Spectrum], HazardCurve | None]:
-    """The site's elastic spectrum of each limit state, and its hazard curve where a grid gives it.
+def demand_spectra(
+    project: Project, shaking: Sequence[BaseMotion] = ()
+) -> tuple[dict[str, Spectrum], HazardCurve | None]:
+    """The demand spectrum of each limit state, and the site's hazard curve where a grid gives it.
 
-    Raises ProjectError for a site that the grid does not hold.
+    spectrum = "ntc": the site's elastic spectra; "record": that of the first [[history]] record, whole and scaled, for
+    every limit state. Raises ProjectError for a site that the grid does not hold, and for a record that is to be
+    followed along a grid.
     """
     assessment = project.assessment
     assert assessment is not None
+    if assessment.spectrum == "record":
+        if assessment.method == "grid":
+            text = 'a record has no return period; write "demand-shape", or spectrum = "ntc"'
+            raise ProjectError(f"{project.source}: assessment.method: {text}")
+        record = shaking[0].original
+        demand = RecordSpectrum(record.acceleration, record.time_step, DAMPING)
+        return dict.fromkeys(assessment.limit_states, demand), None
+    return _site_spectra(project, assessment)
+
+
+def site_acceleration(project: Project) -> dict[str, float]:
+    """Return a_g S (g) of the site per limit state where the demand is a record's spectrum and a site is given.
+
+    The capacity that the record's shape gives is compared with the site's demand, without a site with the record's PGA.
+    """
+    assessment = project.assessment
+    if assessment is None or assessment.spectrum != "record" or assessment.site is None:
+        return {}
+    return {name: spectrum.ag * spectrum.S for name, spectrum in _site_spectra(project, assessment)[0].items()}
+
+
+def _site_spectra(
+    project: Project, assessment: AssessmentTable
+) -> tuple[dict[str, Spectrum], HazardCurve | None]:
     site = assessment.site
     if site is None:
         raise ProjectError(f"{project.source}: assessment.site: missing; give the site's hazard")
@@ -70,7 +100,7 @@ def assess(
             elastic = curves.get("elastic")
             fit = fit_curve(assessment.model, rigid_branch(rigid), _elastic_branch(elastic))
             capacity = capacity_curve(fit, part.e_star, part.gamma_star, assessment.confidence_factor)
-            checks = verify(capacity, demands, _method(assessment, hazard))
+            checks = verify(capacity, demands, _method(project, assessment, hazard))
         except CapacityError as refusal:
             warnings.append(f"{direction}: no capacity: {refusal}")
             continue
@@ -107,6 +137,14 @@ def spectra_numbers(demands: Mapping[str, Spectrum]) -> dict[str, Any]:
             "S_e_g": spectrum.acceleration(PERIODS).tolist(),
             "S_De_m": spectrum.displacement(PERIODS).tolist(),
         }
+        if isinstance(spectrum, RecordSpectrum):
+            damped = spectrum.with_damping(DAMPED.get(name, DAMPING))
+            entry |= {
+                "a_g_g": spectrum.ag,
+                "damping": damped.damping,
+                "damped_S_e_g": damped.acceleration(PERIODS).tolist(),
+                "damped_S_De_m": damped.displacement(PERIODS).tolist(),
+            }
         if isinstance(spectrum, ElasticSpectrum):
             entry |= {
                 "a_g_g": spectrum.ag,
@@ -128,13 +166,16 @@ def _hazard_curve(project: Project, site: SiteTable) -> HazardCurve | None:
         raise ProjectError(f"{project.source}: assessment.site: {error}") from None
 
 
-def _method(assessment: AssessmentTable, hazard: HazardCurve | None) -> Method:
+def _method(project: Project, assessment: AssessmentTable, hazard: HazardCurve | None) -> Method:
+    """How the checks are made; the displacement demand of a record is that at the period T, as in the paper (§7.1)."""
     limit = assessment.local_displacement_limit_m
     return Method(
         behaviour_factor=assessment.behaviour_factor,
         circular=str(assessment.circular),
         scaling="return_period" if assessment.method == "grid" else "shape",
+        displacement_demand="at_period" if assessment.spectrum == "record" else "maximum",
         hazard=hazard,
+        site_acceleration=site_acceleration(project),
         local_limits={} if limit is None else dict.fromkeys(("SLV", "SLC"), limit),
     )
 

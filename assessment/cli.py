@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from typing import NoReturn
 
     from assessment.workflow import Results
 
@@ -36,13 +37,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="assesto", description="Seismic capacity of dry-joint masonry before and after foundation settlements."
+        prog="assesto",
+        description="Seismic capacity of dry-joint masonry before and after foundation settlements.",
     )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and stop")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     run = commands.add_parser("run", help="run every stage the project asks for and write its report")
     _add_project(run)
-    run.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default: PROJECT/output)")
+    run.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of the results (default: PROJECT/output)"
+    )
     run.add_argument("--only", type=lambda text: text.split(","), metavar="STAGE,…", help="only these stages")
     run.add_argument("--jobs", type=int, default=0, metavar="N", help="processes (default: as many as help)")
     run.add_argument("--no-report", action="store_true", help="numbers, tables and figures only")
@@ -50,21 +55,37 @@ def _parser() -> argparse.ArgumentParser:
 
     check = commands.add_parser("check", help="read and validate everything, draw the model; no analysis")
     _add_project(check)
-    check.add_argument("--out", type=Path, metavar="DIR", help="folder of model.svg (default: PROJECT/output)")
+    check.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of model.svg (default: PROJECT/output)"
+    )
     check.set_defaults(command=_check)
 
     new = commands.add_parser("new", help="make a new project folder from a template")
     new.add_argument("folder", type=Path, metavar="DIR")
     new.add_argument("--template", required=True, metavar="NAME", help=", ".join(TEMPLATES))
-    new.add_argument("--set", action="append", default=[], metavar="KEY=NUMBER", help="a dimension; see --list")
+    new.add_argument(
+        "--set", action="append", default=[], metavar="KEY=NUMBER", help="a dimension; see --list"
+    )
     new.add_argument("--list", action="store_true", help="print the template's dimensions and stop")
     new.set_defaults(command=_new)
 
     report = commands.add_parser("report", help="render the report again from stored results")
     _add_project(report)
-    report.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default: PROJECT/output)")
+    report.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of the results (default: PROJECT/output)"
+    )
     report.set_defaults(command=_report)
     return parser
+
+
+class _Version(argparse.Action):
+    """Print the installed version; looked up only when asked for, which keeps --help quick."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        from importlib.metadata import version
+
+        print(f"{parser.prog} {version('assesto')}")
+        parser.exit()
 
 
 def _add_project(command: argparse.ArgumentParser) -> None:
@@ -90,6 +111,7 @@ def _run(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     from assessment.canvas import save_svg
+    from assessment.dynamic_stages import read_motions
     from assessment.drawings import draw_model
     from assessment.model import build_model
     from assessment.project import load_project
@@ -103,6 +125,7 @@ def _check(options: argparse.Namespace) -> int:
     folder = _writable(options.out or project.folder / "output")
     model = build_model(project)
     results = describe(project, model)
+    results["model"]["warnings"] += read_motions(project).notes
     try:
         check_self_weight(model.assembly)
     except UnstableError as error:
@@ -142,7 +165,9 @@ def _report(options: argparse.Namespace) -> int:
     folder = _writable(options.out or project.folder / "output")
     stored = folder / "results.json"
     if not stored.is_file():
-        raise ValueError(f"{stored}: no stored results; run the project first (assesto run {options.project})")
+        raise ValueError(
+            f"{stored}: no stored results; run the project first (assesto run {options.project})"
+        )
     try:
         results: Results = json.loads(stored.read_text(encoding="utf-8"))
         echo = results["echo"]["report"]
@@ -164,7 +189,9 @@ def _writable(folder: Path) -> Path:
     if not existing.is_dir():
         raise ValueError(f"{existing}: is a file; give another folder with --out DIR")
     if not os.access(existing, os.W_OK):
-        raise ValueError(f"{existing}: no permission to write; change it or give another folder with --out DIR")
+        raise ValueError(
+            f"{existing}: no permission to write; change it or give another folder with --out DIR"
+        )
     return folder
 
 

@@ -12,7 +12,6 @@ from assessment.base_motion import BaseMotion, history_motions, incremental_moti
 from assessment.dynamics import StageResult, Start, histories, motion_numbers
 from assessment.incremental import searches, summarise
 from assessment.project_schema import ORIGINAL
-from mechanics.response_spectrum import response_spectrum
 
 if TYPE_CHECKING:
     from assessment.project import Project
@@ -74,10 +73,7 @@ def add_dynamics(
         complete = complete and not stage.failures
 
     if project.history:
-        results["motions"] = [
-            motion_numbers(motion, PERIODS, response_spectrum(motion.record.acceleration, motion.record.time_step, PERIODS))
-            for motion in motions.history
-        ]  # fmt: skip
+        results["motions"] = [motion_numbers(motion, PERIODS) for motion in motions.history]
         for stage in histories(project, model, motions.history, starts, ultimates, jobs, progress):
             take(stage)
             results["states"][stage.state]["history"].append(stage.numbers)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from assessment.parallel import spread
 from mechanics import Assembly, ConvergenceError, State, TimeHistory, time_history
 from mechanics.block import GRAVITY, Array
+from mechanics.response_spectrum import response_spectrum
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,7 +28,9 @@ Start = State | str
 """The state at rest that a motion begins from, or why it could not be reached."""
 
 MOST_POINTS = 2000  # of a curve kept for figures
-TAIL = 2.0  # s of free motion after the record, where the blocks still move: a fall under way is seen to its end
+TAIL = (
+    2.0  # s of free motion after the record, where the blocks still move: a fall under way is seen to its end
+)
 STILL = 0.01  # of √(g·size): a speed that is none
 WORTHWHILE = 500_000  # contact points times steps: below it a second process costs more than it saves
 ENERGIES = ("kinetic", "potential", "elastic", "input", "friction", "impact", "viscous", "integrator")
@@ -95,7 +99,9 @@ class Response:
         }
 
 
-def respond(model: Assembly, motion: BaseMotion, setting: Setting, start: State, factor: float = 1.0) -> Response:
+def respond(
+    model: Assembly, motion: BaseMotion, setting: Setting, start: State, factor: float = 1.0
+) -> Response:
     """Shake the structure by a base motion times `factor` and, where it still moves then, let it come to rest.
 
     Raises ConvergenceError where a step is not solved.
@@ -139,7 +145,8 @@ def histories(
     `starts`: state at rest by name and contacts; `ultimates`: ultimate displacement by state and control point.
     """
     tasks = [
-        (model, motion, Setting(table, control, ultimates.get((state, control.name))), state, starts[state, table.contacts])
+        (model, motion, Setting(table, control, ultimates.get((state, control.name))), state,
+         starts[state, table.contacts])
         for state in project.states
         for table, motion in zip(project.history, motions, strict=True)
         for control in [project.control_point(table.control)]
@@ -209,10 +216,14 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
         "notes": list(last.notes),
         "seconds": result.seconds,
     }  # fmt: skip
-    result.quality.append(quality_row(state, f"history, {motion.name}", response.total("solves"), response.certificate))
+    result.quality.append(
+        quality_row(state, f"history, {motion.name}", response.total("solves"), response.certificate)
+    )
     result.warnings += [f"{title}: {note}" for note in last.notes]
     if last.collapsed:
-        result.warnings.append(f"{title}: collapse at {numbers['time_of_collapse_s']:.4g} s: {last.collapse_reason}")
+        result.warnings.append(
+            f"{title}: collapse at {numbers['time_of_collapse_s']:.4g} s: {last.collapse_reason}"
+        )
     return result
 
 
@@ -229,9 +240,10 @@ def quality_row(state: str, stage: str, solves: int, worst: Certificate) -> Numb
     }
 
 
-def motion_numbers(motion: BaseMotion, periods: Array, spectral: tuple[Array, Array]) -> Numbers:
+def motion_numbers(motion: BaseMotion, periods: Array) -> Numbers:
     """A base motion for figures: its accelerations in the window, thinned, and its spectrum at 5 % damping."""
     a = motion.record.acceleration
+    S_a, S_d = response_spectrum(a, motion.record.time_step, periods)
     kept = thinned(a)
     return {
         "name": motion.name,
@@ -241,20 +253,20 @@ def motion_numbers(motion: BaseMotion, periods: Array, spectral: tuple[Array, Ar
         "time_s": (motion.start + motion.record.time[kept]).tolist(),
         "acceleration_g": a[kept].tolist(),
         "T_s": periods.tolist(),
-        "S_a_g": spectral[0].tolist(),
-        "S_d_m": spectral[1].tolist(),
+        "S_a_g": S_a.tolist(),
+        "S_d_m": S_d.tolist(),
         "vertical": motion.vertical is not None,
     }
 
 
 def thinned(values: Array, most: int = MOST_POINTS) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
-    """Indices of at most `most` samples that keep the shape of a curve: the extremes of equal stretches, and its ends."""
+    """Indices of at most `most` samples that keep a curve's shape: the extremes of equal stretches, and its ends."""
     if values.size <= most:
         return np.arange(values.size)
     bounds = np.linspace(0, values.size, (most - 2) // 2 + 1).astype(int)
     extremes = [
         start + index
-        for start, end in zip(bounds[:-1], bounds[1:], strict=True)
+        for start, end in pairwise(bounds)
         for index in (int(values[start:end].argmin()), int(values[start:end].argmax()))
     ]
     return np.unique([0, *extremes, values.size - 1])

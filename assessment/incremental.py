@@ -19,7 +19,15 @@ if TYPE_CHECKING:
     from assessment.project import Project
     from mechanics.program import Certificate
 
-GRID = (0.2, 0.4, 0.6, 0.8, 1.2, 1.4, 1.6)  # of the PGA at collapse: where the order of collapse is not taken on trust
+GRID = (
+    0.2,
+    0.4,
+    0.6,
+    0.8,
+    1.2,
+    1.4,
+    1.6,
+)  # of the PGA at collapse: where the order of collapse is not taken on trust
 MEAN_FROM, ENOUGH = 7, 3  # records: NTC 2018 §7.3.5
 RUNS = 12  # of a search, about: what it costs
 
@@ -96,8 +104,8 @@ def searches(
     assert table is not None
     control = project.control_point(table.control)
     tasks = [
-        (model, motion, Setting(table, control, ultimates.get((state, control.name))), state, starts[state, table.contacts],
-         table.max_scale, table.tolerance_g)
+        (model, motion, Setting(table, control, ultimates.get((state, control.name))), state,
+         starts[state, table.contacts], table.max_scale, table.tolerance_g)
         for state in project.states
         if table.states is None or state in table.states
         for motion in motions

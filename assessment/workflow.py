@@ -80,7 +80,7 @@ def run(project: Project, model: Model, jobs: int = 0, progress: Progress = lamb
     """Carry out every stage that the project asks for (jobs: processes, 0: as many as help)."""
     assembly = model.assembly
     motions = read_motions(project)
-    demands, hazard = demand_spectra(project) if project.assessment else ({}, None)
+    demands, hazard = demand_spectra(project, motions.history) if project.assessment else ({}, None)
     results = describe(project, model)
     results["quality"]["warnings"] += motions.notes
     try:

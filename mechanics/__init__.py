@@ -12,6 +12,7 @@ from mechanics.errors import (
     UnstableError,
 )
 from mechanics.limit import limit_analysis
+from mechanics.load_control import load_control
 from mechanics.pushdown import pushdown
 from mechanics.pushover import pushover
 from mechanics.time_history import TimeHistory, time_history
@@ -29,6 +30,7 @@ __all__ = [
     "TimeHistory",
     "UnstableError",
     "limit_analysis",
+    "load_control",
     "pushdown",
     "pushover",
     "read_drawing",

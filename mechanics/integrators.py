@@ -23,6 +23,7 @@ CARRYING = 1e-5  # of a block's weight: a contact force that is one
 MOST_EVENTS = 6  # impacts located in one step; where more come, contacts chatter
 FAR = 1e3  # displacements of a step: a gap that cannot close in it
 SETTLED = 1e-5  # of a displacement: dilation that is no longer corrected
+STUCK = 1e-4  # of a displacement: a slip that is none
 MOST_TRIALS = 12  # of the time of one impact, or of the slip that dilates
 STAGE = 1.0 - np.sqrt(0.5)  # of the step: the stages of the L-stable second-order scheme
 
@@ -252,7 +253,7 @@ def _midpoint(
     x, v1 = motion.x + dx, 2.0 * dx / step - motion.v
     carrying = closed & (forces[:, 0] > CARRYING * scene.weight)
     if carrying.any():
-        x, v1 = _kept_together(scene, x, v1, carrying, abs(slip) <= RESTING * _span(motion.v, step))
+        x, v1 = _kept_together(scene, x, v1, carrying, slip, STUCK * _span(motion.v, step))
     return replace(
         motion,
         x=x,
@@ -264,18 +265,20 @@ def _midpoint(
 
 
 def _kept_together(
-    scene: Scene, x: Array, v: Array, carrying: NDArrayBool, stuck: NDArrayBool
+    scene: Scene, x: Array, v: Array, carrying: NDArrayBool, slip: Array, least: float
 ) -> tuple[Array, Array]:
-    """Positions and velocities with the contacts that carry closed, and those that are stuck without a slip.
+    """Positions and velocities with the contacts that carry closed, and those that came to rest in the step at rest.
 
-    Constraints on mean velocities drift in position, and a contact that came to rest in the step would go back.
+    Constraints on mean velocities drift in position; and a contact stuck in the mean, or whose slip (c,) turned in the
+    step, would go back as fast as it came.
     """
     gap, normal, tangent = scene.geometry(x)
     if abs(gap[carrying, 0]).max() > 1e-3 * CLOSED * scene.model.size:
         gap[:, 1] = 0.0
         x = x + scene.spread(scene.newton.close(scene.mass, normal, tangent, gap, carrying.astype(np.intp)))
     rate = np.stack([scene.relative(normal, v), scene.relative(tangent, v)], axis=1)
-    held = carrying.astype(np.intp) + (carrying & stuck)
+    stopped = (abs(slip) <= least) | (slip * rate[:, 1] < 0.0)
+    held = carrying.astype(np.intp) + (carrying & stopped)
     off = np.where(held > [[0], [1]], abs(rate).T, 0.0).max()
     if off > RESTING * np.sqrt(GRAVITY * scene.model.size):
         v = v + scene.spread(scene.newton.close(scene.mass, normal, tangent, rate, held))

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -66,8 +67,28 @@ Tc_star_s = 0.35
 
 
 @pytest.fixture
+def drawn():
+    """For tests that want the figures: everywhere else they would take most of the time."""
+
+
+@pytest.fixture(autouse=True)
+def _quick(monkeypatch, request):
+    """One empty figure, and a PDF that only looks like one (the real one: see test_report)."""
+    from assessment import figures
+
+    def blank(_: object, folder: Path) -> None:
+        folder.mkdir()
+        (folder / "model.svg").write_text("<?xml?>", encoding="utf-8")
+
+    if "drawn" not in request.fixturenames:
+        monkeypatch.setattr(figures, "write_figures", blank)
+    printed = SimpleNamespace(write_pdf=lambda: b"%PDF-")
+    monkeypatch.setitem(sys.modules, "weasyprint", SimpleNamespace(HTML=lambda string: printed))
+
+
+@pytest.fixture
 def project(tmp_path):
-    """A project folder whose run takes a quarter of a second."""
+    """A project folder whose run takes a tenth of a second."""
     assert main(["new", str(tmp_path / "block"), "--template", "block"]) == 0
     folder = tmp_path / "block"
     (folder / "project.toml").write_text(PROJECT, encoding="utf-8")
@@ -111,13 +132,13 @@ def command(*arguments: str, **options: object) -> subprocess.CompletedProcess[s
     )
 
 
-def test_a_run_writes_everything_and_says_where(project, capsys):
+def test_a_run_writes_everything_and_says_where(project, capsys, drawn):
     assert main(["run", str(project)]) == 0
     out, err = capsys.readouterr()
     assert str(project / "output") in out
     assert err == ""  # silent: no terminal
     found = {path.name for path in (project / "output").iterdir()}
-    assert found >= {"results.json", "report.html", "tables", "figures"}
+    assert found == {"results.json", "report.html", "report.pdf", "tables", "figures"}
     assert {p.suffix for p in (project / "output" / "figures").iterdir()} == {".svg"}
     assert {p.suffix for p in (project / "output" / "tables").iterdir()} == {".csv"}
     assert (project / "output" / "figures" / "model.svg").is_file()
@@ -144,13 +165,35 @@ def test_results_have_the_keys_of_the_contract(project):
     edit(project, 'contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]')
     assert run(project) == 0
     found = results(project / "output")
-    assert found.keys() >= {"assesto", "title", "inputs", "model", "states", "comparison", "quality", "timing_s"}
+    assert found.keys() >= {
+        "assesto",
+        "title",
+        "inputs",
+        "model",
+        "states",
+        "comparison",
+        "quality",
+        "timing_s",
+    }
     drawing = (project / "geometry.dxf").read_bytes()
     assert found["inputs"]["geometry.dxf"] == hashlib.sha256(drawing).hexdigest()
     assert found["inputs"].keys() == {"project.toml", "geometry.dxf"}
     model = found["model"]
-    assert model.keys() >= {"blocks", "movable_blocks", "joints", "contact_points", "weight_kN", "self_weight_stable", "warnings"}
-    assert (model["blocks"], model["movable_blocks"], model["joints"], model["contact_points"]) == (2, 1, 1, 8)
+    assert model.keys() >= {
+        "blocks",
+        "movable_blocks",
+        "joints",
+        "contact_points",
+        "weight_kN",
+        "self_weight_stable",
+        "warnings",
+    }
+    assert (model["blocks"], model["movable_blocks"], model["joints"], model["contact_points"]) == (
+        2,
+        1,
+        1,
+        8,
+    )
     assert model["weight_kN"] == pytest.approx(0.6 * 4.2 * 18.0)
     assert model["self_weight_stable"] is True
     assert list(found["states"]) == ["original", "base turned"]
@@ -179,7 +222,13 @@ def test_results_have_the_keys_of_the_contract(project):
     }  # fmt: skip
     assert found["comparison"][0]["static_reduction"] > 0.0
     quality = found["quality"]
-    assert quality.keys() >= {"solves", "worst_equilibrium_residual", "worst_penetration_m", "worst_complementarity", "warnings"}
+    assert quality.keys() >= {
+        "solves",
+        "worst_equilibrium_residual",
+        "worst_penetration_m",
+        "worst_complementarity",
+        "warnings",
+    }
     assert 0.0 <= quality["worst_equilibrium_residual"] < 1e-8
     assert quality["solves"] > 10
     assert found["timing_s"].keys() >= {"pushdown", "pushover"}
@@ -253,21 +302,36 @@ def test_check_leaves_earlier_results(project):
     assert before.items() <= contents(project / "output").items()
 
 
+# what is wrong: text of the project, its replacement, what the message says
 WRONG = {
-    "unknown key": ("friction = 0.7", "fricton = 0.7", 'project.toml: material.fricton: unknown key; did you mean "friction"'),
-    "wrong type": ("depth_m = 1.0", 'depth_m = "1"', "project.toml: geometry.depth_m: "),
-    "not positive": ("unit_weight_kN_m3 = 18.0", "unit_weight_kN_m3 = -1.0", "project.toml: material.unit_weight_kN_m3: "),
-    "missing file": ('"geometry.dxf"', '"geometri.dxf"', 'project.toml: geometry.drawing: no file "geometri.dxf"'),
-    "unknown support": ('support = "base"\nrotation', 'support = "bse"\nrotation', 'no support "bse"; did you mean "base"'),
-    "unknown control": ("increment_m = 0.2", 'increment_m = 0.2\ncontrol = "tap"', 'no control point "tap"; did you mean "top"'),
-    "no stiffness": (
-        'normal_stiffness_kN_m3 = 1e6\n', "", "project.toml: material.normal_stiffness_kN_m3: missing"
+    "unknown key": (
+        "friction = 0.7",
+        "fricton = 0.7",
+        'material.fricton: unknown key; did you mean "friction"',
     ),
-    "control outside": ("point_m = [0.3, 4.2]", "point_m = [0.3, 5.2]", "project.toml: control.top.point_m: [0.3, 5.2] must be in or on a block"),
+    "wrong type": ("depth_m = 1.0", 'depth_m = "1"', "geometry.depth_m: "),
+    "not positive": ("unit_weight_kN_m3 = 18.0", "unit_weight_kN_m3 = -1.0", "material.unit_weight_kN_m3: "),
+    "missing file": ("geometry.dxf", "geometri.dxf", 'geometry.drawing: no file "geometri.dxf"'),
+    "unknown support": (
+        '"base"\nrotation',
+        '"bse"\nrotation',
+        'settlements[1].support: no support "bse"; did you',
+    ),
+    "unknown control": (
+        "_m = 0.2",
+        '_m = 0.2\ncontrol = "tap"',
+        'pushover.control: no control point "tap"; did you',
+    ),
+    "no stiffness": ("normal_stiffness_kN_m3 = 1e6\n", "", "material.normal_stiffness_kN_m3: missing"),
+    "control outside": (
+        "[0.3, 4.2]",
+        "[0.3, 5.2]",
+        "control.top.point_m: [0.3, 5.2] must be in or on a block",
+    ),
     "unknown layer": ("[layers.BASE]", "[layers.BASIS]", "BASIS"),
-    "no support": ('[layers.BASE]\nsupport = "base"', '[layers.BASE]\nfriction = 0.6', "support"),
-    "not TOML": ("[geometry]", "[geometry", "project.toml: "),
-}  # fmt: skip
+    "no support": ('support = "base"\n\n', "friction = 0.6\n\n", "support"),
+    "not TOML": ("[geometry]", "[geometry", ""),
+}
 
 
 @pytest.mark.parametrize("verb", ["run", "check"])
@@ -311,7 +375,9 @@ def test_a_drawing_that_is_none(project, capsys):
 def test_a_file_where_the_folder_should_go(project, capsys, verb, where):
     (project / "output").write_text("a file", encoding="utf-8")
     assert main([verb, str(project), "--out", str(project / where)]) == 2
-    assert f"error: {project / 'output'}: is a file; give another folder with --out" in capsys.readouterr().err
+    assert (
+        f"error: {project / 'output'}: is a file; give another folder with --out" in capsys.readouterr().err
+    )
     assert (project / "output").read_text(encoding="utf-8") == "a file"
 
 
@@ -362,7 +428,7 @@ def test_a_structure_that_cannot_stand(project, capsys):
     assert "own weight: NO" in capsys.readouterr().out
 
 
-def test_the_report_of_a_structure_that_cannot_stand(project):
+def test_the_report_of_a_structure_that_cannot_stand(project, drawn):
     _overhang(project)
     assert main(["run", str(project)]) == 3
     assert (project / "output" / "report.html").is_file()
@@ -381,16 +447,27 @@ def test_a_settlement_beyond_collapse_keeps_what_was_completed(project, capsys):
     settled = found["states"]["base turned"]
     assert found["states"]["original"]["pushover"]["+x"]["rigid"]["alpha_0"] == pytest.approx(1 / 7, rel=1e-3)
     assert len(settled["pushdown"]["rigid"]["movement_m"]) > 5
-    assert settled["pushdown"]["rigid"]["ultimate_movement_m"] == settled["pushdown"]["rigid"]["movement_m"][-1]
+    assert (
+        settled["pushdown"]["rigid"]["ultimate_movement_m"] == settled["pushdown"]["rigid"]["movement_m"][-1]
+    )
     assert settled["pushover"] == {}
     assert any("collapses at a movement of" in text for text in found["quality"]["warnings"])
     assert "collapses" in capsys.readouterr().out
 
 
-def test_the_report_of_what_was_completed(project):
+def test_the_report_of_what_was_completed(project, drawn):
     edit(project, "rotation_rad = -0.02", "rotation_rad = -0.3")
     assert main(["run", str(project)]) == 3
     assert (project / "output" / "report.html").is_file()
+
+
+def test_a_stale_figure_goes_and_a_stranger_stays(project):
+    assert run(project) == 0
+    (project / "output" / "figures" / "pushover_of_yesterday.svg").write_text("old", encoding="utf-8")
+    (project / "output" / "notes.txt").write_text("mine", encoding="utf-8")
+    assert run(project) == 0
+    assert [path.name for path in (project / "output" / "figures").iterdir()] == ["model.svg"]
+    assert (project / "output" / "notes.txt").read_text(encoding="utf-8") == "mine"
 
 
 def test_an_analysis_that_does_not_converge_is_reported_as_such(project, monkeypatch):
@@ -425,7 +502,10 @@ def test_results_that_are_none(project, capsys, stored):
 
 
 def test_new_writes_a_project_that_checks(tmp_path, capsys):
-    assert main(["new", str(tmp_path / "w"), "--template", "wall", "--set", "courses=3", "--set", "blocks=3"]) == 0
+    assert (
+        main(["new", str(tmp_path / "w"), "--template", "wall", "--set", "courses=3", "--set", "blocks=3"])
+        == 0
+    )
     assert main(["check", str(tmp_path / "w")]) == 0
     assert "own weight: yes" in capsys.readouterr().out
 

@@ -26,7 +26,9 @@ def scattered(model, seed, amount=0.5):
 def test_gaps_and_slides_do_not_feel_a_rigid_motion_of_everything(model, seed, turn, dx, dz):
     positions = scattered(model, seed)
     c, s = np.cos(turn), np.sin(turn)
-    moved = np.column_stack([positions[:, :2] @ np.array([[c, s], [-s, c]]) + (dx, dz), positions[:, 2] + turn])
+    moved = np.column_stack(
+        [positions[:, :2] @ np.array([[c, s], [-s, c]]) + (dx, dz), positions[:, 2] + turn]
+    )
     before, after = model.kinematics("elastic", positions), model.kinematics("elastic", moved)
     assert after.gap == pytest.approx(before.gap, abs=1e-12)
     assert after.slide == pytest.approx(before.slide, abs=1e-12)
@@ -46,8 +48,12 @@ def test_rows_are_the_derivatives_of_gap_and_slide(model, seed):
                 step = np.zeros_like(positions)
                 step[block, k] = h
                 plus, minus = (model.kinematics("elastic", positions + sign * step) for sign in (1, -1))
-                assert (plus.gap - minus.gap)[on] / (2 * h) == pytest.approx(rows.normal[on, first + k], abs=1e-8)
-                assert (plus.slide - minus.slide)[on] / (2 * h) == pytest.approx(rows.tangent[on, first + k], abs=1e-8)
+                assert (plus.gap - minus.gap)[on] / (2 * h) == pytest.approx(
+                    rows.normal[on, first + k], abs=1e-8
+                )
+                assert (plus.slide - minus.slide)[on] / (2 * h) == pytest.approx(
+                    rows.tangent[on, first + k], abs=1e-8
+                )
 
 
 @settings(max_examples=10, deadline=None)
@@ -92,7 +98,9 @@ def test_half_joints_of_unlike_stones_act_in_series():
 
 def test_the_smaller_depth_carries():
     stone = Material(18.0, 0.6, 1e6)
-    assert stacked(stone, stone, (1.0, 0.25)).elastic_contacts.stiffness[:, 0].sum() == pytest.approx(1e6 * 2.0 * 0.25)
+    assert stacked(stone, stone, (1.0, 0.25)).elastic_contacts.stiffness[:, 0].sum() == pytest.approx(
+        1e6 * 2.0 * 0.25
+    )
 
 
 def test_one_stone_without_stiffness_refuses_elastic_contacts():

@@ -41,7 +41,7 @@ def leaning(shift: float) -> Assembly:
 
 
 ANALYSES = {
-    "limit analysis": lambda m: limit_analysis(m),
+    "limit analysis": limit_analysis,
     "rigid pushover": lambda m: pushover(m, (0.0, 1.0)),
     "elastic pushover": lambda m: pushover(m, (0.0, 1.0), contacts="elastic"),
     "rigid pushdown": lambda m: pushdown(m, "base", (0.01, 0.0)),

@@ -121,7 +121,9 @@ lengths = st.floats(0.2, 0.6)
     full_on_top=st.booleans(),
     direction=st.sampled_from(["+x", "-x"]),
 )
-def test_interior_point_and_simplex_agree_on_walls(columns, courses, length, height, friction, full_on_top, direction):
+def test_interior_point_and_simplex_agree_on_walls(
+    columns, courses, length, height, friction, full_on_top, direction
+):
     model = running_bond(columns, courses, length, height, friction, full_on_top=full_on_top)
     _both_agree(model, direction)
 
@@ -238,7 +240,11 @@ def test_shear_displacement_of_a_joint_with_tangential_stiffness(share):
     k_t = share * 1e6
     stone = Material(18.0, 0.7, 1e6, k_t)
     model = Assembly(
-        [Block(rectangle(-1, -1, 2, 0), 1.0, stone, support="base"), Block(rectangle(0, 0, 1, 0.02), 1.0, stone)], 8
+        [
+            Block(rectangle(-1, -1, 2, 0), 1.0, stone, support="base"),
+            Block(rectangle(0, 0, 1, 0.02), 1.0, stone),
+        ],
+        8,
     )
     start = rest(model, "elastic", model.initial)
     lateral = 0.1 * model.lateral_load("+x")
@@ -258,5 +264,7 @@ def test_a_joint_rigid_in_shear_keeps_no_shear():
 def test_compression_of_an_elastic_joint_under_gravity():
     model = block_on_base(stiffness=1e5)
     step = rest(model, "elastic", model.initial)
-    assert model.initial.positions[1, 1] - step.state.positions[1, 1] == pytest.approx(WEIGHT / (1e5 * 0.2), rel=1e-6)
+    assert model.initial.positions[1, 1] - step.state.positions[1, 1] == pytest.approx(
+        WEIGHT / (1e5 * 0.2), rel=1e-6
+    )
     assert step.penetration < 1e-12

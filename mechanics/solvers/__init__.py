@@ -17,6 +17,7 @@ Answer = tuple[Array, float, Array]
 GOOD = 1e-8  # a certificate that needs no second opinion
 USABLE = 1e-6  # the worst that is accepted when every solver has been asked
 BALANCED = 1e-6  # of gravity: an acceleration that is none
+MARGINAL = 1e-8  # of gravity: one that decides where no solver finds an answer
 
 
 def solve(program: Program) -> Solution:
@@ -27,6 +28,7 @@ def solve(program: Program) -> Solution:
     ConvergenceError where they can but no solver shows how.
     """
     best: Solution | None = None
+    acceleration = 0.0
     for count, attempt in enumerate(_attempts(program)):
         answer = attempt()
         if answer is not None:
@@ -35,11 +37,13 @@ def solve(program: Program) -> Solution:
                 best = solution
             if _worst(program, best) <= GOOD:
                 return best
-        if count == 0 and program.mass is None and (a := imbalance(program)) > BALANCED:
-            raise NoEquilibriumError(f"no equilibrium: some block would start to move with {a:.2g} g")
-    if best is None or _worst(program, best) > USABLE:
-        raise ConvergenceError("equilibrium exists, but no solver found it to the required accuracy")
-    return best
+        if count == 0 and program.mass is None and (acceleration := imbalance(program)) > BALANCED:
+            break
+    if best is not None and acceleration <= BALANCED and _worst(program, best) <= USABLE:
+        return best
+    if acceleration > MARGINAL:
+        raise NoEquilibriumError(f"no equilibrium: some block would start to move with {acceleration:.2g} g")
+    raise ConvergenceError("equilibrium exists, but no solver found it to the required accuracy")
 
 
 def _worst(program: Program, solution: Solution) -> float:

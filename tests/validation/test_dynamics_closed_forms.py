@@ -50,7 +50,7 @@ def test_sliding_under_constant_acceleration(integrator: str, tolerance: float) 
     )
 
 
-@pytest.mark.parametrize(("integrator", "tolerance"), [("implicit-euler", 0.03), ("second-order", 0.003)])
+@pytest.mark.parametrize(("integrator", "tolerance"), [("implicit-euler", 0.05), ("second-order", 0.005)])
 def test_sliding_under_a_sine(integrator: str, tolerance: float) -> None:
     step = 0.005
     time = step * np.arange(401)
@@ -104,7 +104,7 @@ def winkler(segments: int) -> tuple[Assembly, float]:
 
     k_θ = k d l³/12 (1 + 2/m²) of m segments, less the weight's overturning; inertia about the middle of the base.
     """
-    width, height, stiffness = 0.5, 2.0, 2e4
+    width, height, stiffness = 0.5, 2.0, 2e6
     stone = Material(18.0, 2.0, stiffness)
     base = Block(rectangle(-1.0, -0.5, 1.5, 0.0), 1.0, stone, support="base")
     model = Assembly([base, Block(rectangle(0.0, 0.0, width, height), 1.0, stone)], segments)
