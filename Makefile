@@ -11,7 +11,7 @@ test: setup
 	.venv/bin/python -m pytest -n 2
 
 benchmark: setup
-	.venv/bin/assesto benchmark
+	.venv/bin/python -m tests.benchmarks.bench_statics
 
 setup:
 	@sh tools/setup.sh

@@ -19,9 +19,12 @@ MILLIMETRES = {
     "displacement_z_m",
     "ultimate_rigid_m",
     "ultimate_elastic_m",
+    "peak_displacement_m",
+    "residual_displacement_m",
 }
 PERCENT = {"reduction", "static_reduction", "dynamic_reduction", "deviation"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
+TEXT |= {"record", "contacts", "control", "collapsed", "resurrections"}
 REDUCTIONS = 3  # settled states beside the original in one table
 
 
@@ -78,6 +81,8 @@ def _name(column: str, value: Any, words: Words) -> str:
         return words.state(value)
     if column == "direction":
         return direction_name(value)
+    if column == "contacts":
+        return words.plain(f"value.{value}")
     if column == "verified" and value is not None:
         return words.plain("value.verified" if value else "value.not_verified")
     if column == "stage" and value in words.strings["value"]:

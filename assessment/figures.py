@@ -14,6 +14,15 @@ from matplotlib.figure import Figure
 
 from assessment.canvas import save_svg
 from assessment.drawings import draw_mechanisms, draw_model, draw_settlement
+from assessment.dynamic_plots import (
+    draw_fragility,
+    draw_history,
+    draw_incremental,
+    draw_motion,
+    draw_shapes,
+    fragile,
+    shaken,
+)
 from assessment.plots import draw_pushdown, draw_pushover, pushed
 from assessment.spectral_plots import draw_spectra
 from assessment.words import Words, direction_name, words_of
@@ -58,6 +67,34 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
             found.append(Picture(f"pushdown_{slug(results, name)}", "pushdown", draw, "pushdown", fields))
     for direction in ("+x", "-x"):
         found += _of_direction(results, words, direction)
+    return found + _dynamic(results, words)
+
+
+def _dynamic(results: Mapping[str, Any], words: Words) -> list[Picture]:
+    found = []
+    for index, motion in enumerate(results.get("motions") or []):
+        fields: dict[str, object] = {"record": motion["name"], "pga": motion["pga_g"]}
+        draw = partial(draw_motion, results, words, index)
+        found.append(Picture(f"record_{index + 1}", "history", draw, "motion", fields))
+        states = shaken(results, motion["name"])
+        if states:
+            draw = partial(draw_history, results, words, index)
+            found.append(Picture(f"history_{index + 1}", "history", draw, "history", fields))
+        for name in states:
+            draw = partial(draw_shapes, results, words, name, index)
+            stem = f"shapes_{index + 1}_{slug(results, name)}"
+            found.append(Picture(stem, "history", draw, "shapes", fields | {"state": words.state(name)}))
+    searched = [
+        name
+        for name, content in results["states"].items()
+        if any(record["points"] for record in (content.get("incremental") or {}).get("records") or [])
+    ]
+    for number, names in enumerate(_portions(searched)):
+        draw = partial(draw_incremental, results, words, names)
+        found.append(Picture(_numbered("incremental", number), "incremental", draw, "incremental"))
+    if fragile(results):
+        draw = partial(draw_fragility, results, words)
+        found.append(Picture("fragility", "incremental", draw, "fragility"))
     return found
 
 

@@ -14,6 +14,7 @@ from markupsafe import Markup
 
 from assessment import tables
 from assessment.display import Grid, exact, flatten, grid, summary_grids
+from assessment.dynamic_tables import energy, histories, incremental, incremental_states, static_dynamic
 from assessment.figures import pictures
 from assessment.files import write_atomically
 from assessment.judgement import all_warnings, draft_judgement
@@ -32,11 +33,14 @@ CHAPTERS = (
     "mechanisms",
     "pushover",
     "capacity",
+    "history",
+    "incremental",
     "comparison",
     "quality",
     "hand_check",
     "judgement",
 )
+DYNAMIC = ("history", "incremental")
 
 
 @dataclass(frozen=True)
@@ -83,7 +87,7 @@ def render_html(results: Results, figures: Path, words: Words) -> str:
         w=words,
         results=results,
         style=Markup((files("templates") / "report.css").read_text(encoding="utf-8")),
-        chapters=CHAPTERS,
+        chapters=_chapters(results),
         annexes=annexes,
         count=Counter(),
         figures=_embedded(results, figures, words),
@@ -95,6 +99,12 @@ def render_html(results: Results, figures: Path, words: Words) -> str:
         judgement=draft_judgement(results, words),
         warnings=all_warnings(results),
     )
+
+
+def _chapters(results: Results) -> list[str]:
+    """Return the chapters of the report: those of the dynamic stages only where they were asked for."""
+    asked = {stage: any(content.get(stage) for content in results["states"].values()) for stage in DYNAMIC}
+    return [chapter for chapter in CHAPTERS if asked.get(chapter, True)]
 
 
 def _unit_kept(head: Markup) -> Markup:
@@ -134,6 +144,11 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         tables.mechanisms(results),
         tables.verification(results),
         tables.Table("comparison", _compared(results), tables.COMPARISON),
+        histories(results),
+        energy(results),
+        incremental(results),
+        incremental_states(results),
+        static_dynamic(results),
         tables.Table("quality", list(results["quality"].get("by_stage") or []), tables.QUALITY),
         tables.hand_check(results),
         tables.Table("echo", echo, ("key", "value")),

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import sqrt
+from math import ceil, cos, exp, pi, sin, sqrt
 from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.signal import lfilter
 
 from assessment.trace import Trace, datum, step
 from mechanics.block import GRAVITY
 from mechanics.errors import require
-from mechanics.response_spectrum import response_spectrum
 
 Array = NDArray[np.float64]
 
@@ -267,8 +267,8 @@ class RecordSpectrum:
     def displacement(self, T: ArrayLike) -> Array:
         """S_De(T), m: the largest relative displacement of the oscillator; 0 at T = 0."""
         T = _periods(T)
-        peaks = response_spectrum(self.acceleration_g, self.time_step, T.ravel(), self.damping)[1]
-        return peaks.reshape(T.shape)[()]
+        peaks = [self._peak(period) if period > 0.0 else 0.0 for period in T.ravel()]
+        return np.array(peaks).reshape(T.shape)[()]
 
     def largest_displacement(self, T_0: float, T: float) -> tuple[float, float]:
         """Return max S_De over [T_0, T] (m) and its period (s), at 200 periods in geometric progression.
@@ -297,6 +297,43 @@ class RecordSpectrum:
             datum("S_e", S_e, "g", source),
             step("S_De", "S_e*g*(T/(2*pi))**2", S_De, "m", "NTC 2018, §3.2.3.2.3", S_e=S_e, g=GRAVITY, T=T),
         )
+
+    def _peak(self, T: float) -> float:
+        """Return max |u| (m) of the oscillator of period T > 0 (s)."""
+        fine = min(20, max(1, ceil(50.0 * self.time_step / T)))
+        h = self.time_step / fine
+        record = np.asarray(self.acceleration_g)
+        n = (record.size - 1) * fine + 1
+        a = np.interp(np.arange(n) / fine, np.arange(record.size), record) if fine > 1 else record
+        a = np.concatenate([a, np.zeros(int(np.ceil(T / h)) + 1)]) * GRAVITY
+        numerator, denominator, rest = _recursion(T, self.damping, h)
+        u, _ = lfilter(numerator, denominator, a, zi=rest * a[0])
+        return float(np.abs(u).max())
+
+
+def _recursion(T: float, damping: float, h: float) -> tuple[Array, Array, Array]:
+    """Return the second-order recursion of u (m) at steps h (s) under a linear acceleration (m/s²).
+
+    Exact step x' = A x + p a + q a' of x = (u, u̇): homogeneous solution A from x less the particular one,
+    which is u = −a/ω² + 2ξ ȧ/ω³. Eliminating u̇ leaves a filter (numerator, denominator) of a; the third
+    array is its initial state per unit of a at t = 0 for an oscillator at rest there.
+    """
+    omega = 2.0 * pi / T
+    damped = omega * sqrt(1.0 - damping**2)
+    decay = exp(-damping * omega * h)
+    c, s = decay * cos(damped * h), decay * sin(damped * h) / damped
+    A11, A12, A21, A22 = c + damping * omega * s, s, -(omega**2) * s, c - damping * omega * s
+    rate, lag = (
+        1.0 / (omega**2 * h),
+        2.0 * damping / (omega**3 * h),
+    )  # of the particular solution, for ȧ = 1/h
+    q_u = lag - 1.0 / omega**2 - A11 * lag + A12 * rate
+    p_u = -lag + A11 * (1.0 / omega**2 + lag) - A12 * rate
+    p_v = rate + A21 * (1.0 / omega**2 + lag) - A22 * rate
+    q_v = -rate - A21 * lag + A22 * rate
+    numerator = np.array([q_u, p_u - A22 * q_u + A12 * q_v, A12 * p_v - A22 * p_u])
+    denominator = np.array([1.0, -2.0 * c, decay**2])
+    return numerator, denominator, np.array([-q_u, p_u - numerator[1]])
 
 
 def _periods(T: ArrayLike) -> Array:

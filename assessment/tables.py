@@ -3,26 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from assessment.dynamic_tables import dynamic_tables
 from assessment.files import write_atomically
+from assessment.table import Results, Row, Table, reduction
 
-Results = Mapping[str, Any]
-Row = dict[str, Any]
+__all__ = ["Results", "Row", "Table", "tables", "write_tables"]
+
 LIMIT_STATES = ("SLO", "SLD", "SLV", "SLC")
-
-
-@dataclass(frozen=True)
-class Table:
-    """Rows as dictionaries. A missing key was not asked for; None was asked for and not reached."""
-
-    name: str
-    rows: list[Row]
-    columns: tuple[str, ...]
 
 
 def write_tables(results: Results, folder: Path) -> list[Path]:
@@ -56,6 +48,7 @@ def tables(results: Results) -> list[Table]:
         Table("quality", list(results["quality"].get("by_stage") or []), QUALITY),
         spectra(results),
         trace(results),
+        *dynamic_tables(results),
     ]
 
 
@@ -228,7 +221,7 @@ def summary(results: Results) -> Table:
             original = values.get("original")
             for name in names:
                 if name != "original" and name in values:
-                    row[f"reduction: {name}"] = _reduction(original, values[name])
+                    row[f"reduction: {name}"] = reduction(original, values[name])
             rows.append(row)
     columns = [column for name in names for column in _with_reduction(name)]
     return Table("summary", rows, ("direction", "quantity", "limit_state", *columns))
@@ -347,10 +340,6 @@ def _look_up(content: Any, path: Sequence[str]) -> tuple[bool, Any]:
             return False, None
         content = content[key]
     return True, content
-
-
-def _reduction(original: float | None, settled: float | None) -> float | None:
-    return None if not original or settled is None else 1.0 - settled / original
 
 
 def _with_reduction(name: str) -> tuple[str, ...]:

@@ -22,6 +22,7 @@ from assessment.files import write_atomically
 from assessment.messages import ProjectError
 from assessment.model import Model
 from assessment.stages import ORIGINAL, StateResult, analyse_state
+from assessment.table import reduction, static_pga
 from mechanics import Assembly, UnstableError
 from mechanics.block import GRAVITY
 from mechanics.equilibrium import check_self_weight
@@ -35,7 +36,6 @@ Results = dict[str, Any]
 Progress = Callable[[str], None]
 PACKAGES = ("numpy", "scipy", "piqp", "ezdxf", "shapely", "pandas", "matplotlib", "jinja2", "weasyprint", "pydantic")
 SMALL = 2000  # contact points times analyses: below it a second process costs more than it saves
-LIMIT_STATES = ("SLC", "SLV", "SLD")  # the order in which a state's PGA is quoted
 
 
 @dataclass(frozen=True)
@@ -241,32 +241,19 @@ def _comparison(states: Mapping[str, Any]) -> list[Results]:
             continue
         dynamic = state["incremental"].get("pga_collapse_g")
         for direction in original["pushover"] or ([None] if state["incremental"] else []):
-            before = _pga(original["capacity"].get(direction))
-            after = _pga(state["capacity"].get(direction))
+            before = static_pga(original["capacity"].get(direction))
+            after = static_pga(state["capacity"].get(direction))
             rows.append(
                 {
                     "state": name,
                     "direction": direction,
                     "static_pga_g": after,
-                    "static_reduction": _reduction(before, after),
+                    "static_reduction": reduction(before, after),
                     "dynamic_pga_g": dynamic,
-                    "dynamic_reduction": _reduction(original["incremental"].get("pga_collapse_g"), dynamic),
+                    "dynamic_reduction": reduction(original["incremental"].get("pga_collapse_g"), dynamic),
                 }
             )
     return rows
-
-
-def _reduction(before: float | None, after: float | None) -> float | None:
-    return 1.0 - after / before if before and after is not None else None
-
-
-def _pga(capacity: Mapping[str, Any] | None) -> float | None:
-    """The capacity a_g (g) at the farthest limit state that was checked."""
-    for limit_state in LIMIT_STATES:
-        if capacity and limit_state in capacity:
-            value: float | None = capacity[limit_state]["a_g_g"]
-            return value
-    return None
 
 
 def _sum_up(quality: Results) -> None:

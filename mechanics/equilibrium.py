@@ -15,10 +15,10 @@ from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program
 from mechanics.solvers import BALANCED, imbalance, solve
 
 GEOMETRY_TOLERANCE = 1e-3  # of the step: how closely the geometry of forces and of positions must agree
-ALTERNATION = 0.25  # of the step: how far apart alternating mechanisms of rigid blocks may leave the blocks
+ALTERNATION = 0.5  # of the step: how far apart alternating mechanisms of rigid blocks may leave the blocks
 MOST_ITERATIONS = 30
 JUMP = 30.0  # a step this many times larger than asked is a fall, not a path of equilibrium
-CLOSED = 1e-6  # of the block size: a gap that is none
+CLOSED = 1e-3  # of the block size: a gap that is none (dilatant sliding leaves some in a settled state)
 
 
 @dataclass(frozen=True, eq=False)

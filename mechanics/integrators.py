@@ -143,9 +143,13 @@ def _euler(scene: Scene, motion: Motion, at: Array, load: Array, step: float) ->
     program_gap = gap / (stretch, 1.0) if scene.damping else gap
     mass = scene.mass / step**2
     v = motion.v[scene.movable].ravel()
+    span = _span(motion.v, step)
+    if scene.behaviour == "rigid":
+        # blocks that penetrate each other are pushed apart in one step
+        span = max(span, -float(gap[:, 0].min(initial=0.0)))
     solution = scene.solve(
         mass, load[scene.movable].ravel() + mass * v * step, (normal, tangent), program_gap, compliance, motion,
-        step * v, _span(motion.v, step),
+        step * v, span,
     )  # fmt: skip
     dx = scene.spread(solution.displacement)
     force = solution.forces

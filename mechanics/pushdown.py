@@ -14,8 +14,10 @@ from mechanics.errors import CollapseError, NoEquilibriumError, require
 from mechanics.program import Certificate
 
 HALVINGS = 5
+MOST_CLOSINGS = 30
+FINEST = 0.01  # of an increment: the last of the ever smaller steps towards the whole movement
 ONSET = 1e-3  # of an increment: a movement small enough to tell the reaction at its beginning
-SETTLED = 1e-7  # of the block size: what a gap left by dilatant sliding may be when the movement stops
+SETTLED = 2e-4  # of the block size: what a gap left by dilatant sliding may be when the movement stops
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +95,8 @@ def pushdown(
         now, here = states[-1], path[-1]
         aim = full if final is None else limit
         stride = min(by, aim - here)
+        if final is None and contacts == "rigid" and aim - here < 1.5 * increment:
+            stride = min(stride, max(0.5 * (aim - here), FINEST * increment))
         try:
             step = advance(now, past, here, stride)
         except NoEquilibriumError as stop:
@@ -132,7 +136,7 @@ def settle(
     model: Assembly, contacts: Behaviour, step: Step, size: float, certificates: list[Certificate]
 ) -> State:
     """Close the gaps that dilatant sliding left under joints that carry, with no further movement."""
-    for _ in range(10):
+    for _ in range(MOST_CLOSINGS):
         carrying = step.forces[:, 0] > 1e-6 * model.weight
         gap = model.kinematics(contacts, step.state.positions).gap
         if contacts == "elastic" or gap[carrying].max(initial=0.0) <= SETTLED * model.size:

@@ -85,6 +85,25 @@ def test_a_lifted_block_opens_its_joint_by_as_much(lift):
     assert model.kinematics("rigid", positions).gap == pytest.approx(lift)
 
 
+@pytest.mark.parametrize("turn", [0.0, 2.0])
+def test_within_its_room_a_point_faces_the_edge(turn):
+    c, s = np.cos(turn), np.sin(turn)
+    along, rotation = np.array([c, s, 0.0]), np.array([[c, s], [-s, c]])
+    stone = Material(18.0)
+    base = Block(np.array(rectangle(0, 0, 2, 1)) @ rotation, 1.0, stone, support="base")
+    model = Assembly([base, Block(np.array(rectangle(0.5, 1, 1.0, 2)) @ rotation, 1.0, stone)])
+    contacts, moved = model.rigid_contacts, model.initial.positions.copy()
+    for by in (-1.2, -0.6, -0.4, 0.9, 1.2):
+        moved[1] = model.initial.positions[1] + by * along
+        slide = model.kinematics("rigid", moved).slide
+        faces = (contacts.room[:, 0] <= slide) & (slide <= contacts.room[:, 1])
+        # two corners of the block above the base's edge, 2 m long; two points of that edge below the block's, 0.5 m
+        upper = sorted(0.0 <= x + by <= 2.0 for x in (0.5, 1.0))
+        lower = sorted(0.5 <= x - by <= 1.0 for x in (0.5, 1.0))
+        assert sorted(faces[contacts.a == 1]) == upper
+        assert sorted(faces[contacts.a == 0]) == lower
+
+
 def test_the_smaller_friction_governs_whichever_block_has_it():
     for materials in ((Material(18.0, 0.3), Material(18.0, 0.7)), (Material(18.0, 0.7), Material(18.0, 0.3))):
         assert stacked(*materials).rigid_contacts.friction == pytest.approx(0.3)

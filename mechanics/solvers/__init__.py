@@ -81,7 +81,7 @@ def imbalance(program: Program) -> float:
 
 def _attempts(program: Program) -> Iterator[Callable[[], Answer | None]]:
     yield lambda: interior_point.solve(program, 1e-9)
-    yield lambda: interior_point.solve(program, 1e-11, most_iterations=200)
+    yield lambda: interior_point.solve(program, 1e-11, most_iterations=400)
     if program.mass is None and not program.compliance.any():
         from mechanics.solvers import linear
 

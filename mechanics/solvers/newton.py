@@ -21,13 +21,13 @@ from mechanics.joints import Index
 from mechanics.program import Certificate, Program, Solution
 from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, fastest
 
-ACCEPTED = 1e-7  # certificate; worse ones are left to the interior point method of PIQP
+ACCEPTED = 1e-6  # certificate; worse ones are left to the interior point method of PIQP
 PROXIMAL = 1e7  # stiffness that stands for a rigid contact, per scaled mass: two rounds make it exact
 CORRECTIONS = 6  # of the contact states, before the interior point method takes over
 LONGEST_PAUSE = 15  # solves for which repeating is not tried, having failed again and again
 MOST_ITERATIONS = 40
 TO_THE_BOUND = 0.995  # share of the way to the cone that a step of the interior point method goes
-START = 0.3  # distance from the cone at which it starts, per weight and step
+START = 0.03  # least distance from the cone at which it starts, per weight and step
 
 
 @dataclass(eq=False)
@@ -60,6 +60,8 @@ class Newton:
         self.band: Array = np.zeros((size, int(apart.max(initial=0)) + 3))
         self.state: Index | None = None
         self.pause, self.next_repeat = 0, 0
+        self.along: Array | None = None
+        self.apart: Array | None = None
 
     def solve(self, program: Program, guess: Array, forces: Array) -> Solution | None:
         """The certified solution near displacements `guess` (m,) and contact forces (c, 2); None where none is found.
@@ -125,8 +127,10 @@ class Newton:
         c = len(forces)
         n = 1.0 / np.hypot(1.0, program.friction)[:, None]
         t = program.friction[:, None] * n
-        s = np.full((c, 2), START * program.weight)
-        z = np.full((c, 2), START * program.step)
+        s = self.along if self.along is not None else np.zeros((c, 2))
+        z = self.apart if self.apart is not None else np.zeros((c, 2))
+        s = np.clip(s, START * program.weight, None)
+        z = np.clip(z, START * program.step, None)
         product, ds, dz = np.empty((c, 2)), np.empty((c, 2)), np.empty((c, 2))
         rhs = np.empty_like(load)
         best: Solution | None = None
@@ -154,6 +158,7 @@ class Newton:
                 best = Solution(found, 0.0, x[self.back], certificate)
             if certificate.worst(program.step) <= ACCEPTED:
                 break
+        self.along, self.apart = s, z
         active = s * program.step > z * program.weight
         self.state = np.where(
             active.all(axis=1),

@@ -1,0 +1,32 @@
+"""What every table of results is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+Results = Mapping[str, Any]
+Row = dict[str, Any]
+QUOTED = ("SLC", "SLV", "SLD")  # limit states, the farthest first
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows as dictionaries. A missing key was not asked for; None was asked for and not reached."""
+
+    name: str
+    rows: list[Row]
+    columns: tuple[str, ...]
+
+
+def reduction(original: float | None, settled: float | None) -> float | None:
+    """Return 1 − settled/original: positive where the movement costs capacity; None where one is not known."""
+    return None if not original or settled is None else 1.0 - settled / original
+
+
+def static_pga(capacity: Mapping[str, Any] | None) -> float | None:
+    """Return the a_g borne (g) at the farthest limit state that was checked in a direction."""
+    checks = [(capacity or {}).get(limit_state) for limit_state in QUOTED]
+    value: float | None = next((check["a_g_g"] for check in checks if check), None)
+    return value

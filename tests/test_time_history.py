@@ -1,0 +1,204 @@
+"""Time histories: invariants, energy, collapse, messages."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import mechanics.integrators as integrators
+from mechanics import Assembly, Block, Material, State, TimeHistory, pushdown, time_history
+from tests.structures import arch_on_piers, block_on_base, rectangle, running_bond, semicircular_arch
+
+SCHEMES = [(c, i) for c in ("rigid", "elastic") for i in ("implicit-euler", "second-order")]
+STEP = 0.005
+
+
+def burst(amplitude: float, n: int = 100, frequency: float = 2.0) -> np.ndarray:
+    return amplitude * np.sin(2.0 * np.pi * frequency * STEP * np.arange(n))
+
+
+def two_blocks(scale: float = 1.0, shift: tuple[float, float] = (0.0, 0.0), turned: bool = False) -> Assembly:
+    """A block on a block on a base, not symmetrical; `turned`: listed from the top."""
+    stone = Material(18.0, 0.6, 1e6)
+    shapes = [((-1.0, -0.2, 1.0, 0.0), "base"), ((-0.1, 0.0, 0.1, 0.6), None), ((-0.12, 0.6, 0.1, 1.1), None)]
+    blocks = [
+        Block(scale * np.array(rectangle(*corners)) + shift, scale, stone, support=support)
+        for corners, support in shapes
+    ]
+    return Assembly(blocks[::-1] if turned else blocks)
+
+
+@pytest.mark.parametrize(("contacts", "integrator"), SCHEMES)
+def test_no_motion_without_a_record(contacts: str, integrator: str) -> None:
+    for model in (arch_on_piers(voussoirs=9, courses=3), two_blocks()):
+        motion = time_history(model, np.zeros(30), STEP, contacts, integrator=integrator)
+        moved = abs(motion.positions - motion.start.positions)
+        settlement = abs(motion.start.positions - model.initial.positions).max()
+        assert moved.max() < 1e-6 * model.size + 1e-3 * settlement
+        assert not motion.collapsed and motion.notes == ()
+
+
+def test_no_motion_from_a_settled_state() -> None:
+    settled = pushdown(arch_on_piers(), "right", displacement=(0.005, -0.005), increment=0.001, contacts="elastic")
+    motion = time_history(arch_on_piers(), np.zeros(30), STEP, "elastic", settled.final)
+    assert abs(motion.positions - settled.final.positions).max() < 1e-5
+
+
+@pytest.mark.parametrize(("contacts", "integrator"), SCHEMES)
+def test_mirrored_record_gives_the_mirrored_motion(contacts: str, integrator: str) -> None:
+    model = block_on_base(0.6, 4.2)
+    a, b = (
+        time_history(model, sign * burst(0.25), STEP, contacts, integrator=integrator).positions[:, 1] for sign in (1, -1)
+    )
+    a, b = a - a[0], b - b[0]
+    assert abs(a[:, 2]).max() > 1e-3, "it rocks"
+    assert a[:, [0, 2]] == pytest.approx(-b[:, [0, 2]], abs=1e-4 * abs(a).max())
+
+
+@pytest.mark.parametrize(("contacts", "integrator"), SCHEMES)
+def test_place_and_order_of_the_blocks_do_not_matter(contacts: str, integrator: str) -> None:
+    def moved(model: Assembly) -> np.ndarray:
+        motion = time_history(model, burst(0.3, 60), STEP, contacts, integrator=integrator)
+        return motion.positions - motion.positions[0]
+
+    reference = moved(two_blocks())
+    assert abs(reference).max() > 1e-3
+    near = 1e-3 * abs(reference).max()
+    assert moved(two_blocks(shift=(3.0, -2.0))) == pytest.approx(reference, abs=near)
+    assert moved(two_blocks(turned=True))[:, ::-1] == pytest.approx(reference, abs=near)
+
+
+@pytest.mark.parametrize(("contacts", "integrator"), SCHEMES)
+def test_similitude(contacts: str, integrator: str) -> None:
+    """At 1:10 with time √10 times as fast the same accelerations give a tenth of the displacements."""
+    big = time_history(two_blocks(), burst(0.3, 60), STEP, contacts, integrator=integrator)
+    small = time_history(two_blocks(0.1), burst(0.3, 60), STEP / np.sqrt(10.0), contacts, integrator=integrator)
+    moved = [m.positions - m.positions[0] for m in (big, small)]
+    scale = np.array([0.1, 0.1, 1.0])
+    assert moved[1] == pytest.approx(scale * moved[0], abs=1e-3 * abs(moved[1]).max())
+
+
+@pytest.mark.parametrize(("contacts", "integrator"), SCHEMES)
+def test_energy_balance(contacts: str, integrator: str) -> None:
+    motion = time_history(block_on_base(0.6, 4.2), burst(0.25), STEP, contacts, integrator=integrator)
+    energy = motion.energy
+    assert energy.input.max() > 0.0
+    assert energy.mechanical + energy.dissipated == pytest.approx(energy.mechanical[0] + energy.input, abs=1e-12)
+    steps = np.diff(np.stack([energy.friction, energy.impact, energy.viscous]), axis=1)
+    assert steps.min() > -1e-4 * energy.input.max()
+    if integrator == "implicit-euler":
+        assert np.diff(energy.integrator).min() > -1e-6 * energy.input.max(), "implicit Euler only takes energy"
+
+
+def test_implicit_euler_dissipates_what_its_formula_says() -> None:
+    """Where no contact works (free flight), ½ΔvᵀMΔv a step: v grows by gΔt."""
+    model = block_on_base(0.5, 0.5)
+    positions = model.initial.positions.copy()
+    positions[1, 1] += 1.0
+    motion = time_history(model, np.zeros(20), STEP, "rigid", State(positions, np.zeros_like(positions)))
+    lost = 0.5 * model.weight * 9.80665 * STEP**2
+    assert np.diff(motion.energy.integrator) == pytest.approx(lost, rel=1e-6)
+
+
+def test_smaller_steps_dissipate_less() -> None:
+    """The paper's Fig. 9: what implicit Euler takes shrinks with the step, the friction does not."""
+
+    def spent(step: float) -> float:
+        model = block_on_base(0.17, 1.0, friction=0.58, stiffness=5e6)
+        state = model.rotated(1, (0.17, 0.0), -0.64 * np.arctan(0.17))
+        return float(time_history(model, np.zeros(round(0.6 / step)), step, "elastic", state).energy.dissipated[-1])
+
+    assert spent(0.001) < spent(0.002) < spent(0.005)
+
+
+def overturning(**kwargs: object) -> TimeHistory:
+    return time_history(block_on_base(0.2, 1.0), np.full(400, 0.4), STEP, "rigid", control=(0.2, 1.0), **kwargs)
+
+
+def test_overturning_block_collapses_and_the_run_stops() -> None:
+    motion = overturning()
+    assert motion.collapsed and "turned" in motion.collapse_reason
+    assert motion.time_of_collapse == motion.time[-1] < 2.0
+    assert len(motion.time) == len(motion.positions) == len(motion.velocities) == len(motion.displacement)
+    assert motion.displacement[-1] < -0.3
+
+
+def test_ultimate_displacement_ends_the_run_earlier() -> None:
+    motion = overturning(ultimate=0.25)
+    assert motion.collapsed and "ultimate" in motion.collapse_reason
+    assert motion.time_of_collapse < overturning().time_of_collapse
+    assert abs(motion.displacement[-1]) == pytest.approx(0.25, abs=0.05)
+
+
+def test_falling_block_collapses() -> None:
+    """A block against a wall, carried by nothing."""
+    stone = Material(18.0, 0.6)
+    wall = Block(rectangle(-0.5, -1.0, 0.0, 1.0), 1.0, stone, support="wall")
+    model = Assembly([wall, Block(rectangle(0.0, 0.0, 0.3, 0.3), 1.0, stone)])
+    motion = time_history(model, np.zeros(100), STEP, "rigid")
+    assert motion.collapsed and "fallen" in motion.collapse_reason
+    assert motion.time_of_collapse == pytest.approx(np.sqrt(2.0 * 0.3 / 9.80665), abs=2 * STEP)
+
+
+def test_blocks_that_penetrate_each_other_are_pushed_apart() -> None:
+    arch = semicircular_arch(9, 0.2)
+    positions = arch.initial.positions.copy()
+    positions[4, 1] -= 0.01
+    motion = time_history(arch, np.zeros(3), STEP, "rigid", State(positions, np.zeros_like(positions)))
+    assert arch.kinematics("rigid", motion.final.positions).gap.min() > -1e-3
+
+
+def test_block_that_slides_off_is_out_of_reach() -> None:
+    model = block_on_base(0.2, 0.2, friction=0.1)
+    velocities = np.zeros((2, 3))
+    velocities[1, 0] = 6.0
+    motion = time_history(model, np.zeros(200), STEP, "rigid", State(model.initial.positions, velocities))
+    assert motion.collapsed and "out of reach" in motion.collapse_reason
+    assert any("beyond the edge" in note for note in motion.notes)
+
+
+def test_a_poor_solution_is_solved_again_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = running_bond(2, 3)
+    good = time_history(model, burst(0.5, 20), STEP, "rigid")
+    monkeypatch.setattr(integrators.Newton, "solve", lambda *_: None)
+    again = time_history(model, burst(0.5, 20), STEP, "rigid")
+    assert (good.resolved, again.resolved) == (0, 19)
+    assert again.positions == pytest.approx(good.positions, abs=1e-5)
+    assert max(good.worst, again.worst) < 1e-6
+
+
+def test_chattering_contacts_end_in_the_implicit_step() -> None:
+    motion = time_history(running_bond(3, 4), burst(0.8, 100, 4.0), STEP, "rigid", integrator="second-order")
+    assert len(motion.time) == 100
+    assert motion.impacts > 0 and motion.fallbacks > 0
+    assert motion.solves < 40 * len(motion.time)
+
+
+def test_bounces_shorter_than_a_step_are_rest() -> None:
+    model = block_on_base(0.5, 0.5)
+    positions = model.initial.positions.copy()
+    positions[1, 1] += 0.01
+    start = State(positions, np.zeros_like(positions))
+    motion = time_history(model, np.zeros(100), 0.02, "rigid", start, "second-order", restitution=0.8)
+    assert abs(motion.velocities[-1]).max() < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"acceleration": np.zeros(1)}, "acceleration"),
+        ({"acceleration": np.array([0.0, np.nan])}, "acceleration"),
+        ({"time_step": 0.0}, "time_step"),
+        ({"integrator": "explicit"}, "integrator"),
+        ({"contacts": "soft"}, "contacts"),
+        ({"damping_ratio": 0.05}, "damping_ratio"),
+        ({"restitution": 0.5}, "restitution"),
+        ({"ultimate": 0.1}, "ultimate"),
+        ({"vertical_acceleration": np.zeros(3)}, "vertical_acceleration"),
+        ({"control": (50.0, 50.0)}, "control"),
+    ],
+)
+def test_bad_arguments_are_named(change: dict[str, object], message: str) -> None:
+    arguments = {"acceleration": np.zeros(10), "time_step": STEP} | change
+    with pytest.raises(ValueError, match=message):
+        time_history(block_on_base(), **arguments)
