@@ -19,7 +19,7 @@ from assessment.words import Words
 
 Results = Mapping[str, Any]
 MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")
-FALLING = 0.15  # of the model's size: how far the curve of a collapse is followed
+FALLING = 0.03  # of the model's size: how far the curve of a collapse is followed at least
 AROUND = 0.5  # of the model's size: how far from it fallen blocks are still drawn
 
 
@@ -39,19 +39,18 @@ def draw_motion(results: Results, words: Words, index: int) -> Figure:
 def draw_history(results: Results, words: Words, index: int) -> Figure:
     """Draw the control displacement of every state under one record; a cross marks collapse."""
     name = results["motions"][index]["name"]
-    found = {state: entry for state, entry in shaken(results, name).items() if "curve" in entry}
+    found = shaken(results, name)
     figure, (axes,) = chart(words, height_mm=80.0)
-    stands = [entry["peak_displacement_m"] for entry in found.values() if not entry["collapsed"]]
-    falls = [entry["peak_displacement_m"] for entry in found.values() if entry["collapsed"]]
-    bound = max(
-        [1.2 * max(stands, default=0.0), *(min(fall, FALLING * outlines(results).size) for fall in falls)]
-    )
+    size = outlines(results).size
+    falls = [entry for entry in found.values() if entry["collapsed"]]
+    sustained = [1.3 * entry["sustained_displacement_m"] for entry in found.values()]
+    bound = max([*sustained, *(min(FALLING * size, entry["peak_displacement_m"]) for entry in falls)])
     for dashes, entry in zip(_cycle(len(found)), found.values(), strict=True):
         time, displacement = (np.asarray(entry["curve"][key]) for key in ("time_s", "displacement_m"))
         axes.plot(time, 1000.0 * displacement, color="0.0", linewidth=0.9, linestyle=dashes)
         if entry["collapsed"]:
-            out = int(np.argmax(abs(displacement) >= min(bound, abs(displacement[-1]))))
-            place = 1000.0 * np.clip(displacement[out], -bound, bound)
+            out = int(np.flatnonzero(abs(displacement) <= bound)[-1])
+            place = 1000.0 * displacement[out]
             axes.plot(time[out], place, marker="x", color="0.0", markersize=6.0, clip_on=False)
     until = [
         entry["free_motion_from_s"] for entry in found.values() if entry["free_motion_from_s"] is not None
@@ -80,10 +79,8 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
     entry = shaken(results, results["motions"][index]["name"])[state]
     shape = outlines(results)
     start = shape.moved(results["states"][state]["configuration"])
-    views = {}
-    if not entry["collapsed"]:
-        title = words.plain("figure.at_peak", time=entry["time_of_peak_s"])
-        views[title] = shape.moved(entry["peak_configuration"])
+    peak = words.plain("figure.at_peak", time=entry["time_of_peak_s"])
+    views = {peak: shape.moved(entry["peak_configuration"])}
     title = (
         words.plain("figure.at_collapse", time=entry["time_of_collapse_s"])
         if entry["collapsed"]

@@ -56,10 +56,12 @@ def dynamic_tables(results: Results) -> list[Table]:
 
 def histories(results: Results) -> Table:
     """List what every time history came to."""
-    rows = [
-        {"state": state} | {key: entry[key] for key in HISTORY if key in entry}
-        for state, entry in _histories(results)
-    ]
+    rows = []
+    for state, entry in _histories(results):
+        unasked = {None: "", True: "residual_displacement_m", False: "time_of_collapse_s"}[entry["collapsed"]]
+        rows.append(
+            {"state": state} | {key: entry[key] for key in HISTORY if key in entry and key != unasked}
+        )
     return Table("history", rows, HISTORY)
 
 

@@ -163,7 +163,8 @@ def histories(
 def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, start: Start) -> StageResult:
     """One time history in numbers; displacements are horizontal, of the control point, from the state's own rest.
 
-    Times count from the first sample of the record's file, the window's start included.
+    Times count from the first sample of the record's file, the window's start included. "peak_configuration" is that of
+    the largest displacement that the structure came back from, "sustained_displacement_m" at "time_of_peak_s".
     """
     title = f"{state}, history of {motion.name}"
     numbers: Numbers = {
@@ -194,10 +195,11 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
         return result
     result.seconds = time.perf_counter() - began
     last, drawn = response.last, model.initial.positions
-    peak = int(np.argmax(abs(response.displacement)))
+    peak = sustained_peak(response.displacement, last.collapsed)
     kept = thinned(response.displacement)
     numbers |= {
-        "peak_displacement_m": float(abs(response.displacement[peak])),
+        "peak_displacement_m": float(abs(response.displacement).max()),
+        "sustained_displacement_m": float(abs(response.displacement[peak])),
         "time_of_peak_s": motion.start + float(response.time[peak]),
         "residual_displacement_m": None if last.collapsed else float(response.displacement[-1]),
         "collapsed": last.collapsed,
@@ -225,6 +227,14 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
             f"{title}: collapse at {numbers['time_of_collapse_s']:.4g} s: {last.collapse_reason}"
         )
     return result
+
+
+def sustained_peak(displacement: Array, collapsed: bool) -> int:
+    """Return the index of the largest displacement (k,), at a collapse the largest before the last turn outward."""
+    if collapsed:
+        turns = np.flatnonzero(np.diff(np.sign(np.diff(displacement)))) + 1
+        displacement = displacement[: turns[-1] + 1] if turns.size else displacement[:1]
+    return int(np.argmax(abs(displacement)))
 
 
 def quality_row(state: str, stage: str, solves: int, worst: Certificate) -> Numbers:

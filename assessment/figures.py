@@ -79,7 +79,7 @@ def _dynamic(results: Mapping[str, Any], words: Words) -> list[Picture]:
         states = shaken(results, motion["name"])
         if states:
             draw = partial(draw_history, results, words, index)
-            found.append(Picture(f"history_{index + 1}", "history", draw, "history", fields))
+            found.append(Picture(f"history_{index + 1}", "history", draw, "control_history", fields))
         for name in states:
             draw = partial(draw_shapes, results, words, name, index)
             stem = f"shapes_{index + 1}_{slug(results, name)}"
@@ -91,7 +91,7 @@ def _dynamic(results: Mapping[str, Any], words: Words) -> list[Picture]:
     ]
     for number, names in enumerate(_portions(searched)):
         draw = partial(draw_incremental, results, words, names)
-        found.append(Picture(_numbered("incremental", number), "incremental", draw, "incremental"))
+        found.append(Picture(_numbered("incremental", number), "incremental", draw, "incremental_curves"))
     if fragile(results):
         draw = partial(draw_fragility, results, words)
         found.append(Picture("fragility", "incremental", draw, "fragility"))

@@ -33,14 +33,12 @@ CHAPTERS = (
     "mechanisms",
     "pushover",
     "capacity",
-    "history",
-    "incremental",
     "comparison",
     "quality",
     "hand_check",
     "judgement",
 )
-DYNAMIC = ("history", "incremental")
+DYNAMIC = ("history", "incremental")  # chapters before the comparison, where their stages were asked for
 
 
 @dataclass(frozen=True)
@@ -103,8 +101,9 @@ def render_html(results: Results, figures: Path, words: Words) -> str:
 
 def _chapters(results: Results) -> list[str]:
     """Return the chapters of the report: those of the dynamic stages only where they were asked for."""
-    asked = {stage: any(content.get(stage) for content in results["states"].values()) for stage in DYNAMIC}
-    return [chapter for chapter in CHAPTERS if asked.get(chapter, True)]
+    asked = [name for name in DYNAMIC if any(content.get(name) for content in results["states"].values())]
+    place = CHAPTERS.index("comparison")
+    return [*CHAPTERS[:place], *asked, *CHAPTERS[place:]]
 
 
 def _unit_kept(head: Markup) -> Markup:
@@ -126,7 +125,7 @@ class Counter:
 
 def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[dict[str, object]]]:
     """Return per chapter the caption and data address of each figure; as images, their ids cannot clash."""
-    found: dict[str, list[dict[str, object]]] = {chapter: [] for chapter in CHAPTERS}
+    found: dict[str, list[dict[str, object]]] = {chapter: [] for chapter in (*CHAPTERS, *DYNAMIC)}
     for picture in pictures(results):
         svg = base64.b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()
         caption = words(f"caption.{picture.caption}", **picture.fields)

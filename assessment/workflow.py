@@ -176,8 +176,12 @@ def write(results: Results, folder: Path, report: bool = True) -> list[str]:
             warnings = list(made.warnings)
         write_atomically(new / "results.json", json.dumps(results, ensure_ascii=False, allow_nan=False).encode())
         folder.mkdir(exist_ok=True)
+        made_now = {item.name for item in new.iterdir()}
         for item in sorted(new.iterdir(), key=lambda path: path.name == "results.json"):
             _replace(item, folder / item.name)
+        for name in ("report.pdf", "report.html"):  # one of earlier results would stand beside the new ones
+            if name not in made_now:
+                (folder / name).unlink(missing_ok=True)
     return warnings
 
 

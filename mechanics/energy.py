@@ -17,9 +17,11 @@ RIGID_SHEAR = 1e3  # normal stiffnesses: what stands for an infinite tangential 
 
 @dataclass(frozen=True, eq=False)
 class Energy:
-    """Energies (k,) in kNm: `kinetic`, `potential` (from the start), `elastic` in the contacts; and since the start
-    `input` by the base motion, dissipated by `friction`, located `impact`s, `viscous` contact forces, and by the
-    `integrator`: what is missing from the balance. Implicit Euler's impacts are part of its own dissipation.
+    """Energies (k,) in kNm.
+
+    `kinetic`, `potential` (from the start) and `elastic` (contacts) are stored; `input` by the base motion and
+    dissipated by `friction`, located `impact`s and `viscous` contact forces are counted since the start. What is
+    missing from the balance, the `integrator` has dissipated; implicit Euler's impacts are part of it.
     """
 
     kinetic: Array
@@ -44,8 +46,9 @@ class Energy:
     @property
     def integrator(self) -> Array:
         """Dissipated by the time stepping (k,), kNm; negative where it adds energy."""
-        missing = self.mechanical[0] + self.input - self.mechanical
-        return missing - self.friction - self.impact - self.viscous
+        missing: Array = self.mechanical[0] + self.input - self.mechanical
+        spent: Array = self.friction + self.impact + self.viscous
+        return missing - spent
 
     @property
     def dissipated(self) -> Array:

@@ -5,6 +5,7 @@ Everything moves in the frame of the ground: the supports rest there and base mo
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
@@ -25,7 +26,7 @@ FAR = 1e3  # displacements of a step: a gap that cannot close in it
 SETTLED = 1e-5  # of a displacement: dilation that is no longer corrected
 STUCK = 1e-4  # of a displacement: a slip that is none
 MOST_TRIALS = 12  # of the time of one impact, or of the slip that dilates
-STAGE = 1.0 - np.sqrt(0.5)  # of the step: the stages of the L-stable second-order scheme
+STAGE = 1.0 - math.sqrt(0.5)  # of the step: the stages of the L-stable second-order scheme
 
 Load = Callable[[float], Array]
 
@@ -182,12 +183,15 @@ def second_order_elastic(scene: Scene, motion: Motion, load: Load, time: float, 
     middle = Motion(motion.x + rest * first.v, motion.v + rest / h * (first.v - motion.v), shear)
     last = _euler(scene, middle, motion.x + step * first.v, load(time + step), h)
 
-    def weighted(name: str) -> float:
-        start = getattr(motion, name)
-        return float(start + rest / h * (getattr(first, name) - start) + getattr(last, name))
+    def weighted(start: float, after: float, more: float) -> float:
+        return start + rest / h * (after - start) + more
 
     return replace(
-        last, **{name: weighted(name) for name in ("friction", "viscous", "input")}, impact=motion.impact
+        last,
+        friction=weighted(motion.friction, first.friction, last.friction),
+        impact=motion.impact,
+        viscous=weighted(motion.viscous, first.viscous, last.viscous),
+        input=weighted(motion.input, first.input, last.input),
     )
 
 
@@ -323,7 +327,9 @@ def _without_dilation(
         both = np.stack([gap + dilation, np.zeros_like(gap)], axis=1)
         solution = scene.solve(mass, load, rows, both, scene.compliance, motion, guess, span)
         slip = scene.relative(rows[1], scene.spread(solution.displacement))
-        slid = np.where(solution.forces[:, 0] > CARRYING * scene.weight, scene.contacts.friction * abs(slip), 0.0)
+        slid = np.where(
+            solution.forces[:, 0] > CARRYING * scene.weight, scene.contacts.friction * abs(slip), 0.0
+        )
         if abs(slid - dilation).max(initial=0.0) <= SETTLED * span:
             return solution.displacement, solution.forces, slip
         dilation = slid

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from mechanics.assembly import Assembly, Direction, State
 from mechanics.block import Array
 from mechanics.equilibrium import Step, find_step, rest_size
-from mechanics.errors import NoEquilibriumError, require
+from mechanics.errors import ConvergenceError, NoEquilibriumError, require
 from mechanics.pushover import settled
 
 HALVINGS = 6
@@ -55,7 +55,7 @@ def load_control(
             step = find_step(
                 model, "elastic", now, now.positions + by * rate, model.dead_load + alpha * lateral, expected
             )
-        except NoEquilibriumError as stop:
+        except (NoEquilibriumError, ConvergenceError) as stop:
             end = str(stop)
             by /= 2.0
             continue

@@ -146,7 +146,7 @@ def pushover(
         control_rate = (path[-1] - path[-2]) / work
         if not smallest:
             shrink = min(1.0, GROWTH * shrink)
-    if max(path) < STILL * float(abs(states[-1].positions - states[0].positions)[:, :2].max()):
+    if len(path) == 1 or max(path) < STILL * float(abs(states[-1].positions - states[0].positions)[:, :2].max()):
         raise takes_no_part(end)
     formed, mechanism, forces = 0, onset, first
     if multiplier[0] < max(multiplier) or onset_rate < 1e-3 * float(abs(onset[:, :2]).max()):

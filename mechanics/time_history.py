@@ -22,6 +22,7 @@ from mechanics.integrators import (
     second_order_rigid,
 )
 from mechanics.program import Certificate
+from mechanics.solvers.threads import one_thread
 
 Integrator = Literal["implicit-euler", "second-order"]
 
@@ -106,13 +107,14 @@ def time_history(
 
     motion = Motion(start.positions, start.velocities, forces)
     motions, reason = [motion], ""
-    for k in range(1, len(base)):
-        motion = advance(scene, motion, _load(model, base, k - 1, time_step), 0.0, time_step)
-        motions.append(motion)
-        reason = _collapse(scene, start, motion, point, ultimate)
-        if reason:
-            break
-    time = time_step * np.arange(len(motions))
+    with one_thread():
+        for k in range(1, len(base)):
+            motion = advance(scene, motion, _load(model, base, k - 1, time_step), 0.0, time_step)
+            motions.append(motion)
+            reason = _collapse(scene, start, motion, point, ultimate)
+            if reason:
+                break
+    time: Array = time_step * np.arange(len(motions), dtype=float)
     shear = motion.forces[:, 1] if np.isfinite(scene.contacts.stiffness[:, 1]).any() else None
     return TimeHistory(
         time=time,
@@ -233,8 +235,8 @@ def _notes(scene: Scene, motion: Motion) -> tuple[str, ...]:
     if carries.any():
         k = int(np.argmax(np.where(carries, off, -np.inf)))
         notes.append(
-            f"block {scene.contacts.a[k]} has slid {off[k]:.3g} m beyond the edge of block {scene.contacts.b[k]} and is "
-            "still carried by it: contacts act as if surfaces had no end"
+            f"block {scene.contacts.a[k]} has slid {off[k]:.3g} m beyond the edge of block {scene.contacts.b[k]} "
+            "and is still carried by it: contacts act as if surfaces had no end"
         )
     cos, sin = np.cos(motion.x[:, 2]), np.sin(motion.x[:, 2])
     shapes = []

@@ -17,7 +17,9 @@ from tests.structures import arch_on_piers, block_on_base, running_bond
 MODELS = {"block": block_on_base(), "wall": running_bond(3, 3), "arch": arch_on_piers(voussoirs=7, courses=3)}
 
 
-def a_step(model: Assembly, behaviour: str, state: State, acceleration: float, step: float = 0.005) -> Program:
+def a_step(
+    model: Assembly, behaviour: str, state: State, acceleration: float, step: float = 0.005
+) -> Program:
     """The program of an implicit Euler step (paper, eq. 3)."""
     contacts, movable = model.contacts(behaviour), model.movable
     rows = model.kinematics(behaviour, state.positions)
@@ -92,9 +94,7 @@ def test_geometry_of_the_loops_is_that_of_the_contacts() -> None:
     exact = model.kinematics("rigid", x)
     for loops in (kernels, compiled):
         gap, normal, tangent = (np.empty((len(contacts), n)) for n in (2, 6, 6))
-        loops.geometry(
-            contacts.a, contacts.b, contacts.p, contacts.q, contacts.n, x, gap, normal, tangent
-        )
+        loops.geometry(contacts.a, contacts.b, contacts.p, contacts.q, contacts.n, x, gap, normal, tangent)
         assert gap[:, 0] == pytest.approx(exact.gap, abs=1e-14)
         assert gap[:, 1] == pytest.approx(exact.slide, abs=1e-14)
         assert normal == pytest.approx(exact.normal, abs=1e-14)

@@ -7,6 +7,8 @@ These are the plain NumPy loops; `compiled` has the same ones for numba, used wh
 
 from __future__ import annotations
 
+import importlib
+import sys
 from types import ModuleType
 
 import numpy as np
@@ -22,12 +24,9 @@ OPEN, STICKING, SLIDING_ON, SLIDING_BACK = 0, 1, 2, 3  # the slip of a sliding c
 def fastest() -> ModuleType:
     """The compiled loops where numba is installed, else these."""
     try:
-        from mechanics.solvers import compiled
+        return importlib.import_module("mechanics.solvers.compiled")
     except ImportError:
-        from mechanics.solvers import kernels
-
-        return kernels
-    return compiled
+        return sys.modules[__name__]
 
 
 def geometry(
@@ -116,8 +115,9 @@ def interior_matrix(
     z: Array,
     band: Array,
 ) -> None:
-    """M̄ + B(RᵀCR + Z/S)⁻¹Bᵀ into `band`: R the unit rays (1, ±μ) of the cones, B = A₀R, s (c, 2) ≥ 0 the forces along
-    them and z (c, 2) ≥ 0 their gaps.
+    """M̄ + B(RᵀCR + Z/S)⁻¹Bᵀ into `band`.
+
+    R holds the unit rays (1, ±μ) of the cones, B = A₀R; s (c, 2) ≥ 0 are the forces along them, z ≥ 0 their gaps.
     """
     n, t, a, b, c = _diagonal(friction, compliance, s, z)
     _assemble(
@@ -272,5 +272,5 @@ def _resultant(row: Index, normal: Array, tangent: Array, forces: Array, size: i
     rows = _rows(row)
     entries = forces[:, :1] * normal + forces[:, 1:] * tangent
     moving = rows >= 0
-    total: Array = np.bincount(rows[moving], entries[moving], minlength=size)
+    total: Array = np.bincount(rows[moving], entries[moving], minlength=size).astype(float)
     return total

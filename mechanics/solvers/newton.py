@@ -72,27 +72,28 @@ class Newton:
         self.solved += 1
         mass, load = program.mass[self.order], program.load[self.order]
         if self.state is not None and self.solved >= self.next_repeat:
-            found = self._repeat(program, mass, load, forces)
+            found = self._repeat(program, mass, load, forces, self.state)
             if found is not None:
                 self.repeated += 1
                 return found
         near = self._interior(program, mass, load, guess[self.order], forces)
-        if near is None or self.solved < self.next_repeat:
+        if near is None or self.state is None or self.solved < self.next_repeat:
             return near
         # the states are known now: with them, forces that vanish are exactly zero
-        exact = self._repeat(program, mass, load, near.forces)
+        exact = self._repeat(program, mass, load, near.forces, self.state)
         self.pause = 0 if exact is not None else min(2 * self.pause + 1, LONGEST_PAUSE)
         self.next_repeat = self.solved + self.pause + (self.pause > 0)
         return near if exact is None else exact
 
-    def _repeat(self, program: Program, mass: Array, load: Array, forces: Array) -> Solution | None:
+    def _repeat(
+        self, program: Program, mass: Array, load: Array, forces: Array, state: Index
+    ) -> Solution | None:
         kernels, row = self.kernels, self.row
         rows = (row, program.normal, program.tangent)
         mobility = np.where(row >= 0, 1.0 / mass[row], 0.0).sum(axis=1)
         extra = np.where(program.compliance > 0.0, 0.0, mobility[:, None] / PROXIMAL)
         compliance = program.compliance + extra
         total = np.empty_like(load)
-        state = self.state
         centre = forces
         for _ in range(CORRECTIONS):
             kernels.repeat_matrix(*rows, program.friction, compliance, mass, state, self.band)

@@ -60,6 +60,20 @@ def test_sliding_under_a_sine(integrator: str, tolerance: float) -> None:
     assert abs(motion.positions[:, 1, 0] - motion.positions[0, 1, 0] - slip).max() < tolerance * np.ptp(slip)
 
 
+@pytest.mark.parametrize(("integrator", "tolerance"), [("implicit-euler", 0.03), ("second-order", 0.003)])
+def test_thrown_block_slides_to_rest(integrator: str, tolerance: float) -> None:
+    model = block_on_base(**FLAT)
+    velocities = np.zeros((2, 3))
+    velocities[1, 0] = 1.0
+    motion = time_history(
+        model, np.zeros(101), 0.005, "rigid", State(model.initial.positions, velocities), integrator
+    )
+    travelled = motion.positions[:, 1, 0] - motion.positions[0, 1, 0]
+    assert travelled[-1] == pytest.approx(1.0 / (2.0 * 0.3 * GRAVITY), rel=tolerance)
+    assert abs(motion.velocities[-20:]).max() < 1e-6
+    assert motion.energy.friction[-1] == pytest.approx(motion.energy.kinetic[0], rel=tolerance)
+
+
 def lifted(by: float, **shape: float) -> tuple[Assembly, State]:
     model = block_on_base(**shape)
     positions = model.initial.positions.copy()
@@ -86,7 +100,9 @@ def test_bouncing_block_keeps_its_restitution() -> None:
     second = first + 2.0 * 0.6 * first
     assert height[(motion.time > first) & (motion.time < second)].max() == pytest.approx(0.36 * 0.2, rel=1e-3)
     third = second + 2.0 * 0.36 * first
-    assert height[(motion.time > second) & (motion.time < third)].max() == pytest.approx(0.36**2 * 0.2, rel=0.01)
+    assert height[(motion.time > second) & (motion.time < third)].max() == pytest.approx(
+        0.36**2 * 0.2, rel=0.01
+    )
 
 
 def test_block_thrown_by_a_vertical_acceleration() -> None:
@@ -120,7 +136,9 @@ def test_first_period_on_elastic_joints(segments: int) -> None:
     rest = time_history(model, np.zeros(2), step, "elastic").start
     velocities = np.zeros_like(rest.positions)
     velocities[1] = (-1.0 * 1e-3, 0.0, 1e-3)
-    motion = time_history(model, np.zeros(401), step, "elastic", State(rest.positions, velocities), "second-order")
+    motion = time_history(
+        model, np.zeros(401), step, "elastic", State(rest.positions, velocities), "second-order"
+    )
     rotation = motion.positions[:, 1, 2]
     up = np.flatnonzero((rotation[:-1] < 0.0) & (rotation[1:] >= 0.0))
     crossing = up + rotation[up] / (rotation[up] - rotation[up + 1])
@@ -136,7 +154,13 @@ def test_viscous_damping_has_the_ratio_asked_for() -> None:
     velocities = np.zeros_like(rest.positions)
     velocities[1] = (-1.0 * 1e-3, 0.0, 1e-3)
     motion = time_history(
-        model, np.zeros(801), step, "elastic", State(rest.positions, velocities), "second-order", damping_ratio=0.05
+        model,
+        np.zeros(801),
+        step,
+        "elastic",
+        State(rest.positions, velocities),
+        "second-order",
+        damping_ratio=0.05,
     )
     rotation = motion.positions[:, 1, 2]
     top = np.flatnonzero((rotation[1:-1] > rotation[:-2]) & (rotation[1:-1] >= rotation[2:])) + 1

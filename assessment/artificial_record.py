@@ -1,0 +1,27 @@
+"""A record of our own making, for projects that have none: compatible with an elastic spectrum, seeded."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from assessment.files import write_atomically
+from assessment.spectrum import ElasticSpectrum
+from mechanics.synthetic_motion import compatible_record
+
+RECORD = "records/artificial.csv"
+DURATION, PLATEAU, TIME_STEP = 15.0, 10.0, 0.01  # s
+
+
+def write_artificial_record(folder: Path, spectrum: ElasticSpectrum, seed: int = 1) -> Path:
+    """Write `records/artificial.csv` of a project folder, time in s and acceleration in g, and return its path.
+
+    15 s at 0.01 s with 10 s of strong motion, within 10 % of the spectrum at 0.15–2 s; the same seed gives the same
+    file. Raises ConvergenceError where no such motion is found.
+    """
+    record = compatible_record(
+        spectrum.acceleration, DURATION, TIME_STEP, seed, plateau=PLATEAU, name="artificial"
+    )
+    path = folder / RECORD
+    lines = [f"{t:.2f},{a:.6f}\n" for t, a in zip(record.time, record.acceleration, strict=True)]
+    write_atomically(path, "".join(lines).encode())
+    return path
