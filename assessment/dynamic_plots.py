@@ -87,7 +87,7 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
         else words.plain("figure.at_end", time=entry["curve"]["time_s"][-1])
     )
     views[title] = shape.moved(entry["final_configuration"])
-    page = sheet(_bounds(start, list(views.values())), len(views), border_mm=5.0)
+    page = sheet(_bounds(start, list(views.values())), len(views), border_mm=5.0, height_mm=115.0)
     supports = np.array([block["support"] is not None for block in results["geometry"]["blocks"]])
     for axes, (title, view) in zip(page.panels, views.items(), strict=True):
         axes.set_title(title)
@@ -107,13 +107,9 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
     found = [results["states"][name]["incremental"] for name in states]
     points = [point for each in found for record in each["records"] for point in record["points"]]
     reach = 1.25 * max((p["peak_displacement_m"] for p in points if not p["collapsed"]), default=0.0)
-    tops = [
-        r[key]
-        for each in found
-        for r in each["records"]
-        for key in ("pga_collapse_g", "pga_safe_g")
-        if r[key]
-    ]
+    records = [record for each in found for record in each["records"]]
+    tops = [record[key] for record in records for key in ("pga_collapse_g", "pga_safe_g") if record[key]]
+    tops += [level for record in records for level in record["resurrections_g"]]
     for axes, name, each in zip(panels, states, found, strict=False):
         for marker, record in zip(_cycle(len(each["records"]), MARKERS), each["records"], strict=True):
             _curve(axes, record, marker, 1000.0 * reach)

@@ -71,7 +71,7 @@ def find_collapse(
         while level > tolerance and falls(level):
             level /= 2.0
     else:
-        while level < largest and not falls(level):
+        while level < largest and not falls(min(2.0 * level, largest)):
             level = min(2.0 * level, largest)
     while True:
         collapse = lowest()

@@ -188,12 +188,12 @@ def write(results: Results, folder: Path, report: bool = True) -> list[str]:
 def _replace(new: Path, old: Path) -> None:
     """Put a finished file, or each file of a finished folder, in the place of an earlier one."""
     if not new.is_dir():
-        os.replace(new, old)
+        new.replace(old)
         return
     old.mkdir(exist_ok=True)
     names = {item.name for item in new.iterdir()}
     for name in sorted(names):
-        os.replace(new / name, old / name)
+        (new / name).replace(old / name)
     for stale in [item for item in old.iterdir() if item.name not in names]:
         stale.unlink()
 

@@ -43,7 +43,8 @@ def hinges(model: Assembly, state: State, mechanism: Array, forces: Array) -> Hi
     share = forces[:, 0] / np.maximum(carried, 1e-300)[contacts.joint]
     point = _points(model, state)
     moment = share[:, None] * point
-    centre: Array = np.stack([np.bincount(contacts.joint, moment[:, k], minlength=len(carried)) for k in (0, 1)], axis=1)
+    sums = [np.bincount(contacts.joint, moment[:, k], minlength=len(carried)) for k in (0, 1)]
+    centre: Array = np.stack(sums, axis=1)
     hinged = np.flatnonzero(carries & (turn > NOTICEABLE * largest))
     fastest = float(abs(mechanism[:, :2]).max())
     slides = carries[contacts.joint] & (share > 0.05) & (slip > NOTICEABLE * fastest)
