@@ -1,1 +1,24 @@
 """Standards, projects and reports on top of `mechanics`."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+_HOME = {
+    "ElasticSpectrum": "spectrum",
+    "RecordSpectrum": "spectrum",
+    "site_hazard": "hazard",
+    "fit_curve": "idealisation",
+    "capacity_curve": "capacity",
+    "participation": "capacity",
+    "verify": "verification",
+}
+__all__ = [*_HOME]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name where it is first asked for: the command line starts without numpy."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'assessment' has no attribute {name!r}")
+    return getattr(import_module(f"assessment.{_HOME[name]}"), name)

@@ -11,7 +11,7 @@ import numpy as np
 
 from assessment.messages import ProjectError
 from mechanics.block import Array
-from mechanics.ground_motion import Record, read_record
+from mechanics.ground_motion import SAME_TIME, Record, read_record
 
 if TYPE_CHECKING:
     from assessment.project import Project
@@ -76,11 +76,14 @@ def _motion(
         original = replace(original, name=history.name)
     try:
         window = original.arias_window() if table.window_s == "arias" else table.window_s
-        start = window[0] if window else 0.0
         cut = original.windowed(*window) if window else original
         record = cut.resampled(table.time_step_s or cut.time_step)
     except ValueError as error:
         raise ProjectError(f"{project.source}: {key}: {path.name}: {error}") from None
+    # the window begins at the first sample inside it
+    start = (
+        float(original.time[original.time > window[0] - SAME_TIME * original.time_step][0]) if window else 0.0
+    )
     vertical = None
     if history and history.vertical_record:
         vertical = _vertical(project, key, history, project.path(history.vertical_record), record, start)

@@ -56,7 +56,9 @@ def site_acceleration(project: Project) -> dict[str, float]:
     assessment = project.assessment
     if assessment is None or assessment.spectrum != "record" or assessment.site is None:
         return {}
-    return {name: spectrum.ag * spectrum.S for name, spectrum in _site_spectra(project, assessment)[0].items()}
+    return {
+        name: spectrum.ag * spectrum.S for name, spectrum in _site_spectra(project, assessment)[0].items()
+    }
 
 
 def _site_spectra(

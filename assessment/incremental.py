@@ -19,15 +19,8 @@ if TYPE_CHECKING:
     from assessment.project import Project
     from mechanics.program import Certificate
 
-GRID = (
-    0.2,
-    0.4,
-    0.6,
-    0.8,
-    1.2,
-    1.4,
-    1.6,
-)  # of the PGA at collapse: where the order of collapse is not taken on trust
+# shares of the PGA at collapse where the order of collapse is not taken on trust
+GRID = (0.2, 0.4, 0.6, 0.8, 1.2, 1.4, 1.6)
 MEAN_FROM, ENOUGH = 7, 3  # records: NTC 2018 §7.3.5
 RUNS = 12  # of a search, about: what it costs
 

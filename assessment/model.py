@@ -40,9 +40,11 @@ def build_model(project: Project) -> Model:
     tolerance = geometry.tolerance_m or default_tolerance(drawing.blocks)
     warnings = drawing.warnings + check_layout(drawing.blocks, tolerance)
     if all(block.support is not None for block in drawing.blocks):
-        raise DrawingError(f"{geometry.drawing}: every block is a support; put the movable ones on other layers")
+        raise DrawingError(
+            f"{geometry.drawing}: every block is a support; put the movable ones on other layers"
+        )
     if not any(block.support for block in drawing.blocks):
-        raise ProjectError(f"{project.source}: layers: no layer is a support; give one of them support = \"…\"")
+        raise ProjectError(f'{project.source}: layers: no layer is a support; give one of them support = "…"')
     assembly = Assembly(drawing.blocks, geometry.segments_per_joint, tolerance)
     for point in project.control:
         try:

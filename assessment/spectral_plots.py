@@ -72,7 +72,9 @@ def _demand(results: Results, limit: str, damping: float | None) -> tuple[Array,
     if spectrum is None:
         return None
     if "damped_S_e_g" in spectrum:  # of a record: no rule gives one damping from another
-        acceleration, displacement = (np.asarray(spectrum[f"damped_{key}"], dtype=float) for key in ("S_e_g", "S_De_m"))
+        acceleration, displacement = (
+            np.asarray(spectrum[f"damped_{key}"], dtype=float) for key in ("S_e_g", "S_De_m")
+        )
         return acceleration, displacement
     period, five = (np.asarray(spectrum[key], dtype=float) for key in ("T_s", "S_e_g"))
     scaled = damped(five, period, DAMPING[limit] if damping is None else damping)

@@ -22,7 +22,7 @@ from mechanics import (
 from mechanics.assembly import Behaviour, Direction
 from mechanics.mechanism import hinges, virtual_work_multiplier
 from mechanics.program import Certificate
-from mechanics.pushdown import Pushdown
+from mechanics.pushdown import Pushdown, whole_movement
 from mechanics.pushover import Pushover
 
 if TYPE_CHECKING:
@@ -114,13 +114,14 @@ def _settle(
     title = f"{settlement.name}, {result.behaviour} contacts"
     path: Pushdown
     reached: State | None
+    whole = whole_movement(model, settlement.support, settlement.displacement_m, settlement.rotation_rad)
     try:
         path = pushdown(
             model,
             settlement.support,
             settlement.displacement_m,
             settlement.rotation_rad,
-            settlement.increment_m,
+            whole / settlement.steps,
             result.behaviour,
             settlement.to_collapse,
         )
@@ -203,7 +204,7 @@ def _push(
 
 def _rigid(model: Assembly, control: ControlTable, direction: Direction, path: Pushover) -> dict[str, Any]:
     mechanism, at = path.mechanism, path.states[path.formed]
-    reference = path.multiplier[path.formed : path.formed + (2 if path.formed else 1)].mean()
+    reference = path.multiplier[path.formed]
     block = model.block_at(control.point_m)
     small = 1e-6 * model.size / abs(mechanism[:, :2]).max()
     shift = model.point_displacement(control.point_m, block, at.positions + small * mechanism)

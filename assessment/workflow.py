@@ -34,7 +34,18 @@ if TYPE_CHECKING:
 
 Results = dict[str, Any]
 Progress = Callable[[str], None]
-PACKAGES = ("numpy", "scipy", "piqp", "ezdxf", "shapely", "pandas", "matplotlib", "jinja2", "weasyprint", "pydantic")
+PACKAGES = (
+    "numpy",
+    "scipy",
+    "piqp",
+    "ezdxf",
+    "shapely",
+    "pandas",
+    "matplotlib",
+    "jinja2",
+    "weasyprint",
+    "pydantic",
+)
 SMALL = 2000  # contact points times analyses: below it a second process costs more than it saves
 
 
@@ -120,7 +131,9 @@ def describe(project: Project, model: Model) -> Results:
     return {
         "assesto": _version("assesto"),
         "title": project.title,
-        "inputs": {name: hashlib.sha256(project.path(name).read_bytes()).hexdigest() for name in _inputs(project)},
+        "inputs": {
+            name: hashlib.sha256(project.path(name).read_bytes()).hexdigest() for name in _inputs(project)
+        },
         "model": {
             "blocks": len(a.blocks),
             "movable_blocks": int(a.movable.sum()),
@@ -174,7 +187,9 @@ def write(results: Results, folder: Path, report: bool = True) -> list[str]:
         if report:
             made = render_report(results, new / "figures", new)
             warnings = list(made.warnings)
-        write_atomically(new / "results.json", json.dumps(results, ensure_ascii=False, allow_nan=False).encode())
+        write_atomically(
+            new / "results.json", json.dumps(results, ensure_ascii=False, allow_nan=False).encode()
+        )
         folder.mkdir(exist_ok=True)
         made_now = {item.name for item in new.iterdir()}
         for item in sorted(new.iterdir(), key=lambda path: path.name == "results.json"):
@@ -227,7 +242,9 @@ def _analyses(project: Project, assembly: Assembly, jobs: int, progress: Progres
 def _merge(state: Results, stage: StateResult) -> None:
     if stage.pushdown is not None:
         state["pushdown"][stage.behaviour] = stage.pushdown
-    if stage.configuration is not None and (stage.behaviour == "rigid" or not any(map(any, state["configuration"]))):
+    if stage.configuration is not None and (
+        stage.behaviour == "rigid" or not any(map(any, state["configuration"]))
+    ):
         state["configuration"] = stage.configuration
     for direction, numbers in stage.pushover.items():
         control = numbers.pop("control")

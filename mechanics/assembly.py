@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from mechanics.block import GRAVITY, Array, Block
 from mechanics.contacts import Contacts, Kinematics, kinematics, place_contacts
@@ -17,6 +17,7 @@ from mechanics.joints import Index, Joints, default_tolerance, find_joints
 
 Behaviour = Literal["rigid", "elastic"]
 Direction = Literal["+x", "-x"]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +89,7 @@ class Assembly:
         return self.elastic_contacts
 
     @cached_property
-    def movable(self) -> NDArrayBool:
+    def movable(self) -> Mask:
         """Which blocks (b,) are no supports."""
         return np.array([b.support is None for b in self.blocks])
 
@@ -177,7 +178,9 @@ class Assembly:
         """The state an analysis starts from (None: as drawn); ValueError where it is none of this assembly."""
         if state is None:
             return self.initial
-        require(isinstance(state, State), "state", type(state).__name__, "a State, such as .final of a pushdown")
+        require(
+            isinstance(state, State), "state", type(state).__name__, "a State, such as .final of a pushdown"
+        )
         shape = self.initial.positions.shape
         require(state.positions.shape == shape, "state", state.positions.shape, f"of this assembly: {shape}")
         require(bool(np.isfinite(state.positions).all()), "state", "positions", "finite")
@@ -209,6 +212,3 @@ class Assembly:
         turned = np.array([cos * arm[0] - sin * arm[1], sin * arm[0] + cos * arm[1]])
         moved: Array = positions[block, :2] + turned - np.asarray(point, dtype=float)
         return moved
-
-
-NDArrayBool = np.ndarray[tuple[int, ...], np.dtype[np.bool_]]

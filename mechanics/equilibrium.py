@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mechanics.assembly import Assembly, Behaviour, State
+from mechanics.assembly import Assembly, Behaviour, Mask, State
 from mechanics.block import Array
 from mechanics.contacts import Kinematics
 from mechanics.errors import NoEquilibriumError, UnstableError
@@ -151,13 +151,19 @@ def local(rows: Array, a: Index, b: Index, displacement: Array) -> Array:
     return change
 
 
-def closed_program(model: Assembly, state: State, lateral: Array | None = None) -> tuple[Program, Index]:
-    """The rigid program over the contacts closed in a state, and their indices; γ moves the blocks by about a step."""
+def closed_program(
+    model: Assembly, state: State, lateral: Array | None = None, carrying: Mask | None = None
+) -> tuple[Program, Index]:
+    """The rigid program over the contacts closed in a state, and their indices; γ moves the blocks by about a step.
+
+    `carrying` (c,) bool: contacts that are closed whatever gap dilatant sliding has left them.
+    """
     size = 1e-3 * model.size
     program, rows = assemble(
         model, "rigid", state, state.positions, model.dead_load, size, lateral, size * model.weight
     )
-    closed = np.flatnonzero(rows.gap <= CLOSED * model.size)
+    touching = rows.gap <= CLOSED * model.size
+    closed = np.flatnonzero(touching if carrying is None else touching | carrying)
     taken = program.take(closed)
     return replace(taken, gap=np.zeros_like(taken.gap)), closed
 

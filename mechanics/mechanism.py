@@ -50,7 +50,9 @@ def hinges(model: Assembly, state: State, mechanism: Array, forces: Array) -> Hi
     slides = carries[contacts.joint] & (share > 0.05) & (slip > NOTICEABLE * fastest)
     moves = (abs(mechanism[:, :2]).max(axis=1) > 1e-6 * fastest) & model.movable
     weight = -float(model.dead_load[moves, 1].sum())
-    return Hinges(_merged(centre[hinged], turn[hinged], model.size), np.unique(contacts.joint[slides]), weight)
+    return Hinges(
+        _merged(centre[hinged], turn[hinged], model.size), np.unique(contacts.joint[slides]), weight
+    )
 
 
 def _points(model: Assembly, state: State) -> Array:

@@ -63,9 +63,7 @@ def pushdown(
     )
     require(bool(np.isfinite(rotation)), "rotation", rotation, "finite, in rad")
     require(0.0 < increment < np.inf, "increment", increment, "positive, in m")
-    drawn = np.concatenate([np.asarray(model.blocks[i].polygon) for i in index])
-    reach = float(np.hypot(*(drawn - drawn.mean(axis=0)).T).max())
-    full = float(abs(target).max()) or abs(rotation) * reach
+    full = whole_movement(model, support, target, rotation)
     require(full > 0.0, "displacement", displacement, "a movement: displacement and rotation are both zero")
     check_self_weight(model)
 
@@ -130,6 +128,13 @@ def pushdown(
             path_so_far,
         )
     return path_so_far
+
+
+def whole_movement(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> float:
+    """Largest component of a support's movement, m; of a pure turn, the arc at the support's farthest corner."""
+    corners = np.concatenate([model.blocks[i].polygon for i in model.support(support)])
+    reach = float(np.hypot(*(corners - corners.mean(axis=0)).T).max())
+    return float(abs(np.asarray(displacement, dtype=float)).max()) or abs(rotation) * reach
 
 
 def settle(

@@ -10,10 +10,11 @@ from numpy.typing import ArrayLike
 
 from mechanics.assembly import Assembly, Behaviour, Direction, State
 from mechanics.block import Array
-from mechanics.equilibrium import Step, check_self_weight, find_step, rest, rest_size
+from mechanics.equilibrium import Step, check_self_weight, closed_program, find_step, rest, rest_size
 from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError, UnstableError, require
 from mechanics.limit import limit_analysis
 from mechanics.program import Certificate
+from mechanics.solvers import solve
 
 MOST_STEPS = 5000
 HALVINGS = 5
@@ -24,6 +25,7 @@ FIRST = 0.02  # of the rigid multiplier: the first step of that branch
 SETTLED_FIRST = 0.1  # of an increment: the first step from a settled state, whose open hinges may close first
 ZERO = 1e-6  # of the largest multiplier: one that is none
 MOST_CHORDS = 3  # to get there
+CARRYING = 1e-6  # of the weight: a contact force that is one
 LARGEST = 2.0  # a block may move this many increments where the control point moves less
 
 
@@ -80,7 +82,9 @@ def pushover(
     block = model.block_at(control)
     lateral = model.lateral_load(direction)
     begin = _onset if contacts == "rigid" else _rest
-    states, steps, multiplier, certificates, rate, first, shrink = begin(model, direction, lateral, state, increment)
+    states, steps, multiplier, certificates, rate, first, shrink = begin(
+        model, direction, lateral, state, increment
+    )
 
     def along(at: Array) -> float:
         u = model.point_displacement(control, block, at) - model.point_displacement(
@@ -146,7 +150,9 @@ def pushover(
         control_rate = (path[-1] - path[-2]) / work
         if not smallest:
             shrink = min(1.0, GROWTH * shrink)
-    if len(path) == 1 or max(path) < STILL * float(abs(states[-1].positions - states[0].positions)[:, :2].max()):
+    if len(path) == 1 or max(path) < STILL * float(
+        abs(states[-1].positions - states[0].positions)[:, :2].max()
+    ):
         raise takes_no_part(end)
     formed, mechanism, forces = 0, onset, first
     if multiplier[0] < max(multiplier) or onset_rate < 1e-3 * float(abs(onset[:, :2]).max()):
@@ -156,6 +162,8 @@ def pushover(
         formed = max(int(np.argmax(np.array(path) >= min(over, max(path)))) - 1, 0)
         mechanism = states[formed + 1].positions - states[formed].positions
         forces = steps[max(formed - (contacts == "rigid"), 0)].forces
+        if contacts == "rigid":
+            mechanism = _mechanism(model, states[formed], lateral, forces, mechanism)
     return Pushover(
         np.array(path),
         np.array(multiplier),
@@ -168,6 +176,18 @@ def pushover(
         formed,
         forces,
     )
+
+
+def _mechanism(model: Assembly, state: State, lateral: Array, forces: Array, motion: Array) -> Array:
+    """Virtual displacements (b, 3) over the contacts that touch or carry in a state; without any, its motion."""
+    program, _ = closed_program(model, state, lateral, forces[:, 0] > CARRYING * model.weight)
+    try:
+        found = solve(program)
+    except (NoEquilibriumError, ConvergenceError):
+        return motion
+    mechanism = np.zeros_like(motion)
+    mechanism[model.movable] = found.displacement.reshape(-1, 3)
+    return mechanism
 
 
 def _down_to_zero(

@@ -36,10 +36,13 @@ def running_bond(
     blocks = [Block(rectangle(-length, -height, width + length, 0.0), 0.1, stone, support="base")]
     for j in range(courses):
         whole = ((courses - 1 - j) % 2 == 0) == full_on_top
-        edges = np.arange(columns + 1) * length if whole else np.r_[0.0, (np.arange(columns) + 0.5) * length, width]
+        edges = (
+            np.arange(columns + 1) * length
+            if whole
+            else np.r_[0.0, (np.arange(columns) + 0.5) * length, width]
+        )
         blocks += [
-            Block(rectangle(a, j * height, b, (j + 1) * height), 0.1, stone)
-            for a, b in pairwise(edges)
+            Block(rectangle(a, j * height, b, (j + 1) * height), 0.1, stone) for a, b in pairwise(edges)
         ]
     return Assembly(blocks)
 
@@ -53,7 +56,8 @@ def semicircular_arch(
     angles = np.linspace(0.0, np.pi, voussoirs + 1)
     corner = np.stack([np.outer(np.cos(angles), radii), np.outer(np.sin(angles), radii)], axis=2)
     ring = [
-        Block([corner[i, 0], corner[i, 1], corner[i + 1, 1], corner[i + 1, 0]], 1.0, stone) for i in range(voussoirs)
+        Block([corner[i, 0], corner[i, 1], corner[i + 1, 1], corner[i + 1, 0]], 1.0, stone)
+        for i in range(voussoirs)
     ]
     supports = [
         Block(rectangle(side * 1.0 - thickness, -0.2, side * 1.0 + thickness, 0.0), 1.0, stone, support=name)

@@ -190,9 +190,13 @@ def test_the_window_scale_and_step_of_a_motion(tmp_path):
     np.testing.assert_allclose(motion.record.acceleration[::2], inside, atol=1e-15)
     assert (motion.start, motion.record.time_step, motion.record.duration) == (1.5, 0.01, pytest.approx(0.5))
     assert "leaves out the peak" in motion.notes[0]
-    project = _edited(tmp_path / "block", "window_s = [1.5, 2.0]", 'window_s = "arias"')
+    project = _edited(
+        tmp_path / "block", "window_s = [1.5, 2.0]", 'window_s = "arias"\nvertical_record = "wave.csv"'
+    )
     (motion,) = history_motions(project)
-    assert motion.start == pytest.approx(read_record(tmp_path / "block" / "wave.csv").arias_window()[0])
+    begin = read_record(tmp_path / "block" / "wave.csv").arias_window()[0]
+    assert 0.0 <= motion.start - begin < STEP
+    np.testing.assert_allclose(motion.vertical, motion.record.acceleration, atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -305,3 +309,23 @@ def test_an_artificial_record_follows_its_spectrum(tmp_path):
         periods
     )
     assert ratio == pytest.approx(1.0, abs=0.11)
+
+
+def test_a_failed_history_makes_the_run_incomplete_and_keeps_the_rest(tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise ConvergenceError("step 3: no solution")
+
+    monkeypatch.setattr(dynamics, "time_history", refuse)
+    project = _project(tmp_path / "block", TAIL.format(scale=1.0), INCREMENTAL)
+    outcome = run(project, build_model(project), jobs=1)
+    assert not outcome.complete
+    assert outcome.results["states"]["original"]["history"][0]["reason"] == "step 3: no solution"
+    assert outcome.results["states"]["original"]["incremental"]["pga_collapse_g"] is None
+    assert outcome.results["states"][project.states[1]]["pushdown"]["rigid"]["movement_m"]
+
+
+def test_a_record_is_not_followed_along_the_grid(tmp_path):
+    project = _project(tmp_path / "block", TAIL.format(scale=1.0), assessment=PUSHOVER)
+    gridded = project.assessment.model_copy(update={"method": "grid"})
+    with pytest.raises(ProjectError, match=r"assessment\.method"):
+        run(project.model_copy(update={"assessment": gridded}), build_model(project), jobs=1)

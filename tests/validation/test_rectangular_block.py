@@ -33,7 +33,9 @@ def test_monolithic_leaf():
 
 
 def test_sliding_governs_where_friction_is_low():
-    assert limit_analysis(block_on_base(BREADTH, HEIGHT, friction=0.15)).alpha == pytest.approx(0.15, abs=1e-9)
+    assert limit_analysis(block_on_base(BREADTH, HEIGHT, friction=0.15)).alpha == pytest.approx(
+        0.15, abs=1e-9
+    )
 
 
 def test_every_point_of_the_curve_is_the_closed_form():
