@@ -14,7 +14,15 @@ _HOME = {
     "participation": "capacity",
     "verify": "verification",
 }
-__all__ = [*_HOME]
+__all__ = [
+    "ElasticSpectrum",
+    "RecordSpectrum",
+    "capacity_curve",
+    "fit_curve",
+    "participation",
+    "site_hazard",
+    "verify",
+]
 
 
 def __getattr__(name: str) -> Any:

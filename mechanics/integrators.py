@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from mechanics.assembly import Assembly, Behaviour, NDArrayBool
+from mechanics.assembly import Assembly, Behaviour, Mask
 from mechanics.block import GRAVITY, Array
 from mechanics.errors import ConvergenceError
 from mechanics.program import Certificate, Program, Solution
@@ -245,9 +245,7 @@ def _until_impact(scene: Scene, motion: Motion, load: Load, time: float, step: f
     return new, h
 
 
-def _midpoint(
-    scene: Scene, motion: Motion, closed: NDArrayBool, load: Load, time: float, step: float
-) -> Motion:
+def _midpoint(scene: Scene, motion: Motion, closed: Mask, load: Load, time: float, step: float) -> Motion:
     """The midpoint rule, v = (v₀ + v₁)/2 = Δx/Δt, with the geometry of the middle; only closed contacts act."""
     _, normal, tangent = scene.geometry(motion.x + 0.5 * step * motion.v)
     mass = 2.0 * scene.mass / step**2
@@ -273,7 +271,7 @@ def _midpoint(
 
 
 def _kept_together(
-    scene: Scene, x: Array, v: Array, carrying: NDArrayBool, slip: Array, least: float
+    scene: Scene, x: Array, v: Array, carrying: Mask, slip: Array, least: float
 ) -> tuple[Array, Array]:
     """Positions and velocities with the contacts that carry closed, and those that came to rest in the step at rest.
 
