@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +17,9 @@ from assessment.idealisation import SECANT_SHARE, YIELD_SHARE, CapacityError, Cu
 from assessment.trace import Trace, datum, step
 from mechanics.block import GRAVITY
 from mechanics.errors import require
+
+if TYPE_CHECKING:
+    from mechanics import Assembly
 
 Array = NDArray[np.float64]
 
@@ -80,6 +84,17 @@ def participation(
             "Γ*: the control point moves against the moving weights; choose one that moves with the mechanism"
         )
     return Participation(first**2 / (weight * second), second / first, weight, first, second)
+
+
+def mechanism_participation(model: Assembly, mechanism: Array) -> Participation:
+    """Return e* and Γ* of virtual displacements (b, 3) per unit displacement of the control point.
+
+    Every block of the assembly that moves counts, with the load it carries as seismic mass.
+    """
+    weights = np.array([block.mass * GRAVITY for block in model.blocks])
+    weights[~model.movable] = 0.0
+    size = abs(mechanism[:, :2]).max(axis=1)
+    return participation(weights, mechanism[:, 0], 1.0, (size > 1e-6 * size.max()) & model.movable)
 
 
 @dataclass(frozen=True, eq=False)

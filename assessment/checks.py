@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from assessment.capacity import CapacityCurve, Participation, capacity_curve, participation
+from assessment.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
 from assessment.hazard import HazardCurve, return_period, site_curve
 from assessment.idealisation import CapacityError, Curve, CurveFit, fit_curve
 from assessment.messages import ProjectError
 from assessment.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
 from assessment.trace import Trace
 from assessment.verification import Check, Method, verify
-from mechanics.block import GRAVITY
 
 if TYPE_CHECKING:
     from assessment.base_motion import BaseMotion
@@ -98,7 +97,7 @@ def assess(
             warnings.append(f"{direction}: no capacity without the rigid pushover curve")
             continue
         try:
-            part = _participation(model, rigid["mechanism"])
+            part = mechanism_participation(model, np.array(rigid["mechanism"]["displacements"]))
             elastic = curves.get("elastic")
             fit = fit_curve(assessment.model, rigid_branch(rigid), _elastic_branch(elastic))
             capacity = capacity_curve(fit, part.e_star, part.gamma_star, assessment.confidence_factor)
@@ -108,7 +107,6 @@ def assess(
             continue
         if elastic is not None and fit.alpha_y is not None:
             elastic |= {"alpha_y": fit.alpha_y, "d_y_m": fit.d_y}
-        rigid["mechanism"] |= {"e_star": part.e_star, "gamma_star": part.gamma_star}
         found[direction] = _numbers(part, fit, capacity, checks)
     return found
 
@@ -125,7 +123,7 @@ def rigid_branch(rigid: Mapping[str, Any]) -> Curve:
     d, alpha = d[peak:], alpha[peak:]
     grows = np.concatenate([[True], d[1:] > np.maximum.accumulate(d)[:-1]])
     d, alpha = d[grows], alpha[grows]
-    if not rigid["reached_zero"]:
+    if rigid["lost"]:
         d, alpha = np.append(d, d[-1] * (1.0 + 1e-9) + 1e-15), np.append(alpha, 0.0)
     return d, alpha
 
@@ -180,16 +178,6 @@ def _method(project: Project, assessment: AssessmentTable, hazard: HazardCurve |
         site_acceleration=site_acceleration(project),
         local_limits={} if limit is None else dict.fromkeys(("SLV", "SLC"), limit),
     )
-
-
-def _participation(model: Assembly, mechanism: Mapping[str, Any]) -> Participation:
-    """e* and Γ* of the mechanism, whose displacements are per unit displacement of the control point."""
-    moved = np.array(mechanism["displacements"])
-    weights = np.array([block.mass * GRAVITY for block in model.blocks])
-    weights[~model.movable] = 0.0
-    largest = abs(moved[:, :2]).max()
-    moving = (abs(moved[:, :2]).max(axis=1) > 1e-6 * largest) & model.movable
-    return participation(weights, moved[:, 0], 1.0, moving)
 
 
 def _elastic_branch(elastic: Mapping[str, Any] | None) -> Curve | None:

@@ -29,6 +29,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for line in _message(error).splitlines():
             print(f"error: {line}", file=sys.stderr)
         return WRONG_INPUT
+    except RuntimeError as error:
+        from mechanics import ConvergenceError
+
+        if not isinstance(error, ConvergenceError):
+            raise
+        print(f"error: {error}; nothing was written", file=sys.stderr)
+        return INCOMPLETE
     except KeyboardInterrupt:
         print("interrupted: nothing of an earlier result was changed", file=sys.stderr)
         return INCOMPLETE

@@ -45,6 +45,12 @@ def build_model(project: Project) -> Model:
         )
     if not any(block.support for block in drawing.blocks):
         raise ProjectError(f'{project.source}: layers: no layer is a support; give one of them support = "…"')
+    lacking = sorted({block.layer for block in drawing.blocks if block.material.normal_stiffness is None})
+    if lacking and _asks_for_elastic(project):
+        raise ProjectError(
+            f"{project.source}: layers.{lacking[0]}.normal_stiffness_kN_m3: missing ({', '.join(lacking)}), "
+            "and elastic analyses need it for every block; give it there or in [material]"
+        )
     assembly = Assembly(drawing.blocks, geometry.segments_per_joint, tolerance)
     for point in project.control:
         try:
@@ -55,6 +61,12 @@ def build_model(project: Project) -> Model:
                 f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}"
             ) from None
     return Model(assembly, warnings)
+
+
+def _asks_for_elastic(project: Project) -> bool:
+    asked = [project.pushover.contacts] if project.pushover else []
+    asked += [(motion.contacts,) for motion in (*project.history, project.incremental) if motion]
+    return any("elastic" in contacts for contacts in asked)
 
 
 def _layer(project: Project, table: LayerTable | None) -> Layer:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from assessment.capacity import mechanism_participation
+from assessment.idealisation import CapacityError
 from mechanics import (
     Assembly,
     CollapseError,
@@ -20,7 +22,7 @@ from mechanics import (
     pushover,
 )
 from mechanics.assembly import Behaviour, Direction
-from mechanics.mechanism import hinges, virtual_work_multiplier
+from mechanics.mechanism import hinges, overruns, virtual_work_multiplier
 from mechanics.program import Certificate
 from mechanics.pushdown import Pushdown, whole_movement
 from mechanics.pushover import Pushover
@@ -135,6 +137,7 @@ def _settle(
         return None
     if settlement.to_collapse and path.ultimate is None:
         result.warnings.append(f"{title}: no ultimate movement up to {path.movement[-1]:.3g} m ({path.end})")
+    result.warnings += [f"{title}: {text}" for text in overruns(model, result.behaviour, path.steps)]
     quality = Quality(result.state, f"pushdown, {result.behaviour}")
     quality.add(path)
     result.quality.append(quality.numbers())
@@ -187,6 +190,7 @@ def _push(
             result.failures.append(f"{title}: {error}")
             return
         quality.add(path)
+        result.warnings += [f"{title}: {text}" for text in overruns(model, result.behaviour, path.steps)]
         numbers = _rigid if result.behaviour == "rigid" else _elastic
         result.pushover[direction] = {"control": control.name} | numbers(model, control, direction, path)
         # an elastic curve has served once it is past its peak; a rigid one is the capacity to its end
@@ -213,14 +217,15 @@ def _rigid(model: Assembly, control: ControlTable, direction: Direction, path: P
     return {
         "alpha_0": float(path.multiplier[path.peak]),
         "alpha_onset": float(path.multiplier[0]),
-        "d_0_m": float(path.displacement[-1]),
+        # where equilibrium is lost before α = 0 the capacity ends there; a path that was cut short has no d_0
+        "d_0_m": float(path.displacement[-1]) if path.reached_zero or path.lost else None,
         "reached_zero": path.reached_zero,
+        "lost": path.lost,
         "end": path.end,
         "curve": _curve(path),
         "mechanism": {
             "hinges": len(found.points),
-            "e_star": None,
-            "gamma_star": None,
+            **_participation(model, mechanism / rate),
             "displacements": (mechanism / rate).tolist(),
             "hinge_points_m": found.points.tolist(),
             "sliding_joints": found.sliding.tolist(),
@@ -231,6 +236,14 @@ def _rigid(model: Assembly, control: ControlTable, direction: Direction, path: P
         "mechanism_configuration": configuration(model, at),
         "final_configuration": configuration(model, path.states[-1]),
     }
+
+
+def _participation(model: Assembly, mechanism: NDArray[np.float64]) -> dict[str, float | None]:
+    try:
+        part = mechanism_participation(model, mechanism)
+    except CapacityError:  # said again, with its reason, where the capacity is asked for
+        return {"e_star": None, "gamma_star": None}
+    return {"e_star": part.e_star, "gamma_star": part.gamma_star}
 
 
 def _elastic(model: Assembly, control: ControlTable, direction: Direction, path: Pushover) -> dict[str, Any]:

@@ -7,6 +7,7 @@ import json
 import math
 import os
 import platform
+import shutil
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -46,6 +47,7 @@ PACKAGES = (
     "weasyprint",
     "pydantic",
 )
+SCRATCH = ".assesto-"  # where files are made before they take their place
 SMALL = 2000  # contact points times analyses: below it a second process costs more than it saves
 
 
@@ -79,6 +81,9 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
             raise ProjectError(f"--only: {name}: no such stage; choose from {', '.join(STAGES)}")
     if "assessment" in wanted and "pushover" not in wanted:
         wanted.append("pushover")
+    by_record = project.assessment is not None and project.assessment.spectrum == "record"
+    if "assessment" in wanted and "history" not in wanted and by_record:
+        raise ProjectError('--only: assessment: spectrum = "record" needs the history stage; add history')
     dropped: dict[str, Any] = {
         table: () if table == "history" else None
         for stage, table in STAGES.items()
@@ -178,9 +183,11 @@ def write(results: Results, folder: Path, report: bool = True) -> list[str]:
     from assessment.report import render_report
     from assessment.tables import write_tables
 
-    folder.parent.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    for left in folder.glob(f"{SCRATCH}*"):  # of a run that was killed
+        shutil.rmtree(left)
     warnings: list[str] = []
-    with tempfile.TemporaryDirectory(prefix=f".{folder.name}-", dir=folder.parent) as scratch:
+    with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=folder) as scratch:
         new = Path(scratch)
         write_tables(results, new / "tables")
         write_figures(results, new / "figures")
@@ -190,12 +197,11 @@ def write(results: Results, folder: Path, report: bool = True) -> list[str]:
         write_atomically(
             new / "results.json", json.dumps(results, ensure_ascii=False, allow_nan=False).encode()
         )
-        folder.mkdir(exist_ok=True)
-        made_now = {item.name for item in new.iterdir()}
+        ours, made_now = (folder / "results.json").exists(), {item.name for item in new.iterdir()}
         for item in sorted(new.iterdir(), key=lambda path: path.name == "results.json"):
             _replace(item, folder / item.name)
         for name in ("report.pdf", "report.html"):  # one of earlier results would stand beside the new ones
-            if name not in made_now:
+            if ours and name not in made_now:
                 (folder / name).unlink(missing_ok=True)
     return warnings
 
@@ -209,7 +215,9 @@ def _replace(new: Path, old: Path) -> None:
     names = {item.name for item in new.iterdir()}
     for name in sorted(names):
         (new / name).replace(old / name)
-    for stale in [item for item in old.iterdir() if item.name not in names]:
+    for stale in [
+        item for item in old.iterdir() if item.suffix in {".csv", ".svg"} and item.name not in names
+    ]:
         stale.unlink()
 
 

@@ -146,11 +146,16 @@ class Assembly:
         require(len(index) > 0, "support", name, f"one of {', '.join(known) or '(the model has no support)'}")
         return index
 
-    def moved_support(self, positions: Array, name: str, displacement: Array, rotation: float) -> Array:
-        """Positions after the rigid movement of a support: a translation and a turn about its drawn centroid."""
+    def support_centre(self, name: str) -> Array:
+        """Centroid (2,) of a support's blocks as drawn, m."""
         index = self.support(name)
         area = np.array([self.blocks[i].area for i in index])
-        centre = area @ self.initial.positions[index, :2] / area.sum()
+        centre: Array = area @ self.initial.positions[index, :2] / area.sum()
+        return centre
+
+    def moved_support(self, positions: Array, name: str, displacement: Array, rotation: float) -> Array:
+        """Positions after the rigid movement of a support: a translation and a turn about its drawn centroid."""
+        index, centre = self.support(name), self.support_centre(name)
         arm = self.initial.positions[index, :2] - centre
         cos, sin = np.cos(rotation), np.sin(rotation)
         moved = positions.copy()

@@ -78,6 +78,8 @@ class Block:
         require(bool(np.isfinite(self.vertical_load)), "vertical_load", self.vertical_load, "finite, in kN")
         require(self.segments is None or self.segments >= 1, "segments", self.segments, "a whole number ≥ 1")
         size = float(np.ptp(v, axis=0).max())
+        v = v[np.hypot(*(v - np.roll(v, 1, axis=0)).T) > 1e-12 * size]  # a repeated vertex is no edge
+        require(len(v) >= 3, "vertices", len(v), "three or more distinct points")
         area = _signed_area(v)
         require(abs(area) > 1e-12 * size**2, "vertices", area, "a polygon with an area")
         if area < 0.0:

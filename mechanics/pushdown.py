@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from mechanics.assembly import Assembly, Behaviour, State
 from mechanics.block import Array
 from mechanics.equilibrium import Step, check_self_weight, find_step, reaction, rest, rest_size
-from mechanics.errors import CollapseError, NoEquilibriumError, require
+from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, require
 from mechanics.program import Certificate
 
 HALVINGS = 5
@@ -71,9 +71,13 @@ def pushdown(
         share = movement / full
         return model.moved_support(state.positions, support, share * target, share * rotation)
 
+    swing = max(
+        1.0, whole_movement(model, support, (0.0, 0.0), rotation) / full
+    )  # a turn may outdo the translation
+
     def advance(state: State, past: Array, movement: float, by: float) -> Step:
         guess = moved(State(state.positions + past * by, state.velocities), movement + by)
-        return find_step(model, contacts, state, guess, model.dead_load, max(by, smallest))
+        return find_step(model, contacts, state, guess, model.dead_load, max(swing * by, smallest))
 
     smallest = rest_size(model, contacts) if contacts == "elastic" else 0.0
     start = rest(model, contacts, model.initial)
@@ -97,14 +101,18 @@ def pushdown(
             stride = min(stride, max(0.5 * (aim - here), FINEST * increment))
         try:
             step = advance(now, past, here, stride)
-        except NoEquilibriumError as stop:
+        except (NoEquilibriumError, ConvergenceError) as stop:
             end = str(stop)
             by = stride / 2.0
             if by >= increment / 2.0**HALVINGS:
                 continue
-            ultimate = here
+            if isinstance(stop, NoEquilibriumError):
+                ultimate = here
+            elif final is None:
+                raise
             break
-        past = (step.state.positions - now.positions) / stride
+        if stride > 0.5 * by:  # the rate of a tiny step is mostly rounding
+            past = (step.state.positions - now.positions) / stride
         states.append(step.state)
         path.append(here + stride)
         steps.append(step)
@@ -112,6 +120,9 @@ def pushdown(
         reactions.append(reaction(model, contacts, step, index)[:2])
         if final is None and path[-1] >= full * (1.0 - 1e-9):
             final = settle(model, contacts, step, increment, certificates)
+        elif final is not None and rotation == 0.0 and _rides(model, now, step.state, stride / full * target):
+            end = "the structure moves with its support as a whole"
+            break
     path_so_far = Pushdown(
         np.array(path),
         np.array(reactions),
@@ -133,8 +144,14 @@ def pushdown(
 def whole_movement(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> float:
     """Largest component of a support's movement, m; of a pure turn, the arc at the support's farthest corner."""
     corners = np.concatenate([model.blocks[i].polygon for i in model.support(support)])
-    reach = float(np.hypot(*(corners - corners.mean(axis=0)).T).max())
+    reach = float(np.hypot(*(corners - model.support_centre(support)).T).max())
     return float(abs(np.asarray(displacement, dtype=float)).max()) or abs(rotation) * reach
+
+
+def _rides(model: Assembly, before: State, after: State, moved: Array) -> bool:
+    """Whether every movable block made just the support's translation (2,)."""
+    apart = abs((after.positions - before.positions)[model.movable] - [*moved, 0.0]).max()
+    return bool(apart < 1e-6 * float(abs(moved).max()))
 
 
 def settle(

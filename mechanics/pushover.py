@@ -35,7 +35,8 @@ class Pushover:
 
     `displacement` (k,) m of the control point, positive along the push; `multiplier` (k,); `states` of each point;
     `steps`: the equilibria behind the points (rigid: none at the onset). `reached_zero`: whether the curve was
-    followed to α = 0, at its last point; `end`: why it ends. `certificates` of every step. `mechanism` (b, 3):
+    followed to α = 0, at its last point; `lost`: whether it ends because no equilibrium lies beyond that point; `end`:
+    why it ends. `certificates` of every step. `mechanism` (b, 3):
     virtual displacements at the point `formed`, in which the control point moves: the onset, or in a settled state
     whose onset is local the first tenth of the path; `forces` (c, 2) kN: the contact forces there.
     """
@@ -46,6 +47,7 @@ class Pushover:
     steps: tuple[Step, ...]
     certificates: tuple[Certificate, ...]
     reached_zero: bool
+    lost: bool
     end: str
     mechanism: Array
     formed: int
@@ -103,7 +105,7 @@ def pushover(
     control_rate = along(states[0].positions + 1e-6 * model.size * rate) / (1e-6 * model.size)
     onset, onset_rate = rate, control_rate
     path, smallest = [0.0], 0.0
-    reached, end = False, f"{MOST_STEPS} points"
+    reached, lost, end = False, False, f"{MOST_STEPS} points"
     while len(path) < MOST_STEPS and not reached:
         now = states[-1]
         fastest = float(abs(rate[:, :2]).max())
@@ -127,12 +129,13 @@ def pushover(
             if step.alpha < 0.0 and not stays:
                 work, step = _down_to_zero(advance, multiplier[-1], work, step, ZERO * max(multiplier))
                 reached, end = True, "α = 0"
-        except NoEquilibriumError as stop:
+        except (NoEquilibriumError, ConvergenceError) as stop:
             end, stays = str(stop), waits
             if not (waits and snap):
                 smallest = smallest or shrink * 0.5**HALVINGS
                 shrink /= 2.0
                 if shrink < smallest:
+                    lost = isinstance(stop, NoEquilibriumError)
                     break
                 continue
         if stays and snap:
@@ -171,6 +174,7 @@ def pushover(
         tuple(steps),
         tuple(certificates),
         reached,
+        lost,
         end,
         mechanism,
         formed,

@@ -8,7 +8,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -560,23 +559,25 @@ def test_a_killed_run_leaves_the_earlier_result(project):
     assert run(project) == 0
     before = contents(project / "output")
     edit(project, "increment_m = 0.2", "increment_m = 0.001")
-    with subprocess.Popen(
-        [sys.executable, "-m", "assessment.cli", "run", str(project), "--no-report"],
-        cwd=ROOT,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    ) as running:
-        try:
-            while running.poll() is None and not list(project.glob(".output-*")):
-                time.sleep(0.002)
-            while running.poll() is None and not list(project.glob(".output-*/figures/*.svg")):
-                time.sleep(0.002)
-            assert running.poll() is None
-        finally:
-            running.send_signal(signal.SIGKILL)
-    assert contents(project / "output") == before
+    # the process kills itself after its first figure: tables and one figure are written, results.json is not
+    code = (
+        "import os, signal, sys, assessment.figures as figures\n"
+        "from assessment.cli import main\n"
+        "draw = figures.save_svg\n"
+        "figures.save_svg = lambda *it: (draw(*it), os.kill(os.getpid(), signal.SIGKILL))\n"
+        "main(['run', sys.argv[1], '--no-report'])"
+    )
+    killed = subprocess.run(
+        [sys.executable, "-c", code, str(project)], cwd=ROOT, capture_output=True, check=False
+    )
+    assert killed.returncode == -signal.SIGKILL
+    left = contents(project / "output")
+    assert any(name.startswith(".assesto-") for name in left)
+    assert {name: value for name, value in left.items() if not name.startswith(".")} == before
     # what is left over is hidden, is taken for no result, and does not stop the next run
     seen = {path.name for path in project.iterdir() if not path.name.startswith(".")}
     assert seen == {"geometry.dxf", "project.toml", "output"}
     assert run(project) == 0
-    assert contents(project / "output") != before
+    after = contents(project / "output")
+    assert after != before
+    assert not any(name.startswith(".assesto-") for name in after)
