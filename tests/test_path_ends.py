@@ -1,0 +1,107 @@
+"""How paths end, and what the contacts as drawn cannot show."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover
+from mechanics.mechanism import overruns
+from tests.structures import arch_on_piers, block_on_base, rectangle
+
+STONE = Material(20.0, 0.6, 1e6)
+
+
+def beam_on_piers() -> Assembly:
+    """A beam that bears 0.2 m on each of two supports 2 m apart; the right one moves away."""
+    return Assembly(
+        [
+            Block(rectangle(-0.3, -1.0, 0.2, 0.0), 1.0, STONE, support="left"),
+            Block(rectangle(2.2, -1.0, 3.2, 0.0), 1.0, STONE, support="right"),
+            Block(rectangle(0.0, 0.0, 2.4, 0.2), 1.0, STONE),
+        ]
+    )
+
+
+def test_a_slide_past_an_edge_is_named():
+    """Carried 0.3 m after 0.2 m of bearing have gone: said with both blocks and the force."""
+    model = beam_on_piers()
+    path = pushdown(model, "right", (0.3, 0.0), increment=0.02)
+    (text,) = overruns(model, "rigid", path.steps)
+    assert "past the edge of block" in text
+    assert "block 2" in text
+    assert " kN" in text
+
+
+def test_a_slide_within_the_bearing_is_not():
+    model = beam_on_piers()
+    path = pushdown(model, "right", (0.1, 0.0), increment=0.02)
+    assert overruns(model, "rigid", path.steps) == ()
+
+
+def test_a_structure_that_rides_with_its_support_has_no_ultimate_movement():
+    path = pushdown(block_on_base(), "base", (0.02, -0.02), increment=0.01, to_collapse=True)
+    assert path.ultimate is None
+    assert path.end == "the structure moves with its support as a whole"
+    assert len(path.movement) < 20
+
+
+def test_a_turn_with_a_small_translation_is_as_good_as_one_without():
+    model = block_on_base()
+    pure = pushdown(model, "base", rotation=-0.05, increment=0.005).final
+    mixed = pushdown(model, "base", (0.0005, 0.0), rotation=-0.05, increment=0.0005 / 10).final
+    np.testing.assert_allclose(mixed.positions[1] - pure.positions[1], [0.0005, 0.0, 0.0], atol=1e-5)
+
+
+def test_the_arc_of_a_turn_does_not_depend_on_vertices_in_the_middle_of_an_edge():
+    plain = [[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]]
+    dotted = [*plain[:1], *([x, -0.2] for x in (-0.9, -0.8, -0.7)), *plain[1:]]
+    wall = Block(rectangle(-0.1, 0.0, 0.1, 1.0), 1.0, STONE)
+    arcs = [
+        pushdown(Assembly([Block(base, 1.0, STONE, support="base"), wall]), "base", rotation=0.01).movement[
+            -1
+        ]
+        for base in (plain, dotted)
+    ]
+    assert arcs[0] == pytest.approx(arcs[1], rel=1e-12)
+
+
+def test_a_repeated_vertex_makes_no_difference():
+    def wall_and_buttress(repeat: bool) -> Assembly:
+        buttress = [[0.3, 0.0], [0.8, 0.0], [0.3, 1.5]]
+        return Assembly(
+            [
+                Block(rectangle(-1.0, -0.2, 2.0, 0.0), 1.0, STONE, support="base"),
+                Block(rectangle(0.0, 0.0, 0.3, 2.0), 1.0, STONE),
+                Block([*buttress, buttress[0]] if repeat else buttress, 1.0, STONE),
+            ]
+        )
+
+    plain, repeated = wall_and_buttress(False), wall_and_buttress(True)
+    assert len(repeated.joints.a) == len(plain.joints.a) == 3
+    assert limit_analysis(repeated).alpha == pytest.approx(limit_analysis(plain).alpha, abs=1e-9)
+
+
+def test_fewer_than_three_distinct_vertices_are_refused():
+    with pytest.raises(ValueError, match="vertices"):
+        Block([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 0.0]], 1.0, STONE)
+
+
+def test_a_loss_of_equilibrium_is_told_from_a_path_followed_to_zero():
+    followed = pushover(block_on_base(), (0.2, 1.0), increment=0.02)
+    assert followed.reached_zero
+    assert not followed.lost
+    ended = pushover(arch_on_piers(), (0.85, 0.8), increment=0.001)
+    assert ended.lost
+    assert not ended.reached_zero
+    assert ended.multiplier[-1] > 0.1
+
+
+def test_a_path_cut_short_is_neither(monkeypatch):
+    import importlib
+
+    procedure = importlib.import_module("mechanics.pushover")
+    monkeypatch.setattr(procedure, "MOST_STEPS", 5)
+    cut = pushover(block_on_base(friction=0.1), (0.2, 1.0), increment=0.001)
+    assert not cut.reached_zero
+    assert not cut.lost
