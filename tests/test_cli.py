@@ -581,3 +581,69 @@ def test_a_killed_run_leaves_the_earlier_result(project):
     after = contents(project / "output")
     assert after != before
     assert not any(name.startswith(".assesto-") for name in after)
+
+
+def test_files_that_are_not_ours_stay(project, tmp_path):
+    out = tmp_path / "docs"
+    for name in ("tables/mine.txt", "figures/sub/mine.svg", "report.pdf"):
+        (out / name).parent.mkdir(parents=True, exist_ok=True)
+        (out / name).write_text("mine", encoding="utf-8")
+    assert run(project, "--out", str(out)) == 0
+    for name in ("tables/mine.txt", "figures/sub/mine.svg", "report.pdf"):
+        assert (out / name).read_text(encoding="utf-8") == "mine"
+
+
+def test_e_star_and_gamma_star_without_an_assessment(project):
+    """One block: its centroid moves as the whole does, and half as far as the control point at its top."""
+    assert run(project) == 0
+    mechanism = results(project / "output")["states"]["original"]["pushover"]["+x"]["rigid"]["mechanism"]
+    assert mechanism["e_star"] == pytest.approx(1.0)
+    assert mechanism["gamma_star"] == pytest.approx(0.5)
+
+
+def test_a_layer_without_stiffness_is_named(project, capsys):
+    edit(project, "normal_stiffness_kN_m3 = 1e6\n", "")
+    edit(
+        project,
+        '[layers.BASE]\nsupport = "base"',
+        '[layers.BASE]\nsupport = "base"\nnormal_stiffness_kN_m3 = 1e6',
+    )
+    edit(project, 'contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]')
+    assert main(["check", str(project)]) == 2
+    message = capsys.readouterr().err
+    assert message.startswith("error: project.toml: layers.")
+    assert "normal_stiffness_kN_m3: missing" in message
+
+
+def test_a_path_cut_short_has_no_capacity(project, monkeypatch):
+    import importlib
+
+    monkeypatch.setattr(importlib.import_module("mechanics.pushover"), "MOST_STEPS", 3)
+    (project / "project.toml").write_text(PROJECT + ASSESSMENT, encoding="utf-8")
+    run(project)
+    found = results(project / "output")["states"]["original"]
+    assert found["pushover"]["+x"]["rigid"]["d_0_m"] is None
+    assert found["capacity"]["+x"]["SLV"]["verified"] is None
+
+
+def test_what_a_path_had_reached_is_kept_where_no_solver_goes_on(project, monkeypatch):
+    import importlib
+
+    procedure = importlib.import_module("mechanics.pushover")
+    step, count = procedure.find_step, iter(range(1000))
+
+    def fails_later(*arguments):
+        if next(count) >= 2:
+            raise ConvergenceError("no answer")
+        return step(*arguments)
+
+    monkeypatch.setattr(procedure, "find_step", fails_later)
+    edit(
+        project,
+        '[[settlements]]\nname = "base turned"\nsupport = "base"\nrotation_rad = -0.02\nincrement_rad = 0.01\n',
+        "",
+    )
+    run(project)
+    rigid = results(project / "output")["states"]["original"]["pushover"]["+x"]["rigid"]
+    assert len(rigid["curve"]["multiplier"]) == 3
+    assert rigid["d_0_m"] is None
