@@ -191,8 +191,9 @@ def _push(
             return
         quality.add(path)
         result.warnings += [f"{title}: {text}" for text in overruns(model, result.behaviour, path.steps)]
-        numbers = _rigid if result.behaviour == "rigid" else _elastic
-        result.pushover[direction] = {"control": control.name} | numbers(model, control, direction, path)
+        rigid = result.behaviour == "rigid"
+        numbers = _rigid(model, control, direction, path) if rigid else _elastic(model, path)
+        result.pushover[direction] = {"control": control.name} | numbers
         # an elastic curve has served once it is past its peak; a rigid one is the capacity to its end
         if not path.reached_zero and (
             result.behaviour == "rigid" or path.multiplier[-1] > 0.5 * max(path.multiplier)
@@ -246,8 +247,7 @@ def _participation(model: Assembly, mechanism: NDArray[np.float64]) -> dict[str,
     return {"e_star": part.e_star, "gamma_star": part.gamma_star}
 
 
-def _elastic(model: Assembly, control: ControlTable, direction: Direction, path: Pushover) -> dict[str, Any]:
-    del control, direction
+def _elastic(model: Assembly, path: Pushover) -> dict[str, Any]:
     return {
         "alpha_u": float(path.multiplier[path.peak]),
         "d_u_m": float(path.displacement[path.peak]),

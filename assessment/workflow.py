@@ -11,7 +11,6 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -22,6 +21,7 @@ from assessment.dynamic_stages import add_dynamics, dynamic_contacts, read_motio
 from assessment.files import write_atomically
 from assessment.messages import ProjectError
 from assessment.model import Model
+from assessment.parallel import spread
 from assessment.stages import ORIGINAL, StateResult, analyse_state
 from assessment.table import reduction, static_pga
 from mechanics import Assembly, UnstableError
@@ -199,15 +199,18 @@ def write(results: Results, folder: Path, report: bool = True) -> list[str]:
         )
         ours, made_now = (folder / "results.json").exists(), {item.name for item in new.iterdir()}
         for item in sorted(new.iterdir(), key=lambda path: path.name == "results.json"):
-            _replace(item, folder / item.name)
+            _replace(item, folder / item.name, ours)
         for name in ("report.pdf", "report.html"):  # one of earlier results would stand beside the new ones
             if ours and name not in made_now:
                 (folder / name).unlink(missing_ok=True)
     return warnings
 
 
-def _replace(new: Path, old: Path) -> None:
-    """Put a finished file, or each file of a finished folder, in the place of an earlier one."""
+def _replace(new: Path, old: Path, ours: bool) -> None:
+    """Put a finished file, or each file of a finished folder, in the place of an earlier one.
+
+    `ours`: an earlier run filled the folder, so that what it made and this one did not is removed.
+    """
     if not new.is_dir():
         new.replace(old)
         return
@@ -215,10 +218,11 @@ def _replace(new: Path, old: Path) -> None:
     names = {item.name for item in new.iterdir()}
     for name in sorted(names):
         (new / name).replace(old / name)
-    for stale in [
-        item for item in old.iterdir() if item.suffix in {".csv", ".svg"} and item.name not in names
-    ]:
-        stale.unlink()
+    if ours:
+        for stale in {
+            item for item in old.iterdir() if item.suffix in {".csv", ".svg"} and item.name not in names
+        }:
+            stale.unlink()
 
 
 def _analyses(project: Project, assembly: Assembly, jobs: int, progress: Progress) -> Iterable[StateResult]:
@@ -227,24 +231,15 @@ def _analyses(project: Project, assembly: Assembly, jobs: int, progress: Progres
     settled = list(dict.fromkeys([*pushed, *dynamic_contacts(project)])) or ["rigid"]
     tasks: list[tuple[SettlementTable | None, Behaviour]] = [(None, b) for b in pushed]
     tasks += [(s, b) for s in project.settlements for b in settled]
-    points = len(assembly.elastic_contacts)
-    processes = jobs or (min(os.cpu_count() or 1, len(tasks)) if points * len(tasks) > SMALL else 1)
-
-    def name(task: tuple[SettlementTable | None, Behaviour]) -> str:
-        return f"{task[0].name if task[0] else ORIGINAL}: {task[1]} contacts"
-
-    if processes <= 1 or len(tasks) <= 1:
-        for task in tasks:
-            progress(name(task))
-            yield analyse_state(project, assembly, *task)
-        return
-    with ProcessPoolExecutor(processes) as pool:
-        # the elastic tasks are the long ones: first
-        order = sorted(tasks, key=lambda task: task[1] == "rigid")
-        futures = {id(task): pool.submit(analyse_state, project, assembly, *task) for task in order}
-        for task in tasks:
-            progress(name(task))
-            yield futures[id(task)].result()
+    names = [f"{task[0].name if task[0] else ORIGINAL}: {task[1]} contacts" for task in tasks]
+    worthwhile = len(assembly.elastic_contacts) * len(tasks) > SMALL
+    return spread(
+        analyse_state,
+        [(project, assembly, *task) for task in tasks],
+        jobs,
+        worthwhile,
+        lambda number: progress(names[number]),
+    )
 
 
 def _merge(state: Results, stage: StateResult) -> None:

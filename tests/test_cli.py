@@ -585,11 +585,11 @@ def test_a_killed_run_leaves_the_earlier_result(project):
 
 def test_files_that_are_not_ours_stay(project, tmp_path):
     out = tmp_path / "docs"
-    for name in ("tables/mine.txt", "figures/sub/mine.svg", "report.pdf"):
+    for name in ("tables/mine.txt", "tables/mine.csv", "figures/sub/mine.svg", "report.pdf"):
         (out / name).parent.mkdir(parents=True, exist_ok=True)
         (out / name).write_text("mine", encoding="utf-8")
     assert run(project, "--out", str(out)) == 0
-    for name in ("tables/mine.txt", "figures/sub/mine.svg", "report.pdf"):
+    for name in ("tables/mine.txt", "tables/mine.csv", "figures/sub/mine.svg", "report.pdf"):
         assert (out / name).read_text(encoding="utf-8") == "mine"
 
 
