@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mechanics.assembly import Assembly, Behaviour, Mask, State
 from mechanics.block import Array
-from mechanics.contacts import Kinematics
 from mechanics.errors import NoEquilibriumError, UnstableError
 from mechanics.joints import Index
-from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program
-from mechanics.solvers import BALANCED, imbalance, solve
+from mechanics.program import LARGEST_MULTIPLIER, Certificate, Neighbour, Program, Solution
+from mechanics.solvers import BALANCED, LARGE, imbalance, kernels, solve
+from mechanics.solvers.kernels import fastest
 
 GEOMETRY_TOLERANCE = 1e-3  # of the step: how closely the geometry of forces and of positions must agree
 ALTERNATION = 0.5  # of the step: how far apart alternating mechanisms of rigid blocks may leave the blocks
@@ -25,18 +26,25 @@ CLOSED = 1e-3  # of the block size: a gap that is none (dilatant sliding leaves 
 class Step:
     """An equilibrium: its state, contact forces (c, 2) kN, multiplier, and the certificate.
 
-    `at` (b, 3): the positions, within the geometry tolerance the state's, in which the forces act through `rows`;
-    `solves`: programs solved to get there; `penetration` m: deepest true interpenetration that no compliance explains.
+    `at` (b, 3): the positions, within the geometry tolerance the state's, in which the `program` is posed and the
+    forces act; `opening` (c, 2) m: gaps and slips left; `solves`: programs solved to get there; `penetration` m:
+    deepest true interpenetration that no compliance explains.
     """
 
     state: State
     forces: Array
     alpha: float
     at: Array
-    rows: Kinematics
+    program: Program
+    opening: Array
     certificate: Certificate
     penetration: float
     solves: int
+
+    @property
+    def neighbour(self) -> Neighbour:
+        """What the path's next step is like."""
+        return Neighbour(self.forces, self.opening, self.alpha)
 
 
 def find_step(
@@ -48,28 +56,31 @@ def find_step(
     size: float,
     lateral: Array | None = None,
     work: float = 0.0,
+    last: Step | None = None,
 ) -> Step:
     """The equilibrium reached from `start` under `load` (b, 3), or under load + α·lateral doing the work γ.
 
-    `guess` (b, 3): positions expected; those of the supports are imposed. `size` (m): the displacement expected. The
-    geometry (arms, normals, gaps) is that of the guess, then that of each result, until both agree: the sequential
-    solution of the paper (§4), implicit in the geometry. Raises NoEquilibriumError where none lies near, and
-    ConvergenceError where that cannot be decided.
+    `guess` (b, 3): positions expected; those of the supports are imposed. `size` (m): the displacement expected;
+    `last`: the path's last step, near whose forces and gaps this one's are sought. The geometry (arms, normals, gaps)
+    is that of the guess, then that of each result, until both agree: the sequential solution of the paper (§4),
+    implicit in the geometry. Large models follow it within one run of central_path; where that fails, and in small
+    ones, a program is solved for each geometry. Raises NoEquilibriumError where none lies near, and ConvergenceError
+    where that cannot be decided.
     """
-    at = guess
+    pose = programs(model, behaviour, start, load, size, lateral, work)
+    if last is not None and len(model.contacts(behaviour)) >= LARGE:
+        followed = _follow(model, pose, guess, last.neighbour, size)
+        if followed is not None:
+            return _step(model, behaviour, *followed, pose, 1)
     scale = np.array([1.0, 1.0, model.size])
-    worst = Certificate(0.0, 0.0, 0.0, 0.0, 0.0)
-    earlier, ahead = np.full_like(at, np.inf), 1.0
+    at, earlier, ahead = guess, np.full_like(guess, np.inf), 1.0
     for count in range(1, MOST_ITERATIONS + 1):
-        program, rows = assemble(model, behaviour, start, at, load, size, lateral, work)
-        solution = solve(program)
+        solution = solve(pose(at))
         if lateral is not None and abs(solution.alpha) > 0.99 * LARGEST_MULTIPLIER:
             raise NoEquilibriumError(
                 "no mechanism: the load only wedges the blocks, the multiplier has no bound"
             )
-        worst = worst.joined(solution.certificate)
-        found = at.copy()
-        found[model.movable] = start.positions[model.movable] + solution.displacement.reshape(-1, 3)
+        found = _displaced(model, at, solution.displacement)
         moved = float(abs((found - start.positions) * scale).max())
         if moved > JUMP * size:
             raise NoEquilibriumError(f"the structure falls: a step of {size:.3g} m moves it by {moved:.3g} m")
@@ -77,26 +88,67 @@ def find_step(
         largest, before = float(abs(change).max()), float(abs(earlier).max())
         if largest <= GEOMETRY_TOLERANCE * size:
             break
-        if behaviour == "rigid" and count > 3 and largest <= ALTERNATION * size and largest > 0.9 * before:
-            break  # two mechanisms alternate, each the answer in the other's geometry: both are close enough
-        if count > 8 and largest > 0.9 * before:
-            raise NoEquilibriumError("the geometry of the step does not settle: loss of stability")
+        if count > (3 if behaviour == "rigid" else 8) and largest > 0.9 * before:
+            near = Neighbour(
+                solution.forces, pose(at).opening(solution.forces, solution.displacement), solution.alpha
+            )
+            followed = _follow(model, pose, at, near, size)
+            if followed is not None:
+                return _step(model, behaviour, *followed, pose, count + 1)
+            if behaviour == "rigid" and largest <= ALTERNATION * size:
+                break  # two mechanisms alternate, each the answer in the other's geometry: both are close enough
+            if count > 8:
+                block = int(np.argmax(abs(change).max(axis=1)))
+                raise NoEquilibriumError(
+                    f"the geometry of the step does not settle: loss of stability, at block {block} first"
+                )
         if behaviour == "elastic" and count > 1:
             # Aitken's extrapolation; never backwards, which would settle on an unstable equilibrium
             turn = change - earlier
             ahead = float(np.clip(-ahead * (earlier * turn).sum() / (turn * turn).sum(), 0.1, 10.0))
         at, earlier = at + ahead * change / scale, change
-    penetration = _penetration(model, behaviour, found, solution.forces)
-    shear = solution.forces[:, 1] if np.isfinite(model.contacts(behaviour).stiffness[:, 1]).any() else None
+    return _step(model, behaviour, at, solution, pose, count)
+
+
+def _follow(
+    model: Assembly, pose: Callable[[Array], Program], guess: Array, near: Neighbour, size: float
+) -> tuple[Array, Solution] | None:
+    """The equilibrium that the central path leads to from a neighbour, its geometry followed; None: not reached."""
+    from mechanics.solvers import central_path
+
+    ended = central_path.follow(
+        lambda x: pose(_displaced(model, guess, x)), np.zeros(3 * int(model.movable.sum())), near, JUMP * size
+    )
+    return None if ended is None else (_displaced(model, guess, ended[0]), ended[1])
+
+
+def _displaced(model: Assembly, positions: Array, displacement: Array) -> Array:
+    moved = positions.copy()
+    moved[model.movable] += displacement.reshape(-1, 3)
+    return moved
+
+
+def _step(
+    model: Assembly,
+    behaviour: Behaviour,
+    at: Array,
+    solution: Solution,
+    pose: Callable[[Array], Program],
+    solves: int,
+) -> Step:
+    program = pose(at)
+    found = _displaced(model, at, solution.displacement)
+    has_shear = behaviour == "elastic" and np.isfinite(model.contacts(behaviour).stiffness[:, 1]).any()
     return Step(
-        State(found, np.zeros_like(found), shear if behaviour == "elastic" else None),
+        State(found, np.zeros_like(found), solution.forces[:, 1] if has_shear else None),
         solution.forces,
         solution.alpha,
         at,
-        rows,
-        worst,
-        penetration,
-        count,
+        program,
+        program.opening(solution.forces, solution.displacement),
+        solution.certificate,
+        _penetration(model, behaviour, found, solution.forces),
+        solves,
     )
 
 
@@ -109,29 +161,43 @@ def assemble(
     size: float,
     lateral: Array | None = None,
     work: float = 0.0,
-) -> tuple[Program, Kinematics]:
-    """The static program of a step from `start`, in the geometry of the positions `at` (b, 3)."""
-    contacts = model.contacts(behaviour)
-    rows = model.kinematics(behaviour, at)
-    movable = model.movable
-    # gap and slip since the start are true at `at`; carried back to the start of the movable blocks for the program
-    begun = model.kinematics(behaviour, start.positions) if at is not start.positions else rows
-    back = np.where(movable[:, None], start.positions - at, 0.0)
+) -> Program:
+    """The static program of a step from `start`, in the geometry of the positions `at` (b, 3) and counted from them."""
+    return programs(model, behaviour, start, load, size, lateral, work)(at)
+
+
+def programs(
+    model: Assembly,
+    behaviour: Behaviour,
+    start: State,
+    load: Array,
+    size: float,
+    lateral: Array | None = None,
+    work: float = 0.0,
+) -> Callable[[Array], Program]:
+    """The static program of a step from `start` as a function of the positions (b, 3) in whose geometry it is posed.
+
+    Its displacements are what is missing from those positions to equilibrium: they vanish as the geometry settles, and
+    with them the rounding in the gaps.
+    """
+    contacts, movable = model.contacts(behaviour), model.movable
+    geometry = (fastest() if len(contacts) >= LARGE else kernels).geometry
     compliance = np.zeros((len(contacts), 2)) if behaviour == "rigid" else 1.0 / contacts.stiffness
-    gap = np.stack(
-        [
-            rows.gap + local(rows.normal, contacts.a, contacts.b, back),
-            rows.slide - begun.slide + local(rows.tangent, contacts.a, contacts.b, back),
-        ],
-        axis=1,
-    )
+
+    def kinematics(positions: Array) -> tuple[Array, Array, Array]:
+        gap, normal, tangent = (np.empty((len(contacts), k)) for k in (2, 6, 6))
+        parts = (contacts.a, contacts.b, contacts.p, contacts.q, contacts.n)
+        geometry(*parts, positions, gap, normal, tangent)
+        return gap, normal, tangent
+
+    slid = kinematics(start.positions)[0][:, 1]
     if start.shear is not None and behaviour == "elastic":
-        gap[:, 1] -= compliance[:, 1] * start.shear
-    program = Program(
+        slid = slid + compliance[:, 1] * start.shear
+    still = Program(
         dof=np.concatenate([model.dof[contacts.a], model.dof[contacts.b]], axis=1),
-        normal=rows.normal,
-        tangent=rows.tangent,
-        gap=gap,
+        normal=np.zeros((0, 6)),
+        tangent=np.zeros((0, 6)),
+        gap=np.zeros((0, 2)),
         friction=contacts.friction,
         compliance=compliance,
         load=load[movable].ravel(),
@@ -142,7 +208,14 @@ def assemble(
         size=model.size,
         step=size,
     )
-    return program, rows
+
+    def pose(at: Array) -> Program:
+        gap, normal, tangent = kinematics(at)
+        gap[:, 1] -= slid
+        done = 0.0 if lateral is None else float((lateral * (at - start.positions))[movable].sum())
+        return replace(still, normal=normal, tangent=tangent, gap=gap, work=work - done)
+
+    return pose
 
 
 def local(rows: Array, a: Index, b: Index, displacement: Array) -> Array:
@@ -159,10 +232,10 @@ def closed_program(
     `carrying` (c,) bool: contacts that are closed whatever gap dilatant sliding has left them.
     """
     size = 1e-3 * model.size
-    program, rows = assemble(
+    program = assemble(
         model, "rigid", state, state.positions, model.dead_load, size, lateral, size * model.weight
     )
-    touching = rows.gap <= CLOSED * model.size
+    touching = program.gap[:, 0] <= CLOSED * model.size
     closed = np.flatnonzero(touching if carrying is None else touching | carrying)
     taken = program.take(closed)
     return replace(taken, gap=np.zeros_like(taken.gap)), closed
@@ -178,10 +251,12 @@ def check_self_weight(model: Assembly, state: State | None = None) -> None:
         )
 
 
-def rest(model: Assembly, behaviour: Behaviour, state: State, size: float | None = None) -> Step:
+def rest(
+    model: Assembly, behaviour: Behaviour, state: State, size: float | None = None, last: Step | None = None
+) -> Step:
     """The equilibrium under gravity into which a state settles: gaps closed, elastic joints compressed."""
     size = rest_size(model, behaviour) if size is None else size
-    return find_step(model, behaviour, state, state.positions, model.dead_load, size)
+    return find_step(model, behaviour, state, state.positions, model.dead_load, size, last=last)
 
 
 def rest_size(model: Assembly, behaviour: Behaviour) -> float:
@@ -195,7 +270,7 @@ def rest_size(model: Assembly, behaviour: Behaviour) -> float:
 def reaction(model: Assembly, behaviour: Behaviour, step: Step, support: Index) -> Array:
     """Force (x, z) in kN and moment about the origin in kNm (3,) that a support exerts on the structure."""
     contacts = model.contacts(behaviour)
-    entries = step.forces[:, :1] * step.rows.normal + step.forces[:, 1:] * step.rows.tangent
+    entries = step.forces[:, :1] * step.program.normal + step.forces[:, 1:] * step.program.tangent
     total = np.zeros(3)
     for part, owner in ((entries[:, :3], contacts.a), (entries[:, 3:], contacts.b)):
         on = np.isin(owner, support)

@@ -53,7 +53,13 @@ def load_control(
         expected = max(float(abs(rate[:, :2]).max()) * by, size)
         try:
             step = find_step(
-                model, "elastic", now, now.positions + by * rate, model.dead_load + alpha * lateral, expected
+                model,
+                "elastic",
+                now,
+                now.positions + by * rate,
+                model.dead_load + alpha * lateral,
+                expected,
+                last=steps[-1],
             )
         except (NoEquilibriumError, ConvergenceError) as stop:
             end = str(stop)

@@ -63,6 +63,11 @@ class Program:
         local = np.where(self.dof >= 0, displacement[self.dof], 0.0)
         return np.stack([(self.normal * local).sum(axis=1), (self.tangent * local).sum(axis=1)], axis=1)
 
+    def opening(self, forces: Array, displacement: Array) -> Array:
+        """W = Cc + g₀ + A₀ᵀΔx (c, 2): gap and slip left after the step."""
+        left: Array = self.compliance * forces + self.gap + self.relative(displacement)
+        return left
+
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
@@ -70,7 +75,7 @@ class Certificate:
 
     `equilibrium`: largest unbalanced force (moments by the block size) per weight; `cone`: largest violation of
     |t| ≤ μn per weight; `complementarity`: |cᵀw| per weight and step; `penetration` m: largest violation of
-    w_n ≥ μ|w_t|; `work`: |f_LᵀΔx − γ| per γ.
+    w_n ≥ μ|w_t|; `work`: |f_LᵀΔx − γ| per weight and step.
     """
 
     equilibrium: float
@@ -95,6 +100,15 @@ class Certificate:
 
 
 @dataclass(frozen=True, eq=False)
+class Neighbour:
+    """The solution of a like program, near which another is sought: forces (c, 2) kN, w (c, 2) m and multiplier."""
+
+    forces: Array
+    opening: Array
+    alpha: float
+
+
+@dataclass(frozen=True, eq=False)
 class Solution:
     """Contact forces (c, 2) kN, multiplier, displacements (m,), inertia forces are M̄Δx; and its certificate."""
 
@@ -112,11 +126,11 @@ def certify(program: Program, forces: Array, alpha: float, displacement: Array) 
     if program.mass is not None:
         residual = residual - program.mass * displacement
     residual[2::3] /= program.size
-    w = program.compliance * forces + program.gap + program.relative(displacement)
+    w = program.opening(forces, displacement)
     n, t = forces.T
     work = 0.0
     if program.lateral is not None:
-        work = (float(program.lateral @ displacement) - program.work) / max(abs(program.work), 1e-300)
+        work = (float(program.lateral @ displacement) - program.work) / (program.weight * program.step)
         # a load that only wedges the blocks holds α at its bound and does less work than is asked of it
         work = max(work, 0.0) if alpha > 0.99 * LARGEST_MULTIPLIER else abs(work)
     return Certificate(

@@ -75,16 +75,17 @@ def pushdown(
         1.0, whole_movement(model, support, (0.0, 0.0), rotation) / full
     )  # a turn may outdo the translation
 
-    def advance(state: State, past: Array, movement: float, by: float) -> Step:
+    def advance(state: State, past: Array, movement: float, by: float, last: Step, size: float = 0.0) -> Step:
         guess = moved(State(state.positions + past * by, state.velocities), movement + by)
-        return find_step(model, contacts, state, guess, model.dead_load, max(swing * by, smallest))
+        expected = max(swing * max(by, size), smallest)
+        return find_step(model, contacts, state, guess, model.dead_load, expected, last=last)
 
     smallest = rest_size(model, contacts) if contacts == "elastic" else 0.0
     start = rest(model, contacts, model.initial)
     begun = (
         start
         if contacts == "elastic"
-        else advance(model.initial, np.zeros_like(moved(model.initial, 0.0)), 0.0, ONSET * increment)
+        else advance(model.initial, np.zeros_like(moved(model.initial, 0.0)), 0.0, ONSET * increment, start)
     )
     states, path = [start.state], [0.0]
     reactions = [reaction(model, contacts, begun, index)[:2]]
@@ -100,7 +101,8 @@ def pushdown(
         if final is None and contacts == "rigid" and aim - here < 1.5 * increment:
             stride = min(stride, max(0.5 * (aim - here), FINEST * increment))
         try:
-            step = advance(now, past, here, stride)
+            # what dilatant sliding lifted in whole increments comes down in these, however short
+            step = advance(now, past, here, stride, steps[-1], increment if stride < by else 0.0)
         except (NoEquilibriumError, ConvergenceError) as stop:
             end = str(stop)
             by = stride / 2.0
@@ -163,7 +165,7 @@ def settle(
         gap = model.kinematics(contacts, step.state.positions).gap
         if contacts == "elastic" or gap[carrying].max(initial=0.0) <= SETTLED * model.size:
             break
-        step = rest(model, contacts, step.state, size)
+        step = rest(model, contacts, step.state, size, step)
         certificates.append(step.certificate)
     return step.state
 

@@ -111,9 +111,17 @@ def pushover(
         fastest = float(abs(rate[:, :2]).max())
         work = shrink * increment / max(control_rate, fastest / LARGEST)
 
-        def advance(gamma: float, now: State = now, rate: Array = rate, size: float = work * fastest) -> Step:
+        last = steps[-1] if steps else None
+
+        def advance(
+            gamma: float,
+            now: State = now,
+            rate: Array = rate,
+            size: float = work * fastest,
+            last: Step | None = last,
+        ) -> Step:
             guess = now.positions + gamma * rate
-            return find_step(model, contacts, now, guess, model.dead_load, size, lateral, gamma)
+            return find_step(model, contacts, now, guess, model.dead_load, size, lateral, gamma, last)
 
         waits = path[-1] < 0.5 * increment  # the structure has not moved as a whole yet
         try:
@@ -238,7 +246,13 @@ def _rest(
         alpha = FIRST
     size = rest_size(model, "elastic")
     begun = find_step(
-        model, "elastic", start.state, start.state.positions, model.dead_load + alpha * lateral, size
+        model,
+        "elastic",
+        start.state,
+        start.state.positions,
+        model.dead_load + alpha * lateral,
+        size,
+        last=start,
     )
     moved = begun.state.positions - start.state.positions
     shrink = min(1.0, float(abs(moved[:, :2]).max()) / increment)

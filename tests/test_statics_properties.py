@@ -169,7 +169,9 @@ def test_reactions_balance_the_loads_at_the_onset(name):
     model = STRUCTURES[name][0]()
     limit = limit_analysis(model, "+x")
     at = model.initial.positions
-    step = SimpleNamespace(forces=limit.forces, alpha=limit.alpha, at=at, rows=model.kinematics("rigid", at))
+    step = SimpleNamespace(
+        forces=limit.forces, alpha=limit.alpha, at=at, program=model.kinematics("rigid", at)
+    )
     assert residual(model, "rigid", step) == pytest.approx(np.zeros(3), abs=1e-8)
 
 
@@ -211,10 +213,8 @@ def test_limit_analysis_meets_the_rigid_curve_in_displaced_configurations(name):
 def _multiplier_at(model, positions, closed=1e-5):
     """α along +x over the contacts that are closed, to 0.01 mm, by HiGHS."""
     start, load = State(positions, np.zeros_like(positions)), model.lateral_load("+x")
-    program, rows = assemble(
-        model, "rigid", start, positions, model.dead_load, 1e-3, load, 1e-3 * model.weight
-    )
-    taken = program.take(np.flatnonzero(rows.gap <= closed))
+    program = assemble(model, "rigid", start, positions, model.dead_load, 1e-3, load, 1e-3 * model.weight)
+    taken = program.take(np.flatnonzero(program.gap[:, 0] <= closed))
     found = linear.solve(replace(taken, gap=np.zeros_like(taken.gap)))
     assert found is not None
     return found[1]

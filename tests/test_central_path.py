@@ -1,0 +1,141 @@
+"""The banded interior-point method of the statics against PIQP, and what it follows: the geometry of a step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mechanics import limit_analysis, pushdown, pushover
+from mechanics.equilibrium import find_step, programs, rest
+from mechanics.program import Neighbour, certify
+from mechanics.solvers import central_path, solve
+from mechanics.solvers.band import band
+from tests.structures import arch_on_piers, running_bond, semicircular_arch
+
+WALL = running_bond(8, 10)
+ARCH = semicircular_arch(21, 0.2, friction=0.8, segments=3)
+
+
+def nothing_known(program):
+    """A neighbour that tells nothing."""
+    none = np.zeros_like(program.gap)
+    return Neighbour(none, none, 0.0)
+
+
+@pytest.mark.parametrize("lateral", [False, True])
+@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
+@pytest.mark.parametrize("model", [WALL, ARCH, arch_on_piers()], ids=["wall", "arch", "arch on piers"])
+def test_it_solves_a_program_as_piqp_does(model, behaviour, lateral):
+    load = model.lateral_load("+x") if lateral else None
+    size = 1e-3
+    pose = programs(model, behaviour, model.initial, model.dead_load, size, load, 0.2 * size * model.weight)
+    there = pose(model.initial.positions)
+
+    def frozen(x):
+        done = 0.0 if there.lateral is None else float(there.lateral @ x)
+        return replace(there, gap=there.gap + there.relative(x), work=there.work - done)
+
+    found = central_path.follow(frozen, np.zeros(len(there.load)), nothing_known(there), np.inf)
+    assert found is not None
+    x, solution = found
+    expected = solve(there)
+    certificate = certify(there, solution.forces, solution.alpha, x + solution.displacement)
+    assert certificate.worst(size) <= central_path.FOLLOWED
+    assert certificate.equilibrium <= 1e-8
+    assert solution.alpha == pytest.approx(expected.alpha, abs=1e-6)
+    # the forces of a redundant structure and the mechanism of a symmetrical one are not unique; the work is
+    assert there.load @ (x + solution.displacement) == pytest.approx(
+        there.load @ expected.displacement, rel=1e-5, abs=1e-6 * size * model.weight
+    )
+
+
+@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
+def test_a_step_followed_and_a_step_of_programs_are_the_same(behaviour, monkeypatch):
+    model, control = arch_on_piers(friction=2.0, stiffness=1e6, segments=4), (0.85, 0.8)
+    apart = pushover(model, control, contacts=behaviour, increment=0.004)
+    monkeypatch.setattr("mechanics.equilibrium.LARGE", 0)
+    followed = pushover(model, control, contacts=behaviour, increment=0.004)
+    assert sum(step.solves == 1 for step in followed.steps) > 0.8 * len(followed.steps)
+    assert sum(step.solves > 1 for step in apart.steps) > 0.8 * len(apart.steps)
+    along = np.linspace(0.0, 0.98 * followed.displacement[-1], 20)
+    alpha = [np.interp(along, path.displacement, path.multiplier) for path in (apart, followed)]
+    np.testing.assert_allclose(alpha[1], alpha[0], atol=2e-3 * max(apart.multiplier))
+
+
+def test_a_followed_step_is_an_equilibrium_of_its_own_geometry(monkeypatch):
+    monkeypatch.setattr("mechanics.equilibrium.LARGE", 0)
+    model = arch_on_piers(stiffness=1e6)
+    path = pushdown(model, "right", (0.02, -0.02), increment=0.004, contacts="elastic")
+    for before, step in zip(path.states[1:], path.steps[2:], strict=False):
+        pose = programs(model, "elastic", before, model.dead_load, 0.004)
+        there = pose(step.state.positions)
+        still = np.zeros(len(there.load))
+        assert certify(there, step.forces, step.alpha, still).equilibrium <= 1e-6
+
+
+def test_where_nothing_stands_no_step_is_followed():
+    model = semicircular_arch(21, 0.05)  # thinner than 0.1075: no thrust line fits in
+    size = 1e-3
+    pose = programs(model, "rigid", model.initial, model.dead_load, size)
+    there = pose(model.initial.positions)
+    assert (
+        central_path.follow(lambda x: there, np.zeros(len(there.load)), nothing_known(there), 30 * size)
+        is None
+    )
+
+
+def test_a_neighbour_saves_iterations(monkeypatch):
+    load = WALL.lateral_load("+x")
+    limit = limit_analysis(WALL)
+    size = 0.002
+    start = rest(WALL, "elastic", WALL.initial)
+    counts = []
+    newton = central_path._newton
+
+    def counted(*arguments):
+        counts.append(1)
+        return newton(*arguments)
+
+    monkeypatch.setattr(central_path, "_newton", counted)
+    monkeypatch.setattr("mechanics.equilibrium.LARGE", 0)
+    pushed = [
+        find_step(
+            WALL, "elastic", start.state, start.state.positions,
+            WALL.dead_load + share * limit.alpha * load, size, last=start,
+        )
+        for share in (0.3, 0.3001)
+    ]  # fmt: skip
+    counts.clear()
+    again = find_step(
+        WALL, "elastic", start.state, pushed[0].state.positions, WALL.dead_load + 0.3001 * limit.alpha * load,
+        size, last=pushed[0],
+    )  # fmt: skip
+    near = len(counts)
+    program = programs(WALL, "elastic", start.state, WALL.dead_load + 0.3001 * limit.alpha * load, size)
+    counts.clear()
+    central_path.follow(
+        lambda x: program(_moved(start.state.positions, x)),
+        np.zeros(3 * int(WALL.movable.sum())),
+        nothing_known(program(start.state.positions)),
+        np.inf,
+    )
+    assert again.solves == 1
+    assert near < len(counts)
+    assert again.state.positions == pytest.approx(pushed[1].state.positions, abs=1e-6)
+
+
+def _moved(positions, x):
+    moved = positions.copy()
+    moved[WALL.movable] += x.reshape(-1, 3)
+    return moved
+
+
+def test_the_band_holds_every_pair_of_touching_blocks():
+    program = programs(WALL, "rigid", WALL.initial, WALL.dead_load, 1e-3)(WALL.initial.positions)
+    layout = band(program.dof)
+    assert sorted(layout.order) == list(range(len(program.load)))
+    assert np.array_equal(layout.order[layout.back], np.arange(len(program.load)))
+    both = layout.row[(layout.row >= 0).all(axis=1)]
+    assert abs(both[:, 0] - both[:, 1]).max() + 3 == layout.width < len(program.load) / 2
