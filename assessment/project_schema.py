@@ -17,6 +17,9 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstra
 KeyPath = tuple[str | int, ...]
 """Where a value stands in the project's content, list entries counted from 0."""
 
+VARIED = ("friction", "stiffness", "unit_weight", "depth")
+"""The properties that [sensitivity] can vary."""
+
 ORIGINAL = "original"
 """Name of the state before any settlement."""
 
@@ -40,15 +43,19 @@ NotNegative = Annotated[float, Field(ge=0)]
 Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True)]
 Segments = Annotated[int, Field(ge=1, le=100)]
 Pair = Annotated[tuple[float, float], Field(strict=False)]
+Factors = Annotated[tuple[Positive, Positive], Field(strict=False)]
 Name = Annotated[str, Field(max_length=200, pattern=rf"^[^\s{_UNSEEN}]([^\t\n{_UNSEEN}]*[^\s{_UNSEEN}])?$")]
 Text = Annotated[str, StringConstraints(strip_whitespace=True, max_length=2000, pattern=rf"^[^{_UNSEEN}]*$")]
-Names = Annotated[tuple[Name, ...], Field(strict=False, min_length=1), AfterValidator(_unique)]
+_ENTRIES = Field(strict=False, min_length=1, json_schema_extra={"uniqueItems": True})
+Names = Annotated[tuple[Name, ...], _ENTRIES, AfterValidator(_unique)]
+Form = Literal["single", "list", "named"]
+"""Of a table in the file: [name], [[name]] for each entry of a list, or [name.NAME] for each named entry."""
 Contacts = Literal["rigid", "elastic"]
 Direction = Literal["+x", "-x"]
 LimitState = Literal["SLD", "SLV", "SLC"]
-ContactsList = Annotated[tuple[Contacts, ...], Field(strict=False, min_length=1), AfterValidator(_unique)]
-Directions = Annotated[tuple[Direction, ...], Field(strict=False, min_length=1), AfterValidator(_unique)]
-LimitStates = Annotated[tuple[LimitState, ...], Field(strict=False, min_length=1), AfterValidator(_unique)]
+ContactsList = Annotated[tuple[Contacts, ...], _ENTRIES, AfterValidator(_unique)]
+Directions = Annotated[tuple[Direction, ...], _ENTRIES, AfterValidator(_unique)]
+LimitStates = Annotated[tuple[LimitState, ...], _ENTRIES, AfterValidator(_unique)]
 
 
 class Table(BaseModel):
@@ -144,10 +151,13 @@ class SettlementTable(Table):
     to_collapse: bool = Field(
         default=False, description="also look for the ultimate movement along the same direction"
     )
+    steps: Annotated[int, Field(ge=2, le=100)] | None = Field(
+        default=None, description="review the capacity after each of so many equal parts of the movement too"
+    )
 
     @property
-    def steps(self) -> int:
-        """Number of equal steps that keep within both increments, at least one."""
+    def increments(self) -> int:
+        """Number of equal increments that keep within both limits, at least one."""
         movement = max(map(abs, self.displacement_m)) / self.increment_m
         return max(1, math.ceil(max(movement, abs(self.rotation_rad) / self.increment_rad) - 1e-9))
 
@@ -158,7 +168,7 @@ class PushoverTable(Table):
     contacts: ContactsList = Field(default=("rigid",), description="contact models: rigid, elastic or both")
     directions: Directions = Field(default=("+x", "-x"), description="directions of the lateral loads")
     increment_m: Positive = Field(default=0.001, description="step of the control point's displacement, m")
-    control: Name | dict[Direction, Name] | None = Field(
+    control: Name | Annotated[dict[Direction, Name], Field(min_length=1)] | None = Field(
         default=None,
         description='control point, or one per direction: {"+x" = "C1", "-x" = "C2"}; default the first',
     )
@@ -279,6 +289,27 @@ class AssessmentTable(Table):
     )
 
 
+class SensitivityTable(Table):
+    """[sensitivity]: the capacity a_g again, with one property of the masonry lower and higher at a time."""
+
+    friction: Factors | None = Field(
+        default=None, description="low and high factor on every friction, such as [0.8, 1.2]"
+    )
+    stiffness: Factors | None = Field(
+        default=None, description="low and high factor on every joint stiffness, normal and tangential"
+    )
+    unit_weight: Factors | None = Field(default=None, description="low and high factor on every unit weight")
+    depth: Factors | None = Field(default=None, description="low and high factor on every out-of-plane depth")
+    states: Names | None = Field(
+        default=None, description='states to vary: "original" and names of settlements; default all'
+    )
+
+    @property
+    def factors(self) -> dict[str, tuple[float, float]]:
+        """The properties to vary and their low and high factors."""
+        return {key: getattr(self, key) for key in VARIED if getattr(self, key) is not None}
+
+
 class ReportTable(Table):
     """[report]: language and the free text of the title page."""
 
@@ -309,6 +340,9 @@ class ProjectContent(Table):
     )
     incremental: IncrementalTable | None = Field(default=None, description="incremental dynamic analysis")
     assessment: AssessmentTable | None = Field(default=None, description="check against the standard")
+    sensitivity: SensitivityTable | None = Field(
+        default=None, description="capacity with properties of the masonry lower and higher, one at a time"
+    )
     report: ReportTable = Field(default=ReportTable(), description="language and title page of the report")
 
     @property
@@ -340,12 +374,36 @@ def annotation_at(path: KeyPath) -> Any:
     return annotation
 
 
+def table_at(path: KeyPath) -> type[Table] | None:
+    """Return the table at `path` of the content, of each entry where it is a list; None where none is."""
+    return _table_of(annotation_at(path))
+
+
 def keys_at(path: KeyPath) -> dict[str, str]:
     """Return the keys of the table at `path` with their descriptions; none where keys are free."""
     for plain in alternatives(annotation_at(path)):
-        if isinstance(plain, type) and issubclass(plain, BaseModel):
+        if isinstance(plain, type) and issubclass(plain, Table):
             return {key: field.description or "" for key, field in plain.model_fields.items()}
     return {}
+
+
+def tables_of(table: type[Table]) -> dict[str, Form]:
+    """Return the keys of a table that are tables themselves, and in which form each stands in the file."""
+    found: dict[str, Form] = {}
+    for key, field in table.model_fields.items():
+        if _table_of(field.annotation):
+            kinds = {get_origin(plain) for plain in alternatives(field.annotation)}
+            found[key] = "list" if tuple in kinds else "named" if dict in kinds else "single"
+    return found
+
+
+def _table_of(annotation: Any) -> type[Table] | None:
+    for plain in alternatives(annotation):
+        if isinstance(plain, type) and issubclass(plain, Table):
+            return plain
+        if get_origin(plain) in (tuple, dict):
+            return _table_of(get_args(plain)[0 if get_origin(plain) is tuple else 1])
+    return None
 
 
 def _inside(annotation: Any, part: str | int) -> Any:
@@ -355,6 +413,6 @@ def _inside(annotation: Any, part: str | int) -> Any:
             return args[0]
         if origin is dict:
             return args[1]
-        if isinstance(plain, type) and issubclass(plain, BaseModel) and part in plain.model_fields:
+        if isinstance(plain, type) and issubclass(plain, Table) and part in plain.model_fields:
             return plain.model_fields[str(part)].annotation
     return None

@@ -242,7 +242,7 @@ def test_a_failure_while_writing_leaves_nothing(tmp_path: Path, monkeypatch: pyt
     def fail(*_: object) -> None:
         raise OSError("disk full")
 
-    monkeypatch.setattr(module, "commented_toml", fail)
+    monkeypatch.setattr(module, "source_bytes", fail)
     with pytest.raises(OSError, match="disk full"):
         new_project(tmp_path / "new", "block", {})
     assert not list(tmp_path.iterdir())
