@@ -68,7 +68,7 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str]]:
             if fault := _put(content, entry):
                 raise ProjectError(f"{path.name}: {places[entry.path]}: {fault}")
     for name in content.keys() & _FORMS.keys():
-        if _FORMS[name] == "list":
+        if _FORMS[name] == "list" and isinstance(content[name], dict):
             content[name] = list(content[name].values())
     return content, places
 

@@ -195,6 +195,16 @@ def test_messages_about_what_stands_nowhere(folder, sheet, cell, value, said):
     assert first.startswith(f"project.xlsx: {said}")
 
 
+def test_a_list_written_as_a_value_is_told(folder):
+    content = {key: CONTENT[key] for key in ("title", "geometry", "material")}
+    (folder / "project.xlsx").write_bytes(to_xlsx(content))
+    book = load_workbook(folder / "project.xlsx")
+    book["project"].append(["control", 7])
+    book.save(folder / "project.xlsx")
+    with pytest.raises(ProjectError, match=r'control\[1\] \(sheet "project", cell B3\): 7 is wrong; write a table'):
+        load_project(folder)
+
+
 def test_an_unknown_sheet_is_named_with_the_nearest(folder):
     (folder / "project.xlsx").write_bytes(to_xlsx(CONTENT))
     book = load_workbook(folder / "project.xlsx")
