@@ -17,7 +17,8 @@ from assessment.display import Grid, exact, flatten, grid, summary_grids
 from assessment.dynamic_tables import energy, histories, incremental, incremental_states, static_dynamic
 from assessment.figures import pictures
 from assessment.files import write_atomically
-from assessment.judgement import all_warnings, draft_judgement
+from assessment.judgement import all_warnings, draft_judgement, worst_scenario
+from assessment.study_tables import reported_studies
 from assessment.trace import pretty
 from assessment.words import Words, direction_name, words_of
 
@@ -39,6 +40,7 @@ CHAPTERS = (
     "judgement",
 )
 DYNAMIC = ("history", "incremental")  # chapters before the comparison, where their stages were asked for
+STUDIES = ("scenarios", "sensitivity")  # likewise
 
 
 @dataclass(frozen=True)
@@ -95,13 +97,15 @@ def render_html(results: Results, figures: Path, words: Words) -> str:
         contacts=_contacts(results),
         missing=list(_missing(results, words)),
         judgement=draft_judgement(results, words),
+        worst=list(worst_scenario(results, words)),
         warnings=all_warnings(results),
     )
 
 
 def _chapters(results: Results) -> list[str]:
-    """Return the chapters of the report: those of the dynamic stages only where they were asked for."""
-    asked = [name for name in DYNAMIC if any(content.get(name) for content in results["states"].values())]
+    """Return the chapters of the report: those of studies and dynamic stages only where they were asked for."""
+    asked = [name for name in STUDIES if results.get(name)]
+    asked += [name for name in DYNAMIC if any(content.get(name) for content in results["states"].values())]
     place = CHAPTERS.index("comparison")
     return [*CHAPTERS[:place], *asked, *CHAPTERS[place:]]
 
@@ -125,7 +129,7 @@ class Counter:
 
 def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[dict[str, object]]]:
     """Return per chapter the caption and data address of each figure; as images, their ids cannot clash."""
-    found: dict[str, list[dict[str, object]]] = {chapter: [] for chapter in (*CHAPTERS, *DYNAMIC)}
+    found: dict[str, list[dict[str, object]]] = {chapter: [] for chapter in (*CHAPTERS, *STUDIES, *DYNAMIC)}
     for picture in pictures(results):
         svg = base64.b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()
         caption = words(f"caption.{picture.caption}", **picture.fields)
@@ -143,6 +147,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         tables.mechanisms(results),
         tables.verification(results),
         tables.Table("comparison", _compared(results), tables.COMPARISON),
+        *reported_studies(results),
         histories(results),
         energy(results),
         incremental(results),

@@ -10,6 +10,7 @@ import numpy as np
 
 from assessment.dynamic_tables import dynamic_tables
 from assessment.files import write_atomically
+from assessment.study_tables import study_tables
 from assessment.table import Results, Row, Table, reduction
 
 __all__ = ["Results", "Row", "Table", "tables", "write_tables"]
@@ -48,6 +49,7 @@ def tables(results: Results) -> list[Table]:
         Table("quality", list(results["quality"].get("by_stage") or []), QUALITY),
         spectra(results),
         trace(results),
+        *study_tables(results),
         *dynamic_tables(results),
     ]
 

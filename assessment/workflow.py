@@ -23,6 +23,7 @@ from assessment.messages import ProjectError
 from assessment.model import Model
 from assessment.parallel import spread
 from assessment.stages import ORIGINAL, StateResult, analyse_state
+from assessment.study_stages import add_studies
 from assessment.table import reduction, static_pga
 from mechanics import Assembly, UnstableError
 from mechanics.block import GRAVITY
@@ -65,6 +66,8 @@ STAGES = {  # stage: table
     "history": "history",
     "incremental": "incremental",
     "assessment": "assessment",
+    "scenarios": "settlements",
+    "sensitivity": "sensitivity",
 }
 
 
@@ -79,7 +82,9 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
     for name in wanted:
         if name not in STAGES:
             raise ProjectError(f"--only: {name}: no such stage; choose from {', '.join(STAGES)}")
-    if "assessment" in wanted and "pushover" not in wanted:
+    if "sensitivity" in wanted and "assessment" not in wanted:
+        wanted.append("assessment")
+    if {"assessment", "scenarios"} & {*wanted} and "pushover" not in wanted:
         wanted.append("pushover")
     by_record = project.assessment is not None and project.assessment.spectrum == "record"
     if "assessment" in wanted and "history" not in wanted and by_record:
@@ -89,6 +94,9 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
         for stage, table in STAGES.items()
         if stage not in wanted and table != "settlements"
     }
+    if "scenarios" not in wanted:
+        whole = (each.model_copy(update={"steps": None}) for each in project.settlements)
+        dropped["settlements"] = tuple(whole)
     return project.model_copy(update=dropped)
 
 
@@ -123,11 +131,13 @@ def run(project: Project, model: Model, jobs: int = 0, progress: Progress = lamb
             warnings += [f"{name}: {note}" for note in notes]
         results["spectra"] = spectra_numbers(demands)
         results["timing_s"]["assessment"] = time.perf_counter() - began
+    studied = add_studies(results, project, assembly, stages, demands, hazard, jobs, progress)
     shaken = add_dynamics(results, project, assembly, motions, stages, jobs, progress)
     if project.assessment or project.incremental:
         results["comparison"] = _comparison(states)
     _sum_up(results["quality"])
-    return Outcome(_without_nan(results), shaken and not any(stage.failures for stage in stages))
+    complete = shaken and studied and not any(stage.failures for stage in stages)
+    return Outcome(_without_nan(results), complete)
 
 
 def describe(project: Project, model: Model) -> Results:
