@@ -139,9 +139,12 @@ def _label(axes: Axes, text: str, x: float, y: float) -> None:
 
 
 def _ring(axes: Axes, worst: Mapping[str, Any] | None, by: str) -> None:
-    if worst is not None and worst[by] is not None:
+    """Ring the worst case; where the structure has fallen, on the axis: no capacity is left."""
+    if worst is not None:
         ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgewidth": 1.2, "linestyle": "none"}
-        axes.plot(1000.0 * worst["movement_m"], worst[by], marker="o", markersize=11, color="0.0", **ring)
+        y = 0.0 if worst["collapses"] else worst[by]
+        x = 1000.0 * worst["movement_m"]
+        axes.plot(x, y, marker="o", markersize=11, color="0.0", clip_on=False, **ring)
 
 
 def _scenario_legend(results: Results, names: Sequence[str], words: Words) -> list[Line2D]:
@@ -160,9 +163,9 @@ def _scenario_legend(results: Results, names: Sequence[str], words: Words) -> li
     if any(_ultimate(results, name) is not None for name in names):
         handles.append(Line2D([], [], marker="x", label=words.plain("figure.ultimate_mark"), **none))
     worst = found["worst"]
-    if worst is not None and worst[found["quantity"]] is not None:
+    if worst is not None:
         label = words.plain(
-            "figure.worst",
+            "figure.worst_collapses" if worst["collapses"] else "figure.worst",
             state=worst["state"],
             movement=words.millimetres(worst["movement_m"]),
             direction=direction_name(worst["direction"]),
