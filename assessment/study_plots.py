@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from assessment.canvas import DASHES, chart
-from assessment.study_tables import tornado
+from assessment.study_tables import ROUNDING, tornado
 from assessment.words import Words, direction_name
 
 Results = Mapping[str, Any]
@@ -95,25 +95,21 @@ def varied(results: Results) -> list[str]:
 
 
 def _draw_bar(axes: Axes, place: int, row: Mapping[str, Any], side: str, words: Words) -> None:
-    """Draw one half of a bar, its factor at the end; the name of the factor alone where nothing was reached."""
+    """Draw one half of a bar with its factor at the end, where there is room if the half has no length."""
     base = row["a_g_base_g"]
     end, other = (_snapped(row[f"a_g_{each}_g"], base) for each in (side, "high" if side == "low" else "low"))
+    moved, other_moved = (base if value is None else value for value in (end, other))
+    both = (moved - base) * (other_moved - base) > 0.0  # to one side: one half above the other
+    height = place + ((0.2 if side == "low" else -0.2) if both else 0.0)
+    axes.barh(height, moved - base, left=base, height=0.36 if both else 0.6, **BARS[side])
+    rightward = moved - base or base - other_moved or (1.0 if side == "high" else -1.0)
     factor = f"×{words.comma(format(row[f'{side}_factor'], 'g'))}"
-    if end is None:
-        text = f"{factor}: {words.show(None)}"
-        axes.annotate(text, (base, place), (4 if side == "high" else -4, -9), textcoords="offset points",
-                      ha="left" if side == "high" else "right", fontsize=6.5)  # fmt: skip
-        return
-    same_side = other is not None and (end - base) * (other - base) > 0.0
-    offset = (0.2 if side == "low" else -0.2) if same_side else 0.0  # both to one side: one above the other
-    axes.barh(place + offset, end - base, left=base, height=0.36 if same_side else 0.6, **BARS[side])
-    right = end > base or (end == base and side == "high")
     axes.annotate(
-        factor,
-        (end, place + offset),
-        (3 if right else -3, 0),
+        factor if end is not None else f"{factor}: {words.show(None)}",
+        (moved, height),
+        (3 if rightward > 0.0 else -3, 0),
         textcoords="offset points",
-        ha="left" if right else "right",
+        ha="left" if rightward > 0.0 else "right",
         va="center",
         fontsize=6.5,
     )
@@ -121,7 +117,7 @@ def _draw_bar(axes: Axes, place: int, row: Mapping[str, Any], side: str, words: 
 
 def _snapped(value: float | None, base: float) -> float | None:
     """Return the capacity, the project's own where nothing but rounding tells them apart."""
-    return base if value is not None and abs(value - base) < 1e-6 * base else value
+    return base if value is not None and abs(value - base) <= ROUNDING * base else value
 
 
 def _capacities(row: Mapping[str, Any]) -> list[float]:

@@ -45,6 +45,8 @@ TORNADO = (
     "swing_g",
 )
 
+ROUNDING = 1e-6  # of a capacity: what the solver may leave of a difference that is none
+
 
 def study_tables(results: Results) -> list[Table]:
     """List all tables of the studies, long ones included."""
@@ -120,8 +122,14 @@ def _bar(state: str, name: str, runs: Iterable[Mapping[str, Any]], base: float |
         "a_g_low_g": at[low],
         "a_g_base_g": base,
         "a_g_high_g": at[high],
-        "swing_g": max(known) - min(known) if len(known) == 3 else None,
+        "swing_g": _swing(known) if len(known) == 3 else None,
     }
+
+
+def _swing(capacities: list[float]) -> float:
+    """Return the span of the capacities, none where nothing but rounding tells them apart."""
+    span = max(capacities) - min(capacities)
+    return span if span > ROUNDING * max(capacities) else 0.0
 
 
 def _weaker(capacities: Iterable[float | None]) -> float | None:
