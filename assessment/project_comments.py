@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from assessment.project_schema import KeyPath, ProjectContent, Table, keys_at, table_at, tables_of
+from assessment.project_keys import keys_at, table_at, tables_of
+from assessment.project_schema import KeyPath, Table
 from assessment.project_toml import plain_values, toml_header, toml_line, toml_tables
 
 COLUMN = 40  # where the meanings begin
@@ -19,6 +20,7 @@ def commented_toml(content: Mapping[str, Any]) -> str:
     """
     explained: set[type[Table]] = set()
     lines: list[str] = []
+    absent: list[KeyPath] = []
     for path, given in toml_tables(content):
         lines += _header(path)
         for key, value in plain_values(given).items():
@@ -27,10 +29,9 @@ def commented_toml(content: Mapping[str, Any]) -> str:
         if table and table not in explained:
             explained.add(table)
             lines += _left_out(path, given)
-    for name, form in tables_of(ProjectContent).items():
-        if not content.get(name):
-            entry: KeyPath = {"single": (name,), "list": (name, 0), "named": (name, "NAME")}[form]
-            lines += _table_left_out(entry)
+            absent = [(*path, *entry) for entry in _entries(table) if not given.get(str(entry[0]))] + absent
+    for path in absent:
+        lines += _table_left_out(path)
     return "\n".join(lines).strip() + "\n"
 
 
@@ -66,8 +67,14 @@ def _table_left_out(path: KeyPath) -> Iterator[str]:
     yield from _header(path, mark="# ")
     yield from _left_out(path, {})
     table = table_at(path)
-    for name in tables_of(table) if table else ():
-        yield from _table_left_out((*path, name))
+    for entry in _entries(table) if table else ():
+        yield from _table_left_out((*path, *entry))
+
+
+def _entries(table: type[Table]) -> list[KeyPath]:
+    """Return the tables in a table, as the path of their first entry where there are several."""
+    ends: dict[str, KeyPath] = {"single": (), "list": (0,), "named": ("NAME",)}
+    return [(name, *ends[form]) for name, form in tables_of(table).items()]
 
 
 def _beside(line: str, meaning: str | None) -> str:

@@ -20,7 +20,8 @@ from zipfile import BadZipFile
 
 from assessment.messages import ProjectError, nearest
 from assessment.project_comments import unset_keys
-from assessment.project_schema import KeyPath, ProjectContent, alternatives, annotation_at, keys_at, tables_of
+from assessment.project_keys import alternatives, annotation_at, keys_at, tables_of
+from assessment.project_schema import KeyPath, ProjectContent
 
 _FORMS = tables_of(ProjectContent)
 _SINGLE: dict[str, KeyPath] = {

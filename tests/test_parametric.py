@@ -17,7 +17,7 @@ from assessment.messages import ProjectError
 from assessment.new_project import new_project, template_layout, template_options
 from assessment.parametric import THINNEST, Layout, Ring
 from assessment.project import load_project
-from assessment.project_schema import keys_at
+from assessment.project_keys import keys_at
 from assessment.project_templates import TEMPLATES
 from mechanics import Assembly, Block, Material, limit_analysis, read_drawing
 from mechanics.drawing import Layer

@@ -12,7 +12,8 @@ from openpyxl import load_workbook
 from assessment.cli import main
 from assessment.project import load_project
 from assessment.project_comments import commented_toml
-from assessment.project_schema import ProjectContent, keys_at, table_at, tables_of
+from assessment.project_keys import keys_at, table_at, tables_of
+from assessment.project_schema import ProjectContent
 from assessment.project_templates import TEMPLATES
 
 SMALL = {
