@@ -31,6 +31,7 @@ _SINGLE: dict[str, KeyPath] = {
 }
 _SHEETS = _SINGLE | {name: (name,) for name, form in _FORMS.items() if form != "single"}
 _NAME = {name: "layer" if name == "layers" else "name" for name, form in _FORMS.items() if form == "named"}
+WIDEST = 90  # letters of a column
 _HELP = "help"  # the sheet that lists all keys; it is not read
 
 _Rows = dict[int, tuple[Any, ...]]
@@ -110,8 +111,9 @@ def _fill(sheet: Any, rows: Iterable[list[Any]]) -> None:
                 cell.data_type = "s"  # a text that begins with = is no formula
             if number == 1:
                 cell.font = Font(bold=True)
-    for column in range(1, sheet.max_column + 1):
-        sheet.column_dimensions[get_column_letter(column)].width = 28
+    for column, cells in enumerate(sheet.columns, 1):
+        longest = max(len(str(cell.value or "")) for cell in cells)
+        sheet.column_dimensions[get_column_letter(column)].width = min(longest, WIDEST) + 2
     sheet.freeze_panes = "A2"
 
 

@@ -168,15 +168,23 @@ def test_the_worst_point():
 
 
 def test_parts_of_a_movement(project):
-    whole = project(
-        BLOCK + TURNS.replace("rotation_rad = -0.04", "displacement_m = [0.02, -0.04]") + PUSHOVER
-    )
-    third = part(whole.settlements[0], 3)
-    assert (
-        third.displacement_m == pytest.approx((0.015, -0.03))
-        and not third.to_collapse
-        and third.steps is None
-    )
+    moved = TURNS.replace("rotation_rad = -0.04", "displacement_m = [0.02, -0.04]\nto_collapse = true")
+    third = part(project(BLOCK + moved + PUSHOVER).settlements[0], 3)
+    assert third.displacement_m == pytest.approx((0.015, -0.03)) and third.steps is None
+    assert not third.to_collapse  # the ultimate movement is the whole one's business
+
+
+def test_a_property_that_lets_the_structure_fall_is_a_result_that_is_missing(project):
+    """On a base turned by 0.04 rad, μ = 0.035 does not hold the block, with 0.7 it stands."""
+    text = BLOCK + TURNS.replace("steps = 4", "") + PUSHOVER + ASSESSMENT
+    results = results_of(project(text + '[sensitivity]\nfriction = [0.05, 1.0]\nstates = ["turned"]\n'))
+    runs = {(run["factor"], run["direction"]): run for run in results["sensitivity"]["runs"]}
+    for direction in ("+x", "-x"):
+        assert runs[0.05, direction]["collapses"] and runs[0.05, direction]["a_g_g"] is None
+        base = results["states"]["turned"]["capacity"][direction]["SLC"]["a_g_g"]
+        assert runs[1.0, direction]["a_g_g"] == base and not runs[1.0, direction]["collapses"]
+    assert not results["complete"]
+    assert any(text.startswith("friction × 0.05: turned, rigid") for text in results["quality"]["warnings"])
 
 
 SENSITIVITY = """
