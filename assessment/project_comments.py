@@ -41,8 +41,8 @@ def unset_keys(path: KeyPath, given: Mapping[str, Any]) -> dict[str, Any]:
     fields = table.model_fields if table else {}
     inner = tables_of(table) if table else {}
     return {
-        key: None if field.is_required() else field.default
-        for key, field in fields.items()
+        key: None if fields[key].is_required() else fields[key].default
+        for key in keys_at(path)
         if key not in given and key not in inner
     }
 

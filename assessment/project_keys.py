@@ -35,10 +35,11 @@ def table_at(path: KeyPath) -> type[Table] | None:
 
 
 def keys_at(path: KeyPath) -> dict[str, str]:
-    """Return the keys of the table at `path` with their descriptions; none where keys are free."""
+    """Return the keys of the table at `path` with their descriptions, required ones first; none where keys are free."""
     for plain in alternatives(annotation_at(path)):
         if isinstance(plain, type) and issubclass(plain, Table):
-            return {key: field.description or "" for key, field in plain.model_fields.items()}
+            fields = sorted(plain.model_fields.items(), key=lambda item: not item[1].is_required())
+            return {key: field.description or "" for key, field in fields}
     return {}
 
 

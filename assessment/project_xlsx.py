@@ -20,7 +20,7 @@ from zipfile import BadZipFile
 
 from assessment.messages import ProjectError, nearest
 from assessment.project_comments import unset_keys
-from assessment.project_keys import alternatives, annotation_at, keys_at, tables_of
+from assessment.project_keys import alternatives, annotation_at, keys_at, table_at, tables_of
 from assessment.project_schema import KeyPath, ProjectContent
 
 _FORMS = tables_of(ProjectContent)
@@ -223,14 +223,16 @@ def _table_rows(table: KeyPath, node: Mapping[str, Any]) -> Iterator[list[Any]]:
         path = (*table, key)
         if path in _SHEETS.values():
             continue
-        parts = {f"{key}.{k}": v for k, v in value.items()} if isinstance(value, Mapping) else {key: value}
-        yield from ([name, _cell(part), comments[key]] for name, part in parts.items())
+        if isinstance(value, Mapping):
+            inner = keys_at(path)
+            yield from ([f"{key}.{k}", _cell(v), inner.get(k, comments[key])] for k, v in value.items())
+        else:
+            yield [key, _cell(value), comments[key]]
 
 
 def _list_rows(name: str, node: Any) -> Iterator[list[Any]]:
     entries = [{_NAME[name]: key, **table} for key, table in node.items()] if name in _NAME else node
-    given = dict.fromkeys(key for entry in entries for key in entry)
-    keys = [*given, *unset_keys((name, 0), given)]
+    keys = [*([_NAME[name]] if name in _NAME else []), *keys_at((name, 0))]
     yield keys
     yield from ([_cell(entry.get(key)) for key in keys] for entry in entries)
 
@@ -238,11 +240,17 @@ def _list_rows(name: str, node: Any) -> Iterator[list[Any]]:
 def _help_rows() -> Iterator[list[Any]]:
     yield ["sheet", "key", "default", "meaning"]
     for name, path in _SHEETS.items():
-        entry: KeyPath = path if name in _SINGLE else (name, 0)
-        defaults = unset_keys(entry, {})
-        for key, meaning in keys_at(entry).items():
-            if (*entry, key) not in _SHEETS.values():
-                yield [name, key, _cell(defaults.get(key)), meaning]
+        yield from _help_on(name, path if name in _SINGLE else (name, 0), "")
+
+
+def _help_on(sheet: str, table: KeyPath, prefix: str) -> Iterator[list[Any]]:
+    defaults = unset_keys(table, {})
+    for key, meaning in keys_at(table).items():
+        path = (*table, key)
+        if table_at(path) is None:
+            yield [sheet, prefix + key, _cell(defaults[key]), meaning]
+        elif path not in _SHEETS.values():
+            yield from _help_on(sheet, path, f"{prefix}{key}.")
 
 
 def _cell(value: Any) -> Any:

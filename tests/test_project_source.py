@@ -79,10 +79,13 @@ def test_a_new_spreadsheet_explains_every_key(tmp_path):
     book = load_workbook(made(tmp_path / "p", "--excel") / "project.xlsx")
     listed = {(row[0], row[1]): row[3] for row in book["help"].iter_rows(min_row=2, values_only=True)}
     for path in tables():
-        sheet = "project" if not path else "site" if path == ("assessment", "site") else path[0]
+        sheet, *inner = path[1:] if path[:2] == ("assessment", "site") else path or ("project",)
         for key, meaning in keys_at(path).items():
-            if len(path) < 2 and key not in tables_of(table_at(path)):
-                assert listed[sheet, key] == meaning
+            if key not in tables_of(table_at(path)):
+                named = ".".join([*(part for part in inner if isinstance(part, str) and part != "NAME"), key])
+                assert listed[sheet, named] == meaning
+    site = {row[0].value: row[2].value for row in book["site"].iter_rows(min_row=2)}
+    assert site["SLV.F0"] == "largest amplification of the spectrum"
     assert {row[0].value: row[2].value for row in book["geometry"].iter_rows(min_row=2)} == keys_at(
         ("geometry",)
     )
