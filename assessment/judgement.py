@@ -108,7 +108,7 @@ def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
     worst = (results.get("scenarios") or {}).get("worst")
     if worst:
         by = results["scenarios"]["quantity"]
-        key = "collapses" if worst["collapses"] else "alpha" if by == "alpha_0" else "capacity"
+        key = "collapses" if worst["collapses"] else by
         yield words(
             f"judgement.worst_{key}",
             state=words.state(worst["state"]),

@@ -103,7 +103,7 @@ def _of_state(
     own = [stage for stage in stages if stage.state == name and stage.behaviour in behaviours(project)]
     curves, checks = states[name]["pushover"], states[name]["capacity"]
     return {
-        direction: capacity_numbers(own, curves.get(direction, {}), checks.get(direction))
+        direction: capacity_numbers(project, own, curves.get(direction, {}), checks.get(direction))
         for direction in directions(project)
     }
 

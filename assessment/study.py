@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from assessment.checks import assess
-from assessment.parallel import spread
+from assessment.parallel import SMALL, spread
 from assessment.project_schema import ORIGINAL
 from assessment.stages import StateResult, analyse_state
-from assessment.table import QUOTED, static_pga
+from assessment.table import QUOTED
 
 if TYPE_CHECKING:
     from assessment.hazard import HazardCurve
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from mechanics.assembly import Behaviour, Direction
 
 Numbers = dict[str, Any]
-SMALL = 2000  # contact points times analyses: below it a second process costs more than it saves
 
 
 @dataclass(frozen=True)
@@ -93,7 +92,9 @@ def analyse(
             )
             study.warnings += [f"{variant.title}: {note}" for note in notes]
         yield {
-            direction: capacity_numbers(stages, pushovers.get(direction, {}), capacities.get(direction))
+            direction: capacity_numbers(
+                variant.project, stages, pushovers.get(direction, {}), capacities.get(direction)
+            )
             for direction in directions(variant.project)
         }
 
@@ -118,21 +119,27 @@ def curves(stages: Iterable[StateResult]) -> dict[str, Numbers]:
 
 
 def capacity_numbers(
-    stages: Iterable[StateResult], pushover: Mapping[str, Any], capacity: Mapping[str, Any] | None
+    project: Project,
+    stages: Iterable[StateResult],
+    pushover: Mapping[str, Any],
+    capacity: Mapping[str, Any] | None,
 ) -> Numbers:
-    """Return what a study keeps of one state in one direction; a_g and ζ_E are of the farthest limit state.
+    """Return what a study keeps of one state in one direction, None for what was asked for and not reached.
 
-    `collapses`: under one of the contact behaviours the structure falls before the whole movement is applied.
+    `collapses`: under one of the contact behaviours the structure falls before the whole movement is applied;
+    a_g and ζ_E are of the farthest limit state.
     """
-    rigid = pushover.get("rigid") or {}
-    check = next(((capacity or {})[limit] for limit in QUOTED if limit in (capacity or {})), None)
-    return {
-        "collapses": any(stage.pushdown is not None and stage.reached is None for stage in stages),
-        "alpha_0": rigid.get("alpha_0"),
-        "d_0_m": rigid.get("d_0_m"),
-        "a_g_g": static_pga(capacity),
-        "zeta_E": check["zeta_E"] if check else None,
-    }
+    fallen = any(stage.pushdown is not None and stage.reached is None for stage in stages)
+    numbers: Numbers = {"collapses": fallen}
+    if "rigid" in behaviours(project):
+        rigid = pushover.get("rigid") or {}
+        numbers |= {key: rigid.get(key) for key in ("alpha_0", "d_0_m")}
+    if "elastic" in behaviours(project):
+        numbers["alpha_u"] = (pushover.get("elastic") or {}).get("alpha_u")
+    if project.assessment:
+        check = (capacity or {}).get(quoted_limit_state(project) or "") or {}
+        numbers |= {key: check.get(key) for key in ("a_g_g", "zeta_E")}
+    return numbers
 
 
 def quoted_limit_state(project: Project) -> str | None:
@@ -142,5 +149,5 @@ def quoted_limit_state(project: Project) -> str | None:
 
 
 def quantity(project: Project) -> str:
-    """Return what capacities are compared by: a_g where there is an assessment, otherwise α0."""
-    return "a_g_g" if project.assessment else "alpha_0"
+    """Return what capacities are compared by: a_g where there is an assessment, otherwise α0, or α_u without it."""
+    return "a_g_g" if project.assessment else "alpha_0" if "rigid" in behaviours(project) else "alpha_u"

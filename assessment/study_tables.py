@@ -13,6 +13,7 @@ SCENARIOS = (
     "direction",
     "collapses",
     "alpha_0",
+    "alpha_u",
     "d_0_m",
     "limit_state",
     "a_g_g",
@@ -29,6 +30,7 @@ SENSITIVITY = (
     "direction",
     "collapses",
     "alpha_0",
+    "alpha_u",
     "d_0_m",
     "limit_state",
     "a_g_g",
@@ -139,8 +141,6 @@ def _weaker(capacities: Iterable[float | None]) -> float | None:
 
 
 def _judged(numbers: Mapping[str, Any], found: Mapping[str, Any]) -> Row:
-    """Return a row without what nobody asked for: a_g and ζ_E where there is no assessment."""
+    """Return a row with the limit state of its capacity, where there is an assessment."""
     limit = found["limit_state"]
-    if limit is None:
-        return {key: value for key, value in numbers.items() if key not in {"a_g_g", "zeta_E"}}
-    return {**numbers, "limit_state": limit}
+    return {**numbers, "limit_state": limit} if limit else dict(numbers)

@@ -21,7 +21,7 @@ from assessment.dynamic_stages import add_dynamics, dynamic_contacts, read_motio
 from assessment.files import write_atomically
 from assessment.messages import ProjectError
 from assessment.model import Model
-from assessment.parallel import spread
+from assessment.parallel import SMALL, spread
 from assessment.stages import ORIGINAL, StateResult, analyse_state
 from assessment.study_stages import add_studies
 from assessment.table import reduction, static_pga
@@ -49,7 +49,6 @@ PACKAGES = (
     "pydantic",
 )
 SCRATCH = ".assesto-"  # where files are made before they take their place
-SMALL = 2000  # contact points times analyses: below it a second process costs more than it saves
 
 
 @dataclass(frozen=True)

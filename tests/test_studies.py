@@ -157,6 +157,14 @@ def test_a_sweep_past_the_collapse_names_where_it_falls(project):
     assert any(text.startswith("part 3 of 4: turned, rigid") for text in results["quality"]["warnings"])
 
 
+@pytest.mark.parametrize(("contacts", "by"), [('["rigid"]', "alpha_0"), ('["elastic"]', "alpha_u")])
+def test_only_what_was_asked_for_is_compared(project, contacts, by):
+    pushover = PUSHOVER.replace('["rigid"]', contacts).replace("0.1", "0.02")
+    found = results_of(project(BLOCK + TURNS.replace("steps = 4", "") + pushover))["scenarios"]
+    assert found["quantity"] == by and found["worst"][by] == min(p[by] for p in found["points"][2:])
+    assert {"alpha_0", "alpha_u", "a_g_g"} & set(found["worst"]) == {by}
+
+
 def test_the_worst_point():
     def at(state, movement, capacity, collapses=False):
         return {"state": state, "movement_m": movement, "a_g_g": capacity, "collapses": collapses}
