@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from assessment.project import Project
     from assessment.project_schema import SettlementTable
 
+SCATTER = 0.005  # of a_g: differences that would be seen in the third digit
 KEYS = {  # property: the keys of [material], [geometry] and [layers] that it stands for
     "friction": ("friction",),
     "stiffness": ("normal_stiffness_kN_m3", "tangential_stiffness_kN_m3"),
@@ -53,7 +54,43 @@ def sensitivity(
         )
         for direction, numbers in found.items()
     ]
+    study.findings += scatter(runs, without_effect(project))
     return {"limit_state": quoted_limit_state(project), "runs": runs}
+
+
+def without_effect(project: Project) -> set[str]:
+    """Return the properties that no capacity can depend on: all forces change alike.
+
+    Those of depth do, stiffness included, unless loads are given in kN; those of weight if nothing is elastic.
+    """
+    if any(layer.vertical_load_kN for layer in project.layers.values()):
+        return set()
+    rigid = project.pushover is not None and project.pushover.contacts == ("rigid",)
+    return {"depth", "unit_weight"} if rigid else {"depth"}
+
+
+def scatter(runs: Sequence[Numbers], properties: Collection[str]) -> list[str]:
+    """Return a finding for each state whose capacity changes with properties that it cannot depend on."""
+    found = []
+    for state, direction in dict.fromkeys((run["state"], run["direction"]) for run in runs):
+        same = [
+            run["a_g_g"]
+            for run in runs
+            if (run["state"], run["direction"]) == (state, direction) and run["property"] in properties
+        ]
+        known = [value for value in same if value is not None]
+        spread = (
+            (max(known) - min(known)) / max(known)
+            if known and len(known) == len(same)
+            else float(bool(known))
+        )
+        if spread > SCATTER:
+            found.append(
+                f"sensitivity, {state}, {direction}: a_g scatters by {100.0 * spread:.3g} % with "
+                f"{' and '.join(sorted(properties)).replace('_', ' ')}, on which it cannot depend: bars of this size "
+                "mean nothing; take smaller increments, and see where paths end"
+            )
+    return found
 
 
 def with_factor(project: Project, key: str, factor: float) -> Project:

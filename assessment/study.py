@@ -48,10 +48,14 @@ class Demands:
 
 @dataclass
 class Study:
-    """What a study leaves beside its numbers: rows of quality, warnings, and analyses that failed."""
+    """What a study leaves beside its numbers.
+
+    Rows of quality, warnings of its runs, findings about all of them, and analyses that failed.
+    """
 
     quality: list[Numbers] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+    findings: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
 
     def take(self, variant: Variant, stages: Iterable[StateResult]) -> None:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from assessment.spectrum import Spectrum
     from mechanics import Assembly
 
+FEW = 3  # warnings of a study that are repeated among those of the run
 WORST = ("worst_equilibrium_residual", "worst_penetration_m", "worst_complementarity", "worst_cone_violation")
 
 
@@ -44,11 +45,19 @@ def add_studies(
         began, study = time.perf_counter(), Study()
         results[name] = make(study)
         results["timing_s"][name] = time.perf_counter() - began
-        results["quality"]["warnings"] += study.warnings + study.failures
+        results[name]["warnings"] = study.warnings
+        results["quality"]["warnings"] += [*_in_short(name, study.warnings), *study.findings, *study.failures]
         if study.quality:
             results["quality"]["by_stage"].append(_worst(name, study.quality))
         complete = complete and not study.failures
     return complete
+
+
+def _in_short(name: str, warnings: Sequence[str]) -> list[str]:
+    """Return warnings one by one if they are few; the runs of a study repeat those of the states they vary."""
+    if len(warnings) <= FEW:
+        return list(warnings)
+    return [f"{name}: {len(warnings)} warnings of single runs, in results.json; the first: {warnings[0]}"]
 
 
 def _worst(stage: str, rows: Sequence[Mapping[str, Any]]) -> Numbers:

@@ -8,12 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from assessment import study_stages
 from assessment.cli import main
 from assessment.model import build_model
 from assessment.new_project import template_layout, write_drawing
 from assessment.project import load_project
 from assessment.scenarios import part, worst
-from assessment.sensitivity import with_factor
+from assessment.sensitivity import scatter, with_factor, without_effect
 from assessment.workflow import run, select
 from mechanics import limit_analysis
 
@@ -245,6 +246,43 @@ def test_weight_counts_as_the_inverse_of_stiffness(varied):
     assert runs["stiffness", 0.5, "+x"]["a_g_g"] != pytest.approx(
         runs["stiffness", 2.0, "+x"]["a_g_g"], rel=1e-3
     )
+
+
+def test_what_has_no_effect(project):
+    loaded = BLOCK.replace("[layers.BASE]", "[layers.BLOCK]\nvertical_load_kN = 5.0\n[layers.BASE]")
+    assert without_effect(project(BLOCK + PUSHOVER)) == {"depth", "unit_weight"}
+    assert without_effect(project(BLOCK + ELASTIC)) == {"depth"}
+    assert without_effect(project(loaded + PUSHOVER)) == set()
+
+
+def test_scatter_is_told_where_a_capacity_depends_on_what_it_cannot(varied):
+    def at(name, capacity):
+        return {"state": "settled", "direction": "+x", "property": name, "a_g_g": capacity}
+
+    assert scatter([at("depth", 0.2), at("depth", 0.2009), at("friction", 0.1)], {"depth"}) == []
+    (found,) = scatter([at("depth", 0.2), at("unit_weight", 0.25)], {"depth", "unit_weight"})
+    assert found.startswith("sensitivity, settled, +x: a_g scatters by 20 % with depth and unit weight")
+    assert "by 100 %" in scatter([at("depth", 0.2), at("depth", None)], {"depth"})[0]
+    assert scatter([at("depth", None), at("depth", None)], {"depth"}) == []
+    results, _ = varied
+    assert not any("scatters" in text for text in results["quality"]["warnings"])
+
+
+def test_many_warnings_of_a_study_are_told_in_short(monkeypatch, project):
+    def noisy(*arguments):
+        arguments[-1].warnings += [f"w{number}" for number in range(count)]
+        arguments[-1].findings.append("found")
+        return {"runs": []}
+
+    monkeypatch.setattr(study_stages, "sensitivity", noisy)
+    whole = project(BLOCK + PUSHOVER + ASSESSMENT + SENSITIVITY.replace("stiffness = [0.5, 2.0]\n", ""))
+    for count, told in (
+        (3, ["w0", "w1", "w2"]),
+        (4, ["sensitivity: 4 warnings of single runs, in results.json; the first: w0"]),
+    ):
+        results = results_of(whole)
+        assert results["quality"]["warnings"] == [*told, "found"]
+        assert results["sensitivity"]["warnings"] == [f"w{number}" for number in range(count)]
 
 
 def test_quality_and_time_of_the_studies_are_told(varied):
