@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence, Set
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -69,9 +69,12 @@ def without_effect(project: Project) -> set[str]:
     return {"depth", "unit_weight"} if rigid else {"depth"}
 
 
-def scatter(runs: Sequence[Numbers], properties: Collection[str]) -> list[str]:
+def scatter(runs: Sequence[Numbers], properties: Set[str]) -> list[str]:
     """Return a finding for each state whose capacity changes with properties that it cannot depend on."""
     found = []
+    names = " and ".join(
+        key.replace("_", " ") for key in KEYS if key in properties & {r["property"] for r in runs}
+    )
     for state, direction in dict.fromkeys((run["state"], run["direction"]) for run in runs):
         same = [
             run["a_g_g"]
@@ -87,7 +90,7 @@ def scatter(runs: Sequence[Numbers], properties: Collection[str]) -> list[str]:
         if spread > SCATTER:
             found.append(
                 f"sensitivity, {state}, {direction}: a_g scatters by {100.0 * spread:.3g} % with "
-                f"{' and '.join(sorted(properties)).replace('_', ' ')}, on which it cannot depend: bars of this size "
+                f"{names}, on which it cannot depend: bars of this size "
                 "mean nothing; take smaller increments, and see where paths end"
             )
     return found
