@@ -123,40 +123,37 @@ class Newton:
     def _interior(
         self, program: Program, mass: Array, load: Array, x: Array, forces: Array
     ) -> Solution | None:
-        kernels = self.kernels
+        kernels, c = self.kernels, len(forces)
         rows = (self.row, program.normal, program.tangent)
-        c = len(forces)
-        n = 1.0 / np.hypot(1.0, program.friction)[:, None]
-        t = program.friction[:, None] * n
+        n = 1.0 / np.hypot(1.0, program.friction)
+        ray = np.stack([n, program.friction * n], axis=1)
+        law = (ray, program.compliance)
         s = self.along if self.along is not None else np.zeros((c, 2))
         z = self.apart if self.apart is not None else np.zeros((c, 2))
         s = np.clip(s, START * program.weight, None)
         z = np.clip(z, START * program.step, None)
-        product, ds, dz = np.empty((c, 2)), np.empty((c, 2)), np.empty((c, 2))
-        rhs = np.empty_like(load)
+        u, du, ds, dz, found = (np.empty((c, 2)) for _ in range(5))
+        inverse, rhs, product = np.empty((c, 3)), np.empty_like(load), s * z
+        kernels.opening(*rows, program.gap, x, u)
         best: Solution | None = None
         for _ in range(MOST_ITERATIONS):
-            law = (program.friction, program.compliance)
-            kernels.interior_matrix(*rows, *law, mass, s, z, self.band)
+            kernels.interior_matrix(*rows, *law, mass, s, z, inverse, self.band)
             factor = self._factor()
             if factor is None:
                 break
-            gap = float((s * z).sum()) / max(2 * c, 1)
-            product[:] = s * z
-            kernels.interior_rhs(*rows, program.gap, *law, mass, load, x, s, z, product, rhs)
-            dx = lapack.dpbtrs(factor, rhs, lower=1)[0]
-            to_force, to_gap = kernels.interior_step(*rows, program.gap, *law, x, dx, s, z, product, ds, dz)
-            ahead = float(((s + to_force * ds) * (z + to_gap * dz)).sum()) / max(2 * c, 1)
-            product += ds * dz - (ahead / gap) ** 3 * gap if c else 0.0
-            kernels.interior_rhs(*rows, program.gap, *law, mass, load, x, s, z, product, rhs)
-            dx = lapack.dpbtrs(factor, rhs, lower=1)[0]
-            to_force, to_gap = kernels.interior_step(*rows, program.gap, *law, x, dx, s, z, product, ds, dz)
-            share = min(1.0, TO_THE_BOUND * min(to_force, to_gap))
-            x, s, z = x + share * dx, s + share * ds, z + share * dz
-            found = np.concatenate([n * (s[:, :1] + s[:, 1:]), t * (s[:, :1] - s[:, 1:])], axis=1)
+            point = (u, s, z, product, inverse)
+            for corrects in (False, True):
+                kernels.interior_rhs(*rows, *law, mass, load, x, *point, rhs)
+                dx = lapack.dpbtrs(factor, rhs, lower=1)[0]
+                reach = kernels.interior_step(*rows, *law, *point, dx, du, ds, dz)
+                if not corrects:
+                    kernels.interior_centre(s, z, ds, dz, *reach, product)
+            share = min(1.0, TO_THE_BOUND * min(reach))
+            x = x + share * dx
+            kernels.interior_advance(share, ray, u, s, z, du, ds, dz, product, found)
             certificate = self._certify(program, mass, load, x, found)
             if best is None or certificate.worst(program.step) < best.certificate.worst(program.step):
-                best = Solution(found, 0.0, x[self.back], certificate)
+                best = Solution(found.copy(), 0.0, x[self.back], certificate)
             if certificate.worst(program.step) <= ACCEPTED:
                 break
         self.along, self.apart = s, z
