@@ -8,7 +8,7 @@ import numba
 import numpy as np
 
 from mechanics.block import Array
-from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING
+from mechanics.solvers.kernels import FLAT, OPEN, SEARCHES, SLIDING_BACK, SLIDING_ON, STICKING
 
 NAME = "numba"
 compiled: Any = numba.njit(cache=True, fastmath=False, error_model="numpy")
@@ -39,6 +39,16 @@ def geometry(
         normal[k, 3], normal[k, 4], normal[k, 5] = -nx, -nz, -(bx * nz - bz * nx)
         tangent[k, 0], tangent[k, 1], tangent[k, 2] = nz, -nx, -px * nx - pz * nz
         tangent[k, 3], tangent[k, 4], tangent[k, 5] = -nz, nx, bx * nx + bz * nz
+
+
+@compiled
+def relative(a: Any, b: Any, rows: Array, moved: Array, change: Array) -> None:
+    """See kernels.relative."""
+    for k in range(len(a)):
+        total = 0.0
+        for e in range(3):
+            total += rows[k, e] * moved[a[k], e] + rows[k, 3 + e] * moved[b[k], e]
+        change[k] = total
 
 
 @compiled
@@ -155,7 +165,18 @@ def repeat_forces(
 
 
 @compiled
-def find_states(
+def _law(un: float, ut: float, cn: float, ct: float, mu: float) -> tuple[float, float, int]:
+    if un >= mu * abs(ut):
+        return 0.0, 0.0, OPEN
+    if un <= 0.0 and abs(ut) * cn <= -mu * un * ct:
+        return -un / cn, -ut / ct, STICKING
+    slope = mu if ut < 0.0 else -mu
+    fn = -(un + slope * ut) / (cn + mu * mu * ct)
+    return fn, slope * fn, SLIDING_ON if ut < 0.0 else SLIDING_BACK
+
+
+@compiled
+def contact_law(
     row: Any,
     normal: Array,
     tangent: Array,
@@ -164,21 +185,72 @@ def find_states(
     compliance: Array,
     x: Array,
     state: Any,
+    forces: Array,
+    total: Array,
 ) -> int:
-    """See kernels.find_states."""
+    """See kernels.contact_law."""
+    total[:] = 0.0
     changes = 0
     for k in range(len(row)):
         un, ut = _opening(row, k, x, normal, tangent, gap)
-        mu = friction[k]
-        if un >= mu * abs(ut):
-            new = OPEN
-        elif un <= 0.0 and abs(ut) * compliance[k, 0] <= -mu * un * compliance[k, 1]:
-            new = STICKING
-        else:
-            new = SLIDING_ON if ut < 0.0 else SLIDING_BACK
+        fn, ft, new = _law(un, ut, compliance[k, 0], compliance[k, 1], friction[k])
         changes += new != state[k]
-        state[k] = new
+        state[k], forces[k, 0], forces[k, 1] = new, fn, ft
+        if new != OPEN:
+            _push(row, k, fn, ft, normal, tangent, total)
     return changes
+
+
+@compiled
+def line_search(
+    row: Any,
+    normal: Array,
+    tangent: Array,
+    gap: Array,
+    friction: Array,
+    compliance: Array,
+    mass: Array,
+    load: Array,
+    x: Array,
+    dx: Array,
+) -> float:
+    """See kernels.line_search."""
+    c = len(row)
+    u, du = np.empty((c, 2)), np.empty((c, 2))
+    constant, linear = 0.0, 0.0
+    for i in range(len(x)):
+        constant += dx[i] * (mass[i] * x[i] - load[i])
+        linear += dx[i] * mass[i] * dx[i]
+    for k in range(c):
+        u[k, 0], u[k, 1] = _opening(row, k, x, normal, tangent, gap)
+        du[k, 0], du[k, 1] = _change(row, k, dx, normal, tangent)
+    low, high, at_low, at_high, steep = 0.0, 1.0, 0.0, 0.0, 0.0
+    share = 0.0
+    for trial in range(SEARCHES):
+        slope = constant + share * linear
+        for k in range(c):
+            fn, ft, _ = _law(
+                u[k, 0] + share * du[k, 0],
+                u[k, 1] + share * du[k, 1],
+                compliance[k, 0],
+                compliance[k, 1],
+                friction[k],
+            )
+            slope -= fn * du[k, 0] + ft * du[k, 1]
+        if trial == 0:
+            at_low, steep, share = slope, abs(slope), 1.0
+            continue
+        if abs(slope) <= FLAT * steep or (trial == 1 and slope < 0.0):
+            break
+        if slope > 0.0:
+            if trial > 1 and high < 1.0:
+                at_low *= 0.5
+            high, at_high = share, slope
+        else:
+            low, at_low = share, slope
+            at_high *= 0.5
+        share = low - at_low * (high - low) / (at_high - at_low)
+    return share
 
 
 @compiled

@@ -19,6 +19,8 @@ from mechanics.joints import Index
 
 NAME = "numpy"
 OPEN, STICKING, SLIDING_ON, SLIDING_BACK = 0, 1, 2, 3  # the slip of a sliding contact: w_t < 0, w_t > 0
+SEARCHES = 12  # slopes that a line search looks at, at most
+FLAT = 0.1  # of the slope at its start: one that is none
 
 
 def fastest() -> ModuleType:
@@ -84,7 +86,7 @@ def repeat_forces(
     total[:] = _resultant(row, normal, tangent, forces, len(x))
 
 
-def find_states(
+def contact_law(
     row: Index,
     normal: Array,
     tangent: Array,
@@ -93,15 +95,62 @@ def find_states(
     compliance: Array,
     x: Array,
     state: Index,
+    forces: Array,
+    total: Array,
 ) -> int:
-    """States of the forces that minimise ½cᵀCc + cᵀ(A₀ᵀx + g) in the friction cone, written; how many changed."""
-    n, t = _opening(row, x, normal, tangent, gap).T
-    slip = friction * abs(t)
-    sticks = (n <= 0.0) & (abs(t) * compliance[:, 0] <= -friction * n * compliance[:, 1])
-    found = np.where(n >= slip, OPEN, np.where(sticks, STICKING, np.where(t < 0.0, SLIDING_ON, SLIDING_BACK)))
+    """Forces that minimise ½cᵀCc + cᵀ(A₀ᵀx + g) in the friction cone, their states and A₀c; how many states changed."""
+    u = _opening(row, x, normal, tangent, gap)
+    forces[:], found = _law(u, compliance, friction)
     changes = int((found != state).sum())
     state[:] = found
+    total[:] = _resultant(row, normal, tangent, forces, len(x))
     return changes
+
+
+def line_search(
+    row: Index,
+    normal: Array,
+    tangent: Array,
+    gap: Array,
+    friction: Array,
+    compliance: Array,
+    mass: Array,
+    load: Array,
+    x: Array,
+    dx: Array,
+) -> float:
+    """The share of `dx` to go: where ½xᵀM̄x − f̄ᵀx + Σφ(A₀ᵀx + g), −∇φ the contact law, is least along it (Illinois).
+
+    The slope is exact and never falls; the full step is taken where it has not turned by then.
+    """
+    u, du = _opening(row, x, normal, tangent, gap), _change(row, dx, normal, tangent)
+    constant, linear = float(dx @ (mass * x - load)), float(dx @ (mass * dx))
+
+    def slope(share: float) -> float:
+        forces, _ = _law(u + share * du, compliance, friction)
+        return constant + share * linear - float((forces * du).sum())
+
+    low, high, share = 0.0, 1.0, 1.0
+    at_low, at_high = slope(0.0), 0.0
+    steep = abs(at_low)
+    for trial in range(1, SEARCHES):
+        here = slope(share)
+        if abs(here) <= FLAT * steep or (trial == 1 and here < 0.0):
+            break
+        if here > 0.0:
+            if trial > 1 and high < 1.0:
+                at_low *= 0.5
+            high, at_high = share, here
+        else:
+            low, at_low = share, here
+            at_high *= 0.5
+        share = low - at_low * (high - low) / (at_high - at_low)
+    return share
+
+
+def relative(a: Index, b: Index, rows: Array, moved: Array, change: Array) -> None:
+    """Change of gaps or slides that displacements (b, 3) cause, `rows` (c, 6) times those of blocks a and b."""
+    change[:] = np.einsum("ij,ij->i", rows, np.concatenate([moved[a], moved[b]], axis=1))
 
 
 def opening(row: Index, normal: Array, tangent: Array, gap: Array, x: Array, u: Array) -> None:
@@ -259,6 +308,18 @@ def _change(row: Index, x: Array, normal: Array, tangent: Array) -> Array:
     rows = _rows(row)
     local = np.where(rows >= 0, x[rows], 0.0)
     return np.stack([(normal * local).sum(axis=1), (tangent * local).sum(axis=1)], axis=1)
+
+
+def _law(u: Array, compliance: Array, friction: Array) -> tuple[Array, Index]:
+    n, t = u.T
+    slope = np.where(t < 0.0, friction, -friction)
+    along = -(n + slope * t) / (compliance[:, 0] + friction**2 * compliance[:, 1])
+    is_open = n >= friction * abs(t)
+    sticks = ~is_open & (n <= 0.0) & (abs(t) * compliance[:, 0] <= -friction * n * compliance[:, 1])
+    forces = np.where(sticks[:, None], -u / compliance, np.stack([along, slope * along], axis=1))
+    forces[is_open] = 0.0
+    state = np.where(is_open, OPEN, np.where(sticks, STICKING, np.where(t < 0.0, SLIDING_ON, SLIDING_BACK)))
+    return forces, state.astype(np.intp)
 
 
 def _ray(friction: Array, compliance: Array, state: Index) -> tuple[Array, Array]:

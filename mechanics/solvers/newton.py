@@ -22,12 +22,13 @@ from mechanics.program import Certificate, Program, Solution
 from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, fastest
 
 ACCEPTED = 1e-6  # certificate; worse ones are left to the interior point method of PIQP
-PROXIMAL = 1e7  # stiffness that stands for a rigid contact, per scaled mass: two rounds make it exact
-CORRECTIONS = 6  # of the contact states, before the interior point method takes over
-LONGEST_PAUSE = 15  # solves for which repeating is not tried, having failed again and again
+PROXIMAL = 1e6  # stiffness that stands for a rigid contact, per scaled mass: one or two rounds make it exact
+CORRECTIONS = 7  # of the contact states, before the interior point method takes over
+MANY = 0.04  # of the contacts: where more change state, it takes over at once
+LONGEST_PAUSE = 7  # solves left to it at once, the other having failed again and again
 MOST_ITERATIONS = 40
 TO_THE_BOUND = 0.995  # share of the way to the cone that a step of the interior point method goes
-START = 0.03  # least distance from the cone at which it starts, per weight and step
+START = 0.01  # least distance from the cone at which it starts, per weight and step
 
 
 @dataclass(eq=False)
@@ -59,7 +60,7 @@ class Newton:
         apart = abs(self.row[:, 0] - self.row[:, 1])[(self.row >= 0).all(axis=1)]
         self.band: Array = np.zeros((size, int(apart.max(initial=0)) + 3))
         self.state: Index | None = None
-        self.pause, self.next_repeat = 0, 0
+        self.pause, self.next_try = 0, 0
         self.along: Array | None = None
         self.apart: Array | None = None
 
@@ -70,54 +71,53 @@ class Newton:
         """
         assert program.mass is not None and program.lateral is None
         self.solved += 1
-        mass, load = program.mass[self.order], program.load[self.order]
-        if self.state is not None and self.solved >= self.next_repeat:
-            found = self._repeat(program, mass, load, forces, self.state)
+        mass, load, near = program.mass[self.order], program.load[self.order], guess[self.order]
+        if self.state is not None and self.solved >= self.next_try:
+            found = self._semismooth(program, mass, load, near, forces, self.state)
             if found is not None:
                 self.repeated += 1
+                self.pause = 0
                 return found
-        near = self._interior(program, mass, load, guess[self.order], forces)
-        if near is None or self.state is None or self.solved < self.next_repeat:
-            return near
-        # the states are known now: with them, forces that vanish are exactly zero
-        exact = self._repeat(program, mass, load, near.forces, self.state)
-        self.pause = 0 if exact is not None else min(2 * self.pause + 1, LONGEST_PAUSE)
-        self.next_repeat = self.solved + self.pause + (self.pause > 0)
-        return near if exact is None else exact
+            self.pause = min(2 * self.pause + 1, LONGEST_PAUSE)
+            self.next_try = self.solved + self.pause
+        return self._interior(program, mass, load, near, forces)
 
-    def _repeat(
-        self, program: Program, mass: Array, load: Array, forces: Array, state: Index
+    def _semismooth(
+        self, program: Program, mass: Array, load: Array, x: Array, forces: Array, state: Index
     ) -> Solution | None:
-        kernels, row = self.kernels, self.row
-        rows = (row, program.normal, program.tangent)
-        mobility = np.where(row >= 0, 1.0 / mass[row], 0.0).sum(axis=1)
+        kernels, friction = self.kernels, program.friction
+        rows = (self.row, program.normal, program.tangent)
+        mobility = np.where(self.row >= 0, 1.0 / mass[self.row], 0.0).sum(axis=1)
         extra = np.where(program.compliance > 0.0, 0.0, mobility[:, None] / PROXIMAL)
         compliance = program.compliance + extra
-        total = np.empty_like(load)
-        centre = forces
-        for _ in range(CORRECTIONS):
-            kernels.repeat_matrix(*rows, program.friction, compliance, mass, state, self.band)
-            factor = self._factor()
-            if factor is None:
-                return None
-            x = np.zeros_like(load)
-            for _ in range(2):
-                gap = program.gap - extra * centre
-                laws = (gap, program.friction, compliance, x, state)
-                new = np.empty_like(forces)
-                kernels.repeat_forces(*rows, *laws, new, total)
-                x = x + lapack.dpbtrs(factor, load + total - mass * x, lower=1)[0]
-                laws = (gap, program.friction, compliance, x, state)
-                kernels.repeat_forces(*rows, *laws, new, total)
-                centre = new
-            certificate = self._certify(program, mass, load, x, centre)
+        gap = program.gap - extra * forces
+        found, total, guessed = np.empty_like(forces), np.empty_like(load), state.copy()
+        kernels.contact_law(*rows, gap, friction, compliance, x, guessed, found, total)
+        # where joints are elastic the last states tell more than a guess of the slip; rigid ones need the forces
+        state = np.where(program.compliance[:, 0] > 0.0, state, guessed)
+        kernels.repeat_forces(*rows, gap, friction, compliance, x, state, found, total)
+        changes, factor = 1, None
+        for correction in range(CORRECTIONS):
+            if changes:
+                kernels.repeat_matrix(*rows, friction, compliance, mass, state, self.band)
+                factor = self._factor()
+                if factor is None:
+                    return None
+            dx = lapack.dpbtrs(factor, load + total - mass * x, lower=1)[0]
+            if correction:
+                dx *= kernels.line_search(*rows, gap, friction, compliance, mass, load, x, dx)
+            x = x + dx
+            changes = kernels.contact_law(*rows, gap, friction, compliance, x, state, found, total)
+            certificate = self._certify(program, mass, load, x, found)
             if certificate.worst(program.step) <= ACCEPTED:
                 self.state = state
-                return Solution(centre, 0.0, x[self.back], certificate)
-            state = state.copy()
-            gap = program.gap - extra * centre
-            if not kernels.find_states(*rows, gap, program.friction, compliance, x, state):
+                return Solution(found, 0.0, x[self.back], certificate)
+            if changes > MANY * len(state):
                 return None
+            if not changes:
+                # exact but for the compliance that stands for none: its centre moves to the forces found
+                gap = program.gap - extra * found
+                changes = kernels.contact_law(*rows, gap, friction, compliance, x, state, found, total)
         return None
 
     def _interior(
