@@ -24,7 +24,7 @@ from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, 
 ACCEPTED = 1e-6  # certificate; worse ones are left to the interior point method of PIQP
 PROXIMAL = 1e6  # stiffness that stands for a rigid contact, per scaled mass: one or two rounds make it exact
 CORRECTIONS = 7  # of the contact states, before the interior point method takes over
-MANY = 0.04  # of the contacts: where more change state, it takes over at once
+FEW, MANY = 40, 0.04  # contacts, and share of them: where more change state, it takes over at once
 LONGEST_PAUSE = 7  # solves left to it at once, the other having failed again and again
 MOST_ITERATIONS = 40
 TO_THE_BOUND = 0.995  # share of the way to the cone that a step of the interior point method goes
@@ -110,7 +110,7 @@ class Newton:
             if certificate.worst(program.step) <= ACCEPTED:
                 self.state = state
                 return Solution(found, 0.0, x[self.back], certificate)
-            if changes > MANY * len(state):
+            if changes > max(FEW, MANY * len(state)):
                 return None
             if not changes:
                 # exact but for the compliance that stands for none: its centre moves to the forces found
