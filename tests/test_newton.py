@@ -87,7 +87,9 @@ def test_compiled_loops_give_the_same_results(behaviour: str) -> None:
     for seed in range(3):
         program = a_step(model, behaviour, shaken(model, seed), 0.3)
         answers = [
-            newton_for(model, program, loops).solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
+            newton_for(model, program, loops).solve(
+                program, np.zeros(len(program.load)), np.zeros_like(program.gap)
+            )
             for loops in (kernels, compiled)
         ]
         assert answers[0].displacement == pytest.approx(answers[1].displacement, abs=1e-7 * program.step)

@@ -341,7 +341,10 @@ def _missing(ray: Array, compliance: Array, u: Array, s: Array, z: Array, produc
 def _apply(inverse: Array, v: Array) -> Array:
     """Symmetric 2 × 2 matrices (first, second, off the diagonal) times vectors, (c, 2)."""
     return np.stack(
-        [inverse[:, 0] * v[:, 0] + inverse[:, 2] * v[:, 1], inverse[:, 2] * v[:, 0] + inverse[:, 1] * v[:, 1]],
+        [
+            inverse[:, 0] * v[:, 0] + inverse[:, 2] * v[:, 1],
+            inverse[:, 2] * v[:, 0] + inverse[:, 1] * v[:, 1],
+        ],
         axis=1,
     )
 
