@@ -1,10 +1,10 @@
 """The program with mass, by Newton's method on banded matrices (design.md §3).
 
 The contact forces are eliminated; what is left has three rows a block and, the blocks ordered by reverse
-Cuthill–McKee or by a sweep, a narrow band. Two methods share it. The first repeats the contact states (open, sticking, sliding) of
-the last step and corrects them a few times, a semismooth Newton method with an exact line search: one factorisation
-where they are right. The second is a primal-dual interior point method in the rays of the friction cone (as
-interior_point), which needs no such luck: some eight factorisations where a tenth of the contacts change state.
+Cuthill–McKee or by a sweep, a narrow band. Two methods share it. The first repeats the contact states (open, sticking,
+sliding) of the last step and corrects them a few times, a semismooth Newton method with an exact line search: one
+factorisation where they are right. The second is a primal-dual interior point method in the rays of the friction cone
+(as interior_point), which needs no such luck: some eight factorisations where a tenth of the contacts change state.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ class Newton:
     def _semismooth(
         self, program: Program, mass: Array, load: Array, x: Array, forces: Array, state: Index, many: int
     ) -> Solution | None:
-        """From known contact states, none where more than `many` contacts leave them at the first step."""
+        """From known contact states, none where a step changes more than `many` of them."""
         kernels, friction = self.kernels, program.friction
         rows = (self.row, program.normal, program.tangent)
         mobility = np.where(self.row >= 0, 1.0 / mass[self.row], 0.0).sum(axis=1)
@@ -125,7 +125,7 @@ class Newton:
                 if accepted is not None or changes:
                     return Solution(found, 0.0, x[self.back], certificate)
                 accepted = Solution(found.copy(), 0.0, x[self.back], certificate)
-            if correction == 0 and changes > many:
+            if changes > many:
                 return None
             if not changes:
                 # right but for the compliance that stands for none: with its centre in the forces found, exact
@@ -227,7 +227,7 @@ def narrowest_order(linked: Index, centres: Array) -> Index:
     graph = sparse.coo_matrix((np.ones(len(linked)), (linked[:, 0], linked[:, 1])), shape=shape)
     orders = [reverse_cuthill_mckee(sparse.csr_matrix(graph + graph.T), symmetric_mode=True).astype(np.intp)]
     for angle in np.pi * np.arange(SWEEPS) / SWEEPS + TILT:
-        orders.append(np.argsort(centres @ (np.cos(angle), np.sin(angle)), kind="stable"))
+        orders += [np.argsort(centres @ (np.cos(angle), np.sin(angle)), kind="stable")]
     return min(orders, key=lambda order: _half_band(linked, order))
 
 
