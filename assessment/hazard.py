@@ -78,6 +78,14 @@ class HazardCurve:
         table = np.log(self.values[:, 0])
         return exp(float(np.interp(log(ag), table, np.log(RETURN_PERIODS))))
 
+    def return_period_step(self, ag: float) -> Step:
+        """Return the inverse interpolation of return_period(ag) by hand; its bounds are 30 and 2475 years."""
+        table = self.values[:, 0]
+        k = int(np.clip(np.searchsorted(table, ag), 1, len(table) - 1))
+        formula = "min(2475, max(30, exp(log(T_1) + log(T_2/T_1)*log(a_g/a_1)/log(a_2/a_1))))"
+        return step("T_R_capacity", formula, self.return_period(ag), "years", f"{_ALLEGATO}, eq. 1", a_g=ag,
+                    a_1=table[k - 1], a_2=table[k], T_1=RETURN_PERIODS[k - 1], T_2=RETURN_PERIODS[k])  # fmt: skip
+
     def steps(self, return_period: float) -> Trace:
         """Return the interpolation of a_g, F0 and T_C* in space, then in the return period."""
         k = _interval(return_period)

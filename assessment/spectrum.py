@@ -294,7 +294,9 @@ class RecordSpectrum:
     def _ordinates(self, T: ArrayLike) -> tuple[Array, Array]:
         """Return S_e(T), g, and S_De(T), m, for periods T (s) of any shape."""
         T = _periods(T)
-        S_e, S_De = response_spectrum(np.asarray(self.acceleration_g), self.time_step, T.ravel(), self.damping)
+        S_e, S_De = response_spectrum(
+            np.asarray(self.acceleration_g), self.time_step, T.ravel(), self.damping
+        )
         return S_e.reshape(T.shape)[()], S_De.reshape(T.shape)[()]
 
 
