@@ -11,19 +11,18 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from assessment.hazard_files import RETURN_PERIODS, HazardGrid, read_grid, read_site_table
 from assessment.trace import Step, Trace, datum, step
 from mechanics.errors import require
 
 Array = NDArray[np.float64]
 
-RETURN_PERIODS = np.array([30.0, 50.0, 72.0, 101.0, 140.0, 201.0, 475.0, 975.0, 2475.0])  # years
 EXCEEDANCE = {"SLO": 0.81, "SLD": 0.63, "SLV": 0.10, "SLC": 0.05}  # P_VR, Tab. 3.2.I
 USE_COEFFICIENT = {"I": 0.7, "II": 1.0, "III": 1.5, "IV": 2.0}  # C_U, Tab. 2.4.II
 _KM_PER_DEGREE = 111.195
 _PARAMETERS = ("a_g", "F_0", "T_C_star")
 _UNITS = ("g", "", "s")
 _ALLEGATO = "D.M. 14/01/2008, Allegato A"
-_COLUMNS = 2 + 3 * len(RETURN_PERIODS)
 # within the reach of a cell: a site has at most this many nodes nearer than the far corner of its cell
 _NEAR = 12
 
@@ -36,16 +35,6 @@ class Hazard:
     F0: float
     Tc_star: float
     return_period: float
-
-
-@dataclass(frozen=True, eq=False)
-class HazardGrid:
-    """Reference grid: longitude, latitude (n,) in degrees, values (n, 9, 3): a_g (g), F0, T_C* (s)."""
-
-    name: str
-    longitude: Array
-    latitude: Array
-    values: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,45 +129,22 @@ def return_period_steps(limit_state: str, nominal_life: float = 50.0, use_class:
     )  # fmt: skip
 
 
-def read_grid(path: str | Path) -> HazardGrid:
-    """Read a grid in the layout of Allegato B: lon, lat, then a_g, F0, T_C* for nine return periods.
-
-    Tab- or semicolon-separated, decimal point or comma, a_g in g/10, header lines first, and optionally the
-    node's number before lon. Raises ValueError naming file and line; OSError where it cannot be opened.
-    """
-    path = Path(path)
-    lines = path.read_text(encoding="latin-1").splitlines()
-    separator = ";" if any(";" in line for line in lines[:5]) else "\t"
-    numbered = [
-        (i, line.replace(",", ".").split(separator)) for i, line in enumerate(lines, 1) if line.strip()
-    ]
-    while numbered and not _is_number(numbered[0][1][0]):
-        numbered.pop(0)
-    if not numbered:
-        raise ValueError(
-            f"{path}: no row of numbers; give the grid of Allegato B, tab- or semicolon-separated"
-        )
-    for i, cells in numbered:
-        if len(cells) not in {_COLUMNS, _COLUMNS + 1} or not all(map(_is_number, cells)):
-            raise ValueError(
-                f"{path}: line {i}: {_COLUMNS} numbers expected (lon, lat, then a_g, F0, T_C* for nine "
-                f"return periods; optionally the node's number first), found {len(cells)} cells: {cells[:4]}…"
-            )
-    table = np.array([cells[-_COLUMNS:] for _, cells in numbered], dtype=float)
-    values = table[:, 2:].reshape(-1, len(RETURN_PERIODS), 3)
-    if not (values > 0.0).all() or values[:, 6, 0].max() < 0.3:  # below 0.03 g at 475 years everywhere
-        raise ValueError(f"{path}: a_g, F0 and T_C* must be positive and a_g in g/10, as in Allegato B")
-    return HazardGrid(path.name, table[:, 0], table[:, 1], values / np.array([10.0, 1.0, 1.0]))
-
-
-def site_curve(grid: HazardGrid | str | Path, latitude: float, longitude: float) -> HazardCurve:
+def site_curve(
+    grid: HazardGrid | str | Path, latitude: float | None = None, longitude: float | None = None
+) -> HazardCurve:
     """Return the hazard of a site for the nine return periods: p = Σ(p_i/d_i)/Σ(1/d_i) over its cell's nodes.
 
-    latitude and longitude in degrees, in the datum of the grid (ED50 in Allegato B [k]).
+    latitude and longitude in degrees, in the datum of the grid (ED50 in Allegato B [k]). A file of nine lines,
+    one per return period, is the site's own table and needs no coordinates.
     Raises ValueError where no cell of four nodes holds the site: outside the grid, at its edge, on an island.
     """
     if not isinstance(grid, HazardGrid):
+        own = read_site_table(grid)
+        if own is not None:
+            return HazardCurve(Path(grid).name, own, own[None], np.zeros(1))
         grid = read_grid(grid)
+    if latitude is None or longitude is None:
+        raise ValueError(f"{grid.name}: is a grid of many nodes; give the latitude and longitude of the site")
     x = (grid.longitude - longitude) * np.cos(np.radians(latitude)) * _KM_PER_DEGREE
     y = (grid.latitude - latitude) * _KM_PER_DEGREE
     distance = np.hypot(x, y)
@@ -243,11 +209,3 @@ def _interval(return_period: float) -> int:
     low, high = RETURN_PERIODS[0], RETURN_PERIODS[-1]
     require(low <= return_period <= high, "return_period", return_period, "from 30 to 2475 years")
     return int(np.clip(np.searchsorted(RETURN_PERIODS, return_period) - 1, 0, len(RETURN_PERIODS) - 2))
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
