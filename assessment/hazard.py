@@ -97,7 +97,7 @@ class HazardCurve:
     def _space(self, symbol: str, unit: str, column: int, j: int) -> Step:
         p, d = self.node_values[:, column, j], self.distances
         if len(d) == 1:
-            return datum(symbol, p[0], unit, f"{self.name}: the site is a node")
+            return datum(symbol, p[0], unit, f"{self.name}: one node, the site itself")
         inputs = {f"p{i + 1}": p[i] for i in range(4)} | {f"d{i + 1}": d[i] for i in range(4)}
         formula = "(p1/d1 + p2/d2 + p3/d3 + p4/d4)/(1/d1 + 1/d2 + 1/d3 + 1/d4)"
         return step(symbol, formula, self.values[column, j], unit, f"{_ALLEGATO}, eq. 2", **inputs)
