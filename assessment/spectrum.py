@@ -178,6 +178,10 @@ class ElasticSpectrum:
 
     def steps(self, T: float) -> Trace:
         """Return how S_e(T) and S_De(T) follow from a_g, F0, T_C*, soil and topography."""
+        return (*self.parameter_steps(), *self._ordinates(T))
+
+    def parameter_steps(self) -> Trace:
+        """Return the parameters of the spectrum by hand."""
         lower, first, slope, upper = _STRATIGRAPHY[self.soil]
         factor, exponent = _PERIOD_FACTOR[self.soil]
         table = f"NTC 2018, Tab. 3.2.IV, {self.soil}"
@@ -195,7 +199,6 @@ class ElasticSpectrum:
             step("T_B", "T_C/3", self.T_B, "s", law, T_C=self.T_C),
             step("T_D", "4*a_g + 1.6", self.T_D, "s", law, a_g=self.ag),
             step("eta", "max(0.55, sqrt(10/(5 + 100*xi)))", self.eta, "", law, xi=self.damping),
-            *self._ordinates(T),
         )  # fmt: skip
 
     def _ordinates(self, T: float) -> Trace:

@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Any
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
 _SIGNS = {"sqrt": "√", "pi": "π", "eta": "η", "alpha": "α", "Gamma": "Γ", "gamma": "γ", "psi": "ψ", "xi": "ξ"}
@@ -86,6 +87,21 @@ def rows(trace: Iterable[Step], digits: int = 6) -> list[dict[str, str]]:
             "inputs": "; ".join(f"{name} = {number(v, digits)}" for name, v in line.inputs.items()),
             "numbers": substituted(line, digits),
             "result": number(line.result, digits),
+            "unit": line.unit,
+            "paragraph": line.paragraph,
+        }
+        for line in trace
+    ]
+
+
+def numbers(trace: Iterable[Step]) -> list[dict[str, Any]]:
+    """Return the steps as plain values for results.json."""
+    return [
+        {
+            "symbol": line.symbol,
+            "formula": line.formula,
+            "inputs": dict(line.inputs),
+            "result": line.result,
             "unit": line.unit,
             "paragraph": line.paragraph,
         }

@@ -16,7 +16,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from assessment.checks import assess, demand_spectra, spectra_numbers
+from assessment.checks import assess
+from assessment.demand import demand_spectra, spectra_numbers
 from assessment.dynamic_stages import add_dynamics, dynamic_contacts, read_motions
 from assessment.files import write_atomically
 from assessment.messages import ProjectError
@@ -121,7 +122,7 @@ def run(project: Project, model: Model, jobs: int = 0, progress: Progress = lamb
             notes: list[str] = []
             state["capacity"] = assess(project, assembly, state["pushover"], demands, hazard, notes)
             warnings += [f"{name}: {note}" for note in notes]
-        results["spectra"] = spectra_numbers(demands)
+        results["spectra"] = spectra_numbers(project, demands, hazard)
         results["timing_s"]["assessment"] = time.perf_counter() - began
     shaken = add_dynamics(results, project, assembly, motions, stages, jobs, progress)
     if project.assessment or project.incremental:
