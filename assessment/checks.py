@@ -8,15 +8,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assessment.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
+from assessment.demand import site_acceleration
+from assessment.given_mechanism import MechanismError, compared, evaluate
 from assessment.hazard import HazardCurve
 from assessment.idealisation import CapacityError, Curve, CurveFit, fit_curve
+from assessment.macro_blocks import chosen_mechanisms
+from assessment.project_schema import ORIGINAL
 from assessment.spectrum import Spectrum
+from assessment.table import CHECKS
 from assessment.trace import numbers
 from assessment.verification import Check, Method, verify
 
 if TYPE_CHECKING:
     from assessment.project import Project
-    from assessment.project_schema import AssessmentTable
     from mechanics import Assembly
 
 
@@ -42,13 +46,13 @@ def assess(
             elastic = curves.get("elastic")
             fit = fit_curve(assessment.model, rigid_branch(rigid), _elastic_branch(elastic))
             capacity = capacity_curve(fit, part.e_star, part.gamma_star, assessment.confidence_factor)
-            checks = verify(capacity, demands, _method(project, assessment, hazard))
+            checks = verify(capacity, demands, method_of(project, hazard))
         except CapacityError as refusal:
             warnings.append(f"{direction}: no capacity: {refusal}")
             continue
         if elastic is not None and fit.alpha_y is not None:
             elastic |= {"alpha_y": fit.alpha_y, "d_y_m": fit.d_y}
-        found[direction] = _numbers(part, fit, capacity, checks)
+        found[direction] = _numbers(rigid["mechanism"], part, fit, capacity, checks)
     return found
 
 
@@ -69,18 +73,76 @@ def rigid_branch(rigid: Mapping[str, Any]) -> Curve:
     return d, alpha
 
 
-def _method(project: Project, assessment: AssessmentTable, hazard: HazardCurve | None) -> Method:
-    """How the checks are made; the displacement demand of a record is that at the period T, as in the paper (§7.1)."""
+def method_of(project: Project, hazard: HazardCurve | None) -> Method:
+    """Return how the checks of a project are made."""
+    assessment = project.assessment
+    assert assessment is not None
     limit = assessment.local_displacement_limit_m
     return Method(
         behaviour_factor=assessment.behaviour_factor,
         circular=str(assessment.circular),
         scaling="return_period" if assessment.method == "grid" else "shape",
-        displacement_demand="at_period" if assessment.spectrum == "record" else "maximum",
+        displacement_demand=assessment.record_demand if assessment.spectrum == "record" else "maximum",
         hazard=hazard,
         site_acceleration=site_acceleration(project),
         local_limits={} if limit is None else dict.fromkeys(("SLV", "SLC"), limit),
+        local_reason=assessment.local_displacement_reason,
     )
+
+
+def governing(capacities: Mapping[str, Mapping[str, Any]]) -> dict[str, Any] | None:
+    """Return direction, limit state and ζ_E of the least check of a state; None where no check has a number.
+
+    The linear check at SLV is an alternative to the nonlinear one, and counts only where that one has no number.
+    """
+    found = [
+        (check["zeta_E"], direction, name)
+        for direction, capacity in capacities.items()
+        for name, check in decisive(capacity).items()
+        if check["zeta_E"] is not None
+    ]
+    if not found:
+        return None
+    zeta, direction, name = min(found)
+    return {"direction": direction, "limit_state": name, "zeta_E": zeta}
+
+
+def decisive(capacity: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the checks of a direction that decide, by limit state: "SLV linear" only without a nonlinear SLV."""
+    checks = {name: capacity[name] for name in CHECKS if capacity.get(name)}
+    if (checks.get("SLV") or {}).get("zeta_E") is not None:
+        checks.pop("SLV linear", None)
+    return checks
+
+
+def assess_chosen(
+    project: Project,
+    model: Assembly,
+    states: Mapping[str, Mapping[str, Any]],
+    demands: Mapping[str, Spectrum],
+    hazard: HazardCurve | None,
+    warnings: list[str],
+) -> list[dict[str, Any]]:
+    """Return the mechanisms that the user chose, each in its state's configuration, refused ones with the reason."""
+    found = []
+    factor = project.assessment.confidence_factor if project.assessment else 1.0
+    method = method_of(project, hazard) if project.assessment else Method()
+    for chosen in chosen_mechanisms(project, model):
+        state = states[chosen.state]
+        answer: dict[str, Any] = {"name": chosen.name, "state": chosen.state}
+        positions = model.initial.positions + np.array(state["configuration"])
+        try:
+            if chosen.state != ORIGINAL and not any(map(any, state["configuration"])):
+                raise MechanismError("its state was not reached")
+            answer |= evaluate(model, positions, chosen, factor, demands, method)
+            rigid = (state["pushover"].get(answer["direction"]) or {}).get("rigid")
+            answer = compared(answer, rigid["alpha_onset"] if rigid else None)
+            warnings += [f'mechanism "{chosen.name}": {note}' for note in answer["notes"]]
+        except MechanismError as refusal:
+            answer["refused"] = str(refusal)
+            warnings.append(f'mechanism "{chosen.name}": refused: {refusal}')
+        found.append(answer)
+    return found
 
 
 def _elastic_branch(elastic: Mapping[str, Any] | None) -> Curve | None:
@@ -88,9 +150,14 @@ def _elastic_branch(elastic: Mapping[str, Any] | None) -> Curve | None:
 
 
 def _numbers(
-    part: Participation, fit: CurveFit, capacity: CapacityCurve, checks: Mapping[str, Check]
+    mechanism: Mapping[str, Any],
+    part: Participation,
+    fit: CurveFit,
+    capacity: CapacityCurve,
+    checks: Mapping[str, Check],
 ) -> dict[str, Any]:
     return {
+        "mechanism": {"hinges": mechanism["hinges"], "sliding_joints": len(mechanism["sliding_joints"])},
         "e_star": part.e_star,
         "gamma_star": part.gamma_star,
         "T_0_s": capacity.T_0,

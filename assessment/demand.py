@@ -27,9 +27,9 @@ def demand_spectra(
 ) -> tuple[dict[str, Spectrum], HazardCurve | None]:
     """The demand spectrum of each limit state, and the site's hazard curve where a grid gives it.
 
-    spectrum = "ntc": the site's elastic spectra, or the floor spectra above them; "record": that of the first [[history]] record, whole and scaled, for
-    every limit state. Raises ProjectError for a site that the grid does not hold, and for a record that is to be
-    followed along a grid.
+    XX
+        every limit state. Raises ProjectError for a site that the grid does not hold, and for a record that is to be
+        followed along a grid.
     """
     assessment = project.assessment
     assert assessment is not None

@@ -110,7 +110,8 @@ def _limit(
         return d, governing, step(symbol, share, d, "m", law, d_0_star=d_0)
     if local * Gamma < d:
         d, governing = local * Gamma, "local limit"
-    line = step(symbol, f"min({share}, d_local*Gamma_star)", d, "m", law, d_0_star=d_0, d_local=local,
+    source = f"{law}; local limit: {method.local_reason or 'given, without a reason'}"
+    line = step(symbol, f"min({share}, d_local*Gamma_star)", d, "m", source, d_0_star=d_0, d_local=local,
                 Gamma_star=Gamma)  # fmt: skip
     return d, governing, line
 

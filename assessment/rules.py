@@ -40,8 +40,8 @@ class Method:
     the spectrum of that return period meets the capacity. displacement_demand: "maximum" of S_De over
     [T_0, T], which differs from S_De(T) for records and beyond T_E; "at_period": S_De(T), as in the paper.
     local_limits: displacement of the control point (m) at which an element is lost (a beam unseats), per
-    limit state. site_acceleration: a_g S of the site (g) per limit state, compared with the peak acceleration
-    where the spectrum is a record's.
+    limit state; local_reason: what is lost, for the calculation. site_acceleration: a_g S of the site (g) per
+    limit state, compared with the peak acceleration where the spectrum is a record's.
     """
 
     behaviour_factor: float = 2.0
@@ -50,6 +50,7 @@ class Method:
     displacement_demand: str = "maximum"
     hazard: HazardCurve | None = None
     local_limits: Mapping[str, float] = field(default_factory=dict)
+    local_reason: str = ""
     site_acceleration: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -8,6 +8,13 @@ from typing import Any
 
 Results = Mapping[str, Any]
 Row = dict[str, Any]
+CHECKS = (
+    "SLO",
+    "SLD",
+    "SLV linear",
+    "SLV",
+    "SLC",
+)  # limit states, and the linear check beside the nonlinear one
 QUOTED = ("SLC", "SLV", "SLD")  # limit states, the farthest first
 
 

@@ -46,6 +46,11 @@ def datum(symbol: str, value: float, unit: str, source: str) -> Step:
     return step(symbol, "", value, unit, source)
 
 
+def names(formula: str) -> list[str]:
+    """Return the names in a formula, each once."""
+    return list(dict.fromkeys(_NAME.findall(formula)))
+
+
 def number(value: float, digits: int = 6) -> str:
     """Return a number as it is printed in a trace."""
     return f"{value:.{digits}g}"
