@@ -15,7 +15,7 @@ from assessment.idealisation import CapacityError, Curve, CurveFit, fit_curve
 from assessment.macro_blocks import chosen_mechanisms
 from assessment.project_schema import ORIGINAL
 from assessment.spectrum import Spectrum
-from assessment.table import CHECKS
+from assessment.table import decisive
 from assessment.trace import numbers
 from assessment.verification import Check, Method, verify
 
@@ -52,6 +52,8 @@ def assess(
             continue
         if elastic is not None and fit.alpha_y is not None:
             elastic |= {"alpha_y": fit.alpha_y, "d_y_m": fit.d_y}
+        said = dict.fromkeys(note for check in checks.values() for note in check.notes)
+        warnings += [f"{direction}: {note}" for note in said]
         found[direction] = _numbers(rigid["mechanism"], part, fit, capacity, checks)
     return found
 
@@ -91,28 +93,16 @@ def method_of(project: Project, hazard: HazardCurve | None) -> Method:
 
 
 def governing(capacities: Mapping[str, Mapping[str, Any]]) -> dict[str, Any] | None:
-    """Return direction, limit state and ζ_E of the least check of a state; None where no check has a number.
-
-    The linear check at SLV is an alternative to the nonlinear one, and counts only where that one has no number.
-    """
+    """Return direction, limit state and ζ_E of the least check of a state; None where no check has a number."""
     found = [
-        (check["zeta_E"], direction, name)
+        (zeta, direction, name)
         for direction, capacity in capacities.items()
-        for name, check in decisive(capacity).items()
-        if check["zeta_E"] is not None
+        for name, zeta in decisive(capacity).items()
     ]
     if not found:
         return None
     zeta, direction, name = min(found)
     return {"direction": direction, "limit_state": name, "zeta_E": zeta}
-
-
-def decisive(capacity: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the checks of a direction that decide, by limit state: "SLV linear" only without a nonlinear SLV."""
-    checks = {name: capacity[name] for name in CHECKS if capacity.get(name)}
-    if (checks.get("SLV") or {}).get("zeta_E") is not None:
-        checks.pop("SLV linear", None)
-    return checks
 
 
 def assess_chosen(

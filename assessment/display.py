@@ -8,7 +8,9 @@ from typing import Any
 
 from markupsafe import Markup
 
-from assessment.tables import Row, Table, directions
+from assessment.capacity_tables import directions
+from assessment.hazard_files import RETURN_PERIODS
+from assessment.table import Row, Table
 from assessment.words import Words, direction_name
 
 MILLIMETRES = {
@@ -22,8 +24,9 @@ MILLIMETRES = {
     "peak_displacement_m",
     "residual_displacement_m",
 }
-PERCENT = {"reduction", "static_reduction", "dynamic_reduction", "deviation"}
+PERCENT = {"damping", "reduction", "static_reduction", "dynamic_reduction", "deviation"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
+TEXT |= {"mechanism", "governing", "kind", "soil", "topography", "refused"}
 TEXT |= {"record", "contacts", "control", "collapsed", "resurrections"}
 REDUCTIONS = 3  # settled states beside the original in one table
 
@@ -69,10 +72,27 @@ def cell(column: str, row: Row, words: Words, significant: int = 3) -> Markup:
     value = row.get(column)
     if column not in row or (value is None and column in TEXT):
         return words("value.none")
+    if column == "governing":
+        return governing(str(value), words)
+    if column == "return_period_years" and value is not None:
+        return Markup.escape(_bounded(float(value), words))
     if isinstance(value, float):
         factor = 1000.0 if column in MILLIMETRES else 100.0 if column in PERCENT else 1.0
         return Markup.escape(words.number(factor * value, significant))
     return Markup.escape(_name(column, value, words))
+
+
+def governing(text: str, words: Words) -> Markup:
+    """Write what set a capacity: a share of d_0, a local limit, activation."""
+    known = words.strings["governing"]
+    parts = [Markup(known.get(part, part).replace("d_0", "d<sub>0</sub>")) for part in text.split(": ")]
+    return Markup(": ").join(parts)
+
+
+def _bounded(T_R: float, words: Words) -> str:
+    """Write a return period; at the bounds of the hazard it is only known to lie beyond."""
+    sign = "≤ " if RETURN_PERIODS[0] >= T_R else "≥ " if RETURN_PERIODS[-1] * (1.0 - 1e-9) <= T_R else ""
+    return f"{sign}{words.number(T_R)}"
 
 
 def _name(column: str, value: Any, words: Words) -> str:
@@ -85,6 +105,8 @@ def _name(column: str, value: Any, words: Words) -> str:
         return words.plain(f"value.{value}")
     if column == "verified" and value is not None:
         return words.plain("value.verified" if value else "value.not_verified")
+    if column == "kind":
+        return words.plain(f"value.{value}_spectrum")
     if column == "stage" and value in words.strings["value"]:
         return words.plain(f"value.{value}")
     return words.show(value)

@@ -46,7 +46,7 @@ def solve_activation(capacity: CapacityCurve, spectrum: Spectrum, method: Method
     numbers = {"a_g": base.ag, symbol: a_star, "S_e": S_e}
     name, formula, governing = "a_g_act", f"a_g*{symbol}/S_e", "activation"
     if q != 1.0:
-        name, formula, governing = "a_g_linear", f"q*{formula}", f"q = {q:g} times activation"
+        name, formula, governing = "a_g_linear", f"q*{formula}", "q times activation"
         numbers["q"] = q
     line = step(name, formula, a_g, "g", LAW[method.circular], **numbers)
     return Solved(d_star, a_star, T, a_g, base, ACTIVATION_DAMPING, governing, (*base.steps(T), line), notes)
@@ -82,6 +82,12 @@ def solve_displacement(
     base, notes = _scaled(demand, d, spectrum.with_damping(rule.damping), method)
     S_De = demand(base)
     a_g = base.ag * d / S_De
+    highest, at = base.largest_displacement(T_0, T)
+    if highest > 1.001 * S_De:
+        notes += (
+            f"{limit_state}: S_De of the demand is larger at {at:.3g} s than at T = {T:.3g} s: the maximum over "
+            f"[T_0, T] of the circular would give a_g = {base.ag * d / highest:.3g} g",
+        )
     lines += [
         _curve_step(capacity, f"a_{name}", d_secant, a),
         step(f"T_{name}", f"{rule.factor:g}*pi*sqrt(d/(a*g))", T, "s", LAW[method.circular], d=d_secant, a=a,

@@ -287,9 +287,9 @@ class AssessmentTable(Table):
     circular: Literal[2019, 2009] = Field(
         default=2019, description="circular whose rules apply: 2019 or 2009"
     )
-    record_demand: Literal["maximum", "at_period"] = Field(
-        default="maximum",
-        description="displacement demand of a record: maximum over [T_0, T], or at_period T (the paper's)",
+    record_demand: Literal["at_period", "maximum"] = Field(
+        default="at_period",
+        description="displacement demand of a record: at_period T, as in the paper, or maximum over [T_0, T]",
     )
     local_displacement_limit_m: Positive | None = Field(
         default=None,
