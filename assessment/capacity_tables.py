@@ -44,13 +44,9 @@ CHOSEN = (
     "ratio",
     "e_star",
     "a_0_star_g",
-    "limit_state",
-    "a_g_g",
-    "demand_a_g_g",
-    "zeta_E",
-    "verified",
     "refused",
 )
+CHOSEN_CHECK = ("a_g_g", "demand_a_g_g", "zeta_E", "verified", "return_period_years")
 
 
 def capacity_curves(results: Results) -> Table:
@@ -136,24 +132,26 @@ def action(results: Results) -> Table:
 
 
 def chosen_mechanisms(results: Results) -> Table:
-    """List the mechanisms that the user chose beside limit analysis, a row per check; refused ones with the reason."""
+    """List the mechanisms that the user chose beside limit analysis; refused ones with the reason."""
     rows: list[Row] = []
     for given in results.get("mechanisms") or []:
-        row: Row = {"mechanism": given["name"], "state": given["state"]}
-        if "refused" in given:
-            rows.append(row | {"refused": given["refused"]})
-            continue
-        limit = given["alpha_0_limit"]
-        row |= {key: given[key] for key in CHOSEN if key in given and key != "mechanism"}
-        row |= {"alpha_0_given": given["alpha_0"], "ratio": given["alpha_0"] / limit if limit else None}
-        checks = [
-            {"limit_state": name} | {key: given[name][key] for key in CHOSEN if key in given[name]}
-            for name in CHECKS
-            if name in given
-        ]
-        rows += [row | check for check in checks or [{}]]
-    known = [{key: value for key, value in row.items() if value is not None} for row in rows]
-    return Table("chosen_mechanisms", known, CHOSEN)
+        row: Row = {"mechanism": given["name"]} | {key: given[key] for key in CHOSEN if key in given}
+        limit = given.get("alpha_0_limit")
+        row |= {"alpha_0_given": given.get("alpha_0"), "ratio": given["alpha_0"] / limit if limit else None}
+        rows.append({key: value for key, value in row.items() if value is not None})
+    return Table("chosen_mechanisms", rows, CHOSEN)
+
+
+def chosen_checks(results: Results) -> Table:
+    """List the linear checks of the mechanisms that the user chose."""
+    rows = [
+        {"mechanism": given["name"], "state": given["state"], "limit_state": name}
+        | {key: given[name][key] for key in CHOSEN_CHECK if given[name][key] is not None}
+        for given in results.get("mechanisms") or []
+        for name in CHECKS
+        if name in given
+    ]
+    return Table("chosen_checks", rows, ("mechanism", "state", "limit_state", *CHOSEN_CHECK))
 
 
 def traces(content: Mapping[str, Any]) -> Iterator[tuple[str, list[Mapping[str, Any]]]]:

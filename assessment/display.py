@@ -70,6 +70,8 @@ def grid(table: Table, words: Words, caption: Markup, significant: int = 3) -> G
 def cell(column: str, row: Row, words: Words, significant: int = 3) -> Markup:
     """Write one value: a dash where it was not asked for, "not reached" for null, the unit of the heading."""
     value = row.get(column)
+    if isinstance(value, Markup):
+        return value
     if column not in row or (value is None and column in TEXT):
         return words("value.none")
     if column == "governing":

@@ -82,25 +82,23 @@ class HazardCurve:
         hazard = self.at(return_period)
         lines = [datum("T_R", return_period, "years", "NTC 2018, §3.2.1")]
         for j, (symbol, unit) in enumerate(zip(_PARAMETERS, _UNITS, strict=True)):
-            ends = {}
-            for end, column in (("1", k), ("2", k + 1)):
-                name = f"{symbol}_{end}"
-                ends["p" + end] = self.values[column, j]
-                lines.append(self._space(f"{name} (T_R = {RETURN_PERIODS[column]:g})", unit, column, j))
+            first, second = f"{symbol}_1", f"{symbol}_2"
+            ends = {first: self.values[k, j], second: self.values[k + 1, j]}
+            lines += [self._space(first, unit, k, j), self._space(second, unit, k + 1, j)]
+            formula = f"exp(log({first}) + log({second}/{first})*log(T_R/T_1)/log(T_2/T_1))"
             lines.append(
-                step(symbol, "exp(log(p1) + log(p2/p1)*log(T_R/T_1)/log(T_2/T_1))",
-                     (hazard.ag, hazard.F0, hazard.Tc_star)[j], unit, f"{_ALLEGATO}, eq. 1",
+                step(symbol, formula, (hazard.ag, hazard.F0, hazard.Tc_star)[j], unit, f"{_ALLEGATO}, eq. 1",
                      **ends, T_R=return_period, T_1=T1, T_2=T2)
             )  # fmt: skip
         return tuple(lines)
 
     def _space(self, symbol: str, unit: str, column: int, j: int) -> Step:
-        p, d = self.node_values[:, column, j], self.distances
+        p, d, at = self.node_values[:, column, j], self.distances, f"; T_R = {RETURN_PERIODS[column]:g}"
         if len(d) == 1:
-            return datum(symbol, p[0], unit, f"{self.name}: one node, the site itself")
+            return datum(symbol, p[0], unit, f"{self.name}: one node, the site itself{at}")
         inputs = {f"p{i + 1}": p[i] for i in range(4)} | {f"d{i + 1}": d[i] for i in range(4)}
         formula = "(p1/d1 + p2/d2 + p3/d3 + p4/d4)/(1/d1 + 1/d2 + 1/d3 + 1/d4)"
-        return step(symbol, formula, self.values[column, j], unit, f"{_ALLEGATO}, eq. 2", **inputs)
+        return step(symbol, formula, self.values[column, j], unit, f"{_ALLEGATO}, eq. 2{at}", **inputs)
 
 
 def return_period(limit_state: str, nominal_life: float = 50.0, use_class: str = "II") -> float:

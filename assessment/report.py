@@ -99,6 +99,7 @@ def render_html(results: Results, figures: Path, words: Words) -> str:
         judgement=draft_judgement(results, words),
         warnings=all_warnings(results),
         local=_local_limit(results, words),
+        refused=[given for given in results.get("mechanisms") or [] if "refused" in given],
     )
 
 
@@ -144,9 +145,11 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         tables.layers(results),
         tables.settlements(results),
         tables.mechanisms(results),
-        capacity_tables.verification(results),
+        _without(capacity_tables.verification(results), "governing", "mechanism", "return_period_years"),
+        _governs(results),
         capacity_tables.action(results),
-        capacity_tables.chosen_mechanisms(results),
+        _without(capacity_tables.chosen_mechanisms(results), "refused"),
+        capacity_tables.chosen_checks(results),
         Table("comparison", _compared(results), tables.COMPARISON),
         histories(results),
         energy(results),
@@ -164,6 +167,22 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
     }
 
 
+def _without(table: Table, *columns: str) -> Table:
+    """Return the table without some columns, and without the rows that have nothing else but what they are called."""
+    kept = tuple(column for column in table.columns if column not in columns)
+    rows = [{key: value for key, value in row.items() if key in kept} for row in table.rows]
+    return Table(table.name, [row for row in rows if len(row) > 2], kept)
+
+
+def _governs(results: Results) -> Table:
+    """Return what governs each check, its mechanism and the return period of the capacity."""
+    table = capacity_tables.verification(results)
+    columns = ("state", "direction", "limit_state", "governing", "mechanism", "return_period_years")
+    kept = tuple(column for column in columns if column in table.columns)
+    rows = [{key: row[key] for key in kept if row.get(key) not in (None, "")} for row in table.rows]
+    return Table("governs", [row for row in rows if len(row) > 3], kept)
+
+
 def _compared(results: Results) -> list[Row]:
     """Return the comparison without its dynamic columns where no dynamic analysis was made."""
     rows = list(results.get("comparison") or [])
@@ -173,43 +192,64 @@ def _compared(results: Results) -> list[Row]:
 
 
 def _traces(results: Results, words: Words) -> Iterator[Grid]:
-    """Yield every calculation: the spectra, then each direction of each state, then the chosen mechanisms."""
-    for limit, content in (results.get("spectra") or {}).items():
-        yield from _calculation(content.get("trace"), words("caption.trace_spectrum", limit=limit), words)
+    """Yield every calculation: the spectra, then each direction of each state, then the chosen mechanisms.
+
+    What the table of its spectrum, or the same table, has already said is not printed again.
+    """
+    spectra = {limit: content.get("trace") or [] for limit, content in (results.get("spectra") or {}).items()}
+    for limit, steps in spectra.items():
+        yield from _calculation(steps, [], words("caption.trace_spectrum", limit=limit), words)
     for name, direction, capacity in capacity_tables.capacities(results):
         for part, steps in capacity_tables.traces(capacity):
             where = {"state": words.state(name), "direction": direction_name(direction)}
             caption = words("caption.trace", limit=_part(part, "capacity_curve", words), **where)
-            yield from _calculation(steps, caption, words)
+            yield from _calculation(steps, spectra.get(part.split()[0], []), caption, words)
     for given in results.get("mechanisms") or []:
         for part, steps in capacity_tables.traces(given):
             title = _part(part, "virtual_work", words)
-            yield from _calculation(
-                steps, words("caption.trace_chosen", name=given["name"], limit=title), words
-            )
+            caption = words("caption.trace_chosen", name=given["name"], limit=title)
+            yield from _calculation(steps, spectra.get(part.split()[0], []), caption, words)
 
 
 def _part(part: str, shared: str, words: Words) -> str:
     return words.plain(f"value.{shared}") if part == "capacity" else part
 
 
-def _calculation(steps: Sequence[Mapping[str, Any]] | None, caption: Markup, words: Words) -> Iterator[Grid]:
+def _calculation(
+    steps: Sequence[Mapping[str, Any]], said: Sequence[Mapping[str, Any]], caption: Markup, words: Words
+) -> Iterator[Grid]:
     columns = ("symbol", "formula", "inputs", "result", "paragraph")
-    if steps:
-        yield grid(Table("trace", [_step(step, words) for step in steps], columns), words, caption)
+    lines: list[Mapping[str, Any]] = []
+    for step in steps:
+        if step not in said and step not in lines:
+            lines.append(step)
+    if lines:
+        yield grid(Table("trace", [_step(step, words) for step in lines], columns), words, caption)
 
 
 def _step(step: Mapping[str, Any], words: Words) -> Row:
-    result = words.number(step["result"], 6)
+    unit = words.strings["unit"].get(step["unit"], step["unit"])
+    inputs = (f"{_signs(name)} = {words.number(value, 6)}" for name, value in step["inputs"].items())
     return {
-        "symbol": pretty(step["symbol"]),
-        "formula": pretty(step["formula"]) or words.plain("value.datum"),
-        "inputs": "; ".join(
-            f"{pretty(name)} = {words.number(value, 6)}" for name, value in step["inputs"].items()
-        ),
-        "result": f"{result} {step['unit']}".strip() if step.get("unit") else result,
-        "paragraph": step["paragraph"],
+        "symbol": _signs(step["symbol"]),
+        "formula": _signs(step["formula"]) or words("value.datum"),
+        "inputs": Markup("; ".join(inputs)),
+        "result": f"{words.number(step['result'], 6)} {unit}".strip(),
+        "paragraph": _source(step["paragraph"], words),
     }
+
+
+def _signs(formula: str) -> Markup:
+    """Write a symbol or formula with signs and subscripts."""
+    return Markup(pretty(str(Markup.escape(formula)), "<sub>{}</sub>".format).replace("_", ","))
+
+
+def _source(paragraph: str, words: Words) -> str:
+    """Write where a number comes from in the language of the report; paragraphs of standards stay as they are."""
+    known = words.strings["source"]
+    return "; ".join(
+        ": ".join(known.get(part, part) for part in phrase.split(": ")) for phrase in paragraph.split("; ")
+    )
 
 
 def _local_limit(results: Results, words: Words) -> Markup:

@@ -286,11 +286,12 @@ class RecordSpectrum:
 
     def steps(self, T: float) -> Trace:
         """Return the ordinates at T: S_e is a datum (time integration), S_De follows from it."""
-        source = f"record at T = {T:.6g} s, {100.0 * self.damping:g} %: exact integration of the oscillator"
         S_e, S_De = float(self.acceleration(T)), float(self.displacement(T))
         return (
             datum("PGA", self.ag, "g", "record"),
-            datum("S_e", S_e, "g", source),
+            datum("T", T, "s", "record: period looked at"),
+            datum("xi", self.damping, "", "record: damping"),
+            datum("S_e", S_e, "g", "record: exact integration of the oscillator"),
             step("S_De", "S_e*g*(T/(2*pi))**2", S_De, "m", "NTC 2018, §3.2.3.2.3", S_e=S_e, g=GRAVITY, T=T),
         )
 

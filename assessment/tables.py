@@ -11,6 +11,7 @@ import numpy as np
 from assessment.capacity_tables import (
     action,
     capacity_curves,
+    chosen_checks,
     chosen_mechanisms,
     spectrum,
     summary,
@@ -54,6 +55,7 @@ def tables(results: Results) -> list[Table]:
         spectrum(results),
         action(results),
         chosen_mechanisms(results),
+        chosen_checks(results),
         trace(results),
         *dynamic_tables(results),
     ]

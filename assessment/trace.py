@@ -7,7 +7,7 @@ reader, a spreadsheet or a test can compute the result again from what is printe
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -56,15 +56,17 @@ def number(value: float, digits: int = 6) -> str:
     return f"{value:.{digits}g}"
 
 
-def pretty(formula: str) -> str:
-    """Return a symbol or formula in the field's signs: √, π, Greek letters, ·, ^, and X* for X_star."""
+def pretty(formula: str, subscript: Callable[[str], str] = "_{}".format) -> str:
+    """Return a symbol or formula in the field's signs: √, π, Greek letters, ·, ^, and X* for X_star.
+
+    `subscript` writes what stands after the first underscore of a name.
+    """
     text = formula.replace("**", "^").replace("*", "·")
 
     def sign(match: re.Match[str]) -> str:
-        parts = [_SIGNS.get(part, part) for part in match[0].split("_")]
-        star = "*" if "star" in parts else ""
-        head, *rest = [part for part in parts if part != "star"]
-        return head + star + ("_" + "_".join(rest) if rest else "")
+        head, *rest = [_SIGNS.get(part, part) for part in match[0].split("_") if part != "star"]
+        star = "*" if "star" in match[0].split("_") else ""
+        return head + star + (subscript("_".join(rest)) if rest else "")
 
     return _NAME.sub(sign, text)
 

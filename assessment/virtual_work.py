@@ -90,13 +90,12 @@ def _macro_block(k: int, part: MacroBlock, model: Assembly, positions: Array) ->
     x, z = positions[part.blocks, :2].T
     W, P, (x_C, z_C), theta = float(weight.sum()), float(seismic.sum()), part.about.tolist(), part.rotation
     x_G, z_G = float(weight @ x / W), float(seismic @ z / P)
-    who = f"macro-block {k}, {len(part.blocks)} blocks"
     return [
-        datum(f"W_{k}", W, "kN", f"{who}: weights and vertical loads"),
-        datum(f"x_G_{k}", x_G, "m", f"{who}: where W acts"),
-        datum(f"P_{k}", P, "kN", f"{who}: weights that are seismic mass"),
-        datum(f"z_G_{k}", z_G, "m", f"{who}: where P acts"),
-        datum(f"J_{k}", float(seismic @ (z - z_G) ** 2), "kN·m²", f"{who}: sum of P (z - z_G)² over centroids"),
+        datum(f"W_{k}", W, "kN", "macro-block: weights and vertical loads"),
+        datum(f"x_G_{k}", x_G, "m", "macro-block: where W acts"),
+        datum(f"P_{k}", P, "kN", "macro-block: weights that are seismic mass"),
+        datum(f"z_G_{k}", z_G, "m", "macro-block: where P acts"),
+        datum(f"J_{k}", float(seismic @ (z - z_G) ** 2), "kN·m²", "macro-block: sum of P (z - z_G)² over centroids"),
         datum(f"x_C_{k}", x_C, "m", "given: centre of rotation"),
         datum(f"z_C_{k}", z_C, "m", "given: centre of rotation"),
         datum(f"theta_{k}", theta, "", "given: virtual rotation, anticlockwise positive"),

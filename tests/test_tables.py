@@ -18,7 +18,15 @@ def written(tmp_path_factory):
 
 def test_all_tables_are_written(written):
     names = {"blocks", "layers", "settlements", "pushdown", "mechanisms", "pushover", "capacity", "summary"}
-    assert set(written) == names | {"verification", "comparison", "hand_check", "quality", "spectrum", "action", "trace"}
+    assert set(written) == names | {
+        "verification",
+        "comparison",
+        "hand_check",
+        "quality",
+        "spectrum",
+        "action",
+        "trace",
+    }
 
 
 def test_curves_come_back_as_they_were(written):
