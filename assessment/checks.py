@@ -155,7 +155,7 @@ def _numbers(
         "d_0_star_m": capacity.d_0_star,
         "notes": list(fit.notes),
         "curve": {"d_star_m": capacity.displacement.tolist(), "a_star_g": capacity.acceleration.tolist()},
-        "trace": numbers((*part.steps(), *capacity.steps())),
+        "trace": numbers((*part.steps(), *capacity.steps()[2:])),  # e*, Γ* with what they come from
         **{name: _check(check, len(capacity.steps())) for name, check in checks.items()},
     }
 

@@ -53,7 +53,8 @@ class Grid:
 
 def _room(cell: Markup) -> float:
     """Return the width of a text in average letters; capitals are wider."""
-    return len(cell) + 0.4 * sum(letter.isupper() for letter in cell)
+    text = cell.striptags()
+    return len(text) + 0.4 * sum(letter.isupper() for letter in text)
 
 
 def grid(table: Table, words: Words, caption: Markup, significant: int = 3) -> Grid:
@@ -93,7 +94,7 @@ def governing(text: str, words: Words) -> Markup:
 
 def _bounded(T_R: float, words: Words) -> str:
     """Write a return period; at the bounds of the hazard it is only known to lie beyond."""
-    sign = "≤ " if RETURN_PERIODS[0] >= T_R else "≥ " if RETURN_PERIODS[-1] * (1.0 - 1e-9) <= T_R else ""
+    sign = "≤ " if RETURN_PERIODS[0] >= T_R else "≥ " if RETURN_PERIODS[-1] <= T_R else ""
     return f"{sign}{words.number(T_R)}"
 
 

@@ -65,7 +65,8 @@ class HazardCurve:
     def return_period(self, ag: float) -> float:
         """Return T_R (years) whose a_g (g) is the given one; 30 or 2475 where a_g lies outside the table."""
         table = np.log(self.values[:, 0])
-        return exp(float(np.interp(log(ag), table, np.log(RETURN_PERIODS))))
+        T_R = exp(float(np.interp(log(ag), table, np.log(RETURN_PERIODS))))
+        return float(np.clip(T_R, RETURN_PERIODS[0], RETURN_PERIODS[-1]))
 
     def return_period_step(self, ag: float) -> Step:
         """Return the inverse interpolation of return_period(ag) by hand; its bounds are 30 and 2475 years."""

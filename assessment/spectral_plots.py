@@ -40,9 +40,10 @@ def draw_spectra(results: Results, words: Words, states: Sequence[str], directio
         if spectrum is not None:
             for level, dashes in ((point.get("demand_a_g_g"), DASHES[2]), (point.get("a_g_g"), DASHES[0])):
                 factor = (level or np.nan) / spectrum["a_g_g"]
+                shown = np.asarray(spectrum["T_s"]) <= max(LONGEST, 1.2 * (point.get("T_s") or 0.0))
                 axes.plot(
-                    1000.0 * factor * np.asarray(spectrum["damped_S_De_m"]),
-                    factor * np.asarray(spectrum["damped_S_e_g"]),
+                    1000.0 * factor * np.asarray(spectrum["damped_S_De_m"])[shown],
+                    factor * np.asarray(spectrum["damped_S_e_g"])[shown],
                     color="0.0",
                     linewidth=0.9,
                     linestyle=dashes,

@@ -36,7 +36,8 @@ class Check:
 
     method: "activation", "linear" or "nonlinear". d_star (m), a_star (g): point of the capacity curve that
     counts; T (s): its period; a_g: capacity, g; demand_a_g: demand, g; zeta_E: their ratio, with S on both
-    sides; return_period: of the capacity, years, where the site's hazard is known. governing: what gave a_g.
+    sides; return_period: of the capacity, years, where the site's hazard
+    is known (30 or 2475: there or beyond). governing: what gave a_g.
     Numbers are None where the capacity is not defined, and `notes` say why.
     """
 
