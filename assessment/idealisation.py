@@ -82,21 +82,20 @@ def fit_bilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
     """
     d, alpha, d_0 = _rigid_branch(rigid)
     secant, alpha_u, (d_e, alpha_e) = _rising_branch(elastic)
-    stiffness = SECANT_SHARE * alpha_u / secant
     grid = np.union1d(np.union1d(d, d_e[d_e < d[-1]]), np.linspace(0.0, d[-1], 2001))
     branch = np.interp(grid, d, alpha)
     target = float(np.trapezoid(np.minimum(np.interp(grid, d_e, alpha_e), branch), grid))
 
     def excess(alpha_y: float) -> float:
-        fitted = np.minimum(np.minimum(stiffness * grid, alpha_y), branch)
-        return float(np.trapezoid(fitted, grid) - target)
+        fit = _idealised("bilinear", (d, alpha, d_0), secant, alpha_u, alpha_y, target)
+        return float(np.trapezoid(fit.multiplier, fit.displacement) - target)
 
     if excess(alpha_u) <= 0.0:
         return _idealised(
             "bilinear", (d, alpha, d_0), secant, alpha_u, alpha_u, None,
             "no plateau below α_u has the area of the curve: α_y = α_u",
         )  # fmt: skip
-    alpha_y = float(brentq(excess, 0.0, alpha_u, xtol=1e-12))
+    alpha_y = float(brentq(excess, 1e-9 * alpha_u, alpha_u, xtol=1e-14))
     return _idealised("bilinear", (d, alpha, d_0), secant, alpha_u, alpha_y, target)
 
 

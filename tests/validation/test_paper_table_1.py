@@ -120,7 +120,9 @@ def test_T_NC(column):
     """2.96 and 2.81 s with the branch from d_y, whose rounding holds 2.93 and 2.81; 3.06 and 3.00 s without."""
     d_y, T_NC = column[2], column[-1]
     shifted, straight = _check(_capacity(column, d_y), NTC), _check(_capacity(column), NTC)
-    np.testing.assert_allclose(shifted.T, T_NC, rtol=0.0125)  # what the roundings of α0, d_0, d_y, e*, Γ* leave
+    np.testing.assert_allclose(
+        shifted.T, T_NC, rtol=0.0125
+    )  # what the roundings of α0, d_0, d_y, e*, Γ* leave
     assert 1.04 * T_NC < straight.T < 1.07 * T_NC
 
 
