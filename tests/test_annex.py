@@ -3,8 +3,10 @@
 import re
 from copy import deepcopy
 
+import ezdxf
 import numpy as np
 import pytest
+from ezdxf.math import Matrix44
 
 from assessment.capacity_tables import trace, verification
 from assessment.checks import assess, assess_chosen, governing
@@ -230,3 +232,29 @@ def test_the_return_period_of_the_capacity_is_on_the_hazard_curve(outcomes):
                 key=lambda row: row["zeta_E"])  # fmt: skip
     assert (governs["direction"], governs["limit_state"]) == (least["direction"], least["limit_state"])
     assert governs["zeta_E"] == least["zeta_E"]
+
+
+def test_zeta_does_not_know_the_unit_of_the_drawing(tmp_path):
+    """The same block drawn in m and in mm: displacements, capacities and indices agree."""
+    found = {}
+    for unit, factor in (("m", 1.0), ("mm", 1000.0)):
+        folder = tmp_path / unit
+        assert main(["new", str(folder), "--template", "block"]) == 0
+        drawing = ezdxf.readfile(folder / "geometry.dxf")
+        for outline in drawing.modelspace():
+            outline.transform(Matrix44.scale(factor))
+        drawing.header["$INSUNITS"] = {"m": 6, "mm": 4}[unit]
+        drawing.saveas(folder / "geometry.dxf")
+        text = PROJECT.replace('unit = "m"', f'unit = "{unit}"').replace('["rigid", "elastic"]', '["rigid"]')
+        (folder / "project.toml").write_text(
+            text + '[assessment]\nmodel = "none"\n' + TYPED, encoding="utf-8"
+        )
+        project = load_project(folder)
+        found[unit] = run(project, build_model(project), jobs=1).results
+    rows = [verification(found[unit]).rows for unit in ("m", "mm")]
+    assert len(rows[0]) == 16
+    for one, other in zip(*rows, strict=True):
+        numbers = [
+            [row[key] or 0.0 for key in ("d_star_m", "a_star_g", "a_g_g", "zeta_E")] for row in (one, other)
+        ]
+        assert numbers[0] == pytest.approx(numbers[1], rel=1e-6)

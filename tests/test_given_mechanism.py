@@ -12,6 +12,8 @@ from assessment.given_mechanism import MechanismError, compared, evaluate, joint
 from assessment.macro_blocks import Chosen, MacroBlock
 from assessment.model import build_model
 from assessment.project import load_project
+from assessment.project_toml import read_toml
+from assessment.project_xlsx import write_xlsx
 from assessment.spectrum import ElasticSpectrum
 from assessment.verification import Method
 from assessment.virtual_work import virtual_displacements
@@ -292,3 +294,24 @@ def test_a_wrong_choice_is_named_before_any_analysis(project, capsys, text, says
     written(project, f'\n[[mechanism]]\nname = "m"\nabout_m = [0.3, 0.0]\n{text}')
     assert main(["check", str(project)]) == 2
     assert f"error: project.toml: {says}" in capsys.readouterr().err
+
+
+def test_mechanisms_and_floor_survive_the_spreadsheet(project):
+    """The same content from project.toml and from project.xlsx: lists in one cell, a table within a table."""
+    site = "".join(f"{name} = {{ag_g = 0.2, F0 = 2.4, Tc_star_s = 0.3}}\n" for name in ("SLD", "SLV", "SLC"))
+    text = '[assessment]\nmodel = "none"\n[assessment.site]\nsoil = "B"\n' + site + FLOOR + GIVEN
+    content = load_project(written(project, text))
+    write_xlsx(read_toml(project / "project.toml"), project / "project.xlsx")
+    (project / "project.toml").unlink()
+    assert load_project(project).content() == content.content()
+    assert len(content.mechanism) == 5
+
+
+FLOOR = """[assessment.floor]
+height_m = 7.0
+building_height_m = 10.0
+storeys = 3
+period_s = 0.4
+higher_periods_s = [0.13, 0.08]
+higher_participations = [-0.24, 0.1]
+"""
