@@ -41,7 +41,7 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
     if project.assessment:
         yield from _assessment(project, project.assessment)
         if project.assessment.floor:
-            yield from _floor(project.assessment.floor, project.assessment.spectrum)
+            yield from _floor(project.assessment.floor, project.assessment)
         if project.assessment.site:
             yield from _site(project.assessment.site, project.assessment.limit_states, folder)
 
@@ -189,7 +189,7 @@ def _assessment(project: ProjectContent, assessment: AssessmentTable) -> Iterato
         yield Problem(("assessment", "method"), text)
 
 
-def _floor(floor: FloorTable, spectrum: str) -> Iterator[Problem]:
+def _floor(floor: FloorTable, assessment: AssessmentTable) -> Iterator[Problem]:
     path: KeyPath = ("assessment", "floor")
     if floor.height_m > floor.building_height_m:
         text = f"{floor.height_m:g} is above building_height_m ({floor.building_height_m:g}); correct one of them"
@@ -197,7 +197,10 @@ def _floor(floor: FloorTable, spectrum: str) -> Iterator[Problem]:
     if len(floor.higher_periods_s) != len(floor.higher_participations):
         text = "write one γ_k ψ_k for each of higher_periods_s, in the same order"
         yield Problem((*path, "higher_participations"), text)
-    if spectrum == "record":
+    if floor.higher_periods_s and assessment.circular == 2009:
+        text = "the circular of 2009 knows the first mode alone; leave it out or write circular = 2019"
+        yield Problem((*path, "higher_periods_s"), text)
+    if assessment.spectrum == "record":
         yield Problem(path, 'a record is taken as that of the ground; write spectrum = "ntc" or leave it out')
 
 

@@ -8,13 +8,8 @@ from typing import Any
 
 Results = Mapping[str, Any]
 Row = dict[str, Any]
-CHECKS = (
-    "SLO",
-    "SLD",
-    "SLV linear",
-    "SLV",
-    "SLC",
-)  # limit states, and the linear check beside the nonlinear one
+# limit states, and beside the nonlinear check at SLV the linear one
+CHECKS = ("SLO", "SLD", "SLV linear", "SLV", "SLC")
 QUOTED = ("SLC", "SLV", "SLD")  # limit states, the farthest first
 
 

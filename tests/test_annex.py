@@ -138,6 +138,7 @@ def test_every_line_of_the_trace_table_follows_from_its_inputs(outcomes, name):
     checks = verification(outcomes[name]).rows
     numbered = [row for row in checks if row["a_g_g"] is not None]
     assert len({(row["state"], row["direction"]) for row in numbered}) == 4
+    assert {"SLD", "SLV linear", "SLV"} <= {row["limit_state"] for row in numbered}
     for row in numbered:
         assert (row["state"], row["direction"], row["limit_state"]) in parts
         assert (row["state"], row["direction"], "capacity") in parts

@@ -356,6 +356,13 @@ WRONG = [  # old text, new text, key, what the message must hold
         "mechanism[2].state",
         "macro-blocks in another state",
     ),
+    (
+        'spectrum = "ntc"',
+        'spectrum = "ntc"\ncircular = 2009\nfloor = {height_m = 1, building_height_m = 2, storeys = 1, period_s = 0.2, '
+        "higher_periods_s = [0.1], higher_participations = [0.2]}",
+        "assessment.floor.higher_periods_s",
+        "first mode alone",
+    ),
     (BEFORE_REPORT, FLOOR.replace("7.0", "12.0"), "assessment.floor.height_m", "above building_height_m"),
     (
         BEFORE_REPORT,
