@@ -92,6 +92,11 @@ def governing(text: str, words: Words) -> Markup:
     return Markup(": ").join(parts)
 
 
+def check_name(check: str, words: Words) -> str:
+    """Write the name of a check: the limit state, or that of the linear check at SLV."""
+    return words.plain("value.slv_linear") if check == "SLV linear" else check
+
+
 def _bounded(T_R: float, words: Words) -> str:
     """Write a return period; at the bounds of the hazard it is only known to lie beyond."""
     sign = "≤ " if RETURN_PERIODS[0] >= T_R else "≥ " if RETURN_PERIODS[-1] <= T_R else ""
@@ -108,6 +113,8 @@ def _name(column: str, value: Any, words: Words) -> str:
         return words.plain(f"value.{value}")
     if column == "verified" and value is not None:
         return words.plain("value.verified" if value else "value.not_verified")
+    if column == "limit_state":
+        return check_name(value, words)
     if column == "kind":
         return words.plain(f"value.{value}_spectrum")
     if column == "stage" and value in words.strings["value"]:
@@ -137,7 +144,7 @@ def _summary_row(row: Row, names: list[str], words: Words) -> list[Markup]:
     quantity, limit = row["quantity"], row["limit_state"]
     label = words(f"column.{quantity}")
     if limit:
-        label += Markup(" <span class='limit'>{}</span>").format(limit)
+        label += Markup(" <span class='limit'>{}</span>").format(check_name(limit, words))
     cells = [label, _valued(quantity, row, "original", words)]
     for name in names:
         cells.append(_valued(quantity, row, name, words))

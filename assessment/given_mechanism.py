@@ -147,7 +147,7 @@ def _notes(penetration: float, pair: tuple[int, int], rubbing: list[int]) -> lis
         )
     if rubbing:
         notes.append(
-            f"joints that slide as the mechanism moves: {len(rubbing)}; their friction is left out, so that alpha_0 is lower "
-            "than with it"
+            f"joints that slide as the mechanism moves: {len(rubbing)}; their friction is left out, so that alpha_0 is "
+            "lower than with it"
         )
     return notes

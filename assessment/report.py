@@ -13,7 +13,7 @@ import jinja2
 from markupsafe import Markup
 
 from assessment import capacity_tables, tables
-from assessment.display import Grid, exact, flatten, grid, summary_grids
+from assessment.display import Grid, check_name, exact, flatten, grid, summary_grids
 from assessment.dynamic_tables import energy, histories, incremental, incremental_states, static_dynamic
 from assessment.figures import pictures
 from assessment.files import write_atomically
@@ -212,7 +212,7 @@ def _traces(results: Results, words: Words) -> Iterator[Grid]:
 
 
 def _part(part: str, shared: str, words: Words) -> str:
-    return words.plain(f"value.{shared}") if part == "capacity" else part
+    return words.plain(f"value.{shared}") if part == "capacity" else check_name(part, words)
 
 
 def _calculation(

@@ -181,6 +181,7 @@ def test_capacity_falls_with_d_0_and_with_the_confidence_factor(alpha_0, d_0, mo
 
 
 @given(alpha_0=st.floats(0.03, 0.4), d_0=st.floats(0.02, 2.0), less=st.floats(0.5, 0.99))
+@settings(deadline=None)
 def test_capacity_falls_with_the_onset_multiplier(alpha_0, d_0, less):
     demands = dict.fromkeys(STATES, SOIL_A)
     base, weaker = verify(_block(alpha_0, d_0), demands), verify(_block(less * alpha_0, d_0), demands)
@@ -189,6 +190,7 @@ def test_capacity_falls_with_the_onset_multiplier(alpha_0, d_0, less):
 
 
 @given(factor=st.floats(0.01, 100.0), alpha_0=st.floats(0.03, 0.4), d_0=st.floats(0.02, 2.0))
+@settings(deadline=None)
 def test_zeta_needs_no_units(factor, alpha_0, d_0):
     """Control point and weights in other units: displacements × factor, Γ* / factor; e*, d*, ζ_E the same."""
     base = verify(_block(alpha_0, d_0), {"SLC": SOIL_A})["SLC"]
