@@ -64,9 +64,10 @@ class HazardCurve:
 
     def return_period(self, ag: float) -> float:
         """Return T_R (years) whose a_g (g) is the given one; 30 or 2475 where a_g lies outside the table."""
-        table = np.log(self.values[:, 0])
-        T_R = exp(float(np.interp(log(ag), table, np.log(RETURN_PERIODS))))
-        return float(np.clip(T_R, RETURN_PERIODS[0], RETURN_PERIODS[-1]))
+        table = self.values[:, 0]
+        if not table[0] < ag < table[-1]:
+            return float(RETURN_PERIODS[0] if ag <= table[0] else RETURN_PERIODS[-1])
+        return exp(float(np.interp(log(ag), np.log(table), np.log(RETURN_PERIODS))))
 
     def return_period_step(self, ag: float) -> Step:
         """Return the inverse interpolation of return_period(ag) by hand; its bounds are 30 and 2475 years."""

@@ -167,6 +167,13 @@ def test_the_nine_lines_of_one_site(tmp_path):
         assert line["result"]
 
 
+def test_the_return_period_of_an_acceleration_ends_at_the_bounds(tmp_path):
+    """a_g from 0.05 g (30 years) to 0.45 g (2475): the columns give their years, beyond them the bound, exactly."""
+    curve = site_curve(_site_table(tmp_path / "site.csv"))
+    assert curve.return_period(0.35) == pytest.approx(475.0)
+    assert [curve.return_period(ag) for ag in (0.01, 0.05, 0.45, 2.0)] == [30.0, 30.0, 2475.0, 2475.0]
+
+
 def test_bad_site_tables_are_named(tmp_path, small):
     with pytest.raises(ValueError, match=r"none\.csv: the unit of a_g is not said"):
         site_curve(_site_table(tmp_path / "none.csv", "T_R;a_g;F0;T_C*"))
