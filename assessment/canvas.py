@@ -105,10 +105,15 @@ def sheet(
 
 
 def chart(
-    words: Words, columns: int = 1, rows: int = 1, height_mm: float = 75.0, foot_mm: float = 16.0
+    words: Words,
+    columns: int = 1,
+    rows: int = 1,
+    height_mm: float = 75.0,
+    foot_mm: float = 16.0,
+    left_mm: float = 18.0,
 ) -> tuple[Figure, list[Axes]]:
     """Return a figure of the column's width with `rows` × `columns` axes, and a foot for the legend."""
-    left, right, head, below = 18.0, 3.0, 7.0, 11.0  # mm around each axes: labels and title
+    left, right, head, below = left_mm, 3.0, 7.0, 11.0  # mm around each axes: labels and title
     total = rows * height_mm + foot_mm
     figure = Figure(figsize=(WIDTH_MM * MM, total * MM))
     width = WIDTH_MM / columns

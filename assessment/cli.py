@@ -1,4 +1,4 @@
-"""The command line: assesto run, check, new, report."""
+"""The command line: assesto run, check, new, convert, schema, report."""
 
 from __future__ import annotations
 
@@ -75,8 +75,16 @@ def _parser() -> argparse.ArgumentParser:
     new.add_argument(
         "--set", action="append", default=[], metavar="KEY=NUMBER", help="a dimension; see --list"
     )
+    new.add_argument("--excel", action="store_true", help="write project.xlsx instead of project.toml")
     new.add_argument("--list", action="store_true", help="print the template's dimensions and stop")
     new.set_defaults(command=_new)
+
+    convert = commands.add_parser("convert", help="turn project.toml into project.xlsx, or back")
+    _add_project(convert)
+    convert.set_defaults(command=_convert)
+
+    schema = commands.add_parser("schema", help="print the JSON schema of project.toml, for editors")
+    schema.set_defaults(command=_schema)
 
     report = commands.add_parser("report", help="render the report again from stored results")
     _add_project(report)
@@ -98,7 +106,9 @@ class _Version(argparse.Action):
 
 
 def _add_project(command: argparse.ArgumentParser) -> None:
-    command.add_argument("project", type=Path, metavar="PROJECT", help="folder that holds project.toml")
+    command.add_argument(
+        "project", type=Path, metavar="PROJECT", help="folder that holds project.toml or project.xlsx"
+    )
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -149,6 +159,7 @@ def _check(options: argparse.Namespace) -> int:
 
 def _new(options: argparse.Namespace) -> int:
     from assessment.new_project import new_project, template_options
+    from assessment.project_source import TOML, XLSX
 
     if options.list:
         for name, (default, unit, description) in template_options(options.template).items():
@@ -160,9 +171,25 @@ def _new(options: argparse.Namespace) -> int:
         try:
             given[key.strip()] = float(value)
         except ValueError:
-            raise ValueError(f"--set {item}: not KEY=NUMBER; give for example span=6.0") from None
-    new_project(options.folder, options.template, given)
+            raise ValueError(f"--set {item}: not KEY=NUMBER; give for example span_m=6.0") from None
+    new_project(options.folder, options.template, given, XLSX if options.excel else TOML)
     print(f"wrote {options.folder}; next: assesto check {options.folder}")
+    return DONE
+
+
+def _convert(options: argparse.Namespace) -> int:
+    from assessment.project import load_project
+    from assessment.project_source import convert
+
+    new, kept = convert(load_project(options.project))
+    print(f"wrote {new}; the earlier file is kept as {kept.name}")
+    return DONE
+
+
+def _schema(_: argparse.Namespace) -> int:
+    from assessment.project import json_schema
+
+    print(json.dumps(json_schema(), indent=2, ensure_ascii=False))
     return DONE
 
 

@@ -23,10 +23,12 @@ MILLIMETRES = {
     "ultimate_elastic_m",
     "peak_displacement_m",
     "residual_displacement_m",
+    "movement_m",
 }
 PERCENT = {"damping", "reduction", "static_reduction", "dynamic_reduction", "deviation"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
 TEXT |= {"mechanism", "governing", "kind", "soil", "topography", "refused"}
+TEXT |= {"property", "collapses"}
 TEXT |= {"record", "contacts", "control", "collapsed", "resurrections"}
 REDUCTIONS = 3  # settled states beside the original in one table
 
@@ -109,7 +111,7 @@ def _name(column: str, value: Any, words: Words) -> str:
         return words.state(value)
     if column == "direction":
         return direction_name(value)
-    if column == "contacts":
+    if column in {"contacts", "property"}:
         return words.plain(f"value.{value}")
     if column == "verified" and value is not None:
         return words.plain("value.verified" if value else "value.not_verified")

@@ -25,6 +25,7 @@ from assessment.dynamic_plots import (
 )
 from assessment.plots import draw_pushdown, draw_pushover, pushed
 from assessment.spectral_plots import draw_demand, draw_spectra
+from assessment.study_plots import draw_scenarios, draw_tornado, varied
 from assessment.words import Words, direction_name, words_of
 
 PANELS = 4  # states side by side in one figure
@@ -76,7 +77,19 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
         found.append(Picture("spectrum", "action", partial(draw_demand, results, words), "spectrum"))
     for direction in ("+x", "-x"):
         found += _of_direction(results, words, direction)
-    return found + _dynamic(results, words)
+    return found + _studies(results, words) + _dynamic(results, words)
+
+
+def _studies(results: Mapping[str, Any], words: Words) -> list[Picture]:
+    found = []
+    if results.get("scenarios"):
+        draw: Callable[[], Figure] = partial(draw_scenarios, results, words)
+        found.append(Picture("scenarios", "scenarios", draw, "scenarios_curves"))
+    for number, names in enumerate(_portions(varied(results))):
+        draw = partial(draw_tornado, results, words, names)
+        fields: dict[str, object] = {"limit": results["sensitivity"]["limit_state"]}
+        found.append(Picture(_numbered("tornado", number), "sensitivity", draw, "tornado_bars", fields))
+    return found
 
 
 def _dynamic(results: Mapping[str, Any], words: Words) -> list[Picture]:

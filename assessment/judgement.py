@@ -8,6 +8,7 @@ from typing import Any
 from markupsafe import Markup
 
 from assessment.capacity_tables import decisive_checks
+from assessment.study_tables import tornado
 from assessment.tables import hand_check
 from assessment.words import Words, direction_name
 
@@ -23,6 +24,8 @@ def draft_judgement(results: Results, words: Words) -> list[Markup]:
     return [
         *_governing(results, words),
         *_losses(results, words),
+        *worst_scenario(results, words),
+        *_sensitive(results, words),
         *_margins(results, words),
         *_trust(results, words),
     ]
@@ -98,6 +101,38 @@ def _multiplier_losses(results: Results, words: Words) -> Iterator[Markup]:
             state=words.state(state),
             direction=direction_name(direction),
             reduction=100.0 * losses[state, direction],
+        )
+
+
+def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield a sentence that names the worst of the scenarios, where several were set side by side."""
+    worst = (results.get("scenarios") or {}).get("worst")
+    if worst:
+        by = results["scenarios"]["quantity"]
+        key = "collapses" if worst["collapses"] else by
+        yield words(
+            f"judgement.worst_{key}",
+            state=words.state(worst["state"]),
+            movement=words.millimetres(worst["movement_m"]),
+            direction=direction_name(worst["direction"]),
+            capacity=worst[by],
+            limit=results["scenarios"]["limit_state"],
+            reduction=None if worst["reduction"] is None else 100.0 * worst["reduction"],
+        )
+
+
+def _sensitive(results: Results, words: Words) -> Iterator[Markup]:
+    bars = [row for row in tornado(results).rows if row["swing_g"] is not None]
+    if bars:
+        widest = max(bars, key=lambda row: row["swing_g"])
+        yield words(
+            "judgement.sensitive",
+            property=words.plain(f"value.{widest['property']}"),
+            state=words.state(widest["state"]),
+            low=float(widest["low_factor"]),
+            high=float(widest["high_factor"]),
+            least=min(widest["a_g_low_g"], widest["a_g_base_g"], widest["a_g_high_g"]),
+            most=max(widest["a_g_low_g"], widest["a_g_base_g"], widest["a_g_high_g"]),
         )
 
 

@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from assessment.project_schema import KeyPath, keys_at
+from assessment.project_keys import keys_at
+from assessment.project_schema import KeyPath
 
 
 class ProjectError(ValueError):

@@ -5,17 +5,15 @@ from __future__ import annotations
 import math
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from assessment.messages import ProjectError, nearest
 from assessment.parametric import Layout
-from assessment.project_schema import KeyPath, keys_at
+from assessment.project_source import TOML, source_bytes
 from assessment.project_templates import DRAWING, NUMBER, TEMPLATES, Option, Template
-from assessment.project_toml import to_toml
 
-PROJECT = "project.toml"
 COLOURS = (7, 8, 30, 1, 5, 3)  # AutoCAD colour indices of the layers, in their order
 
 
@@ -34,19 +32,19 @@ def template_layout(template: str, options: Mapping[str, float] | None = None) -
         raise ProjectError(f"{template}: {error}") from None
 
 
-def new_project(folder: Path, template: str, options: Mapping[str, float]) -> None:
-    """Write geometry.dxf and project.toml of a template into a new folder, whole or not at all.
+def new_project(folder: Path, template: str, options: Mapping[str, float], source: str = TOML) -> None:
+    """Write geometry.dxf and the project file of a template into a new folder, whole or not at all.
 
-    `options` change the template's dimensions (see template_options). Raises ProjectError where the template
-    or an option is unknown or does not fit, or the folder holds something already; OSError where it cannot be
-    written.
+    `options` change the template's dimensions (see template_options), `source` is the name of the project file, which
+    tells its form. Raises ProjectError where the template or an option is unknown or does not fit, or the folder
+    holds something already; OSError where it cannot be written.
     """
     layout = template_layout(template, options)
     content = _template(template).content(_values(template, options))
-    write_project(folder, layout, content)
+    write_project(folder, layout, content, source)
 
 
-def write_project(folder: Path, layout: Layout, content: Mapping[str, Any]) -> None:
+def write_project(folder: Path, layout: Layout, content: Mapping[str, Any], source: str = TOML) -> None:
     """Write a drawing and a commented project file into a new folder, whole or not at all."""
     if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
         raise ProjectError(f"{folder}: folder: exists and is not empty; give the name of a new one")
@@ -55,7 +53,7 @@ def write_project(folder: Path, layout: Layout, content: Mapping[str, Any]) -> N
     try:
         temporary.chmod(0o755)
         write_drawing(temporary / DRAWING, layout)
-        (temporary / PROJECT).write_text(commented_toml(content), encoding="utf-8")
+        (temporary / source).write_bytes(source_bytes(source, content))
         temporary.replace(folder)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
@@ -74,23 +72,6 @@ def write_drawing(path: Path, layout: Layout) -> None:
         for polygon in polygons:
             space.add_lwpolyline(polygon.tolist(), close=True, dxfattribs={"layer": layer})
     drawing.saveas(path)
-
-
-def commented_toml(content: Mapping[str, Any]) -> str:
-    """TOML text of a project's content with the meaning of every table and key beside it."""
-    return "\n".join(_commented(to_toml(content).splitlines())) + "\n"
-
-
-def _commented(lines: Iterable[str]) -> Iterator[str]:
-    path: KeyPath = ()
-    for line in lines:
-        if line.startswith("["):
-            path = tuple(line.strip("[]").split("."))
-            meaning = keys_at(path[:-1]).get(str(path[-1]), "")
-            path = (*path, 0) if line.startswith("[[") else path
-        else:
-            meaning = keys_at(path).get(line.partition(" = ")[0], "")
-        yield f"{line:<40} # {meaning}" if meaning else line
 
 
 def _template(name: str) -> Template:

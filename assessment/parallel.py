@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from typing import TypeVar, TypeVarTuple
 
+SMALL = 2000  # contact points times static analyses: below it a second process costs more than it saves
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
 

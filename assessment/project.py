@@ -15,10 +15,9 @@ from pydantic import Field, ValidationError
 from assessment.messages import ProjectError, project_error, schema_problems
 from assessment.project_checks import content_problems, matches
 from assessment.project_schema import ControlTable, Direction, ProjectContent
+from assessment.project_source import SOURCES
 from assessment.project_toml import read_toml
 from assessment.project_xlsx import read_xlsx
-
-_SOURCES = ("project.toml", "project.xlsx")
 
 
 class Project(ProjectContent):
@@ -45,9 +44,11 @@ class Project(ProjectContent):
         patterns = self.incremental.records if self.incremental else ()
         return tuple(dict.fromkeys(file for pattern in patterns for file in matches(self.folder, pattern)))
 
-    def content(self) -> dict[str, Any]:
-        """Return what the file says as plain values, defaults included, without what is absent."""
-        return self.model_dump(mode="json", exclude={"folder", "source"}, exclude_none=True)
+    def content(self, defaults: bool = True) -> dict[str, Any]:
+        """Return what the file says as plain values, without what is absent; by default defaults included."""
+        return self.model_dump(
+            mode="json", exclude={"folder", "source"}, exclude_none=True, exclude_unset=not defaults
+        )
 
 
 def load_project(folder: Path | str) -> Project:
@@ -66,25 +67,26 @@ def load_project(folder: Path | str) -> Project:
         raise project_error(file.name, schema_problems(error, content), places) from None
     if problems := list(content_problems(tables, file.parent)):
         raise project_error(file.name, problems, places)
-    fields = {name: getattr(tables, name) for name in ProjectContent.model_fields}
-    return Project(**fields, folder=file.parent, source=file.name)
+    said = {name: getattr(tables, name) for name in tables.model_fields_set}
+    return Project(**said, folder=file.parent, source=file.name)
 
 
 def json_schema() -> dict[str, Any]:
-    """Return the JSON schema of the project file, for editors."""
-    return ProjectContent.model_json_schema()
+    """Return the JSON schema (draft 2020-12) of the project file, for editors."""
+    schema = ProjectContent.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | schema | {"title": "Assesto project"}
 
 
 def _source(path: Path) -> Path:
-    if path.name in _SOURCES and path.is_file():
+    if path.name in SOURCES and path.is_file():
         return path
     if path.is_file():
-        raise ProjectError(f"{path}: project: a file; give the folder that holds {' or '.join(_SOURCES)}")
+        raise ProjectError(f"{path}: project: a file; give the folder that holds {' or '.join(SOURCES)}")
     if not path.is_dir():
-        raise ProjectError(f"{path}: project: no such folder; give the folder that holds {_SOURCES[0]}")
-    found = [path / name for name in _SOURCES if (path / name).is_file()]
+        raise ProjectError(f"{path}: project: no such folder; give the folder that holds {SOURCES[0]}")
+    found = [path / name for name in SOURCES if (path / name).is_file()]
     if len(found) > 1:
-        raise ProjectError(f"{path}: project: holds {' and '.join(_SOURCES)}; keep one of them")
+        raise ProjectError(f"{path}: project: holds {' and '.join(SOURCES)}; keep one of them")
     if not found:
-        raise ProjectError(f"{path}: project: holds no {' or '.join(_SOURCES)}; write one (assesto new)")
+        raise ProjectError(f"{path}: project: holds no {' or '.join(SOURCES)}; write one (assesto new)")
     return found[0]

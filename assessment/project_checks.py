@@ -10,17 +10,19 @@ from pathlib import Path
 from assessment.messages import Problem, nearest
 from assessment.project_schema import (
     ORIGINAL,
+    VARIED,
     AssessmentTable,
     FloorTable,
     KeyPath,
     LimitState,
     MotionTable,
     ProjectContent,
+    SensitivityTable,
     SettlementTable,
     SiteTable,
 )
 
-_MOST_STEPS = 100_000
+_MOST_INCREMENTS = 100_000
 
 
 def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]:
@@ -44,6 +46,8 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
             yield from _floor(project.assessment.floor, project.assessment)
         if project.assessment.site:
             yield from _site(project.assessment.site, project.assessment.limit_states, folder)
+    if project.sensitivity:
+        yield from _sensitivity(project, project.sensitivity)
 
 
 def matches(folder: Path, pattern: str) -> list[Path]:
@@ -136,9 +140,15 @@ def _settlement(project: ProjectContent, path: KeyPath, settlement: SettlementTa
     elif "increment_m" in settlement.model_fields_set and settlement.increment_m > largest > 0.0:
         text = f"{settlement.increment_m:g} is larger than the movement; write {largest:g} or less"
         yield Problem((*path, "increment_m"), text)
-    if settlement.steps > _MOST_STEPS:
-        text = f"the movement takes {settlement.steps} steps; write increments for {_MOST_STEPS} or fewer"
+    if settlement.increments > _MOST_INCREMENTS:
+        text = (
+            f"the movement takes {settlement.increments} increments; "
+            f"write longer ones, for {_MOST_INCREMENTS} or fewer"
+        )
         yield Problem((*path, "increment_m"), text)
+    if settlement.steps and not project.pushover:
+        text = "there is no pushover whose capacity could be reviewed; add [pushover] or leave steps out"
+        yield Problem((*path, "steps"), text)
 
 
 def _motions(project: ProjectContent, folder: Path) -> Iterator[Problem]:
@@ -220,6 +230,22 @@ def _mechanisms(project: ProjectContent) -> Iterator[Problem]:
             yield Problem(
                 (*path, "state"), f'"{part.name}" has macro-blocks in another state; write one state'
             )
+
+
+def _sensitivity(project: ProjectContent, sensitivity: SensitivityTable) -> Iterator[Problem]:
+    path: KeyPath = ("sensitivity",)
+    if project.assessment is None:
+        yield Problem(path, "there is no capacity to vary; add [assessment] or leave [sensitivity] out")
+    elif project.assessment.model == "none" and sensitivity.stiffness:
+        text = 'assessment.model = "none" uses no stiffness; leave it out or write another model'
+        yield Problem((*path, "stiffness"), text)
+    if not sensitivity.factors:
+        yield Problem(path, f"nothing varies; write low and high factors of {', '.join(VARIED)}")
+    for key, (low, high) in sensitivity.factors.items():
+        if not low < high:
+            yield Problem((*path, key), f"[{low:g}, {high:g}]: write the low factor, then the high one")
+    for index, name in enumerate(sensitivity.states or ()):
+        yield from _known((*path, "states", index), name, project.states, "state")
 
 
 def _site(site: SiteTable, limit_states: Iterable[LimitState], folder: Path) -> Iterator[Problem]:

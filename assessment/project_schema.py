@@ -9,13 +9,15 @@ become the comments of a new project file and the texts of the JSON schema.
 from __future__ import annotations
 
 import math
-from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
 
 KeyPath = tuple[str | int, ...]
 """Where a value stands in the project's content, list entries counted from 0."""
+
+VARIED = ("friction", "stiffness", "unit_weight", "depth")
+"""The properties that [sensitivity] can vary."""
 
 ORIGINAL = "original"
 """Name of the state before any settlement."""
@@ -40,15 +42,17 @@ NotNegative = Annotated[float, Field(ge=0)]
 Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True)]
 Segments = Annotated[int, Field(ge=1, le=100)]
 Pair = Annotated[tuple[float, float], Field(strict=False)]
+Factors = Annotated[tuple[Positive, Positive], Field(strict=False)]
 Name = Annotated[str, Field(max_length=200, pattern=rf"^[^\s{_UNSEEN}]([^\t\n{_UNSEEN}]*[^\s{_UNSEEN}])?$")]
 Text = Annotated[str, StringConstraints(strip_whitespace=True, max_length=2000, pattern=rf"^[^{_UNSEEN}]*$")]
-Names = Annotated[tuple[Name, ...], Field(strict=False, min_length=1), AfterValidator(_unique)]
+_ENTRIES = Field(strict=False, min_length=1, json_schema_extra={"uniqueItems": True})
+Names = Annotated[tuple[Name, ...], _ENTRIES, AfterValidator(_unique)]
 Contacts = Literal["rigid", "elastic"]
 Direction = Literal["+x", "-x"]
 LimitState = Literal["SLD", "SLV", "SLC"]
-ContactsList = Annotated[tuple[Contacts, ...], Field(strict=False, min_length=1), AfterValidator(_unique)]
-Directions = Annotated[tuple[Direction, ...], Field(strict=False, min_length=1), AfterValidator(_unique)]
-LimitStates = Annotated[tuple[LimitState, ...], Field(strict=False, min_length=1), AfterValidator(_unique)]
+ContactsList = Annotated[tuple[Contacts, ...], _ENTRIES, AfterValidator(_unique)]
+Directions = Annotated[tuple[Direction, ...], _ENTRIES, AfterValidator(_unique)]
+LimitStates = Annotated[tuple[LimitState, ...], _ENTRIES, AfterValidator(_unique)]
 
 
 class Table(BaseModel):
@@ -144,10 +148,13 @@ class SettlementTable(Table):
     to_collapse: bool = Field(
         default=False, description="also look for the ultimate movement along the same direction"
     )
+    steps: Annotated[int, Field(ge=2, le=100)] | None = Field(
+        default=None, description="review the capacity after each of so many equal parts of the movement too"
+    )
 
     @property
-    def steps(self) -> int:
-        """Number of equal steps that keep within both increments, at least one."""
+    def increments(self) -> int:
+        """Number of equal increments that keep within both limits, at least one."""
         movement = max(map(abs, self.displacement_m)) / self.increment_m
         return max(1, math.ceil(max(movement, abs(self.rotation_rad) / self.increment_rad) - 1e-9))
 
@@ -158,7 +165,7 @@ class PushoverTable(Table):
     contacts: ContactsList = Field(default=("rigid",), description="contact models: rigid, elastic or both")
     directions: Directions = Field(default=("+x", "-x"), description="directions of the lateral loads")
     increment_m: Positive = Field(default=0.001, description="step of the control point's displacement, m")
-    control: Name | dict[Direction, Name] | None = Field(
+    control: Name | Annotated[dict[Direction, Name], Field(min_length=1)] | None = Field(
         default=None,
         description='control point, or one per direction: {"+x" = "C1", "-x" = "C2"}; default the first',
     )
@@ -320,7 +327,7 @@ class MechanismTable(Table):
     layers: Names | None = Field(
         default=None, description="layers of the macro-block; default all, where a region is given"
     )
-    region_m: Annotated[tuple[float, ...], Field(strict=False)] | None = Field(
+    region_m: Annotated[tuple[float, ...], Field(strict=False, min_length=1)] | None = Field(
         default=None,
         description="x and z, m, of two opposite corners of a box, or of the corners of a polygon: the movable "
         "blocks of the layers whose centroid lies in it",
@@ -331,6 +338,27 @@ class MechanismTable(Table):
     state: Name = Field(
         default=ORIGINAL, description="state in whose configuration the mechanism and its points are taken"
     )
+
+
+class SensitivityTable(Table):
+    """[sensitivity]: the capacity a_g again, with one property of the masonry lower and higher at a time."""
+
+    friction: Factors | None = Field(
+        default=None, description="low and high factor on every friction, such as [0.8, 1.2]"
+    )
+    stiffness: Factors | None = Field(
+        default=None, description="low and high factor on every joint stiffness, normal and tangential"
+    )
+    unit_weight: Factors | None = Field(default=None, description="low and high factor on every unit weight")
+    depth: Factors | None = Field(default=None, description="low and high factor on every out-of-plane depth")
+    states: Names | None = Field(
+        default=None, description='states to vary: "original" and names of settlements; default all'
+    )
+
+    @property
+    def factors(self) -> dict[str, tuple[float, float]]:
+        """The properties to vary and their low and high factors."""
+        return {key: getattr(self, key) for key in VARIED if getattr(self, key) is not None}
 
 
 class ReportTable(Table):
@@ -366,6 +394,9 @@ class ProjectContent(Table):
     mechanism: Annotated[tuple[MechanismTable, ...], Field(strict=False)] = Field(
         default=(), description="mechanisms chosen by the user, one entry per macro-block"
     )
+    sensitivity: SensitivityTable | None = Field(
+        default=None, description="capacity with properties of the masonry lower and higher, one at a time"
+    )
     report: ReportTable = Field(default=ReportTable(), description="language and title page of the report")
 
     @property
@@ -377,41 +408,3 @@ class ProjectContent(Table):
     def states(self) -> tuple[str, ...]:
         """Names of the states: the original one, then one per settlement."""
         return (ORIGINAL, *(settlement.name for settlement in self.settlements))
-
-
-def alternatives(annotation: Any) -> tuple[Any, ...]:
-    """Return the plain types behind an annotation: Annotated stripped, unions opened, None left out."""
-    origin = get_origin(annotation)
-    if origin is Annotated:
-        return alternatives(get_args(annotation)[0])
-    if origin in (Union, UnionType):
-        return tuple(plain for member in get_args(annotation) for plain in alternatives(member))
-    return () if annotation is NoneType else (annotation,)
-
-
-def annotation_at(path: KeyPath) -> Any:
-    """Return the annotation of the value at `path` of the content, or None where no such key is."""
-    annotation: Any = ProjectContent
-    for part in path:
-        annotation = _inside(annotation, part)
-    return annotation
-
-
-def keys_at(path: KeyPath) -> dict[str, str]:
-    """Return the keys of the table at `path` with their descriptions; none where keys are free."""
-    for plain in alternatives(annotation_at(path)):
-        if isinstance(plain, type) and issubclass(plain, BaseModel):
-            return {key: field.description or "" for key, field in plain.model_fields.items()}
-    return {}
-
-
-def _inside(annotation: Any, part: str | int) -> Any:
-    for plain in alternatives(annotation):
-        origin, args = get_origin(plain), get_args(plain)
-        if origin is tuple and isinstance(part, int):
-            return args[0]
-        if origin is dict:
-            return args[1]
-        if isinstance(plain, type) and issubclass(plain, BaseModel) and part in plain.model_fields:
-            return plain.model_fields[str(part)].annotation
-    return None

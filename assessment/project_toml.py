@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from assessment.messages import ProjectError
+from assessment.project_schema import KeyPath
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
@@ -31,7 +32,38 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 def to_toml(content: Mapping[str, Any]) -> str:
     """Return the TOML text of a project's content: plain values, lists, tables and lists of tables."""
-    return "\n".join(_table(content, ())).strip() + "\n"
+    lines: list[str] = []
+    for path, table in toml_tables(content):
+        lines += [*toml_header(path), *(toml_line(key, value) for key, value in plain_values(table).items())]
+    return "\n".join(lines).strip() + "\n"
+
+
+def toml_tables(table: Mapping[str, Any], path: KeyPath = ()) -> Iterator[tuple[KeyPath, Mapping[str, Any]]]:
+    """Yield the tables of the content with their paths, in the order of the file; not those of tables only."""
+    if plain_values(table) or not table:
+        yield path, table
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from toml_tables(value, (*path, key))
+        elif _is_tables(value):
+            for number, entry in enumerate(value):
+                yield from toml_tables(entry, (*path, key, number))
+
+
+def plain_values(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a table holds beside tables and lists of tables."""
+    return {key: value for key, value in table.items() if not _is_tables(value)}
+
+
+def toml_header(path: KeyPath) -> list[str]:
+    """Return the lines that open the table at `path`: an empty one and its name in brackets."""
+    name = ".".join(_key(part) for part in path if isinstance(part, str))
+    return ["", f"[[{name}]]" if isinstance(path[-1], int) else f"[{name}]"] if path else []
+
+
+def toml_line(key: str, value: Any) -> str:
+    """Return a key with its value."""
+    return f"{_key(key)} = {_value(value)}"
 
 
 def _syntax(text: str, message: str) -> str:
@@ -48,18 +80,6 @@ def _syntax(text: str, message: str) -> str:
         f"line {number}, column {column}: {what[:1].lower()}{what[1:]}: {line}; "
         "texts stand in quotes, decimals have a point, a table or key appears once"
     )
-
-
-def _table(table: Mapping[str, Any], path: tuple[str, ...]) -> list[str]:
-    lines = [f"{_key(key)} = {_value(value)}" for key, value in table.items() if not _is_tables(value)]
-    for key, value in table.items():
-        name = ".".join(map(_key, (*path, key)))
-        if isinstance(value, Mapping):
-            lines += ["", f"[{name}]", *_table(value, (*path, key))]
-        elif _is_tables(value):
-            for entry in value:
-                lines += ["", f"[[{name}]]", *_table(entry, (*path, key))]
-    return lines
 
 
 def _is_tables(value: Any) -> bool:

@@ -12,28 +12,27 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 from zipfile import BadZipFile
 
 from assessment.messages import ProjectError, nearest
-from assessment.project_schema import KeyPath, alternatives, annotation_at, keys_at
+from assessment.project_comments import unset_keys
+from assessment.project_keys import alternatives, annotation_at, keys_at, table_at, tables_of
+from assessment.project_schema import KeyPath, ProjectContent
 
-_TABLES: dict[str, KeyPath] = {
+_FORMS = tables_of(ProjectContent)
+_SINGLE: dict[str, KeyPath] = {
     "project": (),
-    "geometry": ("geometry",),
-    "material": ("material",),
-    "pushover": ("pushover",),
-    "incremental": ("incremental",),
-    "assessment": ("assessment",),
+    **{name: (name,) for name, form in _FORMS.items() if form == "single"},
     "site": ("assessment", "site"),
-    "report": ("report",),
 }
-_LISTS: dict[str, KeyPath] = {
-    name: (name,) for name in ("layers", "control", "settlements", "history", "mechanism")
-}
-_SHEETS = {**_TABLES, **_LISTS}
+_SHEETS = _SINGLE | {name: (name,) for name, form in _FORMS.items() if form != "single"}
+_NAME = {name: "layer" if name == "layers" else "name" for name, form in _FORMS.items() if form == "named"}
+WIDEST = 90  # letters of a column
+_HELP = "help"  # the sheet that lists all keys; it is not read
 
 _Rows = dict[int, tuple[Any, ...]]
 
@@ -59,24 +58,28 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str]]:
         raise ProjectError(f"{path.name}: file: not an XLSX workbook; save it as .xlsx") from None
     rows = {sheet.title: _rows(sheet) for sheet in book.worksheets}
     book.close()
-    for name in rows.keys() - _SHEETS.keys():
+    for name in rows.keys() - _SHEETS.keys() - {_HELP}:
         if rows[name]:
             raise ProjectError(f'{path.name}: sheet "{name}": unknown sheet; {nearest(name, _SHEETS)}')
     content: dict[str, Any] = {}
     places: dict[KeyPath, str] = {}
     for name in (each for each in _SHEETS if each in rows):
-        entries = _list_entries(name, rows[name]) if name in _LISTS else _table_entries(name, rows[name])
+        entries = _table_entries(name, rows[name]) if name in _SINGLE else _list_entries(name, rows[name])
         for entry in entries:
             places[entry.path] = f'sheet "{name}"{entry.place}'
             if fault := _put(content, entry):
                 raise ProjectError(f"{path.name}: {places[entry.path]}: {fault}")
-    for name in _LISTS.keys() & content.keys() - {"layers"}:
-        content[name] = list(content[name].values())
+    for name in content.keys() & _FORMS.keys():
+        if _FORMS[name] == "list" and isinstance(content[name], dict):
+            content[name] = list(content[name].values())
     return content, places
 
 
-def write_xlsx(content: Mapping[str, Any], path: Path) -> None:
-    """Write a project's content, as read from TOML, as a spreadsheet with a comment beside each key."""
+def to_xlsx(content: Mapping[str, Any]) -> bytes:
+    """Return a project's content, as read from TOML, as a spreadsheet that explains its keys.
+
+    Keys that the content leaves out have an empty cell in the sheets that there are; the sheet "help" has them all.
+    """
     from openpyxl import Workbook
 
     book = Workbook()
@@ -85,19 +88,43 @@ def write_xlsx(content: Mapping[str, Any], path: Path) -> None:
         node: Any = content
         for part in table:
             node = node.get(part) if node else None
-        if node is None:
+        if node is None or (not node and name not in _SINGLE):
             continue
-        sheet = book.create_sheet(name)
-        for number, row in enumerate(
-            _list_rows(name, node) if name in _LISTS else _table_rows(table, node), 1
-        ):
-            for column, value in enumerate(row, 1):
-                cell = sheet.cell(number, column, value)
-                if isinstance(value, str):
-                    cell.data_type = "s"  # a text that begins with = is no formula
-        for letter in "ABC":
-            sheet.column_dimensions[letter].width = 28
-    book.save(path)
+        rows = _table_rows(table, node) if name in _SINGLE else _list_rows(name, node)
+        _fill(book.create_sheet(name), rows)
+    for name in _FORMS.keys() & set(book.sheetnames) - _SINGLE.keys():
+        _explain_header(book[name])
+    _fill(book.create_sheet(_HELP), _help_rows())
+    file = BytesIO()
+    book.save(file)
+    return file.getvalue()
+
+
+def _fill(sheet: Any, rows: Iterable[list[Any]]) -> None:
+    from openpyxl.styles import Font
+    from openpyxl.utils import get_column_letter
+
+    for number, row in enumerate(rows, 1):
+        for column, value in enumerate(row, 1):
+            cell = sheet.cell(number, column, value)
+            if isinstance(value, str):
+                cell.data_type = "s"  # a text that begins with = is no formula
+            if number == 1:
+                cell.font = Font(bold=True)
+    for column, cells in enumerate(sheet.columns, 1):
+        longest = max(len(str(cell.value or "")) for cell in cells)
+        sheet.column_dimensions[get_column_letter(column)].width = min(longest, WIDEST) + 2
+    sheet.freeze_panes = "A2"
+
+
+def _explain_header(sheet: Any) -> None:
+    """Put the meaning of each key of a list as a note to its heading."""
+    from openpyxl.comments import Comment
+
+    meanings = keys_at((sheet.title, 0))
+    for cell in sheet[1]:
+        if cell.value in meanings:
+            cell.comment = Comment(meanings[cell.value], "Assesto", height=80, width=260)
 
 
 def _rows(sheet: Any) -> _Rows:
@@ -111,7 +138,7 @@ def _rows(sheet: Any) -> _Rows:
 
 
 def _table_entries(name: str, rows: _Rows) -> Iterator[_Entry]:
-    table = _TABLES[name]
+    table = _SINGLE[name]
     if table:
         yield _Entry(table, {}, "")
     for number, row in rows.items():
@@ -127,7 +154,7 @@ def _list_entries(name: str, rows: _Rows) -> Iterator[_Entry]:
 
     header, *entries = [*rows.items()] or [(0, ())]
     keys = [_text(key).strip() for key in header[1]]
-    first = 1 if name == "layers" else 0
+    first = 1 if name in _NAME else 0
     for index, (number, row) in enumerate(entries):
         entry: KeyPath = (name, _text(row[0]) if first else index)
         yield _Entry(entry, {}, f", row {number}")
@@ -189,22 +216,41 @@ def _text(value: Any) -> str:
     return str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)
 
 
-def _table_rows(table: KeyPath, node: Mapping[str, Any]) -> list[list[Any]]:
+def _table_rows(table: KeyPath, node: Mapping[str, Any]) -> Iterator[list[Any]]:
     comments = keys_at(table)
-    rows: list[list[Any]] = [["key", "value", "comment"]]
-    for key, value in node.items():
+    yield ["key", "value", "comment"]
+    for key, value in {**node, **dict.fromkeys(unset_keys(table, node))}.items():
         path = (*table, key)
         if path in _SHEETS.values():
             continue
-        parts = {f"{key}.{k}": v for k, v in value.items()} if isinstance(value, Mapping) else {key: value}
-        rows += [[name, _cell(part), comments[key]] for name, part in parts.items()]
-    return rows
+        if isinstance(value, Mapping):
+            inner = keys_at(path)
+            yield from ([f"{key}.{k}", _cell(v), inner.get(k, comments[key])] for k, v in value.items())
+        else:
+            yield [key, _cell(value), comments[key]]
 
 
-def _list_rows(name: str, node: Any) -> list[list[Any]]:
-    entries = [{"layer": key, **table} for key, table in node.items()] if name == "layers" else node
-    keys = list(dict.fromkeys(key for entry in entries for key in entry))
-    return [keys, *([_cell(entry.get(key)) for key in keys] for entry in entries)]
+def _list_rows(name: str, node: Any) -> Iterator[list[Any]]:
+    entries = [{_NAME[name]: key, **table} for key, table in node.items()] if name in _NAME else node
+    keys = [*([_NAME[name]] if name in _NAME else []), *keys_at((name, 0))]
+    yield keys
+    yield from ([_cell(entry.get(key)) for key in keys] for entry in entries)
+
+
+def _help_rows() -> Iterator[list[Any]]:
+    yield ["sheet", "key", "default", "meaning"]
+    for name, path in _SHEETS.items():
+        yield from _help_on(name, path if name in _SINGLE else (name, 0), "")
+
+
+def _help_on(sheet: str, table: KeyPath, prefix: str) -> Iterator[list[Any]]:
+    defaults = unset_keys(table, {})
+    for key, meaning in keys_at(table).items():
+        path = (*table, key)
+        if table_at(path) is None:
+            yield [sheet, prefix + key, _cell(defaults[key]), meaning]
+        elif path not in _SHEETS.values():
+            yield from _help_on(sheet, path, f"{prefix}{key}.")
 
 
 def _cell(value: Any) -> Any:

@@ -17,7 +17,8 @@ from assessment.display import Grid, check_name, exact, flatten, grid, summary_g
 from assessment.dynamic_tables import energy, histories, incremental, incremental_states, static_dynamic
 from assessment.figures import pictures
 from assessment.files import write_atomically
-from assessment.judgement import all_warnings, draft_judgement
+from assessment.judgement import all_warnings, draft_judgement, worst_scenario
+from assessment.study_tables import reported_studies
 from assessment.table import Row, Table
 from assessment.trace import pretty
 from assessment.words import Words, direction_name, words_of
@@ -41,6 +42,7 @@ CHAPTERS = (
     "judgement",
 )
 DYNAMIC = ("history", "incremental")  # chapters before the comparison, where their stages were asked for
+STUDIES = ("scenarios", "sensitivity")  # likewise
 
 
 @dataclass(frozen=True)
@@ -97,6 +99,7 @@ def render_html(results: Results, figures: Path, words: Words) -> str:
         contacts=_contacts(results),
         missing=list(_missing(results, words)),
         judgement=draft_judgement(results, words),
+        worst=list(worst_scenario(results, words)),
         warnings=all_warnings(results),
         local=_local_limit(results, words),
         refused=[given for given in results.get("mechanisms") or [] if "refused" in given],
@@ -104,8 +107,9 @@ def render_html(results: Results, figures: Path, words: Words) -> str:
 
 
 def _chapters(results: Results) -> list[str]:
-    """Return the chapters of the report: those of the dynamic stages only where they were asked for."""
-    asked = [name for name in DYNAMIC if any(content.get(name) for content in results["states"].values())]
+    """Return the chapters of the report: those of studies and dynamic stages only where they were asked for."""
+    asked = [name for name in STUDIES if results.get(name)]
+    asked += [name for name in DYNAMIC if any(content.get(name) for content in results["states"].values())]
     place = CHAPTERS.index("comparison")
     return [*CHAPTERS[:place], *asked, *CHAPTERS[place:]]
 
@@ -129,7 +133,7 @@ class Counter:
 
 def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[dict[str, object]]]:
     """Return per chapter the caption and data address of each figure; as images, their ids cannot clash."""
-    found: dict[str, list[dict[str, object]]] = {chapter: [] for chapter in (*CHAPTERS, *DYNAMIC)}
+    found: dict[str, list[dict[str, object]]] = {chapter: [] for chapter in (*CHAPTERS, *STUDIES, *DYNAMIC)}
     for picture in pictures(results):
         svg = base64.b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()
         caption = words(f"caption.{picture.caption}", **picture.fields)
@@ -151,6 +155,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         _without(capacity_tables.chosen_mechanisms(results), "refused"),
         capacity_tables.chosen_checks(results),
         Table("comparison", _compared(results), tables.COMPARISON),
+        *reported_studies(results),
         histories(results),
         energy(results),
         incremental(results),

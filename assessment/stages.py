@@ -123,7 +123,7 @@ def _settle(
             settlement.support,
             settlement.displacement_m,
             settlement.rotation_rad,
-            whole / settlement.steps,
+            whole / settlement.increments,
             result.behaviour,
             settlement.to_collapse,
         )

@@ -20,6 +20,7 @@ from assessment.capacity_tables import (
 )
 from assessment.dynamic_tables import dynamic_tables
 from assessment.files import write_atomically
+from assessment.study_tables import study_tables
 from assessment.table import Results, Table
 
 
@@ -57,6 +58,7 @@ def tables(results: Results) -> list[Table]:
         chosen_mechanisms(results),
         chosen_checks(results),
         trace(results),
+        *study_tables(results),
         *dynamic_tables(results),
     ]
 

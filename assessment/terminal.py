@@ -62,6 +62,12 @@ def summary(results: Results, folder: Path, warnings: Iterable[str]) -> str:
         for behaviour, path in state["pushdown"].items():
             if path["ultimate_movement_m"] is not None:
                 lines.append(f"{name}: ultimate movement, {behaviour}: {path['ultimate_movement_m']:.4g} m")
+    worst = (results.get("scenarios") or {}).get("worst")
+    if worst:
+        lines.append(
+            f"worst scenario: {worst['state']} at {1000.0 * worst['movement_m']:.4g} mm, {worst['direction']}"
+            + (": the structure collapses before" if worst["collapses"] else "")
+        )
     lines += [f"warning: {text}" for text in (*results["quality"]["warnings"], *warnings)]
     lines.append(f"results: {folder}")
     return "\n".join(lines)

@@ -22,8 +22,9 @@ from assessment.dynamic_stages import add_dynamics, dynamic_contacts, read_motio
 from assessment.files import write_atomically
 from assessment.messages import ProjectError
 from assessment.model import Model
-from assessment.parallel import spread
+from assessment.parallel import SMALL, spread
 from assessment.stages import ORIGINAL, StateResult, analyse_state
+from assessment.study_stages import add_studies
 from assessment.table import reduction, static_pga
 from mechanics import Assembly, UnstableError
 from mechanics.block import GRAVITY
@@ -49,7 +50,6 @@ PACKAGES = (
     "pydantic",
 )
 SCRATCH = ".assesto-"  # where files are made before they take their place
-SMALL = 2000  # contact points times analyses: below it a second process costs more than it saves
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,8 @@ STAGES = {  # stage: table
     "history": "history",
     "incremental": "incremental",
     "assessment": "assessment",
+    "scenarios": "settlements",
+    "sensitivity": "sensitivity",
 }
 
 
@@ -80,7 +82,9 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
     for name in wanted:
         if name not in STAGES:
             raise ProjectError(f"--only: {name}: no such stage; choose from {', '.join(STAGES)}")
-    if "assessment" in wanted and "pushover" not in wanted:
+    if "sensitivity" in wanted and "assessment" not in wanted:
+        wanted.append("assessment")
+    if {"assessment", "scenarios"} & {*wanted} and "pushover" not in wanted:
         wanted.append("pushover")
     by_record = project.assessment is not None and project.assessment.spectrum == "record"
     if "assessment" in wanted and "history" not in wanted and by_record:
@@ -90,6 +94,9 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
         for stage, table in STAGES.items()
         if stage not in wanted and table != "settlements"
     }
+    if "scenarios" not in wanted:
+        whole = (each.model_copy(update={"steps": None}) for each in project.settlements)
+        dropped["settlements"] = tuple(whole)
     return project.model_copy(update=dropped)
 
 
@@ -127,11 +134,13 @@ def run(project: Project, model: Model, jobs: int = 0, progress: Progress = lamb
         results["timing_s"]["assessment"] = time.perf_counter() - began
     if project.mechanism:
         results["mechanisms"] = assess_chosen(project, assembly, states, demands, hazard, warnings)
+    studied = add_studies(results, project, assembly, stages, demands, hazard, jobs, progress)
     shaken = add_dynamics(results, project, assembly, motions, stages, jobs, progress)
     if project.assessment or project.incremental:
         results["comparison"] = _comparison(states)
     _sum_up(results["quality"])
-    return Outcome(_without_nan(results), shaken and not any(stage.failures for stage in stages))
+    complete = shaken and studied and not any(stage.failures for stage in stages)
+    return Outcome(_without_nan(results), complete)
 
 
 def describe(project: Project, model: Model) -> Results:

@@ -13,7 +13,7 @@ from assessment.macro_blocks import Chosen, MacroBlock
 from assessment.model import build_model
 from assessment.project import load_project
 from assessment.project_toml import read_toml
-from assessment.project_xlsx import write_xlsx
+from assessment.project_xlsx import to_xlsx
 from assessment.spectrum import ElasticSpectrum
 from assessment.verification import Method
 from assessment.virtual_work import virtual_displacements
@@ -301,7 +301,7 @@ def test_mechanisms_and_floor_survive_the_spreadsheet(project):
     site = "".join(f"{name} = {{ag_g = 0.2, F0 = 2.4, Tc_star_s = 0.3}}\n" for name in ("SLD", "SLV", "SLC"))
     text = '[assessment]\nmodel = "none"\n[assessment.site]\nsoil = "B"\n' + site + FLOOR + GIVEN
     content = load_project(written(project, text))
-    write_xlsx(read_toml(project / "project.toml"), project / "project.xlsx")
+    (project / "project.xlsx").write_bytes(to_xlsx(read_toml(project / "project.toml")))
     (project / "project.toml").unlink()
     assert load_project(project).content() == content.content()
     assert len(content.mechanism) == 5

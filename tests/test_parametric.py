@@ -17,7 +17,7 @@ from assessment.messages import ProjectError
 from assessment.new_project import new_project, template_layout, template_options
 from assessment.parametric import THINNEST, Layout, Ring
 from assessment.project import load_project
-from assessment.project_schema import keys_at
+from assessment.project_keys import keys_at
 from assessment.project_templates import TEMPLATES
 from mechanics import Assembly, Block, Material, limit_analysis, read_drawing
 from mechanics.drawing import Layer
@@ -242,7 +242,7 @@ def test_a_failure_while_writing_leaves_nothing(tmp_path: Path, monkeypatch: pyt
     def fail(*_: object) -> None:
         raise OSError("disk full")
 
-    monkeypatch.setattr(module, "commented_toml", fail)
+    monkeypatch.setattr(module, "source_bytes", fail)
     with pytest.raises(OSError, match="disk full"):
         new_project(tmp_path / "new", "block", {})
     assert not list(tmp_path.iterdir())

@@ -137,7 +137,7 @@ def test_the_contract_s_own_example_is_read(folder):
     assert project.supports == ("right",)
     assert project.states == ("original", "right support 20 mm")
     assert project.control[1].point_m == (1.0, 3.0)
-    assert project.settlements[0].displacement_m == (0.02, -0.02) and project.settlements[0].steps == 20
+    assert project.settlements[0].displacement_m == (0.02, -0.02) and project.settlements[0].increments == 20
     assert project.pushover.contacts == ("rigid", "elastic") and project.pushover.directions == ("+x", "-x")
     assert project.history[0].window_s == (15.0, 22.0) and project.incremental.max_scale == 5.0
     assert [file.name for file in project.incremental_records()] == ["aqv_ns.acc", "aqv_up.acc"]
@@ -168,7 +168,7 @@ def test_control_points_by_default_name_and_direction(folder):
 
 def test_steps_keep_within_both_increments(folder):
     text = CONTRACT.replace("rotation_rad = 0.0", "rotation_rad = -0.05\nincrement_rad = 0.002")
-    assert load(folder, text).settlements[0].steps == 25
+    assert load(folder, text).settlements[0].increments == 25
     turned = load(
         folder, text.replace("displacement_m = [0.020, -0.020]", "").replace("increment_m = 0.001\nto", "to")
     )
@@ -375,7 +375,7 @@ WRONG = [  # old text, new text, key, what the message must hold
     # what does not fit together
     ("[0.020, -0.020]", "[0, 0.0]", "settlements[1].displacement_m", "nothing moves"),
     ("increment_m = 0.001\nto", "increment_m = 0.05\nto", "settlements[1].increment_m", "write 0.02 or less"),
-    ("increment_m = 0.001\nto", "increment_m = 1e-8\nto", "settlements[1].increment_m", "2000000 steps"),
+    ("increment_m = 0.001\nto", "increment_m = 1e-8\nto", "settlements[1].increment_m", "2000000 increments"),
     ("scale = 1.0", "scale = 0", "history[1].scale", "0 leaves no motion"),
     ("[15.0, 22.0]", "[22.0, 15.0]", "history[1].window_s", "0 ≤ first < last"),
     ("max_scale = 5.0", "window_s = [-1, 5]", "incremental.window_s", "0 ≤ first < last"),
@@ -444,6 +444,28 @@ SITE = 'latitude = 42.35\nlongitude = 13.40\ngrid = "allegato_b.txt"\n'
             MINIMAL + CONTROL + '[incremental]\nrecords = ["records/b.csv"]\n',
             "material.normal_stiffness_kN_m3",
             "incremental.contacts",
+        ),
+        (
+            MINIMAL + '[layers.R]\nsupport = "right"\n' + SETTLEMENT + "steps = 2\n",
+            "settlements[1].steps",
+            "add [pushover]",
+        ),
+        (MINIMAL + "[sensitivity]\nfriction = [0.8, 1.2]\n", "sensitivity", "add [assessment]"),
+        (CONTRACT + "[sensitivity]\n", "sensitivity", "write low and high factors of friction, stiffness"),
+        (
+            CONTRACT + "[sensitivity]\ndepth = [1.2, 0.8]\n",
+            "sensitivity.depth",
+            "[1.2, 0.8]: write the low factor, then the high one",
+        ),
+        (
+            CONTRACT + '[sensitivity]\ndepth = [0.8, 1.2]\nstates = ["right"]\n',
+            "sensitivity.states[1]",
+            'no state "right"; valid: "original", "right support 20 mm"',
+        ),
+        (
+            CONTRACT.replace("trilinear", "none") + "[sensitivity]\nstiffness = [0.5, 2]\n",
+            "sensitivity.stiffness",
+            "uses no stiffness",
         ),
         (CONTRACT + SETTLEMENT + SETTLEMENT, "settlements[3].name", "earlier entry"),
         (CONTRACT + HISTORY + HISTORY, "history[3].name", "earlier entry"),
