@@ -71,8 +71,8 @@ class Scene:
         model, contacts = self.model, self.model.contacts(self.behaviour)
         self.contacts = contacts
         self.dof = np.concatenate([model.dof[contacts.a], model.dof[contacts.b]], axis=1)
-        self.newton = Newton(self.dof)
         self.movable = np.flatnonzero(model.movable)
+        self.newton = Newton(self.dof, model.initial.positions[self.movable, :2])
         self.mass = model.mass[self.movable].ravel()
         self.compliance = np.zeros((len(contacts), 2))
         if self.behaviour == "elastic":
@@ -92,8 +92,8 @@ class Scene:
 
     def relative(self, rows: Array, moved: Array) -> Array:
         """Change (c,) of gaps or slides that displacements or velocities (b, 3) cause."""
-        both = np.concatenate([moved[self.contacts.a], moved[self.contacts.b]], axis=1)
-        change: Array = np.einsum("ij,ij->i", rows, both)
+        change = np.empty(len(rows))
+        self.newton.kernels.relative(self.contacts.a, self.contacts.b, rows, moved, change)
         return change
 
     def solve(

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from types import ModuleType
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics import Assembly, State
-from mechanics.block import GRAVITY
+from mechanics import Assembly, State, time_history
+from mechanics.block import GRAVITY, Array
 from mechanics.program import Program, certify
 from mechanics.solvers import kernels, solve
+from mechanics.solvers.kernels import fastest
 from mechanics.solvers.newton import ACCEPTED, Newton
 from tests.structures import arch_on_piers, block_on_base, running_bond
 
@@ -42,6 +45,10 @@ def a_step(
     )
 
 
+def newton_for(model: Assembly, program: Program, loops: ModuleType = kernels) -> Newton:
+    return Newton(program.dof, model.initial.positions[model.movable, :2], loops)
+
+
 def shaken(model: Assembly, seed: int) -> State:
     """Blocks a little out of place and moving."""
     rng = np.random.default_rng(seed)
@@ -61,7 +68,7 @@ def test_agrees_with_the_reference_solver(name: str, behaviour: str, seed: int, 
     model = MODELS[name]
     program = a_step(model, behaviour, shaken(model, seed), acceleration)
     reference = solve(program)
-    found = Newton(program.dof).solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
+    found = newton_for(model, program).solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
     assert found is not None
     assert found.certificate.worst(program.step) <= ACCEPTED
     again = certify(program, found.forces, 0.0, found.displacement)
@@ -81,7 +88,9 @@ def test_compiled_loops_give_the_same_results(behaviour: str) -> None:
     for seed in range(3):
         program = a_step(model, behaviour, shaken(model, seed), 0.3)
         answers = [
-            Newton(program.dof, loops).solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
+            newton_for(model, program, loops).solve(
+                program, np.zeros(len(program.load)), np.zeros_like(program.gap)
+            )
             for loops in (kernels, compiled)
         ]
         assert answers[0].displacement == pytest.approx(answers[1].displacement, abs=1e-7 * program.step)
@@ -104,7 +113,7 @@ def test_geometry_of_the_loops_is_that_of_the_contacts() -> None:
 def test_band_is_narrow_and_known_states_need_one_factorisation() -> None:
     model = running_bond(6, 6)
     program = a_step(model, "rigid", model.initial, 0.0)
-    newton = Newton(program.dof)
+    newton = newton_for(model, program)
     assert newton.band.shape[1] <= 3 * 16, "reverse Cuthill–McKee: courses of at most 7 bricks"
     first = newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
     before = newton.factorisations
@@ -115,7 +124,143 @@ def test_band_is_narrow_and_known_states_need_one_factorisation() -> None:
 
 def test_no_contacts_at_all() -> None:
     program = a_step(MODELS["block"], "rigid", MODELS["block"].initial, 0.1).take(np.zeros(0, dtype=np.intp))
-    newton = Newton(a_step(MODELS["block"], "rigid", MODELS["block"].initial, 0.1).dof)
-    newton.row = newton.row[:0]
+    newton = newton_for(MODELS["block"], program)
     found = newton.solve(program, np.zeros(3), np.zeros((0, 2)))
     assert found.displacement == pytest.approx(program.load / program.mass)
+
+
+def random_models(count: int) -> list[tuple[Assembly, State]]:
+    """Small walls, arches and blocks of random shape, friction and stiffness, out of place and moving."""
+    rng = np.random.default_rng(7)
+    models = []
+    for seed in range(count):
+        friction, stiffness = rng.uniform(0.05, 1.5), 10.0 ** rng.uniform(4.0, 8.0)
+        kind = seed % 3
+        if kind == 0:
+            columns, courses = rng.integers(1, 4, 2)
+            model = running_bond(int(columns), int(courses), friction=friction, stiffness=stiffness)
+        elif kind == 1:
+            model = arch_on_piers(
+                voussoirs=int(rng.integers(3, 8)), courses=int(rng.integers(1, 4)), friction=friction,
+                stiffness=stiffness, segments=int(rng.integers(1, 3)),
+            )  # fmt: skip
+        else:
+            model = block_on_base(rng.uniform(0.1, 2.0), rng.uniform(0.1, 4.0), friction, stiffness)
+        models.append((model, shaken(model, seed)))
+    return models
+
+
+def test_a_corpus_of_random_assemblies_agrees_with_the_reference_solver(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The optima of 300 programs to 1e-7, the solver being asked for more than a step of a history needs."""
+    monkeypatch.setattr("mechanics.solvers.newton.ACCEPTED", 1e-9)
+    rng = np.random.default_rng(8)
+    for number, (model, state) in enumerate(random_models(150)):
+        for behaviour in ("rigid", "elastic"):
+            program = a_step(model, behaviour, state, rng.uniform(-1.0, 1.0))
+            assert program.mass is not None
+            reference = solve(program)
+            newton = newton_for(model, program, fastest())
+            found = newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
+            assert found is not None and found.certificate.worst(program.step) <= 1e-8, number
+            energies = []
+            for answer in (found, reference):
+                inertia = program.mass * answer.displacement
+                energies.append(
+                    0.5 * float(inertia @ answer.displacement)
+                    + 0.5 * float((program.compliance * answer.forces**2).sum())
+                    + float((program.gap * answer.forces).sum())
+                )
+            size = max(
+                0.5 * float(program.load @ (program.load / program.mass)), program.weight * program.step
+            )
+            assert abs(energies[0] - energies[1]) <= 1e-7 * size, (number, behaviour)
+
+
+def test_the_line_search_finds_the_minimum_along_a_direction() -> None:
+    """The slope is that of the energy, checked by differences; both sets of loops take the same share."""
+    compiled = pytest.importorskip("mechanics.solvers.compiled")
+    model = MODELS["wall"]
+    program = a_step(model, "elastic", shaken(model, 3), 0.5)
+    assert program.mass is not None
+    newton = newton_for(model, program)
+    rows = (newton.row, program.normal, program.tangent)
+    compliance = program.compliance + np.array([0.0, 1e-6])
+    mass, load = program.mass[newton.order], program.load[newton.order]
+    law = (program.gap, program.friction, compliance)
+    x = np.zeros_like(mass)
+    states, forces, total = (
+        np.zeros(len(newton.row), dtype=np.intp),
+        np.zeros_like(program.gap),
+        np.zeros_like(x),
+    )
+
+    def downhill(at: Array) -> Array:
+        kernels.contact_law(*rows, *law, at, states, forces, total)
+        return load + total - mass * at
+
+    first = downhill(x)
+    for length in (0.5, 3.0, 30.0):
+        dx = length * first / mass
+        shares = [loops.line_search(*rows, *law, mass, load, x, dx) for loops in (kernels, compiled)]
+        assert shares[0] == pytest.approx(shares[1], rel=1e-9)
+        slope = downhill(shares[0] * dx) @ dx
+        assert (shares[0] == 1.0 and slope > 0.0) or abs(slope) <= 0.1 * (first @ dx)
+
+
+def test_sweeps_order_a_wall_by_its_courses() -> None:
+    """Courses of 18 whole bricks or 19 with the halves: no brick is farther than a course from those it touches."""
+    model = running_bond(18, 19)
+    contacts = model.contacts("rigid")
+    newton = Newton(
+        np.concatenate([model.dof[contacts.a], model.dof[contacts.b]], axis=1),
+        model.initial.positions[model.movable, :2],
+    )
+    assert newton.band.shape[1] <= 3 * 20, "reverse Cuthill–McKee has 3 · 28"
+
+
+def counted(model: Assembly, amplitude: float, behaviour: str, steps: int = 120) -> tuple[float, float]:
+    """Factorisations a step, and share of the steps that repeat contact states, under a growing sine."""
+    t = 0.005 * np.arange(steps)
+    record = amplitude * np.minimum(t / 0.3, 1.0) * np.sin(2.0 * np.pi * 3.0 * t)
+    scenes: list[Newton] = []
+    kept = Newton.__post_init__
+
+    def noted(newton: Newton) -> None:
+        kept(newton)
+        scenes.append(newton)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Newton, "__post_init__", noted)
+        motion = time_history(model, record, 0.005, behaviour, integrator="implicit-euler")
+    newton = scenes[-1]
+    assert motion.resolved == 0
+    return newton.factorisations / newton.solved, newton.repeated / newton.solved
+
+
+@pytest.mark.parametrize(
+    ("model", "amplitude", "behaviour", "most", "repeated"),
+    [
+        (block_on_base(0.6, 4.2, stiffness=1e6), 0.25, "elastic", 2.5, 0.8),
+        (block_on_base(0.6, 4.2, stiffness=1e6), 0.25, "rigid", 3.5, 0.95),
+        (arch_on_piers(), 0.04, "rigid", 2.5, 0.95),
+        (arch_on_piers(), 0.04, "elastic", 10.0, 0.0),
+        (running_bond(6, 6, stiffness=1e7), 0.5, "elastic", 9.0, 0.0),
+        (running_bond(6, 6, stiffness=1e7), 0.5, "rigid", 7.0, 0.3),
+    ],
+    ids=lambda value: f"{len(value.blocks)} blocks" if isinstance(value, Assembly) else str(value),
+)
+def test_factorisations_per_step(
+    model: Assembly, amplitude: float, behaviour: str, most: float, repeated: float
+) -> None:
+    factorisations, share = counted(model, amplitude, behaviour)
+    assert factorisations <= most
+    assert share >= repeated
+
+
+def test_steps_at_rest_need_one_factorisation() -> None:
+    """Where no contact changes state the last states are right at once."""
+    factorisations, share = counted(running_bond(6, 6, stiffness=1e7), 0.0, "rigid")
+    assert factorisations < 1.2
+    assert share > 0.98

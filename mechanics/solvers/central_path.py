@@ -155,7 +155,7 @@ def _restored(program: Program, layout: Band, at: Point, rays: Rays) -> Solution
     matrix, free = np.zeros((m, layout.width)), np.zeros_like(program.gap)
     held = np.full(m, HOLDING)
     held[2::3] *= program.size**2
-    kernels.interior_matrix(*rows, program.friction, free, held, s, 1.0 / s, matrix)
+    kernels.interior_matrix(*rows, rays.components, free, held, s, 1.0 / s, np.empty((len(s), 3)), matrix)
     factor, failed = lapack.dpbtrf(matrix.T, lower=1, overwrite_ab=1)
     for _ in range(0 if failed else RESTORATIONS):
         load = program.load if program.lateral is None else program.load + alpha * program.lateral
@@ -183,6 +183,11 @@ class Rays:
         """The rays of contact points of a friction (c,)."""
         n = 1.0 / np.hypot(1.0, friction)[:, None]
         return cls(n, friction[:, None] * n)
+
+    @property
+    def components(self) -> Array:
+        """Both components side by side (c, 2)."""
+        return np.concatenate([self.n, self.t], axis=1)
 
     def forces(self, s: Array) -> Array:
         """Contact forces (c, 2) of forces (c, 2) along the rays."""
@@ -236,14 +241,16 @@ def _newton(
     held = np.full(m, holding / unit)
     held[2::3] *= program.size**2
     soft = unit / STIFFEST
-    law = (program.friction, program.compliance + soft)
+    law = (rays.components, program.compliance + soft)
     rows = (layout.row, program.normal, program.tangent)
-    matrix = np.zeros((m, layout.width))
-    kernels.interior_matrix(*rows, *law, held, at.s, at.z, matrix)
+    matrix, inverse = np.zeros((m, layout.width)), np.empty((len(at.s), 3))
+    kernels.interior_matrix(*rows, *law, held, at.s, at.z, inverse, matrix)
     factor, failed = lapack.dpbtrf(matrix.T, lower=1, overwrite_ab=1)
     if failed:
         return None
-    gap = program.gap - soft * rays.forces(at.s)  # the proximal terms vanish at the iterate
+    opening = np.empty_like(program.gap)
+    # the proximal terms vanish at the iterate
+    kernels.opening(*rows, program.gap - soft * rays.forces(at.s), at.x, opening)
     load, still = program.load[layout.order], np.zeros(m)
     together = program.compliance.any()
     if program.lateral is not None:
@@ -252,15 +259,16 @@ def _newton(
         swayed = lapack.dpbtrs(factor, lateral, lower=1)[0]
 
     def direction(decrease: Array) -> Direction:
-        rhs, ds, dz = np.empty(m), np.empty_like(at.s), np.empty_like(at.z)
-        kernels.interior_rhs(*rows, gap, *law, still, load, at.x, at.s, at.z, decrease, rhs)
+        rhs, du, ds, dz = np.empty(m), np.empty_like(at.s), np.empty_like(at.s), np.empty_like(at.z)
+        point = (opening, at.s, at.z, decrease, inverse)
+        kernels.interior_rhs(*rows, *law, still, load, at.x, *point, rhs)
         dx, dalpha = lapack.dpbtrs(factor, rhs, lower=1)[0], 0.0
         if program.lateral is not None:
             dalpha = float((program.work - lateral @ (at.x + dx)) / (lateral @ swayed))
             dx = dx + dalpha * swayed
-        force, opening = kernels.interior_step(*rows, gap, *law, at.x, dx, at.s, at.z, decrease, ds, dz)
+        force, gap = kernels.interior_step(*rows, *law, *point, dx, du, ds, dz)
         if together:  # compliance ties gaps to forces
-            force = opening = min(force, opening)
-        return Direction(dx, dalpha, ds, dz, force, opening)
+            force = gap = min(force, gap)
+        return Direction(dx, dalpha, ds, dz, force, gap)
 
     return direction

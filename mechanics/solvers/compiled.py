@@ -8,7 +8,7 @@ import numba
 import numpy as np
 
 from mechanics.block import Array
-from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING
+from mechanics.solvers.kernels import FLAT, OPEN, SEARCHES, SLIDING_BACK, SLIDING_ON, STICKING
 
 NAME = "numba"
 compiled: Any = numba.njit(cache=True, fastmath=False, error_model="numpy")
@@ -42,8 +42,31 @@ def geometry(
 
 
 @compiled
+def relative(a: Any, b: Any, rows: Array, moved: Array, change: Array) -> None:
+    """See kernels.relative."""
+    for k in range(len(a)):
+        total = 0.0
+        for e in range(3):
+            total += rows[k, e] * moved[a[k], e] + rows[k, 3 + e] * moved[b[k], e]
+        change[k] = total
+
+
+@compiled
+def opening(row: Any, normal: Array, tangent: Array, gap: Array, x: Array, u: Array) -> None:
+    """See kernels.opening."""
+    for k in range(len(row)):
+        u[k, 0], u[k, 1] = _opening(row, k, x, normal, tangent, gap)
+
+
+@compiled
 def _opening(row: Any, k: int, x: Array, normal: Array, tangent: Array, gap: Array) -> tuple[float, float]:
-    un, ut = gap[k, 0], gap[k, 1]
+    un, ut = _change(row, k, x, normal, tangent)
+    return gap[k, 0] + un, gap[k, 1] + ut
+
+
+@compiled
+def _change(row: Any, k: int, x: Array, normal: Array, tangent: Array) -> tuple[float, float]:
+    un, ut = 0.0, 0.0
     for side in range(2):
         first = row[k, side]
         if first >= 0:
@@ -142,7 +165,18 @@ def repeat_forces(
 
 
 @compiled
-def find_states(
+def _law(un: float, ut: float, cn: float, ct: float, mu: float) -> tuple[float, float, int]:
+    if un >= mu * abs(ut):
+        return 0.0, 0.0, OPEN
+    if un <= 0.0 and abs(ut) * cn <= -mu * un * ct:
+        return -un / cn, -ut / ct, STICKING
+    slope = mu if ut < 0.0 else -mu
+    fn = -(un + slope * ut) / (cn + mu * mu * ct)
+    return fn, slope * fn, SLIDING_ON if ut < 0.0 else SLIDING_BACK
+
+
+@compiled
+def contact_law(
     row: Any,
     normal: Array,
     tangent: Array,
@@ -151,74 +185,24 @@ def find_states(
     compliance: Array,
     x: Array,
     state: Any,
+    forces: Array,
+    total: Array,
 ) -> int:
-    """See kernels.find_states."""
+    """See kernels.contact_law."""
+    total[:] = 0.0
     changes = 0
     for k in range(len(row)):
         un, ut = _opening(row, k, x, normal, tangent, gap)
-        mu = friction[k]
-        if un >= mu * abs(ut):
-            new = OPEN
-        elif un <= 0.0 and abs(ut) * compliance[k, 0] <= -mu * un * compliance[k, 1]:
-            new = STICKING
-        else:
-            new = SLIDING_ON if ut < 0.0 else SLIDING_BACK
+        fn, ft, new = _law(un, ut, compliance[k, 0], compliance[k, 1], friction[k])
         changes += new != state[k]
-        state[k] = new
+        state[k], forces[k, 0], forces[k, 1] = new, fn, ft
+        if new != OPEN:
+            _push(row, k, fn, ft, normal, tangent, total)
     return changes
 
 
 @compiled
-def _diagonal(
-    k: int, friction: Array, compliance: Array, s: Array, z: Array
-) -> tuple[float, float, float, float, float]:
-    """Components of the ray (1, μ), and the inverse of RᵀCR + Z/S."""
-    mu = friction[k]
-    n = 1.0 / np.sqrt(1.0 + mu * mu)
-    t = mu * n
-    cn, ct = n * n * compliance[k, 0], t * t * compliance[k, 1]
-    p, q, c = cn + ct + z[k, 0] / s[k, 0], cn + ct + z[k, 1] / s[k, 1], cn - ct
-    # p q − c², without cancellation
-    det = (
-        4.0 * cn * ct
-        + (cn + ct) * (z[k, 0] / s[k, 0] + z[k, 1] / s[k, 1])
-        + (z[k, 0] / s[k, 0]) * (z[k, 1] / s[k, 1])
-    )
-    return n, t, q / det, p / det, -c / det
-
-
-@compiled
-def interior_matrix(
-    row: Any,
-    normal: Array,
-    tangent: Array,
-    friction: Array,
-    compliance: Array,
-    mass: Array,
-    s: Array,
-    z: Array,
-    band: Array,
-) -> None:
-    """See kernels.interior_matrix."""
-    band[:] = 0.0
-    for i in range(len(mass)):
-        band[i, 0] = mass[i]
-    for k in range(len(row)):
-        n, t, a, b, c = _diagonal(k, friction, compliance, s, z)
-        _stiffen(
-            row,
-            k,
-            n * n * (a + b + 2.0 * c),
-            n * t * (a - b),
-            t * t * (a + b - 2.0 * c),
-            normal,
-            tangent,
-            band,
-        )
-
-
-@compiled
-def interior_rhs(
+def line_search(
     row: Any,
     normal: Array,
     tangent: Array,
@@ -228,23 +212,110 @@ def interior_rhs(
     mass: Array,
     load: Array,
     x: Array,
+    dx: Array,
+) -> float:
+    """See kernels.line_search."""
+    c = len(row)
+    u, du = np.empty((c, 2)), np.empty((c, 2))
+    constant, linear = 0.0, 0.0
+    for i in range(len(x)):
+        constant += dx[i] * (mass[i] * x[i] - load[i])
+        linear += dx[i] * mass[i] * dx[i]
+    for k in range(c):
+        u[k, 0], u[k, 1] = _opening(row, k, x, normal, tangent, gap)
+        du[k, 0], du[k, 1] = _change(row, k, dx, normal, tangent)
+    low, high, at_low, at_high, steep = 0.0, 1.0, 0.0, 0.0, 0.0
+    share = 0.0
+    for trial in range(SEARCHES):
+        slope = constant + share * linear
+        for k in range(c):
+            fn, ft, _ = _law(
+                u[k, 0] + share * du[k, 0],
+                u[k, 1] + share * du[k, 1],
+                compliance[k, 0],
+                compliance[k, 1],
+                friction[k],
+            )
+            slope -= fn * du[k, 0] + ft * du[k, 1]
+        if trial == 0:
+            at_low, steep, share = slope, abs(slope), 1.0
+            continue
+        if abs(slope) <= FLAT * steep or (trial == 1 and slope < 0.0):
+            break
+        if slope > 0.0:
+            if trial > 1 and high < 1.0:
+                at_low *= 0.5
+            high, at_high = share, slope
+        else:
+            low, at_low = share, slope
+            at_high *= 0.5
+        share = low - at_low * (high - low) / (at_high - at_low)
+    return share
+
+
+@compiled
+def interior_matrix(
+    row: Any,
+    normal: Array,
+    tangent: Array,
+    ray: Array,
+    compliance: Array,
+    mass: Array,
+    s: Array,
+    z: Array,
+    inverse: Array,
+    band: Array,
+) -> None:
+    """See kernels.interior_matrix."""
+    band[:] = 0.0
+    for i in range(len(mass)):
+        band[i, 0] = mass[i]
+    for k in range(len(row)):
+        n, t = ray[k, 0], ray[k, 1]
+        cn, ct = n * n * compliance[k, 0], t * t * compliance[k, 1]
+        first, second = z[k, 0] / s[k, 0], z[k, 1] / s[k, 1]
+        det = 4.0 * cn * ct + (cn + ct) * (first + second) + first * second
+        a, b, c = (cn + ct + second) / det, (cn + ct + first) / det, (ct - cn) / det
+        inverse[k, 0], inverse[k, 1], inverse[k, 2] = a, b, c
+        knn, knt, ktt = n * n * (a + b + 2.0 * c), n * t * (a - b), t * t * (a + b - 2.0 * c)
+        _stiffen(row, k, knn, knt, ktt, normal, tangent, band)
+
+
+@compiled
+def _missing(
+    k: int, ray: Array, compliance: Array, u: Array, s: Array, z: Array, product: Array
+) -> tuple[float, float]:
+    n, t = ray[k, 0], ray[k, 1]
+    wn = n * (u[k, 0] + compliance[k, 0] * n * (s[k, 0] + s[k, 1]))
+    wt = t * (u[k, 1] + compliance[k, 1] * t * (s[k, 0] - s[k, 1]))
+    return z[k, 0] - wn - wt - product[k, 0] / s[k, 0], z[k, 1] - wn + wt - product[k, 1] / s[k, 1]
+
+
+@compiled
+def interior_rhs(
+    row: Any,
+    normal: Array,
+    tangent: Array,
+    ray: Array,
+    compliance: Array,
+    mass: Array,
+    load: Array,
+    x: Array,
+    u: Array,
     s: Array,
     z: Array,
     product: Array,
+    inverse: Array,
     rhs: Array,
 ) -> None:
     """See kernels.interior_rhs."""
     for i in range(len(x)):
         rhs[i] = load[i] - mass[i] * x[i]
     for k in range(len(row)):
-        n, t, a, b, c = _diagonal(k, friction, compliance, s, z)
-        un, ut = _opening(row, k, x, normal, tangent, gap)
-        fn, ft = n * (s[k, 0] + s[k, 1]), t * (s[k, 0] - s[k, 1])
-        wn, wt = n * (un + compliance[k, 0] * fn), t * (ut + compliance[k, 1] * ft)
-        u = z[k, 0] - (wn + wt) - product[k, 0] / s[k, 0]
-        v = z[k, 1] - (wn - wt) - product[k, 1] / s[k, 1]
-        p, q = a * u + c * v, c * u + b * v
-        _push(row, k, fn + n * (p + q), ft + t * (p - q), normal, tangent, rhs)
+        v, w = _missing(k, ray, compliance, u, s, z, product)
+        p = s[k, 0] + inverse[k, 0] * v + inverse[k, 2] * w
+        q = s[k, 1] + inverse[k, 2] * v + inverse[k, 1] * w
+        _push(row, k, ray[k, 0] * (p + q), ray[k, 1] * (p - q), normal, tangent, rhs)
 
 
 @compiled
@@ -252,35 +323,76 @@ def interior_step(
     row: Any,
     normal: Array,
     tangent: Array,
-    gap: Array,
-    friction: Array,
+    ray: Array,
     compliance: Array,
-    x: Array,
-    dx: Array,
+    u: Array,
     s: Array,
     z: Array,
     product: Array,
+    inverse: Array,
+    dx: Array,
+    du: Array,
     ds: Array,
     dz: Array,
 ) -> tuple[float, float]:
     """See kernels.interior_step."""
-    force, gapping = 1.0, 1.0
-    moved = x + dx
+    to_force, to_gap = 1.0, 1.0
     for k in range(len(row)):
-        n, t, a, b, c = _diagonal(k, friction, compliance, s, z)
-        un, ut = _opening(row, k, moved, normal, tangent, gap)
-        fn, ft = n * (s[k, 0] + s[k, 1]), t * (s[k, 0] - s[k, 1])
-        wn, wt = n * (un + compliance[k, 0] * fn), t * (ut + compliance[k, 1] * ft)
-        u = z[k, 0] - (wn + wt) - product[k, 0] / s[k, 0]
-        v = z[k, 1] - (wn - wt) - product[k, 1] / s[k, 1]
-        ds[k, 0], ds[k, 1] = a * u + c * v, c * u + b * v
+        un, ut = _change(row, k, dx, normal, tangent)
+        du[k, 0], du[k, 1] = un, ut
+        v, w = _missing(k, ray, compliance, u, s, z, product)
+        v -= ray[k, 0] * un + ray[k, 1] * ut
+        w -= ray[k, 0] * un - ray[k, 1] * ut
+        ds[k, 0] = inverse[k, 0] * v + inverse[k, 2] * w
+        ds[k, 1] = inverse[k, 2] * v + inverse[k, 1] * w
         for e in range(2):
             dz[k, e] = -(product[k, e] + z[k, e] * ds[k, e]) / s[k, e]
-            if ds[k, e] < 0.0:
-                force = min(force, -s[k, e] / ds[k, e])
-            if dz[k, e] < 0.0:
-                gapping = min(gapping, -z[k, e] / dz[k, e])
-    return force, gapping
+            if s[k, e] + to_force * ds[k, e] < 0.0:
+                to_force = -s[k, e] / ds[k, e]
+            if z[k, e] + to_gap * dz[k, e] < 0.0:
+                to_gap = -z[k, e] / dz[k, e]
+    return to_force, to_gap
+
+
+@compiled
+def interior_centre(
+    s: Array, z: Array, ds: Array, dz: Array, to_force: float, to_gap: float, product: Array
+) -> float:
+    """See kernels.interior_centre."""
+    now, ahead = 0.0, 0.0
+    for k in range(len(s)):
+        for e in range(2):
+            now += s[k, e] * z[k, e]
+            ahead += (s[k, e] + to_force * ds[k, e]) * (z[k, e] + to_gap * dz[k, e])
+    centre = (ahead / now) ** 3 * now / max(2 * len(s), 1) if now > 0.0 else 0.0
+    for k in range(len(s)):
+        for e in range(2):
+            product[k, e] = s[k, e] * z[k, e] + ds[k, e] * dz[k, e] - centre
+    return centre
+
+
+@compiled
+def interior_advance(
+    share: float,
+    ray: Array,
+    u: Array,
+    s: Array,
+    z: Array,
+    du: Array,
+    ds: Array,
+    dz: Array,
+    product: Array,
+    forces: Array,
+) -> None:
+    """See kernels.interior_advance."""
+    for k in range(len(s)):
+        for e in range(2):
+            u[k, e] += share * du[k, e]
+            s[k, e] += share * ds[k, e]
+            z[k, e] += share * dz[k, e]
+            product[k, e] = s[k, e] * z[k, e]
+        forces[k, 0] = ray[k, 0] * (s[k, 0] + s[k, 1])
+        forces[k, 1] = ray[k, 1] * (s[k, 0] - s[k, 1])
 
 
 @compiled

@@ -19,6 +19,8 @@ from mechanics.joints import Index
 
 NAME = "numpy"
 OPEN, STICKING, SLIDING_ON, SLIDING_BACK = 0, 1, 2, 3  # the slip of a sliding contact: w_t < 0, w_t > 0
+SEARCHES = 12  # slopes that a line search looks at, at most
+FLAT = 0.1  # of the slope at its start: one that is none
 
 
 def fastest() -> ModuleType:
@@ -84,7 +86,7 @@ def repeat_forces(
     total[:] = _resultant(row, normal, tangent, forces, len(x))
 
 
-def find_states(
+def contact_law(
     row: Index,
     normal: Array,
     tangent: Array,
@@ -93,46 +95,19 @@ def find_states(
     compliance: Array,
     x: Array,
     state: Index,
+    forces: Array,
+    total: Array,
 ) -> int:
-    """States of the forces that minimise ½cᵀCc + cᵀ(A₀ᵀx + g) in the friction cone, written; how many changed."""
-    n, t = _opening(row, x, normal, tangent, gap).T
-    slip = friction * abs(t)
-    sticks = (n <= 0.0) & (abs(t) * compliance[:, 0] <= -friction * n * compliance[:, 1])
-    found = np.where(n >= slip, OPEN, np.where(sticks, STICKING, np.where(t < 0.0, SLIDING_ON, SLIDING_BACK)))
+    """Forces that minimise ½cᵀCc + cᵀ(A₀ᵀx + g) in the friction cone, their states and A₀c; how many states changed."""
+    u = _opening(row, x, normal, tangent, gap)
+    forces[:], found = _law(u, compliance, friction)
     changes = int((found != state).sum())
     state[:] = found
+    total[:] = _resultant(row, normal, tangent, forces, len(x))
     return changes
 
 
-def interior_matrix(
-    row: Index,
-    normal: Array,
-    tangent: Array,
-    friction: Array,
-    compliance: Array,
-    mass: Array,
-    s: Array,
-    z: Array,
-    band: Array,
-) -> None:
-    """M̄ + B(RᵀCR + Z/S)⁻¹Bᵀ into `band`.
-
-    R holds the unit rays (1, ±μ) of the cones, B = A₀R; s (c, 2) ≥ 0 are the forces along them, z ≥ 0 their gaps.
-    """
-    n, t, a, b, c = _diagonal(friction, compliance, s, z)
-    _assemble(
-        row,
-        normal,
-        tangent,
-        n * n * (a + b + 2.0 * c),
-        n * t * (a - b),
-        t * t * (a + b - 2.0 * c),
-        mass,
-        band,
-    )
-
-
-def interior_rhs(
+def line_search(
     row: Index,
     normal: Array,
     tangent: Array,
@@ -142,16 +117,94 @@ def interior_rhs(
     mass: Array,
     load: Array,
     x: Array,
+    dx: Array,
+) -> float:
+    """The share of `dx` to go: where ½xᵀM̄x − f̄ᵀx + Σφ(A₀ᵀx + g), −∇φ the contact law, is least along it (Illinois).
+
+    The slope is exact and never falls; the full step is taken where it has not turned by then.
+    """
+    u, du = _opening(row, x, normal, tangent, gap), _change(row, dx, normal, tangent)
+    constant, linear = float(dx @ (mass * x - load)), float(dx @ (mass * dx))
+
+    def slope(share: float) -> float:
+        forces, _ = _law(u + share * du, compliance, friction)
+        return constant + share * linear - float((forces * du).sum())
+
+    low, high, share = 0.0, 1.0, 1.0
+    at_low, at_high = slope(0.0), 0.0
+    steep = abs(at_low)
+    for trial in range(1, SEARCHES):
+        here = slope(share)
+        if abs(here) <= FLAT * steep or (trial == 1 and here < 0.0):
+            break
+        if here > 0.0:
+            if trial > 1 and high < 1.0:
+                at_low *= 0.5
+            high, at_high = share, here
+        else:
+            low, at_low = share, here
+            at_high *= 0.5
+        share = low - at_low * (high - low) / (at_high - at_low)
+    return share
+
+
+def relative(a: Index, b: Index, rows: Array, moved: Array, change: Array) -> None:
+    """Change of gaps or slides that displacements (b, 3) cause, `rows` (c, 6) times those of blocks a and b."""
+    change[:] = np.einsum("ij,ij->i", rows, np.concatenate([moved[a], moved[b]], axis=1))
+
+
+def opening(row: Index, normal: Array, tangent: Array, gap: Array, x: Array, u: Array) -> None:
+    """Gaps and slides after displacements, g + A₀ᵀx, into `u` (c, 2)."""
+    u[:] = gap + _change(row, x, normal, tangent)
+
+
+def interior_matrix(
+    row: Index,
+    normal: Array,
+    tangent: Array,
+    ray: Array,
+    compliance: Array,
+    mass: Array,
+    s: Array,
+    z: Array,
+    inverse: Array,
+    band: Array,
+) -> None:
+    """M̄ + B(RᵀCR + Z/S)⁻¹Bᵀ into `band`, the inverse (first, second, off the diagonal) into `inverse` (c, 3).
+
+    R holds the unit rays of the cones, `ray` (c, 2) their normal and tangential components ∝ (1, ±μ); B = A₀R;
+    s (c, 2) > 0 are the forces along them, z > 0 their gaps.
+    """
+    n, t = ray.T
+    cn, ct = n * n * compliance[:, 0], t * t * compliance[:, 1]
+    first, second = z[:, 0] / s[:, 0], z[:, 1] / s[:, 1]
+    # the determinant without cancellation
+    det = 4.0 * cn * ct + (cn + ct) * (first + second) + first * second
+    a, b, c = (cn + ct + second) / det, (cn + ct + first) / det, (ct - cn) / det
+    inverse[:] = np.stack([a, b, c], axis=1)
+    knn, knt, ktt = n * n * (a + b + 2.0 * c), n * t * (a - b), t * t * (a + b - 2.0 * c)
+    _assemble(row, normal, tangent, knn, knt, ktt, mass, band)
+
+
+def interior_rhs(
+    row: Index,
+    normal: Array,
+    tangent: Array,
+    ray: Array,
+    compliance: Array,
+    mass: Array,
+    load: Array,
+    x: Array,
+    u: Array,
     s: Array,
     z: Array,
     product: Array,
+    inverse: Array,
     rhs: Array,
 ) -> None:
-    """The right-hand side, into `rhs`, of the step in x that takes s·z to s·z − `product` (c, 2), to first order."""
-    n, t, a, b, c = _diagonal(friction, compliance, s, z)
-    u, v = _missing(row, normal, tangent, gap, compliance, x, s, z, product, n, t)
-    p, q = a * u + c * v + s[:, 0], c * u + b * v + s[:, 1]
-    forces = np.stack([n * (p + q), t * (p - q)], axis=1)
+    """The right-hand side, into `rhs`, of the step from x, where openings are u, that takes s·z to s·z − `product`."""
+    p, q = (s + _apply(inverse, _missing(ray, compliance, u, s, z, product))).T
+    forces = np.stack([ray[:, 0] * (p + q), ray[:, 1] * (p - q)], axis=1)
     rhs[:] = load - mass * x + _resultant(row, normal, tangent, forces, len(x))
 
 
@@ -159,21 +212,23 @@ def interior_step(
     row: Index,
     normal: Array,
     tangent: Array,
-    gap: Array,
-    friction: Array,
+    ray: Array,
     compliance: Array,
-    x: Array,
-    dx: Array,
+    u: Array,
     s: Array,
     z: Array,
     product: Array,
+    inverse: Array,
+    dx: Array,
+    du: Array,
     ds: Array,
     dz: Array,
 ) -> tuple[float, float]:
-    """The steps in s and z that go with `dx`, into `ds` and `dz`; how far each can be gone, at most 1."""
-    n, t, a, b, c = _diagonal(friction, compliance, s, z)
-    u, v = _missing(row, normal, tangent, gap, compliance, x + dx, s, z, product, n, t)
-    ds[:, 0], ds[:, 1] = a * u + c * v, c * u + b * v
+    """The steps in u, s and z that go with `dx`, into `du`, `ds`, `dz`; how far s and z can be gone, at most 1."""
+    du[:] = _change(row, dx, normal, tangent)
+    along, across = (ray * du).T
+    missing = _missing(ray, compliance, u, s, z, product)
+    ds[:] = _apply(inverse, missing - np.stack([along + across, along - across], axis=1))
     dz[:] = -(product + z * ds) / s
 
     def reach(value: Array, change: Array) -> float:
@@ -181,6 +236,37 @@ def interior_step(
         return float((-value[falls] / change[falls]).min(initial=1.0))
 
     return reach(s, ds), reach(z, dz)
+
+
+def interior_centre(
+    s: Array, z: Array, ds: Array, dz: Array, to_force: float, to_gap: float, product: Array
+) -> float:
+    """What the corrector takes from s·z, into `product`, after a predictor (Mehrotra); the s·z it leaves."""
+    now, ahead = float((s * z).sum()), float(((s + to_force * ds) * (z + to_gap * dz)).sum())
+    centre = (ahead / now) ** 3 * now / max(2 * len(s), 1) if now > 0.0 else 0.0
+    product[:] = s * z + ds * dz - centre
+    return centre
+
+
+def interior_advance(
+    share: float,
+    ray: Array,
+    u: Array,
+    s: Array,
+    z: Array,
+    du: Array,
+    ds: Array,
+    dz: Array,
+    product: Array,
+    forces: Array,
+) -> None:
+    """A share of the step is gone: u, s, z, s·z and the contact forces (c, 2) after it, written."""
+    u += share * du
+    s += share * ds
+    z += share * dz
+    product[:] = s * z
+    forces[:, 0] = ray[:, 0] * (s[:, 0] + s[:, 1])
+    forces[:, 1] = ray[:, 1] * (s[:, 0] - s[:, 1])
 
 
 def residuals(
@@ -215,10 +301,25 @@ def _rows(row: Index) -> Index:
 
 
 def _opening(row: Index, x: Array, normal: Array, tangent: Array, gap: Array) -> Array:
+    return gap + _change(row, x, normal, tangent)
+
+
+def _change(row: Index, x: Array, normal: Array, tangent: Array) -> Array:
     rows = _rows(row)
     local = np.where(rows >= 0, x[rows], 0.0)
-    opening: Array = gap + np.stack([(normal * local).sum(axis=1), (tangent * local).sum(axis=1)], axis=1)
-    return opening
+    return np.stack([(normal * local).sum(axis=1), (tangent * local).sum(axis=1)], axis=1)
+
+
+def _law(u: Array, compliance: Array, friction: Array) -> tuple[Array, Index]:
+    n, t = u.T
+    slope = np.where(t < 0.0, friction, -friction)
+    along = -(n + slope * t) / (compliance[:, 0] + friction**2 * compliance[:, 1])
+    is_open = n >= friction * abs(t)
+    sticks = ~is_open & (n <= 0.0) & (abs(t) * compliance[:, 0] <= -friction * n * compliance[:, 1])
+    forces = np.where(sticks[:, None], -u / compliance, np.stack([along, slope * along], axis=1))
+    forces[is_open] = 0.0
+    state = np.where(is_open, OPEN, np.where(sticks, STICKING, np.where(t < 0.0, SLIDING_ON, SLIDING_BACK)))
+    return forces, state.astype(np.intp)
 
 
 def _ray(friction: Array, compliance: Array, state: Index) -> tuple[Array, Array]:
@@ -228,29 +329,24 @@ def _ray(friction: Array, compliance: Array, state: Index) -> tuple[Array, Array
     return mu, np.where((state == SLIDING_ON) | (state == SLIDING_BACK), stiffness, 0.0)
 
 
-def _diagonal(
-    friction: Array, compliance: Array, s: Array, z: Array
-) -> tuple[Array, Array, Array, Array, Array]:
-    """Components of the unit ray (1, μ), and the inverse of RᵀCR + Z/S."""
-    n = 1.0 / np.hypot(1.0, friction)
-    t = friction * n
-    cn, ct = n * n * compliance[:, 0], t * t * compliance[:, 1]
-    first, second = z[:, 0] / s[:, 0], z[:, 1] / s[:, 1]
-    # the determinant without cancellation
-    det = 4.0 * cn * ct + (cn + ct) * (first + second) + first * second
-    return n, t, (cn + ct + second) / det, (cn + ct + first) / det, -(cn - ct) / det
-
-
-def _missing(
-    row: Index, normal: Array, tangent: Array, gap: Array, compliance: Array, x: Array, s: Array, z: Array,
-    product: Array, n: Array, t: Array,
-) -> tuple[Array, Array]:  # fmt: skip
-    u = _opening(row, x, normal, tangent, gap)
+def _missing(ray: Array, compliance: Array, u: Array, s: Array, z: Array, product: Array) -> Array:
+    """What z and s·z lack: z − Rᵀ(u + CRs) − product/s."""
+    n, t = ray.T
     along = n * (u[:, 0] + compliance[:, 0] * n * (s[:, 0] + s[:, 1]))
     across = t * (u[:, 1] + compliance[:, 1] * t * (s[:, 0] - s[:, 1]))
-    return z[:, 0] - along - across - product[:, 0] / s[:, 0], z[:, 1] - along + across - product[:, 1] / s[
-        :, 1
-    ]
+    missing: Array = z - np.stack([along + across, along - across], axis=1) - product / s
+    return missing
+
+
+def _apply(inverse: Array, v: Array) -> Array:
+    """Symmetric 2 × 2 matrices (first, second, off the diagonal) times vectors, (c, 2)."""
+    return np.stack(
+        [
+            inverse[:, 0] * v[:, 0] + inverse[:, 2] * v[:, 1],
+            inverse[:, 2] * v[:, 0] + inverse[:, 1] * v[:, 1],
+        ],
+        axis=1,
+    )
 
 
 def _assemble(

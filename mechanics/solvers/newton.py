@@ -1,9 +1,10 @@
 """The program with mass, by Newton's method on banded matrices (design.md §3).
 
 The contact forces are eliminated; what is left has three rows a block and, the blocks ordered by reverse
-Cuthill–McKee, a narrow band. Two methods share it. The first repeats the contact states (open, sticking, sliding) of
-the last step and corrects them a few times: exact, where they are right, after one factorisation. The second is a
-primal-dual interior point method in the rays of the friction cone (as interior_point), which needs no such luck.
+Cuthill–McKee or by a sweep, a narrow band. Two methods share it. The first repeats the contact states (open, sticking,
+sliding) of the last step and corrects them a few times, a semismooth Newton method with an exact line search: one
+factorisation where they are right. The second is a primal-dual interior point method in the rays of the friction cone
+(as interior_point), which needs no such luck: some eight factorisations where a tenth of the contacts change state.
 """
 
 from __future__ import annotations
@@ -22,44 +23,44 @@ from mechanics.program import Certificate, Program, Solution
 from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, fastest
 
 ACCEPTED = 1e-6  # certificate; worse ones are left to the interior point method of PIQP
-PROXIMAL = 1e7  # stiffness that stands for a rigid contact, per scaled mass: two rounds make it exact
-CORRECTIONS = 6  # of the contact states, before the interior point method takes over
-LONGEST_PAUSE = 15  # solves for which repeating is not tried, having failed again and again
+PROXIMAL = 1e6  # stiffness that stands for a rigid contact, per scaled mass: one or two rounds make it exact
+CORRECTIONS = 7  # of the contact states, before the interior point method takes over
+FEW, MANY = 40, 0.04  # contacts, and share of them: where more change state, it takes over at once
+FINISHING = 8  # contacts: the same after it, where its solution is to be made exact
+LONGEST_PAUSE = 7  # solves left to it at once, the other having failed again and again
 MOST_ITERATIONS = 40
 TO_THE_BOUND = 0.995  # share of the way to the cone that a step of the interior point method goes
-START = 0.03  # least distance from the cone at which it starts, per weight and step
+SWEEPS, TILT = 16, 0.01  # directions (of π), and the angle (rad) that keeps the blocks of a course in order
+START = 0.01  # least distance from the cone at which it starts, per weight and step
 
 
 @dataclass(eq=False)
 class Newton:
     """The solver laid out once for the contacts of an assembly: order of the blocks, width of the band, work space.
 
-    `dof` (c, 6) as in Program. `state` (c,): contact states of the last solution; `factorisations`, `repeated` (steps
-    solved by repeating states) and `solved` count.
+    `dof` (c, 6) as in Program; `centres` (m/3, 2): of the movable blocks, m. `state` (c,): contact states of the last
+    solution; `factorisations`, `repeated` (steps solved by repeating states) and `solved` count.
     """
 
     dof: Index
+    centres: Array
     kernels: Any = field(default_factory=fastest)
     factorisations: int = 0
     repeated: int = 0
     solved: int = 0
 
     def __post_init__(self) -> None:
-        size = int(self.dof.max(initial=-1)) + 1
+        size = 3 * len(self.centres)
         pairs = self.dof[:, [0, 3]] // 3
         linked = pairs[(pairs >= 0).all(axis=1)]
-        shape = (size // 3, size // 3)
-        graph = sparse.coo_matrix((np.ones(len(linked)), (linked[:, 0], linked[:, 1])), shape=shape)
-        order = reverse_cuthill_mckee(sparse.csr_matrix(graph + graph.T), symmetric_mode=True)
-        rank = np.empty(len(order), dtype=np.intp)
-        rank[order] = np.arange(len(order))
-        self.order: Index = (3 * order[:, None].astype(np.intp) + np.arange(3)).ravel()
+        order = narrowest_order(linked, self.centres)
+        rank = np.argsort(order)
+        self.order: Index = (3 * order[:, None] + np.arange(3)).ravel()
         self.back: Index = np.argsort(self.order)
         self.row: Index = np.where(pairs >= 0, 3 * rank[pairs], -1).astype(np.intp)
-        apart = abs(self.row[:, 0] - self.row[:, 1])[(self.row >= 0).all(axis=1)]
-        self.band: Array = np.zeros((size, int(apart.max(initial=0)) + 3))
+        self.band: Array = np.zeros((size, 3 * _half_band(linked, order) + 3))
         self.state: Index | None = None
-        self.pause, self.next_repeat = 0, 0
+        self.pause, self.next_try = 0, 0
         self.along: Array | None = None
         self.apart: Array | None = None
 
@@ -70,93 +71,104 @@ class Newton:
         """
         assert program.mass is not None and program.lateral is None
         self.solved += 1
-        mass, load = program.mass[self.order], program.load[self.order]
-        if self.state is not None and self.solved >= self.next_repeat:
-            found = self._repeat(program, mass, load, forces, self.state)
+        mass, load, near = program.mass[self.order], program.load[self.order], guess[self.order]
+        paused = self.solved < self.next_try
+        if self.state is not None and not paused:
+            found = self._semismooth(
+                program, mass, load, near, forces, self.state, max(FEW, int(MANY * len(forces)))
+            )
             if found is not None:
                 self.repeated += 1
+                self.pause = 0
                 return found
-        near = self._interior(program, mass, load, guess[self.order], forces)
-        if near is None or self.state is None or self.solved < self.next_repeat:
-            return near
+            self.pause = min(2 * self.pause + 1, LONGEST_PAUSE)
+            self.next_try = self.solved + 1 + self.pause
+        inner = self._interior(program, mass, load, near, forces)
+        if inner is None or self.state is None or paused:
+            return inner
         # the states are known now: with them, forces that vanish are exactly zero
-        exact = self._repeat(program, mass, load, near.forces, self.state)
-        self.pause = 0 if exact is not None else min(2 * self.pause + 1, LONGEST_PAUSE)
-        self.next_repeat = self.solved + self.pause + (self.pause > 0)
-        return near if exact is None else exact
+        near = inner.displacement[self.order]
+        exact = self._semismooth(program, mass, load, near, inner.forces, self.state, FINISHING)
+        return inner if exact is None else exact
 
-    def _repeat(
-        self, program: Program, mass: Array, load: Array, forces: Array, state: Index
+    def _semismooth(
+        self, program: Program, mass: Array, load: Array, x: Array, forces: Array, state: Index, many: int
     ) -> Solution | None:
-        kernels, row = self.kernels, self.row
-        rows = (row, program.normal, program.tangent)
-        mobility = np.where(row >= 0, 1.0 / mass[row], 0.0).sum(axis=1)
+        """From known contact states, none where a step changes more than `many` of them."""
+        kernels, friction = self.kernels, program.friction
+        rows = (self.row, program.normal, program.tangent)
+        mobility = np.where(self.row >= 0, 1.0 / mass[self.row], 0.0).sum(axis=1)
         extra = np.where(program.compliance > 0.0, 0.0, mobility[:, None] / PROXIMAL)
         compliance = program.compliance + extra
-        total = np.empty_like(load)
-        centre = forces
-        for _ in range(CORRECTIONS):
-            kernels.repeat_matrix(*rows, program.friction, compliance, mass, state, self.band)
-            factor = self._factor()
-            if factor is None:
-                return None
-            x = np.zeros_like(load)
-            for _ in range(2):
-                gap = program.gap - extra * centre
-                laws = (gap, program.friction, compliance, x, state)
-                new = np.empty_like(forces)
-                kernels.repeat_forces(*rows, *laws, new, total)
-                x = x + lapack.dpbtrs(factor, load + total - mass * x, lower=1)[0]
-                laws = (gap, program.friction, compliance, x, state)
-                kernels.repeat_forces(*rows, *laws, new, total)
-                centre = new
-            certificate = self._certify(program, mass, load, x, centre)
+        gap = program.gap - extra * forces
+        found, total, guessed = np.empty_like(forces), np.empty_like(load), state.copy()
+        kernels.contact_law(*rows, gap, friction, compliance, x, guessed, found, total)
+        # where joints are elastic the last states tell more than a guess of the slip; rigid ones need the forces
+        state = np.where(program.compliance[:, 0] > 0.0, state, guessed)
+        kernels.repeat_forces(*rows, gap, friction, compliance, x, state, found, total)
+        changes, factor = 1, None
+        accepted: Solution | None = None
+        for correction in range(CORRECTIONS):
+            if changes:
+                kernels.repeat_matrix(*rows, friction, compliance, mass, state, self.band)
+                factor = self._factor()
+                if factor is None:
+                    return None
+            dx = lapack.dpbtrs(factor, load + total - mass * x, lower=1)[0]
+            if changes and correction:
+                dx *= kernels.line_search(*rows, gap, friction, compliance, mass, load, x, dx)
+            x = x + dx
+            changes = kernels.contact_law(*rows, gap, friction, compliance, x, state, found, total)
+            certificate = self._certify(program, mass, load, x, found)
             if certificate.worst(program.step) <= ACCEPTED:
-                self.state = state
-                return Solution(centre, 0.0, x[self.back], certificate)
-            state = state.copy()
-            gap = program.gap - extra * centre
-            if not kernels.find_states(*rows, gap, program.friction, compliance, x, state):
+                self.state = state.copy()
+                if accepted is not None or changes:
+                    return Solution(found, 0.0, x[self.back], certificate)
+                accepted = Solution(found.copy(), 0.0, x[self.back], certificate)
+            if changes > many:
                 return None
-        return None
+            if not changes:
+                # right but for the compliance that stands for none: with its centre in the forces found, exact
+                gap = program.gap - extra * found
+                changes = kernels.contact_law(*rows, gap, friction, compliance, x, state, found, total)
+                if accepted is not None and changes:
+                    break
+        return accepted
 
     def _interior(
         self, program: Program, mass: Array, load: Array, x: Array, forces: Array
     ) -> Solution | None:
-        kernels = self.kernels
+        kernels, c = self.kernels, len(forces)
         rows = (self.row, program.normal, program.tangent)
-        c = len(forces)
-        n = 1.0 / np.hypot(1.0, program.friction)[:, None]
-        t = program.friction[:, None] * n
+        n = 1.0 / np.hypot(1.0, program.friction)
+        ray = np.stack([n, program.friction * n], axis=1)
+        law = (ray, program.compliance)
         s = self.along if self.along is not None else np.zeros((c, 2))
         z = self.apart if self.apart is not None else np.zeros((c, 2))
         s = np.clip(s, START * program.weight, None)
         z = np.clip(z, START * program.step, None)
-        product, ds, dz = np.empty((c, 2)), np.empty((c, 2)), np.empty((c, 2))
-        rhs = np.empty_like(load)
+        u, du, ds, dz, found = (np.empty((c, 2)) for _ in range(5))
+        inverse, rhs, product = np.empty((c, 3)), np.empty_like(load), s * z
+        kernels.opening(*rows, program.gap, x, u)
         best: Solution | None = None
         for _ in range(MOST_ITERATIONS):
-            law = (program.friction, program.compliance)
-            kernels.interior_matrix(*rows, *law, mass, s, z, self.band)
+            kernels.interior_matrix(*rows, *law, mass, s, z, inverse, self.band)
             factor = self._factor()
             if factor is None:
                 break
-            gap = float((s * z).sum()) / max(2 * c, 1)
-            product[:] = s * z
-            kernels.interior_rhs(*rows, program.gap, *law, mass, load, x, s, z, product, rhs)
-            dx = lapack.dpbtrs(factor, rhs, lower=1)[0]
-            to_force, to_gap = kernels.interior_step(*rows, program.gap, *law, x, dx, s, z, product, ds, dz)
-            ahead = float(((s + to_force * ds) * (z + to_gap * dz)).sum()) / max(2 * c, 1)
-            product += ds * dz - (ahead / gap) ** 3 * gap if c else 0.0
-            kernels.interior_rhs(*rows, program.gap, *law, mass, load, x, s, z, product, rhs)
-            dx = lapack.dpbtrs(factor, rhs, lower=1)[0]
-            to_force, to_gap = kernels.interior_step(*rows, program.gap, *law, x, dx, s, z, product, ds, dz)
-            share = min(1.0, TO_THE_BOUND * min(to_force, to_gap))
-            x, s, z = x + share * dx, s + share * ds, z + share * dz
-            found = np.concatenate([n * (s[:, :1] + s[:, 1:]), t * (s[:, :1] - s[:, 1:])], axis=1)
+            point = (u, s, z, product, inverse)
+            for corrects in (False, True):
+                kernels.interior_rhs(*rows, *law, mass, load, x, *point, rhs)
+                dx = lapack.dpbtrs(factor, rhs, lower=1)[0]
+                reach = kernels.interior_step(*rows, *law, *point, dx, du, ds, dz)
+                if not corrects:
+                    kernels.interior_centre(s, z, ds, dz, *reach, product)
+            share = min(1.0, TO_THE_BOUND * min(reach))
+            x = x + share * dx
+            kernels.interior_advance(share, ray, u, s, z, du, ds, dz, product, found)
             certificate = self._certify(program, mass, load, x, found)
             if best is None or certificate.worst(program.step) < best.certificate.worst(program.step):
-                best = Solution(found, 0.0, x[self.back], certificate)
+                best = Solution(found.copy(), 0.0, x[self.back], certificate)
             if certificate.worst(program.step) <= ACCEPTED:
                 break
         self.along, self.apart = s, z
@@ -204,3 +216,21 @@ class Newton:
             penetration,
             0.0,
         )
+
+
+def narrowest_order(linked: Index, centres: Array) -> Index:
+    """The order of the blocks (b,) in which linked pairs (l, 2) lie closest: reverse Cuthill–McKee's, or a sweep's.
+
+    A sweep of the plane in a direction meets the courses of a wall one by one: a band by a quarter to a third narrower.
+    """
+    shape = (len(centres), len(centres))
+    graph = sparse.coo_matrix((np.ones(len(linked)), (linked[:, 0], linked[:, 1])), shape=shape)
+    orders = [reverse_cuthill_mckee(sparse.csr_matrix(graph + graph.T), symmetric_mode=True).astype(np.intp)]
+    for angle in np.pi * np.arange(SWEEPS) / SWEEPS + TILT:
+        orders += [np.argsort(centres @ (np.cos(angle), np.sin(angle)), kind="stable")]
+    return min(orders, key=lambda order: _half_band(linked, order))
+
+
+def _half_band(linked: Index, order: Index) -> int:
+    rank = np.argsort(order)
+    return int(abs(rank[linked[:, 0]] - rank[linked[:, 1]]).max(initial=0))
