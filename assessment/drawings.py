@@ -75,8 +75,22 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
 
 def draw_mechanisms(results: Results, words: Words, states: Sequence[str], direction: str) -> Figure:
     """Draw the mechanism of each state on its own deformed shape, hinges and sliding joints marked."""
+    found = [(name, results["states"][name]["pushover"][direction]["rigid"]["mechanism"]) for name in states]
+    return _draw_mechanisms(results, words, found, direction)
+
+
+def draw_chosen(results: Results, words: Words, given: Mapping[str, Any]) -> Figure:
+    """Draw a mechanism that the user chose; its centres of rotation are marked as hinges."""
+    centres = [part["about_m"] for part in given["macro_blocks"]]
+    mechanism = {**given, "hinge_points_m": centres}
+    return _draw_mechanisms(results, words, [(given["state"], mechanism)], given["direction"])
+
+
+def _draw_mechanisms(
+    results: Results, words: Words, found: Sequence[tuple[str, Mapping[str, Any]]], direction: str
+) -> Figure:
     drawing = outlines(results)
-    views = [_Mechanism(results, drawing, name, direction) for name in states]
+    views = [_Mechanism(results, drawing, name, mechanism) for name, mechanism in found]
     page = sheet(
         _union([outline for view in views for outline in (view.start, view.swept)]),
         len(views),
@@ -112,9 +126,8 @@ SLIDING: dict[str, Any] = {"color": INK, "linewidth": 2.4, "solid_capstyle": "bu
 class _Mechanism:
     """A mechanism made visible: its displacements scaled to 8 % of the model's size."""
 
-    def __init__(self, results: Results, drawing: Outlines, state: str, direction: str) -> None:
+    def __init__(self, results: Results, drawing: Outlines, state: str, mechanism: Mapping[str, Any]) -> None:
         content = results["states"][state]
-        mechanism = content["pushover"][direction]["rigid"]["mechanism"]
         self.state = state
         self.configuration = np.asarray(content["configuration"], dtype=float)
         self.velocity = np.asarray(mechanism["displacements"], dtype=float)

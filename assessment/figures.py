@@ -13,7 +13,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from assessment.canvas import save_svg
-from assessment.drawings import draw_mechanisms, draw_model, draw_settlement
+from assessment.drawings import draw_chosen, draw_mechanisms, draw_model, draw_settlement
 from assessment.dynamic_plots import (
     draw_fragility,
     draw_history,
@@ -24,7 +24,7 @@ from assessment.dynamic_plots import (
     shaken,
 )
 from assessment.plots import draw_pushdown, draw_pushover, pushed
-from assessment.spectral_plots import draw_spectra
+from assessment.spectral_plots import draw_demand, draw_spectra
 from assessment.study_plots import draw_scenarios, draw_tornado, varied
 from assessment.words import Words, direction_name, words_of
 
@@ -66,6 +66,15 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
         if content.get("pushdown"):
             draw = partial(draw_pushdown, results, words, name)
             found.append(Picture(f"pushdown_{slug(results, name)}", "pushdown", draw, "pushdown", fields))
+    for number, given in enumerate(results.get("mechanisms") or [], 1):
+        if "refused" not in given:
+            fields = {"name": given["name"], "state": words.state(given["state"])}
+            draw = partial(draw_chosen, results, words, given)
+            found.append(
+                Picture(f"chosen_mechanism_{number}", "mechanisms", draw, "chosen_mechanism", fields)
+            )
+    if results.get("spectra"):
+        found.append(Picture("spectrum", "action", partial(draw_demand, results, words), "spectrum"))
     for direction in ("+x", "-x"):
         found += _of_direction(results, words, direction)
     return found + _studies(results, words) + _dynamic(results, words)

@@ -5,7 +5,8 @@ import io
 import pandas as pd
 import pytest
 
-from assessment.tables import blocks, hand_check, layers, summary, trace, verification, write_tables
+from assessment.capacity_tables import summary, trace, verification
+from assessment.tables import blocks, hand_check, layers, write_tables
 from tests.results_example import SETTLED, results_example
 
 
@@ -17,7 +18,15 @@ def written(tmp_path_factory):
 
 def test_all_tables_are_written(written):
     names = {"blocks", "layers", "settlements", "pushdown", "mechanisms", "pushover", "capacity", "summary"}
-    assert set(written) == names | {"verification", "comparison", "hand_check", "quality", "spectra", "trace"}
+    assert set(written) == names | {
+        "verification",
+        "comparison",
+        "hand_check",
+        "quality",
+        "spectrum",
+        "action",
+        "trace",
+    }
 
 
 def test_curves_come_back_as_they_were(written):
