@@ -13,15 +13,10 @@ from mechanics.block import GRAVITY, Array
 from mechanics.energy import Energy, first_frequency, stored
 from mechanics.equilibrium import check_self_weight, rest
 from mechanics.errors import NoEquilibriumError, UnstableError, require
-from mechanics.integrators import (
-    Load,
-    Motion,
-    Scene,
-    implicit_euler,
-    second_order_elastic,
-    second_order_rigid,
-)
+from mechanics.impacts import midpoint_with_impacts
+from mechanics.integrators import implicit_euler, midpoint
 from mechanics.program import Certificate
+from mechanics.scene import Load, Motion, Scene
 from mechanics.solvers.threads import one_thread
 
 Integrator = Literal["implicit-euler", "second-order"]
@@ -98,14 +93,14 @@ def time_history(
             "positive, in m, and given with a control point")  # fmt: skip
     point = None if control is None else (np.asarray(control, dtype=float), model.block_at(control))
     scene = Scene(model, contacts, restitution=restitution)
-    start, forces = _settled(model, contacts, state or model.initial)
+    start, forces, shear = _settled(model, contacts, state or model.initial)
     if damping_ratio > 0.0:
         scene.damping = 2.0 * damping_ratio / first_frequency(scene, start.positions)
     advance = implicit_euler
     if integrator == "second-order":
-        advance = second_order_elastic if contacts == "elastic" else second_order_rigid
+        advance = midpoint if contacts == "elastic" else midpoint_with_impacts
 
-    motion = Motion(start.positions, start.velocities, forces)
+    motion = Motion(start.positions, start.velocities, forces, shear)
     motions, reason = [motion], ""
     with one_thread():
         for k in range(1, len(base)):
@@ -115,13 +110,12 @@ def time_history(
             if reason:
                 break
     time: Array = time_step * np.arange(len(motions), dtype=float)
-    shear = motion.forces[:, 1] if np.isfinite(scene.contacts.stiffness[:, 1]).any() else None
     return TimeHistory(
         time=time,
         positions=np.stack([m.x for m in motions]),
         velocities=np.stack([m.v for m in motions]),
         start=start,
-        final=State(motion.x, motion.v, shear if contacts == "elastic" else None),
+        final=State(motion.x, motion.v, motion.shear if contacts == "elastic" else None),
         displacement=None if point is None else np.array([_control(model, point, start, m) for m in motions]),
         collapsed=bool(reason),
         time_of_collapse=float(time[-1]) if reason else None,
@@ -166,19 +160,18 @@ def _load(model: Assembly, base: Array, k: int, time_step: float) -> Load:
     return at
 
 
-def _settled(model: Assembly, contacts: Behaviour, state: State) -> tuple[State, Array]:
-    """The state from which the motion begins, and its contact forces (c, 2) kN."""
+def _settled(model: Assembly, contacts: Behaviour, state: State) -> tuple[State, Array, Array]:
+    """The state from which the motion begins, its contact forces (c, 2) and the shear of its springs (c,), kN."""
     none = np.zeros((len(model.contacts(contacts)), 2))
-    if state.shear is not None and contacts == "elastic":
-        none[:, 1] = state.shear
+    shear = none[:, 1] if contacts == "rigid" or state.shear is None else state.shear
     if contacts == "rigid" or state.velocities.any():
-        return state, none
+        return state, none, shear
     try:
         check_self_weight(model, state)
         step = rest(model, contacts, state)
     except (UnstableError, NoEquilibriumError):
-        return state, none
-    return step.state, step.forces
+        return state, none, shear
+    return step.state, step.forces, step.forces[:, 1]
 
 
 def _control(model: Assembly, point: tuple[Array, int], start: State, motion: Motion) -> float:
