@@ -9,15 +9,16 @@ import numpy as np
 from mechanics.assembly import Mask
 from mechanics.block import GRAVITY, Array
 from mechanics.errors import ConvergenceError
-from mechanics.integrators import theta_step
+from mechanics.integrators import implicit_euler
 from mechanics.scene import Load, Motion, Scene
 
 CLOSED = 1e-6  # of the block size: a gap that is none
 RESTING = 1e-6  # of √(g·size): an approach that is none
 CARRYING = 1e-5  # of a block's weight: a contact force that is one
+FAINT = 0.01  # of the kinetic energy: what impacts in a step may take without being located
 MOST_EVENTS = 6  # impacts located in one step; where more come, contacts chatter
 FAR = 1e3  # displacements of a step: a gap that cannot close in it
-SETTLED = 1e-5  # of a displacement: dilation that is no longer corrected
+SETTLED = 1e-4  # of a displacement: dilation that is no longer corrected
 STUCK = 1e-4  # of a displacement: a slip that is none
 MOST_TRIALS = 12  # of the time of one impact, or of the slip that dilates
 
@@ -25,30 +26,42 @@ MOST_TRIALS = 12  # of the time of one impact, or of the slip that dilates
 def midpoint_with_impacts(scene: Scene, motion: Motion, load: Load, time: float, step: float) -> Motion:
     """The midpoint rule at velocity level on closed contacts, impacts located in the step and resolved there.
 
-    It keeps the energy between events. Where more than a few impacts fall into one step, the rest of it is left to
-    the implicit step, and counted.
+    It keeps the energy between events. Where more than a few impacts fall into one step, the rest of it is taken
+    without locating them, and counted; where friction leaves no such motion, by implicit Euler.
     """
     done = 0.0
     try:
         for _ in range(MOST_EVENTS):
             motion = _impact(scene, motion)
+            whole = _midpoint(scene, motion, _gaps(scene, motion), load, time + done, step - done)
+            kinetic = 0.5 * float((scene.model.mass * motion.v**2).sum())
+            if whole.impact - motion.impact <= FAINT * kinetic:
+                return whole
             motion, h = _until_impact(scene, motion, load, time + done, step - done)
             done += h
             if step - done <= 1e-9 * step:
                 return motion
+        scene.fallbacks += 1
+        return _midpoint(scene, motion, _gaps(scene, motion), load, time + done, step - done)
     except ConvergenceError:
         # jammed by friction: no motion without dilation exists (Painlevé)
-        pass
-    scene.fallbacks += 1
-    return _unlocated(scene, motion, load(time + 0.5 * (step + done)), step - done)
+        scene.fallbacks += 1
+        return implicit_euler(scene, motion, load, time + done, step - done)
+
+
+def _gaps(scene: Scene, motion: Motion) -> Array:
+    """Gaps (c,) m, zero where closed."""
+    gap = scene.geometry(motion.x)[0][:, 0]
+    return np.where(gap > CLOSED * scene.model.size, gap, 0.0)
 
 
 def _until_impact(scene: Scene, motion: Motion, load: Load, time: float, step: float) -> tuple[Motion, float]:
     """The motion after the step, or after the part of it at whose end the first open contact closes (Illinois)."""
     tolerance = CLOSED * scene.model.size
-    start = scene.geometry(motion.x)[0][:, 0]
-    is_open = start > tolerance
-    new = _midpoint(scene, motion, ~is_open, load, time, step)
+    start = _gaps(scene, motion)
+    is_open = start > 0.0
+    apart = np.where(is_open, FAR * scene.span(motion.v, step), 0.0)
+    new = _midpoint(scene, motion, apart, load, time, step)
 
     def closest(to: Motion) -> float:
         return float(scene.geometry(to.x)[0][is_open, 0].min(initial=np.inf))
@@ -59,7 +72,7 @@ def _until_impact(scene: Scene, motion: Motion, load: Load, time: float, step: f
     low, at_low, side = 0.0, float(start[is_open].min()), 0
     for _ in range(MOST_TRIALS):
         h = high - at_high * (high - low) / (at_high - at_low)
-        new = _midpoint(scene, motion, ~is_open, load, time, h)
+        new = _midpoint(scene, motion, apart, load, time, h)
         here = closest(new)
         if abs(here) <= 0.1 * tolerance:
             return new, h
@@ -72,29 +85,33 @@ def _until_impact(scene: Scene, motion: Motion, load: Load, time: float, step: f
     return new, h
 
 
-def _midpoint(scene: Scene, motion: Motion, closed: Mask, load: Load, time: float, step: float) -> Motion:
-    """The midpoint rule, v = (v₀ + v₁)/2 = Δx/Δt, with the geometry of the middle; only closed contacts act."""
+def _midpoint(scene: Scene, motion: Motion, gap: Array, load: Load, time: float, step: float) -> Motion:
+    """The midpoint rule, (v₀ + v)/2 = Δx/Δt, with the geometry of the middle, for contacts with gaps (c,) m.
+
+    One that closes in the step stays closed, without bounce; what that takes counts as impact.
+    """
     _, normal, tangent = scene.geometry(motion.x + 0.5 * step * motion.v)
     mass = 2.0 * scene.mass / step**2
-    v = motion.v[scene.movable].ravel()
+    inertia, span = step * motion.v[scene.movable].ravel(), scene.span(motion.v, step)
     force = load(time + 0.5 * step)
     moved, forces, slip = _without_dilation(
-        scene, mass, force[scene.movable].ravel() + mass * v * step, (normal, tangent),
-        np.where(closed, 0.0, FAR * scene.span(motion.v, step)), motion, step * v, scene.span(motion.v, step),
+        scene, mass, force[scene.movable].ravel() + mass * inertia, (normal, tangent), gap, motion, inertia, span
     )  # fmt: skip
     dx = scene.spread(moved)
-    x, v1, taken = motion.x + dx, 2.0 * dx / step - motion.v, 0.0
-    carrying = closed & (forces[:, 0] > CARRYING * scene.weight)
+    x, v, taken = motion.x + dx, 2.0 * dx / step - motion.v, 0.0
+    carrying = forces[:, 0] > CARRYING * scene.weight
     if carrying.any():
         x = _kept_closed(scene, x, carrying)
-        v1, taken = _kept_together(scene, x, v1, carrying, slip, STUCK * scene.span(motion.v, step))
+        v, taken = _kept_together(scene, x, v, carrying, slip, STUCK * span)
+    closing = carrying & (gap > 0.0)
     return replace(
         motion,
         x=x,
-        v=v1,
+        v=v,
         forces=forces,
         friction=motion.friction - float(forces[:, 1] @ slip),
-        integrator=motion.integrator + taken,
+        impact=motion.impact + float(forces[closing, 0] @ gap[closing]) + (taken if closing.any() else 0.0),
+        integrator=motion.integrator + (0.0 if closing.any() else taken),
         input=motion.input + scene.work_of_loads(force, dx),
     )
 
@@ -127,26 +144,6 @@ def _kept_together(
     return v + change, 0.5 * float((scene.model.mass * change**2).sum())
 
 
-def _unlocated(scene: Scene, motion: Motion, load: Array, step: float) -> Motion:
-    """The midpoint rule with load (b, 3) for contacts that may close in the step: at its end they are at rest.
-
-    What that takes counts as impact.
-    """
-    after = theta_step(scene, motion, load, step, 0.5)
-    carrying = after.forces[:, 0] > CARRYING * scene.weight
-    v, taken = after.v, 0.0
-    if carrying.any():
-        _, _, tangent = scene.geometry(motion.x + 0.5 * step * motion.v)
-        slip = scene.relative(tangent, after.x - motion.x)
-        v, taken = _kept_together(scene, after.x, v, carrying, slip, STUCK * scene.span(motion.v, step))
-    return replace(
-        after,
-        v=v,
-        impact=motion.impact + after.integrator - motion.integrator + taken,
-        integrator=motion.integrator,
-    )
-
-
 def _impact(scene: Scene, motion: Motion) -> Motion:
     """Velocities after the impulses of the closed contacts that approach: M(v₁ − v₀) = A₀p, v₁ₙ ≥ −e·v₀ₙ."""
     gap, normal, tangent = scene.geometry(motion.x)
@@ -177,19 +174,18 @@ def _without_dilation(
 ) -> tuple[Array, Array, Array]:  # fmt: skip
     """Displacements (m,), forces (c, 2) and slips (c,) of the program with friction that does not dilate.
 
-    The program's sliding opens the contact by μ times the slip: a gap of as much, found by repetition, undoes it.
+    The program's sliding opens the contact by μ times the slip: a gap of as much, found by repetition, undoes it. A
+    contact that has ceased to carry keeps of it what cannot let blocks into each other: dropped, it would carry again.
+    What is left of it after the last trial is a gap in the next step.
     """
     dilation = np.zeros_like(gap)
     for _ in range(MOST_TRIALS):
         both = np.stack([gap + dilation, np.zeros_like(gap)], axis=1)
         solution = scene.solve(mass, load, rows, both, scene.compliance, motion, guess, span)
         slip = scene.relative(rows[1], scene.spread(solution.displacement))
-        slid = np.where(
-            solution.forces[:, 0] > CARRYING * scene.weight, scene.contacts.friction * abs(slip), 0.0
-        )
+        slid = scene.contacts.friction * abs(slip)
+        slid = np.where(solution.forces[:, 0] > CARRYING * scene.weight, slid, np.minimum(slid, dilation))
         if abs(slid - dilation).max(initial=0.0) <= SETTLED * span:
-            return solution.displacement, solution.forces, slip
+            break
         dilation = slid
-    raise ConvergenceError("no motion without dilation found")
-
-
+    return solution.displacement, solution.forces, slip

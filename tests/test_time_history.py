@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import mechanics.integrators as integrators
+import mechanics.scene as scene
 from mechanics import Assembly, Block, Material, State, TimeHistory, pushdown, time_history
 from tests.structures import arch_on_piers, block_on_base, rectangle, running_bond, semicircular_arch
 
@@ -173,7 +173,7 @@ def test_block_that_slides_off_is_out_of_reach() -> None:
 def test_a_poor_solution_is_solved_again_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     model = running_bond(2, 3)
     good = time_history(model, burst(0.5, 20), STEP, "rigid")
-    monkeypatch.setattr(integrators.Newton, "solve", lambda *_: None)
+    monkeypatch.setattr(scene.Newton, "solve", lambda *_: None)
     again = time_history(model, burst(0.5, 20), STEP, "rigid")
     assert (good.resolved, again.resolved) == (0, 19)
     assert again.positions == pytest.approx(good.positions, abs=1e-5)

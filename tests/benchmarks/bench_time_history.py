@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from mechanics import Assembly, time_history
-from mechanics.integrators import Scene
+from mechanics.scene import Scene
 from mechanics.program import Program
 from mechanics.solvers import interior_point
 from mechanics.solvers.newton import Newton
