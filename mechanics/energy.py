@@ -9,9 +9,8 @@ import numpy as np
 from scipy.linalg import eig_banded
 
 from mechanics.block import Array
-from mechanics.impacts import CLOSED
 from mechanics.scene import Motion, Scene
-from mechanics.solvers.kernels import OPEN, STICKING
+from mechanics.solvers.kernels import STICKING
 
 RIGID_SHEAR = 1e3  # normal stiffnesses: what stands for an infinite tangential one in the first frequency
 
@@ -86,12 +85,12 @@ def stored(scene: Scene, motions: Sequence[Motion]) -> tuple[Array, Array, Array
     return kinetic, potential, elastic
 
 
-def first_frequency(scene: Scene, x: Array) -> float:
-    """The lowest circular frequency (rad/s) of the blocks on their closed contacts, sticking, in a configuration."""
+def first_frequency(scene: Scene) -> float:
+    """The lowest circular frequency (rad/s) of the blocks as drawn, all contacts closed and sticking."""
     newton, k = scene.newton, scene.contacts.stiffness
-    gap, normal, tangent = scene.geometry(x)
+    _, normal, tangent = scene.geometry(scene.model.initial.positions)
     compliance = 1.0 / np.stack([k[:, 0], np.minimum(k[:, 1], RIGID_SHEAR * k[:, 0])], axis=1)
-    state = np.where(gap[:, 0] <= CLOSED * scene.model.size, STICKING, OPEN)
+    state = np.full(len(k), STICKING)
     band = np.zeros_like(newton.band)
     newton.kernels.repeat_matrix(
         newton.row,

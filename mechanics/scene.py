@@ -25,9 +25,9 @@ Load = Callable[[float], Array]
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Blocks at a time: `x` and `v` (b, 3); `forces` (c, 2) kN, those of the step that led here; `shear` (c,) kN of
-    the tangential springs.
+    """Blocks at a time: positions `x` and velocities `v` (b, 3), and where the energy went.
 
+    `forces` (c, 2) kN of the contacts in the step that led here; `shear` (c,) kN of their tangential springs.
     `friction`, `impact`, `viscous`, `integrator` and `input` (kNm) are what has been dissipated, and put in by the
     loads other than the dead ones, since the beginning. Each is computed from forces and displacements of its own
     kind, none as what is missing from the others.

@@ -105,6 +105,7 @@ def test_energy_balance_closes(outcome):
         for entry in state["history"]:
             energy = dict(entry["energy"])
             put_in = energy.pop("input_kNm")
+            assert abs(energy["residual_kNm"]) < 0.01 * put_in
             assert sum(energy.values()) == pytest.approx(put_in, abs=1e-9)
 
 
