@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from assessment.parallel import spread
+from assessment.project_schema import HistoryTable
 from mechanics import Assembly, ConvergenceError, State, TimeHistory, time_history
 from mechanics.block import GRAVITY, Array
 from mechanics.response_spectrum import response_spectrum
@@ -28,6 +30,8 @@ Start = State | str
 Task: TypeAlias = "tuple[Assembly, BaseMotion, Setting, str, Start]"
 """What one motion, or one search, is made of: the arguments of history."""
 
+FRAMES = 150  # of an animation
+SHORTEST_FRAME = 0.05  # s
 MOST_POINTS = 2000  # of a curve kept for figures
 TAIL = (
     2.0  # s of free motion after the record, where the blocks still move: a fall under way is seen to its end
@@ -257,6 +261,8 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
         "notes": list(last.notes),
         "seconds": result.seconds,
     }  # fmt: skip
+    if isinstance(setting.table, HistoryTable) and setting.table.animation:
+        numbers["frames"] = frames(response, motion.start, drawn)
     result.quality.append(
         quality_row(state, f"history, {motion.name}", response.total("solves"), response.certificate)
     )
@@ -274,6 +280,17 @@ def sustained_peak(displacement: Array, collapsed: bool) -> int:
         turns = np.flatnonzero(np.diff(np.sign(np.diff(displacement)))) + 1
         displacement = displacement[: turns[-1] + 1] if turns.size else displacement[:1]
     return int(np.argmax(abs(displacement)))
+
+
+def frames(response: Response, start: float, drawn: Array) -> Numbers:
+    """At most FRAMES configurations (b, 3) of a motion, from positions as `drawn`, at equal times from `start` (s)."""
+    steps = max(math.ceil(len(response.time) / FRAMES), round(SHORTEST_FRAME / float(response.time[1])), 1)
+    every = slice(None, None, steps)
+    moved = response.positions[every] - drawn
+    return {
+        "time_s": (start + response.time[every]).tolist(),
+        "configuration": moved.round(7).tolist(),
+    }
 
 
 def quality_row(state: str, stage: str, solves: int, worst: Certificate) -> Numbers:

@@ -9,11 +9,19 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from assessment.artificial_record import RECORD, write_artificial_record
 from assessment.messages import ProjectError, nearest
 from assessment.parametric import Layout
+from assessment.project_comments import commented_toml
 from assessment.project_source import TOML, source_bytes
 from assessment.project_templates import DRAWING, NUMBER, TEMPLATES, Option, Template
+from assessment.spectrum import ElasticSpectrum
 
+SHAKEN = {"window_s": "arias", "time_step_s": 0.005, "contacts": "elastic", "damping_ratio": 0.05}
+DYNAMICS = {
+    "history": [{"record": RECORD, **SHAKEN, "animation": True}],
+    "incremental": {"records": ["records/*.csv"], **SHAKEN},
+}
 COLOURS = (7, 8, 30, 1, 5, 3)  # AutoCAD colour indices of the layers, in their order
 
 
@@ -33,7 +41,7 @@ def template_layout(template: str, options: Mapping[str, float] | None = None) -
 
 
 def new_project(folder: Path, template: str, options: Mapping[str, float], source: str = TOML) -> None:
-    """Write geometry.dxf and the project file of a template into a new folder, whole or not at all.
+    """Write drawing, artificial record and project file of a template into a new folder, whole or not at all.
 
     `options` change the template's dimensions (see template_options), `source` is the name of the project file, which
     tells its form. Raises ProjectError where the template or an option is unknown or does not fit, or the folder
@@ -45,7 +53,7 @@ def new_project(folder: Path, template: str, options: Mapping[str, float], sourc
 
 
 def write_project(folder: Path, layout: Layout, content: Mapping[str, Any], source: str = TOML) -> None:
-    """Write a drawing and a commented project file into a new folder, whole or not at all."""
+    """Write drawing, record and commented project file into a new folder, whole or not at all."""
     if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
         raise ProjectError(f"{folder}: folder: exists and is not empty; give the name of a new one")
     folder.parent.mkdir(parents=True, exist_ok=True)
@@ -53,10 +61,26 @@ def write_project(folder: Path, layout: Layout, content: Mapping[str, Any], sour
     try:
         temporary.chmod(0o755)
         write_drawing(temporary / DRAWING, layout)
-        (temporary / source).write_bytes(source_bytes(source, content))
+        (temporary / source).write_bytes(source_bytes(source, content) + (_offered() if source == TOML else b""))
+        write_artificial_record(temporary, _spectrum(content["assessment"]["site"]))
         temporary.replace(folder)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _offered() -> bytes:
+    """TOML text of the dynamic stages, commented out: they take minutes where the others take seconds."""
+    lines = commented_toml(DYNAMICS).splitlines()
+    head = "# Shaking with the record that came with this project. To have it, remove the # and blank before each line."
+    text = "\n".join(["", head, *(f"# {line}" if line else "" for line in lines)]) + "\n"
+    return text.encode()
+
+
+def _spectrum(site: Mapping[str, Any]) -> ElasticSpectrum:
+    hazard = site["SLC"]
+    return ElasticSpectrum(
+        hazard["ag_g"], hazard["F0"], hazard["Tc_star_s"], site["soil"], site["topography"]
+    )
 
 
 def write_drawing(path: Path, layout: Layout) -> None:

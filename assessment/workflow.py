@@ -192,6 +192,7 @@ def write(results: Results, folder: Path, report: bool = True) -> list[str]:
 
     Returns warnings (a PDF that could not be made). results.json comes last: where it is new, all is.
     """
+    from assessment.animation import write_animations
     from assessment.figures import write_figures
     from assessment.report import render_report
     from assessment.tables import write_tables
@@ -204,6 +205,7 @@ def write(results: Results, folder: Path, report: bool = True) -> list[str]:
         new = Path(scratch)
         write_tables(results, new / "tables")
         write_figures(results, new / "figures")
+        write_animations(results, new / "figures")
         if report:
             made = render_report(results, new / "figures", new)
             warnings = list(made.warnings)
@@ -233,7 +235,9 @@ def _replace(new: Path, old: Path, ours: bool) -> None:
         (new / name).replace(old / name)
     if ours:
         for stale in {
-            item for item in old.iterdir() if item.suffix in {".csv", ".svg"} and item.name not in names
+            item
+            for item in old.iterdir()
+            if item.suffix in {".csv", ".svg", ".gif"} and item.name not in names
         }:
             stale.unlink()
 

@@ -65,7 +65,7 @@ def time_history(
     time_step: float,
     contacts: Behaviour = "rigid",
     state: State | None = None,
-    integrator: Integrator = "implicit-euler",
+    integrator: Integrator = "second-order",
     vertical_acceleration: ArrayLike | None = None,
     damping_ratio: float = 0.0,
     control: ArrayLike | None = None,
@@ -74,6 +74,7 @@ def time_history(
 ) -> TimeHistory:
     """Integrate the motion under base accelerations (k,) in g, sampled at `time_step` (s) and linear in between.
 
+    `integrator`: the midpoint rule, with rigid contacts and its impacts located, or the paper's implicit Euler.
     `vertical_acceleration` (k,) g, upward. A state at rest that gravity lets stand first settles on its elastic
     joints; any other, tilted or moving, is released as it is (default: as drawn). `damping_ratio`: of the viscous
     forces, proportional to the contact stiffness, at the first frequency of the structure as drawn, all contacts closed
