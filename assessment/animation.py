@@ -73,5 +73,5 @@ def _gif(film: FuncAnimation, frame: float) -> bytes:
     rate = 1.0 / (round(frame, 2) + 1e-6)  # GIF counts hundredths of a second, and the writer rounds down
     with tempfile.TemporaryDirectory() as scratch:
         path = Path(scratch) / "film.gif"
-        film.save(path, writer=PillowWriter(fps=rate), dpi=DOTS_PER_INCH)
+        film.save(path, writer=PillowWriter(fps=rate), dpi=DOTS_PER_INCH)  # type: ignore[arg-type]
         return path.read_bytes()
