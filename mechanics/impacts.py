@@ -15,7 +15,7 @@ from mechanics.scene import Load, Motion, Scene
 CLOSED = 1e-6  # of the block size: a gap that is none
 RESTING = 1e-6  # of √(g·size): an approach that is none
 CARRYING = 1e-5  # of a block's weight: a contact force that is one
-FAINT = 0.01  # of the kinetic energy: what impacts in a step may take without being located
+FAINT = 0.01  # of the energy scale: what impacts in a step may take without being located
 MOST_EVENTS = 6  # impacts located in one step; where more come, contacts chatter
 FAR = 1e3  # displacements of a step: a gap that cannot close in it
 SETTLED = 1e-4  # of a displacement: dilation that is no longer corrected
@@ -34,8 +34,7 @@ def midpoint_with_impacts(scene: Scene, motion: Motion, load: Load, time: float,
         for _ in range(MOST_EVENTS):
             motion = _impact(scene, motion)
             whole = _midpoint(scene, motion, _gaps(scene, motion), load, time + done, step - done)
-            kinetic = 0.5 * float((scene.model.mass * motion.v**2).sum())
-            if whole.impact - motion.impact <= FAINT * kinetic:
+            if whole.impact - motion.impact <= FAINT * _energy_scale(scene, motion, step):
                 return whole
             motion, h = _until_impact(scene, motion, load, time + done, step - done)
             done += h
@@ -47,6 +46,12 @@ def midpoint_with_impacts(scene: Scene, motion: Motion, load: Load, time: float,
         # jammed by friction: no motion without dilation exists (Painlevé)
         scene.fallbacks += 1
         return implicit_euler(scene, motion, load, time + done, step - done)
+
+
+def _energy_scale(scene: Scene, motion: Motion, step: float) -> float:
+    """Kinetic energy (kNm), and that of the speed which gravity gives in a step."""
+    kinetic = 0.5 * float((scene.model.mass * motion.v**2).sum())
+    return kinetic + 0.5 * scene.model.weight * GRAVITY * step**2
 
 
 def _gaps(scene: Scene, motion: Motion) -> Array:
@@ -94,7 +99,7 @@ def _midpoint(scene: Scene, motion: Motion, gap: Array, load: Load, time: float,
     mass = 2.0 * scene.mass / step**2
     inertia, span = step * motion.v[scene.movable].ravel(), scene.span(motion.v, step)
     force = load(time + 0.5 * step)
-    moved, forces, slip = _without_dilation(
+    moved, forces, slip, dilation = _without_dilation(
         scene, mass, force[scene.movable].ravel() + mass * inertia, (normal, tangent), gap, motion, inertia, span
     )  # fmt: skip
     dx = scene.spread(moved)
@@ -103,15 +108,18 @@ def _midpoint(scene: Scene, motion: Motion, gap: Array, load: Load, time: float,
     if carrying.any():
         x = _kept_closed(scene, x, carrying)
         v, taken = _kept_together(scene, x, v, carrying, slip, STUCK * span)
-    closing = carrying & (gap > 0.0)
+    # contacts do the work −n(g + dilation); what is not friction's is of those that close, or of the dilation left over
+    friction = -float(forces[:, 1] @ slip)
+    taken += float(forces[carrying, 0] @ (gap + dilation)[carrying]) - friction
+    closes = bool((carrying & (gap > 0.0)).any())
     return replace(
         motion,
         x=x,
         v=v,
         forces=forces,
-        friction=motion.friction - float(forces[:, 1] @ slip),
-        impact=motion.impact + float(forces[closing, 0] @ gap[closing]) + (taken if closing.any() else 0.0),
-        integrator=motion.integrator + (0.0 if closing.any() else taken),
+        friction=motion.friction + friction,
+        impact=motion.impact + closes * taken,
+        integrator=motion.integrator + (not closes) * taken,
         input=motion.input + scene.work_of_loads(force, dx),
     )
 
@@ -156,7 +164,7 @@ def _impact(scene: Scene, motion: Motion) -> Motion:
     v = motion.v[scene.movable].ravel()
     span = max(float(abs(motion.v[:, :2]).max()), RESTING * unit)
     bounce = scene.restitution * np.minimum(approach, 0.0)
-    moved, impulses, _ = _without_dilation(
+    moved, impulses, _, _ = _without_dilation(
         scene, scene.mass / scene.impulse, scene.mass / scene.impulse * v, (normal, tangent),
         np.where(closed, bounce, FAR * span), motion, v, span,
     )  # fmt: skip
@@ -171,21 +179,21 @@ def _impact(scene: Scene, motion: Motion) -> Motion:
 def _without_dilation(
     scene: Scene, mass: Array, load: Array, rows: tuple[Array, Array], gap: Array, motion: Motion, guess: Array,
     span: float,
-) -> tuple[Array, Array, Array]:  # fmt: skip
-    """Displacements (m,), forces (c, 2) and slips (c,) of the program with friction that does not dilate.
+) -> tuple[Array, Array, Array, Array]:  # fmt: skip
+    """Displacements (m,), forces (c, 2), slips and dilations (c,) of the program with friction that does not dilate.
 
     The program's sliding opens the contact by μ times the slip: a gap of as much, found by repetition, undoes it. A
     contact that has ceased to carry keeps of it what cannot let blocks into each other: dropped, it would carry again.
     What is left of it after the last trial is a gap in the next step.
     """
-    dilation = np.zeros_like(gap)
+    found = np.zeros_like(gap)
     for _ in range(MOST_TRIALS):
+        dilation = found
         both = np.stack([gap + dilation, np.zeros_like(gap)], axis=1)
         solution = scene.solve(mass, load, rows, both, scene.compliance, motion, guess, span)
         slip = scene.relative(rows[1], scene.spread(solution.displacement))
         slid = scene.contacts.friction * abs(slip)
-        slid = np.where(solution.forces[:, 0] > CARRYING * scene.weight, slid, np.minimum(slid, dilation))
-        if abs(slid - dilation).max(initial=0.0) <= SETTLED * span:
+        found = np.where(solution.forces[:, 0] > CARRYING * scene.weight, slid, np.minimum(slid, dilation))
+        if abs(found - dilation).max(initial=0.0) <= SETTLED * span:
             break
-        dilation = slid
-    return solution.displacement, solution.forces, slip
+    return solution.displacement, solution.forces, slip, dilation
