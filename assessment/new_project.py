@@ -9,19 +9,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from assessment.artificial_record import RECORD, write_artificial_record
+from assessment.artificial_record import write_artificial_record
 from assessment.messages import ProjectError, nearest
 from assessment.parametric import Layout
-from assessment.project_comments import commented_toml
 from assessment.project_source import TOML, source_bytes
 from assessment.project_templates import DRAWING, NUMBER, TEMPLATES, Option, Template
 from assessment.spectrum import ElasticSpectrum
 
-SHAKEN = {"window_s": "arias", "time_step_s": 0.005, "contacts": "elastic", "damping_ratio": 0.05}
-DYNAMICS = {
-    "history": [{"record": RECORD, **SHAKEN, "animation": True}],
-    "incremental": {"records": ["records/*.csv"], **SHAKEN},
-}
 COLOURS = (7, 8, 30, 1, 5, 3)  # AutoCAD colour indices of the layers, in their order
 
 
@@ -61,19 +55,11 @@ def write_project(folder: Path, layout: Layout, content: Mapping[str, Any], sour
     try:
         temporary.chmod(0o755)
         write_drawing(temporary / DRAWING, layout)
-        (temporary / source).write_bytes(source_bytes(source, content) + (_offered() if source == TOML else b""))
+        (temporary / source).write_bytes(source_bytes(source, content))
         write_artificial_record(temporary, _spectrum(content["assessment"]["site"]))
         temporary.replace(folder)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
-
-
-def _offered() -> bytes:
-    """TOML text of the dynamic stages, commented out: they take minutes where the others take seconds."""
-    lines = commented_toml(DYNAMICS).splitlines()
-    head = "# Shaking with the record that came with this project. To have it, remove the # and blank before each line."
-    text = "\n".join(["", head, *(f"# {line}" if line else "" for line in lines)]) + "\n"
-    return text.encode()
 
 
 def _spectrum(site: Mapping[str, Any]) -> ElasticSpectrum:

@@ -197,7 +197,9 @@ class MotionTable(Table):
 class HistoryTable(MotionTable):
     """[[history]]: a time history of one record, from every state."""
 
-    record: Name = Field(description="file of the horizontal ground acceleration")
+    record: Name = Field(
+        description="file of the horizontal ground acceleration; records/artificial.csv comes with a new project"
+    )
     name: Name | None = Field(
         default=None, description="name in tables and figures; default the record's file name"
     )

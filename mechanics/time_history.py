@@ -36,8 +36,9 @@ class TimeHistory:
     motion began from; `final` its last one. `displacement` (k,) m: of the control point along x from `start`, None
     without a control point. `collapsed`, `time_of_collapse` (s) and `collapse_reason`: see time_history; the arrays end
     there. `energy`: its balance at each time. `certificate`: worst residuals of every program; `worst`: the largest of
-    them, relative; `fallbacks`: steps of the second-order scheme left to implicit Euler; `impacts` located; `solves`
-    programs; `resolved`: of them, solved again by the reference solver. `notes`: what to know about the contacts.
+    them, relative; `fallbacks`: steps of the second-order scheme whose rest was taken without locating more
+    impacts; `impacts` located; `solves` programs; `resolved`: of them, solved again by the reference solver. `notes`:
+    what to know about the contacts.
     """
 
     time: Array

@@ -273,7 +273,9 @@ def test_an_animation_is_written_where_it_is_asked_for(tmp_path, language, monke
     ]
     with Image.open(paths[0]) as film:
         assert 5 <= film.n_frames <= len(times)
-        assert sum(_duration(film, n) for n in range(film.n_frames)) == pytest.approx(len(times) * times[1], rel=0.05)
+        assert sum(_duration(film, n) for n in range(film.n_frames)) == pytest.approx(
+            len(times) * times[1], rel=0.05
+        )
     assert paths[0].read_bytes() == write_animations(results, tmp_path / "again")[0].read_bytes()
 
 
