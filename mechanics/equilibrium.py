@@ -91,9 +91,10 @@ def find_step(
         largest, before = float(abs(change).max()), float(abs(earlier).max())
         if largest <= GEOMETRY_TOLERANCE * size:
             break
-        if (
-            count > (3 if large or behaviour == "rigid" else 8) and largest > 0.9 * before
-        ) or count == MOST_ITERATIONS:
+        settles = largest < (0.5 if large else 0.9) * before or count <= (
+            3 if large or behaviour == "rigid" else 8
+        )
+        if not settles or count == MOST_ITERATIONS:
             opening = pose(at).opening(solution.forces, solution.displacement)
             near = Neighbour(solution.forces, opening, solution.alpha)
             followed = _follow(model, behaviour, pose, at, near, size)

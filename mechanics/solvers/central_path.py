@@ -30,10 +30,10 @@ MOST_ITERATIONS = 100
 TO_THE_BOUND = 0.995  # share of the way to the bounds that an iteration goes
 OUTLIERS = 0.1, 10.0  # products s z outside this range about their target are corrected once
 STALLED = 3  # iterations without progress after which the blocks are held back more and more
-IDLE = 12  # and after which the method ends
+IDLE = 8  # and after which the method ends
 TO_AND_FRO = -0.3  # of a step: its return that asks for a shorter one
 TINY = 1e-300
-NEARLY = 1e-5  # certificate from which equilibrium is restored by itself
+NEARLY = 1e-5  # unbalanced force, per weight, from which equilibrium is restored by itself
 FOLLOWED = 3e-7  # certificate that ends the path; its equilibrium is restored to rounding
 RESTORATIONS = 2
 FROZEN = 3e-4  # of the step: displacements that do not change the geometry
@@ -90,8 +90,12 @@ def _follow(
     holding = HOLDING
     last = np.zeros_like(x)
     for _ in range(MOST_ITERATIONS):
-        worst = _worst(program, layout, at, rays.forces(at.s))
-        if worst <= NEARLY:
+        quality = _quality(program, layout, at, rays.forces(at.s))
+        worst = quality.worst(program.step)
+        if (
+            quality.equilibrium <= NEARLY
+            and replace(quality, equilibrium=0.0).worst(program.step) <= FOLLOWED
+        ):
             restored = _restored(program, layout, at, rays)
             quality = restored.certificate
             if quality.equilibrium <= GOOD and quality.worst(program.step) <= FOLLOWED:
@@ -128,8 +132,8 @@ def _follow(
     return None
 
 
-def _worst(program: Program, layout: Band, at: Point, forces: Array) -> float:
-    """The certificate's largest residual."""
+def _quality(program: Program, layout: Band, at: Point, forces: Array) -> Certificate:
+    """The certificate of an iterate, by compiled loops."""
     load, work = program.load[layout.order], 0.0
     if program.lateral is not None:
         lateral = program.lateral[layout.order]
@@ -145,7 +149,7 @@ def _worst(program: Program, layout: Band, at: Point, forces: Array) -> float:
         power / (program.weight * program.step),
         penetration,
         work,
-    ).worst(program.step)
+    )
 
 
 def _restored(program: Program, layout: Band, at: Point, rays: Rays) -> Solution:
