@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from assessment.frames import motion_frames
 from assessment.parallel import spread
 from mechanics import Assembly, ConvergenceError, State, TimeHistory, time_history
 from mechanics.block import GRAVITY, Array
@@ -210,6 +211,9 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
             "time_s": (motion.start + response.time[kept]).tolist(),
             "displacement_m": response.displacement[kept].tolist(),
         },
+        "frames": motion_frames(
+            model, motion.start + response.time, response.displacement, response.positions, peak
+        ),
         "peak_configuration": (response.positions[peak] - drawn).tolist(),
         "final_configuration": (response.positions[-1] - drawn).tolist(),
         "energy": response.energy(),

@@ -327,6 +327,8 @@ def _geometry(project: Project, a: Assembly) -> Results:
                 "handle": block.handle,
                 "support": block.support,
                 "vertical_load_kN": block.vertical_load,
+                "weight_kN": block.weight,
+                "seismic_weight_kN": GRAVITY * block.mass,
             }
             for block in a.blocks
         ],
@@ -335,7 +337,11 @@ def _geometry(project: Project, a: Assembly) -> Results:
             for point in project.control
         ],
         "joints": [
-            {"blocks": [int(i), int(j)], "ends_m": ends.tolist()}
+            {
+                "blocks": [int(i), int(j)],
+                "ends_m": ends.tolist(),
+                "friction": min(a.blocks[i].material.friction, a.blocks[j].material.friction),
+            }
             for i, j, ends in zip(a.joints.a, a.joints.b, a.joints.ends, strict=True)
         ],
         "gravity_m_s2": GRAVITY,
