@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch, Rectangle
 
-from assessment.canvas import Sheet, nice, sheet
+from assessment.canvas import MM, Sheet, nice, sheet
 from assessment.outlines import Array, Outlines, field, outlines, place
 from assessment.words import Words, direction_name
 
@@ -19,6 +19,10 @@ Results = Mapping[str, Any]
 Bounds = tuple[float, float, float, float]
 INK, FAINT, SUPPORT, MOVING = "0.0", "0.55", "0.55", "0.82"
 LAYER_GREYS = ("1.0", "0.88", "0.76", "0.94", "0.82", "0.70")
+LETTER_MM, KEY_MM = (
+    1.4,
+    9.0,
+)  # of a legend: an average letter; the key before the words and the gap after them
 ARROW = {"arrowstyle": "-|>,head_width=0.18,head_length=0.4", "shrinkA": 0.0, "shrinkB": 0.0, "lw": 0.8}
 DIMENSION = {
     "arrowstyle": "<|-|>,head_width=0.12,head_length=0.35",
@@ -39,13 +43,13 @@ def draw_model(results: Results, words: Words) -> Figure:
         chosen = [i for i, block in enumerate(blocks) if block["layer"] == layer]
         support = blocks[chosen[0]]["support"]
         grey = SUPPORT if support else LAYER_GREYS[index % len(LAYER_GREYS)]
-        _fill(axes, shape, chosen, grey)
+        fill(axes, shape, chosen, grey)
         label = words.plain("figure.support_layer", layer=layer, support=support) if support else layer
         handles.append(Patch(facecolor=grey, edgecolor=INK, linewidth=0.5, label=label))
     handles += _loads(page, axes, blocks, words)
     handles += _controls(axes, results, words)
     _dimensions(page, axes, shape.bounds, words)
-    _legend(page, handles)
+    legend(page, handles)
     return page.figure
 
 
@@ -54,7 +58,10 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
     shape, content = outlines(results), results["states"][state]
     travel = float(np.abs(shape.moved(content["configuration"]).points - shape.points).max())
     times = nice(max(1.0, 0.06 * shape.size / travel)) if travel > 0.0 else 1.0
-    views = {words.plain("figure.settled", times=f"{times:g}"): shape.moved(content["configuration"], times)}
+    views = {words.plain("figure.settled_true"): shape.moved(content["configuration"])}
+    if times > 1.0:
+        title = words.plain("figure.settled", times=f"{times:g}")
+        views[title] = shape.moved(content["configuration"], times)
     for contacts, stage in content.get("pushdown", {}).items():
         if stage.get("ultimate_configuration") is not None:
             title = words.plain(
@@ -63,22 +70,38 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
                 movement=words.millimetres(stage["ultimate_movement_m"]),
             )
             views[title] = shape.moved(stage["ultimate_configuration"])
-    page = sheet(_union([shape, *views.values()]), len(views), border_mm=9.0)
+    page = sheet(union([shape, *views.values()]), len(views), border_mm=9.0)
     for axes, (title, view) in zip(page.panels, views.items(), strict=True):
         axes.set_title(title)
         axes.add_patch(PathPatch(shape.path(_all(shape)), **GHOST))
-        _fill_roles(axes, view, results)
+        fill_roles(axes, view, results)
     _movement(page, shape, results, content["settlement"], words)
-    _legend(page, [_ghost_handle(words.plain("figure.original_outline"))])
+    legend(page, [ghost_handle(words.plain("figure.original_outline"))])
+    return page.figure
+
+
+def draw_overturned(results: Results, words: Words, states: Sequence[str], direction: str) -> Figure:
+    """Draw each state where its capacity ends (d_0, rigid contacts), to true scale over the state's own rest."""
+    drawing = outlines(results)
+    pushed = [results["states"][name]["pushover"][direction]["rigid"] for name in states]
+    starts = [drawing.moved(results["states"][name]["configuration"]) for name in states]
+    ends = [drawing.moved(rigid["final_configuration"]) for rigid in pushed]
+    page = sheet(union([*starts, *ends]), len(states), border_mm=7.0)
+    for axes, name, start, end, rigid in zip(page.panels, states, starts, ends, pushed, strict=True):
+        axes.set_title(f"{words.state(name)}\nd₀ = {words.millimetres(rigid['d_0_m'])}")
+        axes.add_patch(PathPatch(start.path(_all(start)), **GHOST))
+        fill_roles(axes, end, results)
+        push_arrow(page, axes, end.bounds, direction)
+    legend(page, [ghost_handle(words.plain("figure.start_outline"))])
     return page.figure
 
 
 def draw_mechanisms(results: Results, words: Words, states: Sequence[str], direction: str) -> Figure:
     """Draw the mechanism of each state on its own deformed shape, hinges and sliding joints marked."""
     drawing = outlines(results)
-    views = [_Mechanism(results, drawing, name, direction) for name in states]
+    views = [Mechanism(results, drawing, name, direction) for name in states]
     page = sheet(
-        _union([outline for view in views for outline in (view.start, view.swept)]),
+        union([outline for view in views for outline in (view.start, view.swept)]),
         len(views),
         border_mm=7.0,
         foot_mm=14.0,
@@ -86,15 +109,15 @@ def draw_mechanisms(results: Results, words: Words, states: Sequence[str], direc
     for axes, view in zip(page.panels, views, strict=True):
         axes.set_title(words.state(view.state))
         view.draw(axes)
-        _push(page, axes, view.swept.bounds, direction)
+        push_arrow(page, axes, view.swept.bounds, direction)
     handles: list[Any] = [
-        _ghost_handle(words.plain("figure.start_outline")),
+        ghost_handle(words.plain("figure.start_outline")),
         Patch(facecolor=MOVING, edgecolor=INK, linewidth=0.5, label=words.plain("figure.moving")),
         Line2D([], [], **HINGE, label=words.plain("figure.hinge")),
     ]
     if any(view.sliding for view in views):
         handles.append(Line2D([], [], **SLIDING, label=words.plain("figure.sliding")))
-    _legend(page, handles)
+    legend(page, handles)
     return page.figure
 
 
@@ -109,7 +132,7 @@ HINGE: dict[str, Any] = {
 SLIDING: dict[str, Any] = {"color": INK, "linewidth": 2.4, "solid_capstyle": "butt"}
 
 
-class _Mechanism:
+class Mechanism:
     """A mechanism made visible: its displacements scaled to 8 % of the model's size."""
 
     def __init__(self, results: Results, drawing: Outlines, state: str, direction: str) -> None:
@@ -130,8 +153,8 @@ class _Mechanism:
     def draw(self, axes: Axes) -> None:
         """Draw start outline, displaced blocks, hinges and sliding joints."""
         axes.add_patch(PathPatch(self.start.path(_all(self.start)), **GHOST))
-        _fill(axes, self.swept, np.flatnonzero(~self.moving), "1.0")
-        _fill(axes, self.swept, np.flatnonzero(self.moving), MOVING)
+        fill(axes, self.swept, np.flatnonzero(~self.moving), "1.0")
+        fill(axes, self.swept, np.flatnonzero(self.moving), MOVING)
         for joint in self.sliding:
             owner = np.full(2, joint["blocks"][0])
             ends = np.asarray(joint["ends_m"], dtype=float)
@@ -149,22 +172,25 @@ class _Mechanism:
         return points + self.amount * self._rate(points, owner)
 
 
-def _fill(axes: Axes, shape: Outlines, chosen: Any, grey: str) -> None:
+def fill(axes: Axes, shape: Outlines, chosen: Any, grey: str) -> None:
+    """Draw the chosen blocks in a grey."""
     if len(chosen):
         axes.add_patch(PathPatch(shape.path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45))
 
 
-def _fill_roles(axes: Axes, shape: Outlines, results: Results) -> None:
+def fill_roles(axes: Axes, shape: Outlines, results: Results) -> None:
+    """Draw movable blocks light and supports dark."""
     supports = np.array([block["support"] is not None for block in results["geometry"]["blocks"]])
-    _fill(axes, shape, np.flatnonzero(~supports), "0.92")
-    _fill(axes, shape, np.flatnonzero(supports), SUPPORT)
+    fill(axes, shape, np.flatnonzero(~supports), "0.92")
+    fill(axes, shape, np.flatnonzero(supports), SUPPORT)
 
 
 def _all(shape: Outlines) -> range:
     return range(len(shape.centroids))
 
 
-def _union(shapes: Sequence[Outlines]) -> Bounds:
+def union(shapes: Sequence[Outlines]) -> Bounds:
+    """Return the bounds of all shapes, m."""
     boxes = np.array([shape.bounds for shape in shapes])
     low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
@@ -248,7 +274,8 @@ def _movement(
         axes.annotate("", (x + reach * dx, z + reach * dz), (x, z), arrowprops=ARROW | {"lw": 1.4})
 
 
-def _push(page: Sheet, axes: Axes, bounds: Bounds, direction: str) -> None:
+def push_arrow(page: Sheet, axes: Axes, bounds: Bounds, direction: str) -> None:
+    """Draw the arrow of the lateral loads above a model."""
     sign = 1.0 if direction.startswith("+") else -1.0
     x, z = (bounds[0] + bounds[2]) / 2.0, bounds[3] + page.paper(4.0)
     half = page.paper(8.0) * sign
@@ -263,12 +290,16 @@ def _push(page: Sheet, axes: Axes, bounds: Bounds, direction: str) -> None:
     )
 
 
-def _ghost_handle(label: str) -> Line2D:
+def ghost_handle(label: str) -> Line2D:
+    """Return the legend's line of an earlier outline."""
     return Line2D([], [], color=FAINT, linewidth=0.8, linestyle=(0, (4, 2)), label=label)
 
 
-def _legend(page: Sheet, handles: list[Any]) -> None:
-    columns = min(len(handles), 3)
+def legend(page: Sheet, handles: list[Any]) -> None:
+    """Put the legend of a drawing below it, in as many columns, up to three, as the sheet has room for."""
+    room = page.figure.get_figwidth() / MM
+    widest = max((LETTER_MM * len(str(handle.get_label())) + KEY_MM for handle in handles), default=KEY_MM)
+    columns = max(1, min(len(handles), 3, int(room / widest)))
     page.figure.legend(
         handles=handles, loc="lower center", ncols=columns, handlelength=1.8, columnspacing=1.6
     )

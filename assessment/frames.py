@@ -52,8 +52,9 @@ def frames(
     size = 3 * (len(model.blocks) + len(model.joints.a))
     kept = chosen(len(states), max(FEWEST, min(MOST, NUMBERS // size)), wanted)
     carried = [
-        None if forces[k] is None else joint_forces(model, behaviour, states[k].positions, forces[k])
+        None if c is None else joint_forces(model, behaviour, states[k].positions, c)
         for k in kept
+        for c in [forces[k]]
     ]
     return {
         "index": kept,
@@ -87,7 +88,7 @@ def joint_forces(
     on_owner = forces[:, :1] * rows.normal[:, :2] + forces[:, 1:] * rows.tangent[:, :2]
     sign = np.where(contacts.a == joints.a[contacts.joint], 1.0, -1.0)
     count = len(joints.a)
-    force = np.stack(
+    force: Array = np.stack(
         [np.bincount(contacts.joint, sign * on_owner[:, i], minlength=count) for i in (0, 1)], axis=1
     )
     place = model.initial.positions[contacts.a, :2] + contacts.p - joints.ends[contacts.joint, 0]

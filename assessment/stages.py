@@ -148,6 +148,7 @@ def _settle(
         "reaction_x_kN": path.reaction[:, 0].tolist(),
         "reaction_z_kN": path.reaction[:, 1].tolist(),
         "ultimate_movement_m": path.ultimate,
+        "applied_movement_m": whole,
         "end": path.end,
         "configuration": configuration(model, path.final),
         "ultimate_configuration": configuration(model, path.states[-1])

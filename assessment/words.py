@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
+import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
@@ -87,3 +89,10 @@ def words_of(results: Mapping[str, Any]) -> Words:
 def direction_name(direction: str) -> str:
     """Write a direction with a true minus sign: +x, −x."""
     return direction.replace("-", "−")
+
+
+def slug(results: Mapping[str, Any], state: str) -> str:
+    """Return a file name for a state: its number among the states and its plain letters."""
+    number = list(results["states"]).index(state)
+    ascii_name = unicodedata.normalize("NFKD", state).encode("ascii", "ignore").decode().lower()
+    return f"{number}_{re.sub(r'[^a-z0-9]+', '_', ascii_name).strip('_')[:40]}".rstrip("_")

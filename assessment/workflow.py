@@ -229,7 +229,9 @@ def _replace(new: Path, old: Path, ours: bool) -> None:
         (new / name).replace(old / name)
     if ours:
         for stale in {
-            item for item in old.iterdir() if item.suffix in {".csv", ".svg"} and item.name not in names
+            item
+            for item in old.iterdir()
+            if item.suffix in {".csv", ".svg", ".png", ".dxf"} and item.name not in names
         }:
             stale.unlink()
 

@@ -9,9 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assessment.canvas import MM, SCALES, nice, save_svg, sheet
-from assessment.figures import pictures, slug, write_figures
+from assessment.figures import pictures, write_figures
 from assessment.outlines import Outlines, outlines
 from assessment.spectral_plots import damped
+from assessment.words import slug
 from tests.results_example import SETTLED, results_example
 
 
