@@ -23,7 +23,7 @@ MILLIMETRES = {
     "residual_displacement_m",
     "movement_m",
 }
-PERCENT = {"reduction", "static_reduction", "dynamic_reduction", "deviation"}
+PERCENT = {"reduction", "static_reduction", "dynamic_reduction", "deviation", "hand_deviation"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
 TEXT |= {"property", "collapses"}
 TEXT |= {"record", "contacts", "control", "collapsed", "resurrections"}

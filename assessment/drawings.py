@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch, Rectangle
 
 from assessment.canvas import MM, Sheet, nice, sheet
+from assessment.macro_blocks import macro_blocks
 from assessment.outlines import Array, Outlines, field, outlines, place
 from assessment.words import Words, direction_name
 
@@ -129,6 +130,12 @@ HINGE: dict[str, Any] = {
     "markeredgecolor": INK,
     "markeredgewidth": 1.2,
 }
+LABEL: dict[str, Any] = {
+    "ha": "center",
+    "va": "center",
+    "fontweight": "bold",
+    "bbox": {"facecolor": "1.0", "edgecolor": INK, "linewidth": 0.4, "pad": 1.4},
+}
 SLIDING: dict[str, Any] = {"color": INK, "linewidth": 2.4, "solid_capstyle": "butt"}
 
 
@@ -147,6 +154,7 @@ class Mechanism:
         self.swept = self.start.swept(self.velocity, self.amount)
         self.moving = np.bincount(self.start.owner, speed > 1e-4 * speed.max()) > 0
         self.hinges: list[Any] = mechanism["hinge_points_m"]
+        self.macro_blocks = macro_blocks(results, state, direction)
         joints = results["geometry"]["joints"]
         self.sliding = [joints[index] for index in mechanism["sliding_joints"]]
 
@@ -164,6 +172,15 @@ class Mechanism:
             owner = np.array([self.start.nearest(point) for point in self.hinges])
             points = self._carried(np.asarray(self.hinges, dtype=float), owner)
             axes.plot(points[:, 0], points[:, 1], **HINGE)
+        self._number_macro_blocks(axes)
+
+    def _number_macro_blocks(self, axes: Axes) -> None:
+        """Write the number of each macro-block, as in the table of the hand check, at its centroid."""
+        for number, whole in enumerate(self.macro_blocks, 1):
+            nearest = min(
+                whole.members, key=lambda b: float(np.hypot(*(self.start.centroids[b] - whole.centroid)))
+            )
+            axes.annotate(str(number), self.swept.centroids[nearest], **LABEL)
 
     def _rate(self, points: Array, owner: Any) -> Array:
         return field(points, owner, self.start.centroids, self.velocity)

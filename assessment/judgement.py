@@ -8,7 +8,8 @@ from typing import Any
 from markupsafe import Markup
 
 from assessment.study_tables import tornado
-from assessment.tables import hand_check, verification
+from assessment.macro_blocks import hand_check
+from assessment.tables import verification
 from assessment.words import Words, direction_name
 
 Results = Mapping[str, Any]
@@ -159,7 +160,9 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
         yield words(
             "judgement.certificates" if good else "judgement.poor_certificates", residual=float(residual)
         )
-    deviations = [abs(row["deviation"]) for row in hand_check(results).rows]
+    deviations = [
+        abs(row[key]) for row in hand_check(results).rows for key in ("deviation", "hand_deviation")
+    ]
     if deviations:
         key = "hand_agrees" if max(deviations) <= AGREEMENT else "hand_differs"
         yield words(f"judgement.{key}", deviation=100.0 * max(deviations))

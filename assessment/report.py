@@ -19,6 +19,7 @@ from assessment.figures import pictures
 from assessment.files import write_atomically
 from assessment.judgement import all_warnings, draft_judgement, worst_scenario
 from assessment.study_tables import reported_studies
+from assessment.macro_blocks import hand_check, macro_block_table
 from assessment.trace import pretty
 from assessment.words import Words, direction_name, words_of
 
@@ -39,6 +40,7 @@ CHAPTERS = (
     "hand_check",
     "judgement",
 )
+FIGURES = {"hand_check": 4, "macro_blocks": 4}  # significant ones, of tables that are worked with
 DYNAMIC = ("history", "incremental")  # chapters before the comparison, where their stages were asked for
 STUDIES = ("scenarios", "sensitivity")  # likewise
 
@@ -154,11 +156,12 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         incremental_states(results),
         static_dynamic(results),
         tables.Table("quality", list(results["quality"].get("by_stage") or []), tables.QUALITY),
-        tables.hand_check(results),
+        macro_block_table(results),
+        hand_check(results),
         tables.Table("echo", echo, ("key", "value")),
     ]
     return {
-        table.name: grid(table, words, words(f"caption.{table.name}"), 4 if table.name == "hand_check" else 3)
+        table.name: grid(table, words, words(f"caption.{table.name}"), FIGURES.get(table.name, 3))
         for table in made
         if table.rows
     }

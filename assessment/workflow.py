@@ -330,7 +330,6 @@ def _geometry(project: Project, a: Assembly) -> Results:
                 "support": block.support,
                 "vertical_load_kN": block.vertical_load,
                 "weight_kN": block.weight,
-                "seismic_weight_kN": GRAVITY * block.mass,
             }
             for block in a.blocks
         ],
