@@ -21,6 +21,7 @@ from assessment.judgement import all_warnings, draft_judgement, worst_scenario
 from assessment.study_tables import reported_studies
 from assessment.macro_blocks import hand_check, macro_block_table
 from assessment.trace import pretty
+from assessment.viewer import Viewer, viewer
 from assessment.words import Words, direction_name, words_of
 
 Results = Mapping[str, Any]
@@ -61,21 +62,20 @@ def render_report(results: Results, figures: Path, folder: Path) -> Report:
     WeasyPrint's system libraries only the HTML is written; the warning holds the command that installs them.
     """
     words = words_of(results)
-    html = render_html(results, figures, words)
     page = folder / "report.html"
-    write_atomically(page, html.encode())
+    write_atomically(page, render_html(results, figures, words, viewer(results, words)).encode())
     try:
         import weasyprint
     except OSError as error:  # a shared library that cannot be loaded
         reason = str(error).partition("\n")[0]
         return Report(page, None, (words.plain("warning.no_pdf", reason=reason, command=APT_COMMAND),))
     document = folder / "report.pdf"
-    write_atomically(document, weasyprint.HTML(string=html).write_pdf())
+    write_atomically(document, weasyprint.HTML(string=render_html(results, figures, words)).write_pdf())
     return Report(page, document)
 
 
-def render_html(results: Results, figures: Path, words: Words) -> str:
-    """Return the report as one self-contained page."""
+def render_html(results: Results, figures: Path, words: Words, interactive: Viewer | None = None) -> str:
+    """Return the report as one self-contained page, with or without the part to step through on the screen."""
     environment = jinja2.Environment(
         loader=jinja2.FunctionLoader(lambda name: (files("templates") / name).read_text(encoding="utf-8")),
         autoescape=True,
@@ -92,6 +92,7 @@ def render_html(results: Results, figures: Path, words: Words) -> str:
         chapters=_chapters(results),
         annexes=annexes,
         count=Counter(),
+        viewer=interactive,
         figures=_embedded(results, figures, words),
         grids=_grids(results, words),
         summaries=list(summary_grids(tables.summary(results), results, words)),
