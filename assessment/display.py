@@ -26,7 +26,7 @@ MILLIMETRES = {
 PERCENT = {"reduction", "static_reduction", "dynamic_reduction", "deviation", "hand_deviation"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
 TEXT |= {"property", "collapses"}
-TEXT |= {"record", "contacts", "control", "collapsed", "resurrections"}
+TEXT |= {"case", "source", "test", "record", "contacts", "control", "collapsed", "resurrections"}
 REDUCTIONS = 3  # settled states beside the original in one table
 
 

@@ -70,7 +70,7 @@ def macro_blocks(results: Results, state: str, direction: str) -> list[MacroBloc
         i, j = joint["blocks"]
         if moving[i] and moving[j] and _as_one(joint, drawn.centroids, at, shape.centroids, rate, fastest):
             group[group == group[j]] = group[i]
-    weight, seismic = _weights(results)
+    weight, seismic = weights(results)
     found = [
         _whole(np.flatnonzero(group == g), weight, seismic, shape.centroids, rate)
         for g in np.unique(group[moving])
@@ -155,7 +155,7 @@ def _whole(members: Any, weight: Array, seismic: Array, centroids: Array, rate: 
     )
 
 
-def _weights(results: Results) -> tuple[Array, Array]:
+def weights(results: Results) -> tuple[Array, Array]:
     """Return weights and seismic weights (b,) kN, worked out from outlines, depths and the project's own figures."""
     echo = results["echo"]
     weight, seismic = [], []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
@@ -20,6 +21,7 @@ from assessment.files import write_atomically
 from assessment.judgement import all_warnings, draft_judgement, worst_scenario
 from assessment.study_tables import reported_studies
 from assessment.macro_blocks import hand_check, macro_block_table
+from assessment.reactions import balance, reactions
 from assessment.trace import pretty
 from assessment.viewer import Viewer, viewer
 from assessment.words import Words, direction_name, words_of
@@ -144,10 +146,12 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
     """Return the tables of the report that have rows, by name."""
     echo = [{"key": key, "value": exact(value, words)} for key, value in flatten(results["echo"])]
     made = [
-        tables.Table("validation", words.rows("validation"), ("case", "source", "expected")),
+        _validation(words),
         tables.layers(results),
         tables.settlements(results),
         tables.mechanisms(results),
+        reactions(results),
+        balance(results),
         tables.verification(results),
         tables.Table("comparison", _compared(results), tables.COMPARISON),
         *reported_studies(results),
@@ -166,6 +170,21 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         for table in made
         if table.rows
     }
+
+
+def _validation(words: Words) -> tables.Table:
+    """Return the validation table of this version; tests compute every row again."""
+    cases = tomllib.loads((files("templates") / "validation.toml").read_text(encoding="utf-8"))["case"]
+    rows = [
+        {
+            **case[words.language],
+            "expected": words.comma(case["expected"]),
+            "computed": words.comma(case["computed"]),
+            "test": case["test"],
+        }
+        for case in cases
+    ]
+    return tables.Table("validation", rows, ("case", "source", "expected", "computed", "test"))
 
 
 def _compared(results: Results) -> list[tables.Row]:

@@ -10,6 +10,7 @@ from assessment.dynamic_tables import dynamic_tables
 from assessment.files import write_atomically
 from assessment.study_tables import study_tables
 from assessment.macro_blocks import hand_check, macro_block_table, outline_area
+from assessment.reactions import balance, joint_table, reactions
 from assessment.table import Results, Row, Table, reduction
 
 __all__ = ["Results", "Row", "Table", "tables", "write_tables"]
@@ -44,6 +45,9 @@ def tables(results: Results) -> list[Table]:
         summary(results),
         verification(results),
         Table("comparison", list(results.get("comparison") or []), COMPARISON),
+        reactions(results),
+        balance(results),
+        joint_table(results),
         macro_block_table(results),
         hand_check(results),
         Table("quality", list(results["quality"].get("by_stage") or []), QUALITY),

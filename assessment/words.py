@@ -32,10 +32,6 @@ class Words:
         """Return the string as plain text, for figures."""
         return str(self._find(key)).format(**{name: self.show(value) for name, value in values.items()})
 
-    def rows(self, key: str) -> list[dict[str, str]]:
-        """Return an array of tables of the strings file."""
-        return list(self.strings[key])
-
     def show(self, value: object) -> str:
         """Write a value of results.json: null is "not reached", floats have three significant digits."""
         if value is None:

@@ -41,7 +41,11 @@ class Page:
 
     def open(self, path: Path, width: int = 1000, height: int = 1400) -> None:
         self.call(
-            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=False,
         )
         self.call("Page.navigate", url=path.absolute().as_uri())
         self.wait("document.readyState === 'complete'")
