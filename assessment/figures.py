@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from matplotlib.figure import Figure
 
 from assessment.canvas import save_images
-from assessment.drawings import draw_mechanisms, draw_model, draw_overturned, draw_settlement
+from assessment.drawings import draw_mechanisms, draw_overturned, draw_settlement
 from assessment.dynamic_plots import (
     draw_fragility,
     draw_history,
@@ -22,6 +22,7 @@ from assessment.dynamic_plots import (
     shaken,
 )
 from assessment.joint_states import situations
+from assessment.model_drawing import draw_model
 from assessment.plots import draw_pushdown, draw_pushover, pushed
 from assessment.spectral_plots import draw_spectra
 from assessment.study_plots import draw_scenarios, draw_tornado, varied

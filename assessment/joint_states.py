@@ -114,6 +114,8 @@ def joint_states(results: Results, situation: Situation) -> JointStates:
     gap = ends - facing
     N, T = (situation.force * normal).sum(axis=1), (situation.force * tangent).sum(axis=1)
     share = np.where(np.isfinite(situation.centre), situation.centre, 0.5)
+    opening = np.einsum("jei,ji->je", gap, normal)
+    nearer = opening.argmin(axis=1)  # the end in contact: a joint that gapes slips there
     friction = np.array([joint["friction"] for joint in joints])
     idle = IDLE * results["model"]["weight_kN"] > N
     condition = np.select(
@@ -126,8 +128,8 @@ def joint_states(results: Results, situation: Situation) -> JointStates:
         ends[:, 0] + share[:, None] * (ends[:, 1] - ends[:, 0]),
         N,
         T,
-        np.einsum("jei,ji->je", gap, normal),
-        (gap.mean(axis=1) * tangent).sum(axis=1),
+        opening,
+        (np.take_along_axis(gap, nearer[:, None, None], axis=1)[:, 0] * tangent).sum(axis=1),
         condition.tolist(),
     )
 

@@ -100,13 +100,13 @@ def hand_check(results: Results) -> Table:
         if rigid.get("virtual_work_alpha") is not None and rigid.get("alpha_0"):
             computed = rigid.get("virtual_work_reference", rigid["alpha_0"])
             by_blocks = rigid["virtual_work_alpha"]
-            whole = macro_blocks(results, name, direction)
-            by_hand = multiplier(_rows(name, direction, whole), direction)
+            figures = figures_of(results, name, direction)
+            by_hand = multiplier(figures)
             rows.append(
                 {
                     "state": name,
                     "direction": direction,
-                    "macro_blocks": len(whole),
+                    "macro_blocks": len(figures) - 1,
                     "alpha_mechanism": computed,
                     "virtual_work_alpha": by_blocks,
                     "deviation": by_blocks / computed - 1.0,
@@ -117,12 +117,29 @@ def hand_check(results: Results) -> Table:
     return Table("hand_check", rows, tuple(rows[0]) if rows else ("state", "direction"))
 
 
-def multiplier(rows: list[Row], direction: str) -> float:
-    """Return α = Σ W δ_z / Σ W_s δ_x of the rows of a mechanism, δ_x along the loads; W_s seismic weights."""
+def governing_mechanisms(results: Results) -> list[tuple[str, str]]:
+    """Return each state with the direction in which its multiplier is least."""
+    least: dict[str, tuple[float, str]] = {}
+    for name, direction, rigid in mechanisms(results):
+        least[name] = min(least.get(name, (np.inf, "")), (rigid["alpha_0"], direction))
+    return [(name, direction) for name, (_, direction) in least.items()]
+
+
+def figures_of(results: Results, state: str, direction: str) -> list[Row]:
+    """Return the rows of a mechanism with their virtual work, and the sums that give the multiplier."""
     sign = 1.0 if direction == "+x" else -1.0
-    resisting = sum(row["weight_kN"] * row["delta_z"] for row in rows)  # lifting takes work
-    pushing = sum(sign * row["seismic_weight_kN"] * row["delta_x"] for row in rows)
-    return float(resisting / pushing)
+    rows = _rows(state, direction, macro_blocks(results, state, direction))
+    for row in rows:
+        row["work_load"] = sign * row["seismic_weight_kN"] * row["delta_x"]
+        row["work_weight"] = row["weight_kN"] * row["delta_z"]
+    total = {key: sum(row[key] for row in rows) for key in ("blocks", "weight_kN", "seismic_weight_kN")}
+    works = {key: sum(row[key] for row in rows) for key in ("work_load", "work_weight")}
+    return [*rows, {"macro_block": "Σ", **total, **works}]
+
+
+def multiplier(rows: list[Row]) -> float:
+    """Return α = Σ W δ_z / Σ W_s δ_x of the figures of a mechanism, δ_x along the loads; W_s seismic weights."""
+    return float(rows[-1]["work_weight"] / rows[-1]["work_load"])
 
 
 def mechanisms(results: Results) -> Iterator[tuple[str, str, Any]]:

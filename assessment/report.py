@@ -20,7 +20,7 @@ from assessment.figures import pictures
 from assessment.files import write_atomically
 from assessment.judgement import all_warnings, draft_judgement, worst_scenario
 from assessment.study_tables import reported_studies
-from assessment.macro_blocks import hand_check, macro_block_table
+from assessment.macro_blocks import figures_of, governing_mechanisms, hand_check
 from assessment.reactions import balance, reactions
 from assessment.trace import pretty
 from assessment.viewer import Viewer, viewer
@@ -43,7 +43,6 @@ CHAPTERS = (
     "hand_check",
     "judgement",
 )
-FIGURES = {"hand_check": 4, "macro_blocks": 4}  # significant ones, of tables that are worked with
 DYNAMIC = ("history", "incremental")  # chapters before the comparison, where their stages were asked for
 STUDIES = ("scenarios", "sensitivity")  # likewise
 
@@ -57,26 +56,35 @@ class Report:
     warnings: tuple[str, ...] = ()
 
 
-def render_report(results: Results, figures: Path, folder: Path) -> Report:
+def render_report(results: Results, figures: Path, folder: Path, edited: Markup | None = None) -> Report:
     """Write report.html and report.pdf into `folder` from results and the SVG files of `write_figures`.
 
-    Both appear whole or not at all and depend on nothing but results and figures: no date is printed. Without
-    WeasyPrint's system libraries only the HTML is written; the warning holds the command that installs them.
+    `edited`: the judgement in the engineer's own words, in place of the draft. Both appear whole or not at all and
+    depend on nothing but the arguments: no date is printed. Without WeasyPrint's system libraries only the HTML is
+    written; the warning holds the command that installs them.
     """
     words = words_of(results)
     page = folder / "report.html"
-    write_atomically(page, render_html(results, figures, words, viewer(results, words)).encode())
+    write_atomically(page, render_html(results, figures, words, edited, viewer(results, words)).encode())
     try:
         import weasyprint
     except OSError as error:  # a shared library that cannot be loaded
         reason = str(error).partition("\n")[0]
         return Report(page, None, (words.plain("warning.no_pdf", reason=reason, command=APT_COMMAND),))
     document = folder / "report.pdf"
-    write_atomically(document, weasyprint.HTML(string=render_html(results, figures, words)).write_pdf())
+    write_atomically(
+        document, weasyprint.HTML(string=render_html(results, figures, words, edited)).write_pdf()
+    )
     return Report(page, document)
 
 
-def render_html(results: Results, figures: Path, words: Words, interactive: Viewer | None = None) -> str:
+def render_html(
+    results: Results,
+    figures: Path,
+    words: Words,
+    edited: Markup | None = None,
+    interactive: Viewer | None = None,
+) -> str:
     """Return the report as one self-contained page, with or without the part to step through on the screen."""
     environment = jinja2.Environment(
         loader=jinja2.FunctionLoader(lambda name: (files("templates") / name).read_text(encoding="utf-8")),
@@ -103,6 +111,8 @@ def render_html(results: Results, figures: Path, words: Words, interactive: View
         missing=list(_missing(results, words)),
         judgement=draft_judgement(results, words),
         worst=list(worst_scenario(results, words)),
+        edited=edited,
+        macro_blocks=list(_macro_blocks(results, words)),
         warnings=all_warnings(results),
     )
 
@@ -161,12 +171,11 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         incremental_states(results),
         static_dynamic(results),
         tables.Table("quality", list(results["quality"].get("by_stage") or []), tables.QUALITY),
-        macro_block_table(results),
         hand_check(results),
         tables.Table("echo", echo, ("key", "value")),
     ]
     return {
-        table.name: grid(table, words, words(f"caption.{table.name}"), FIGURES.get(table.name, 3))
+        table.name: grid(table, words, words(f"caption.{table.name}"), 4 if table.name == "hand_check" else 3)
         for table in made
         if table.rows
     }
@@ -212,6 +221,15 @@ def _traces(results: Results, words: Words) -> Iterator[Grid]:
             )
             rows = [_step(step, words) for step in trace]
             yield grid(tables.Table("trace", rows, columns), words, caption)
+
+
+def _macro_blocks(results: Results, words: Words) -> Iterator[Grid]:
+    """Yield the macro-blocks of each state's weakest direction, with the sums of the virtual work."""
+    for name, direction in governing_mechanisms(results):
+        rows = figures_of(results, name, direction)
+        caption = words("caption.macro_blocks", state=words.state(name), direction=direction_name(direction))
+        columns = tuple(key for key in rows[0] if key not in {"state", "direction"})
+        yield grid(tables.Table("macro_blocks", rows, columns), words, caption, 4)
 
 
 def _least_index(capacity: Mapping[str, Any]) -> float:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
+from assessment.joint_states import EDGE, FRICTION, IDLE
 from assessment.table import Results
 from assessment.words import Words, direction_name
 
@@ -46,6 +47,7 @@ def viewer(results: Results, words: Words) -> Viewer | None:
             for joint in geometry["joints"]
         ],
         "weight": results["model"]["weight_kN"],
+        "limits": {"idle": IDLE, "friction": FRICTION, "edge": EDGE},
         "paths": paths,
         "words": dict(words.strings["viewer"]) | {"decimal_mark": words.plain("value.decimal_mark")},
     }

@@ -186,11 +186,14 @@ def describe(project: Project, model: Model) -> Results:
 def write(results: Results, folder: Path, report: bool = True) -> list[str]:
     """Write results.json, tables, figures and report into `folder`; each appears whole or not at all.
 
-    Returns warnings (a PDF that could not be made). results.json comes last: where it is new, all is.
+    A judgement.md that was edited is kept and printed. Returns warnings (a PDF that could not be made). results.json
+    comes last: where it is new, all is.
     """
     from assessment.figures import write_figures
+    from assessment.judgement_file import NAME, judgement
     from assessment.report import render_report
     from assessment.tables import write_tables
+    from assessment.words import words_of
 
     folder.mkdir(parents=True, exist_ok=True)
     for left in folder.glob(f"{SCRATCH}*"):  # of a run that was killed
@@ -200,9 +203,11 @@ def write(results: Results, folder: Path, report: bool = True) -> list[str]:
         new = Path(scratch)
         write_tables(results, new / "tables")
         write_figures(results, new / "figures")
+        opinion = judgement(results, words_of(results), folder)
+        write_atomically(new / NAME, opinion.text.encode())
+        warnings += opinion.warnings
         if report:
-            made = render_report(results, new / "figures", new)
-            warnings = list(made.warnings)
+            warnings += render_report(results, new / "figures", new, opinion.edited).warnings
         write_atomically(
             new / "results.json", json.dumps(results, ensure_ascii=False, allow_nan=False).encode()
         )

@@ -3,12 +3,13 @@
 // Points are (x, z) in m; the drawing shows z upwards, so that SVG's y is −z.
 (() => {
   const data = JSON.parse(document.getElementById("viewer-data").textContent);
-  const words = data.words;
+  const { words, limits } = data;
   const $ = (id) => document.getElementById(id);
   const [shape, curve, slider, choice, tip] = ["shape", "curve", "frame", "path", "tip"].map((id) => $(`viewer-${id}`));
   const floats = (text) => new Float32Array(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
   const number = (value, digits = 3) =>
     Number.isFinite(value) ? String(+value.toPrecision(digits)).replace("-", "−").replace(".", words.decimal_mark) : "–";
+  const millimetres = (metres) => number(Math.abs(metres) < 5e-7 ? 0 : 1e3 * metres);
   const safe = (text) => String(text).replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);
   const bounds = (points) => {
     const box = [Infinity, Infinity, -Infinity, -Infinity];
@@ -41,13 +42,15 @@
       const own = placed(end, a, 1), other = [p, q][k];
       return [own[0] - other[0], own[1] - other[1]];
     });
-    const state = { ends, opening: gaps.map((gap) => dot(gap, n)), slip: (dot(gaps[0], t) + dot(gaps[1], t)) / 2 };
+    const opening = gaps.map((gap) => dot(gap, n)), nearer = opening[1] < opening[0] ? 1 : 0;
+    const state = { ends, opening, slip: dot(gaps[nearer], t) };
     const at = frame * data.joints.length + index;
     if (!force || Number.isNaN(force[2 * at])) return state;
     const F = [force[2 * at], force[2 * at + 1]], share = Number.isNaN(centre[at]) ? 0.5 : centre[at];
     const [N, T] = [dot(F, n), dot(F, t)], off = Math.abs(share - 0.5);
-    const condition = N < 1e-6 * data.weight ? "idle" : Math.abs(T) > 0.99 * joint.friction * N ? "sliding"
-      : off > 0.48 ? "edge" : off > 1 / 6 ? "partial" : "whole";
+    const condition = N < limits.idle * data.weight ? "idle"
+      : Math.abs(T) > limits.friction * joint.friction * N ? "sliding"
+        : off > 0.5 - limits.edge ? "edge" : off > 1 / 6 ? "partial" : "whole";
     const point = [0, 1].map((i) => ends[0][i] + share * (ends[1][i] - ends[0][i]));
     return { ...state, F, N, T, condition, point, eccentricity: (share - 0.5) * length };
   };
@@ -181,16 +184,16 @@
     return rows(`${words.block} ${index}`, [
       [words.layer, block.layer + (block.support ? ` (${words.support} “${block.support}”)` : "")],
       [words.weight, `${number(block.weight)} kN`],
-      [words.displacement, `${number(1e3 * dx)}; ${number(1e3 * dz)} mm`],
+      [words.displacement, `${millimetres(dx)}; ${millimetres(dz)} mm`],
       [words.rotation, `${number(1e3 * turn)} mrad`]]);
   };
   const jointTip = (index) => {
     const joint = jointAt(index), [a, b] = data.joints[index].blocks;
-    const pairs = [[words.opening, joint.opening.map((u) => number(1e3 * u)).join("; ") + " mm"],
-      [words.slip, `${number(1e3 * joint.slip)} mm`]];
+    const pairs = [[words.opening, joint.opening.map(millimetres).join("; ") + " mm"],
+      [words.slip, `${millimetres(joint.slip)} mm`]];
     if (joint.F) pairs.unshift([words.condition, words[joint.condition]],
       [words.forces, `N = ${number(joint.N)}, T = ${number(joint.T)} kN`],
-      [words.eccentricity, `${number(1e3 * joint.eccentricity)} mm`]);
+      [words.eccentricity, `${millimetres(joint.eccentricity)} mm`]);
     return rows(`${words.joint} ${index} (${a}–${b})`, pairs);
   };
   const hover = (event) => {
