@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from ezdxf import units
 from ezdxf._options import options
+from ezdxf.document import Drawing
 from ezdxf.filemanagement import new
 
 from assessment.drawings import Mechanism
@@ -29,6 +31,14 @@ def write_deformed(results: Results, path: Path) -> None:
     Layers are DRAWN and NUMBER_STATE_WHAT, the state numbered and named as in the names of the figures. True scale, but
     for mechanisms, whose virtual displacements have none. The same bytes for the same results.
     """
+    with _reproducible():
+        drawing = _drawing(results)
+        text = io.StringIO()
+        drawing.write(text)
+    write_atomically(path, text.getvalue().encode(drawing.output_encoding))
+
+
+def _drawing(results: Results) -> Drawing:
     drawing = new("R2010")
     drawing.units = units.M
     space = drawing.modelspace()
@@ -45,14 +55,18 @@ def write_deformed(results: Results, path: Path) -> None:
         drawing.layers.add(layer, color=5)
         for start, end in segments:
             space.add_line(start, end, dxfattribs={"layer": layer})
-    text = io.StringIO()
+    return drawing
+
+
+@contextmanager
+def _reproducible() -> Iterator[None]:
+    """Let ezdxf write no times and no random identifiers."""
     before = options.write_fixed_meta_data_for_testing
-    options.write_fixed_meta_data_for_testing = True  # no times, no random identifiers
+    options.write_fixed_meta_data_for_testing = True
     try:
-        drawing.write(text)
+        yield
     finally:
         options.write_fixed_meta_data_for_testing = before
-    write_atomically(path, text.getvalue().encode(drawing.output_encoding))
 
 
 def shapes(results: Results) -> Iterator[tuple[str, Outlines]]:

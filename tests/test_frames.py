@@ -26,7 +26,7 @@ def test_chosen_points_hold_the_ends_and_what_was_wanted(count, most, data):
 
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
 def test_reactions_of_the_frames_are_those_of_the_path(contacts):
-    model = semicircular_arch(15, 0.2, stiffness=1e6)
+    model = semicircular_arch(15, 0.3, friction=0.7)
     path = pushdown(model, "right", (0.02, -0.01), increment=0.004, contacts=contacts)
     right = model.support("right")
     for state, step in zip(path.states, path.steps, strict=True):
