@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 
 from assessment.canvas import MM, Sheet, nice, sheet
-from assessment.macro_blocks import macro_blocks
+from assessment.macro_blocks import macro_blocks, virtual_displacements
 from assessment.outlines import Array, Outlines, field, outlines, place
 from assessment.words import Words, direction_name
 
@@ -120,7 +120,7 @@ class Mechanism:
         mechanism = content["pushover"][direction]["rigid"]["mechanism"]
         self.state = state
         self.configuration = np.asarray(content["configuration"], dtype=float)
-        self.velocity = np.asarray(mechanism["displacements"], dtype=float)
+        self.velocity = virtual_displacements(results, state, direction)
         self.drawing, self.start = drawing, drawing.moved(self.configuration)
         speed = np.linalg.norm(self._rate(self.start.points, self.start.owner), axis=1)
         self.amount = 0.08 * drawing.size / max(float(speed.max()), 1e-12)

@@ -14,6 +14,7 @@ from assessment.table import Results, Row, Table
 TOGETHER = 0.01  # of the largest velocity: across a joint, what does not part two blocks
 STILL = 1e-3  # of the largest velocity: a block that does not take part
 NOTHING = 1e-9  # kN, m or rad: what rounding leaves of zero
+EQUAL = 1e-6  # multipliers that differ by less are one
 FIGURES = 4  # significant figures that the reader is given, and that the check is made with
 COLUMNS = (
     "state",
@@ -54,10 +55,22 @@ class MacroBlock:
         return self.centroid + np.array([-dz, dx]) / w
 
 
+def virtual_displacements(results: Results, state: str, direction: str) -> Array:
+    """Return the mechanism's motion (b, 3) in the sense in which it goes: the one in which the loads do work.
+
+    In the results it is scaled to 1 m along +x at the control point, whatever the direction of the loads.
+    """
+    mechanism = results["states"][state]["pushover"][direction]["rigid"]["mechanism"]
+    rate = np.asarray(mechanism["displacements"], dtype=float)
+    along = 1.0 if direction == "+x" else -1.0
+    work = along * float(weights(results)[1] @ rate[:, 0])
+    return rate if work > 0.0 else -rate
+
+
 def macro_blocks(results: Results, state: str, direction: str) -> list[MacroBlock]:
     """Group the blocks of a mechanism that move as one, the largest group first."""
     rigid = results["states"][state]["pushover"][direction]["rigid"]
-    rate = np.asarray(rigid["mechanism"]["displacements"], dtype=float)
+    rate = virtual_displacements(results, state, direction)
     drawn = outlines(results)
     at = np.asarray(rigid.get("mechanism_configuration") or results["states"][state]["configuration"])
     shape = drawn.moved(at)
@@ -118,11 +131,12 @@ def hand_check(results: Results) -> Table:
 
 
 def governing_mechanisms(results: Results) -> list[tuple[str, str]]:
-    """Return each state with the direction in which its multiplier is least."""
-    least: dict[str, tuple[float, str]] = {}
+    """Return each state with the direction in which its multiplier is least, the first one of equals."""
+    least: dict[str, tuple[str, float]] = {}
     for name, direction, rigid in mechanisms(results):
-        least[name] = min(least.get(name, (np.inf, "")), (rigid["alpha_0"], direction))
-    return [(name, direction) for name, (_, direction) in least.items()]
+        if name not in least or rigid["alpha_0"] < (1.0 - EQUAL) * least[name][1]:
+            least[name] = direction, rigid["alpha_0"]
+    return [(name, direction) for name, (direction, _) in least.items()]
 
 
 def figures_of(results: Results, state: str, direction: str) -> list[Row]:

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+import shapely
 
+from assessment.drawings import Mechanism
 from assessment.macro_blocks import (
     figures_of,
     governing_mechanisms,
@@ -12,6 +14,7 @@ from assessment.macro_blocks import (
     multiplier,
     weights,
 )
+from assessment.outlines import outlines
 from tests.analysed import SETTLED, analysed
 
 
@@ -89,3 +92,26 @@ def test_a_wrong_multiplier_is_found_out():
     rigid = results["states"]["original"]["pushover"]["+x"]["rigid"]
     rigid["virtual_work_reference"] *= 1.05
     assert abs(hand_check(results).rows[0]["hand_deviation"]) > 0.04
+
+
+def test_a_mechanism_goes_where_the_loads_push_it_and_its_joints_open():
+    """Drawn the other way round its blocks would run into one another."""
+    results = analysed()
+    for direction, along in (("+x", 1.0), ("-x", -1.0)):
+        for state in ("original", SETTLED):
+            rows = figures_of(results, state, direction)
+            assert rows[-1]["work_load"] > 0.0
+            drawing = Mechanism(results, outlines(results), state, direction)
+            crown = drawing.start.nearest([0.0, 1.65])
+            assert along * (drawing.swept.centroids - drawing.start.centroids)[crown, 0] > 0.0
+            forth, back = (
+                overlap(drawing.start.swept(sign * drawing.velocity, 0.01 * drawing.amount))
+                for sign in (1.0, -1.0)
+            )
+            assert forth < 0.1 * back
+
+
+def overlap(shape):
+    """Area in which neighbouring blocks lie one over the other, m²."""
+    rings = [shapely.Polygon(ring) for ring in shape.rings(range(13))]
+    return sum(a.intersection(b).area for i, a in enumerate(rings) for b in rings[:i])
