@@ -138,7 +138,7 @@ def test_a_run_writes_everything_and_says_where(project, capsys, drawn):
     assert err == ""  # silent: no terminal
     found = {path.name for path in (project / "output").iterdir()}
     assert found == {"results.json", "report.html", "report.pdf", "judgement.md", "tables", "figures"}
-    assert {p.suffix for p in (project / "output" / "figures").iterdir()} == {".svg"}
+    assert {p.suffix for p in (project / "output" / "figures").iterdir()} == {".svg", ".png", ".dxf"}
     assert {p.suffix for p in (project / "output" / "tables").iterdir()} == {".csv"}
     assert (project / "output" / "figures" / "model.svg").is_file()
     before = (project / "output" / "results.json").read_bytes()

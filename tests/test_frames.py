@@ -40,7 +40,7 @@ def test_reactions_of_the_frames_are_those_of_the_path(contacts):
 
 def test_frames_hold_onset_peak_end_and_the_movement_asked_for():
     model = block_on_base(0.6, 4.2)
-    path = pushover(model, (0.6, 4.2), increment=0.005)
+    path = pushover(model, (0.6, 4.2), increment=0.05)
     found = pushover_frames(model, "rigid", path)
     assert {0, path.peak, path.formed, len(path.states) - 1} <= set(found["index"])
     assert len(found["index"]) <= MOST + 4
