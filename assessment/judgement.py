@@ -7,9 +7,9 @@ from typing import Any
 
 from markupsafe import Markup
 
-from assessment.study_tables import tornado
 from assessment.macro_blocks import hand_check
 from assessment.reactions import balance
+from assessment.study_tables import tornado
 from assessment.tables import verification
 from assessment.words import Words, direction_name
 

@@ -19,9 +19,9 @@ from assessment.dynamic_tables import energy, histories, incremental, incrementa
 from assessment.figures import pictures
 from assessment.files import write_atomically
 from assessment.judgement import all_warnings, draft_judgement, worst_scenario
-from assessment.study_tables import reported_studies
 from assessment.macro_blocks import figures_of, governing_mechanisms, hand_check
 from assessment.reactions import balance, reactions
+from assessment.study_tables import reported_studies
 from assessment.trace import pretty
 from assessment.viewer import Viewer, viewer
 from assessment.words import Words, direction_name, words_of
