@@ -20,6 +20,7 @@ from assessment.words import Words
 
 Results = Mapping[str, Any]
 LONGEST_MM = 12.0  # of a resultant on paper
+CROWD = 150  # joints: beyond them marks become finer, so that a wall stays readable
 THRUST: dict[str, Any] = {"color": INK, "linewidth": 1.3}
 RESULTANT: dict[str, Any] = {"color": "0.35", "linewidth": 0.7}
 JOINTS: dict[str, dict[str, Any]] = {  # by condition; a joint that presses as a whole is a plain outline
@@ -58,13 +59,19 @@ def _draw(
     largest: float,
 ) -> None:
     fill_roles(axes, shape, results)
+    fine = min(1.0, (CROWD / len(states.condition)) ** 0.5)
     for condition, style in JOINTS.items():
-        axes.add_collection(LineCollection(list(states.ends[_are(states, condition)]), **style))
+        width = style["linewidth"] * fine
+        ends = states.ends[_are(states, condition)]
+        axes.add_collection(LineCollection(list(ends), **(style | {"linewidth": width})))
     half = 0.5 * page.paper(LONGEST_MM) / largest * situation.force
     segments = np.stack([states.point - half, states.point + half], axis=1)[~_are(states, "idle")]
     axes.add_collection(LineCollection(list(segments), **RESULTANT))
     axes.add_collection(LineCollection(thrust_lines(results, states), **THRUST))
-    axes.plot(*states.point[_are(states, "edge")].T, **(HINGE | {"markersize": 3.6, "markeredgewidth": 0.9}))
+    axes.plot(
+        *states.point[_are(states, "edge")].T,
+        **(HINGE | {"markersize": 3.6 * fine, "markeredgewidth": 0.9 * fine}),
+    )
 
 
 def _are(states: JointStates, condition: str) -> NDArray[np.bool_]:
