@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 
 from assessment.canvas import MM, Sheet, nice, sheet
-from assessment.macro_blocks import macro_blocks, virtual_displacements
+from assessment.hand_check import macro_blocks, virtual_displacements
 from assessment.outlines import Array, Outlines, field, outlines, place
 from assessment.words import Words, direction_name
 

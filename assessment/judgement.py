@@ -7,7 +7,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from assessment.macro_blocks import hand_check
+from assessment.hand_check import hand_check
 from assessment.reactions import balance
 from assessment.study_tables import tornado
 from assessment.tables import verification

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from assessment.hand_check import weights
 from assessment.joint_states import Situation, joint_states, situations
-from assessment.macro_blocks import weights
 from assessment.outlines import Array
 from assessment.table import Results, Row, Table
 

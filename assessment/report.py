@@ -18,8 +18,8 @@ from assessment.display import Grid, exact, flatten, grid, summary_grids
 from assessment.dynamic_tables import energy, histories, incremental, incremental_states, static_dynamic
 from assessment.figures import pictures
 from assessment.files import write_atomically
+from assessment.hand_check import figures_of, governing_mechanisms, hand_check
 from assessment.judgement import all_warnings, draft_judgement, worst_scenario
-from assessment.macro_blocks import figures_of, governing_mechanisms, hand_check
 from assessment.reactions import balance, reactions
 from assessment.study_tables import reported_studies
 from assessment.trace import pretty

@@ -8,7 +8,7 @@ from typing import Any
 
 from assessment.dynamic_tables import dynamic_tables
 from assessment.files import write_atomically
-from assessment.macro_blocks import hand_check, macro_block_table, outline_area
+from assessment.hand_check import hand_check, macro_block_table, outline_area
 from assessment.reactions import balance, joint_table, reactions
 from assessment.study_tables import study_tables
 from assessment.table import Results, Row, Table, reduction

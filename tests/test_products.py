@@ -5,8 +5,8 @@ import re
 import pypdf
 import pytest
 
+from assessment.hand_check import figures_of, governing_mechanisms, hand_check
 from assessment.judgement import draft_judgement
-from assessment.macro_blocks import figures_of, governing_mechanisms, hand_check
 from assessment.reactions import balance, reactions
 from assessment.words import words_of
 from assessment.workflow import write

@@ -5,7 +5,7 @@ import io
 import pandas as pd
 import pytest
 
-from assessment.macro_blocks import hand_check
+from assessment.hand_check import hand_check
 from assessment.tables import blocks, layers, summary, trace, verification, write_tables
 from tests.results_example import SETTLED, results_example
 

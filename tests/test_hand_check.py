@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 from assessment.drawings import Mechanism
-from assessment.macro_blocks import (
+from assessment.hand_check import (
     figures_of,
     governing_mechanisms,
     hand_check,
