@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from assessment.idealisation import SECANT_SHARE, YIELD_SHARE, CapacityError, CurveFit
+from assessment.idealisation import CapacityError, CurveFit
 from assessment.trace import Trace, datum, step
 from mechanics.block import GRAVITY
 from mechanics.errors import require
@@ -157,7 +157,7 @@ class CapacityCurve:
             datum("e_star", e, "", _LAW),
             datum("Gamma_star", Gamma, "", _LAW),
             datum("F_C", F_C, "", "Circolare 7/2019, C8.5.4"),
-            datum("alpha_0", fit.alpha_0, "", "pushover, rigid contacts"),
+            datum("alpha_0", fit.alpha_0, "", fit.source),
             step("a_0_star", "alpha_0/(e_star*F_C)", self.a_0_star, "g", _LAW, alpha_0=fit.alpha_0, e_star=e,
                  F_C=F_C),
         ]  # fmt: skip
@@ -166,12 +166,10 @@ class CapacityCurve:
                 datum("d_0", fit.d_0, "m", "pushover, rigid contacts: α = 0"),
                 step("d_0_star", "d_0*Gamma_star", self.d_0_star, "m", _LAW, d_0=fit.d_0, Gamma_star=Gamma),
             ]
-        if fit.alpha_y is not None and fit.d_y is not None and fit.alpha_u is not None:
+        if fit.alpha_y is not None and fit.d_y is not None:
             a_y, d_y = fit.alpha_y / (e * F_C), fit.d_y * Gamma
             lines += [
-                datum("alpha_u", fit.alpha_u, "", "pushover, elastic contacts: peak"),
-                datum("alpha_y", fit.alpha_y, "", f"{fit.model} fit: {_FIT_SOURCE[fit.model]}"),
-                datum("d_y", fit.d_y, "m", f"{fit.model} fit: secant at {SECANT_SHARE:g} α_u"),
+                *fit.steps,
                 step("a_y_star", "alpha_y/(e_star*F_C)", a_y, "g", _LAW, alpha_y=fit.alpha_y, e_star=e,
                      F_C=F_C),
                 step("d_y_star", "d_y*Gamma_star", d_y, "m", _LAW, d_y=fit.d_y, Gamma_star=Gamma),
@@ -179,9 +177,6 @@ class CapacityCurve:
                      d_y_star=d_y, a_y_star=a_y, g=GRAVITY),
             ]  # fmt: skip
         return tuple(lines)
-
-
-_FIT_SOURCE = {"trilinear": f"{YIELD_SHARE:g} α_u ({_PAPER})", "bilinear": "equal area (NTC 2018, C7.3.4.2)"}
 
 
 def capacity_curve(

@@ -2,81 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from assessment.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
-from assessment.hazard import HazardCurve, return_period, site_curve
+from assessment.demand import site_acceleration
+from assessment.given_mechanism import MechanismError, compared, evaluate
+from assessment.hazard import HazardCurve
 from assessment.idealisation import CapacityError, Curve, CurveFit, fit_curve
-from assessment.messages import ProjectError
-from assessment.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
-from assessment.trace import Trace
+from assessment.macro_blocks import chosen_mechanisms
+from assessment.project_schema import ORIGINAL
+from assessment.spectrum import Spectrum
+from assessment.table import decisive
+from assessment.trace import numbers
 from assessment.verification import Check, Method, verify
 
 if TYPE_CHECKING:
-    from assessment.base_motion import BaseMotion
     from assessment.project import Project
-    from assessment.project_schema import AssessmentTable, SiteTable
     from mechanics import Assembly
-
-DAMPING = 0.05
-DAMPED = {"SLV": 0.08, "SLC": 0.10}  # Circolare 7/2019 C8.7.1.2
-PERIODS = np.linspace(0.0, 4.0, 401)
-
-
-def demand_spectra(
-    project: Project, shaking: Sequence[BaseMotion] = ()
-) -> tuple[dict[str, Spectrum], HazardCurve | None]:
-    """The demand spectrum of each limit state, and the site's hazard curve where a grid gives it.
-
-    spectrum = "ntc": the site's elastic spectra; "record": that of the first [[history]] record, whole and scaled, for
-    every limit state. Raises ProjectError for a site that the grid does not hold, and for a record that is to be
-    followed along a grid.
-    """
-    assessment = project.assessment
-    assert assessment is not None
-    if assessment.spectrum == "record":
-        if assessment.method == "grid":
-            text = 'a record has no return period; write "demand-shape", or spectrum = "ntc"'
-            raise ProjectError(f"{project.source}: assessment.method: {text}")
-        record = shaking[0].original
-        demand = RecordSpectrum(record.acceleration, record.time_step, DAMPING)
-        return dict.fromkeys(assessment.limit_states, demand), None
-    return _site_spectra(project, assessment)
-
-
-def site_acceleration(project: Project) -> dict[str, float]:
-    """Return a_g S (g) of the site per limit state where the demand is a record's spectrum and a site is given.
-
-    The capacity that the record's shape gives is compared with the site's demand, without a site with the record's PGA.
-    """
-    assessment = project.assessment
-    if assessment is None or assessment.spectrum != "record" or assessment.site is None:
-        return {}
-    return {
-        name: spectrum.ag * spectrum.S for name, spectrum in _site_spectra(project, assessment)[0].items()
-    }
-
-
-def _site_spectra(
-    project: Project, assessment: AssessmentTable
-) -> tuple[dict[str, Spectrum], HazardCurve | None]:
-    site = assessment.site
-    if site is None:
-        raise ProjectError(f"{project.source}: assessment.site: missing; give the site's hazard")
-    curve = _hazard_curve(project, site)
-    spectra: dict[str, Spectrum] = {}
-    for limit_state in assessment.limit_states:
-        if curve is not None:
-            hazard = curve.at(return_period(limit_state, site.nominal_life_years, site.use_class))
-            ag, F0, Tc_star = hazard.ag, hazard.F0, hazard.Tc_star
-        else:
-            typed = getattr(site, limit_state)
-            ag, F0, Tc_star = typed.ag_g, typed.F0, typed.Tc_star_s
-        spectra[limit_state] = ElasticSpectrum(ag, F0, Tc_star, site.soil, site.topography, DAMPING)
-    return spectra, curve
 
 
 def assess(
@@ -101,13 +46,15 @@ def assess(
             elastic = curves.get("elastic")
             fit = fit_curve(assessment.model, rigid_branch(rigid), _elastic_branch(elastic))
             capacity = capacity_curve(fit, part.e_star, part.gamma_star, assessment.confidence_factor)
-            checks = verify(capacity, demands, _method(project, assessment, hazard))
+            checks = verify(capacity, demands, method_of(project, hazard))
         except CapacityError as refusal:
             warnings.append(f"{direction}: no capacity: {refusal}")
             continue
         if elastic is not None and fit.alpha_y is not None:
             elastic |= {"alpha_y": fit.alpha_y, "d_y_m": fit.d_y}
-        found[direction] = _numbers(part, fit, capacity, checks)
+        said = dict.fromkeys(note for check in checks.values() for note in check.notes)
+        warnings += [f"{direction}: {note}" for note in said]
+        found[direction] = _numbers(rigid["mechanism"], part, fit, capacity, checks)
     return found
 
 
@@ -128,56 +75,64 @@ def rigid_branch(rigid: Mapping[str, Any]) -> Curve:
     return d, alpha
 
 
-def spectra_numbers(demands: Mapping[str, Spectrum]) -> dict[str, Any]:
-    """The demand spectra as tables of numbers."""
-    numbers = {}
-    for name, spectrum in demands.items():
-        entry = {
-            "T_s": PERIODS.tolist(),
-            "S_e_g": spectrum.acceleration(PERIODS).tolist(),
-            "S_De_m": spectrum.displacement(PERIODS).tolist(),
-        }
-        if isinstance(spectrum, RecordSpectrum):
-            damped = spectrum.with_damping(DAMPED.get(name, DAMPING))
-            entry |= {
-                "a_g_g": spectrum.ag,
-                "damping": damped.damping,
-                "damped_S_e_g": damped.acceleration(PERIODS).tolist(),
-                "damped_S_De_m": damped.displacement(PERIODS).tolist(),
-            }
-        if isinstance(spectrum, ElasticSpectrum):
-            entry |= {
-                "a_g_g": spectrum.ag,
-                "F0": spectrum.F0,
-                "Tc_star_s": spectrum.Tc_star,
-                "soil": spectrum.soil,
-                "topography": spectrum.topography,
-            }
-        numbers[name] = entry
-    return numbers
-
-
-def _hazard_curve(project: Project, site: SiteTable) -> HazardCurve | None:
-    if site.grid is None or site.latitude is None or site.longitude is None:
-        return None
-    try:
-        return site_curve(project.path(site.grid), site.latitude, site.longitude)
-    except ValueError as error:
-        raise ProjectError(f"{project.source}: assessment.site: {error}") from None
-
-
-def _method(project: Project, assessment: AssessmentTable, hazard: HazardCurve | None) -> Method:
-    """How the checks are made; the displacement demand of a record is that at the period T, as in the paper (§7.1)."""
+def method_of(project: Project, hazard: HazardCurve | None) -> Method:
+    """Return how the checks of a project are made."""
+    assessment = project.assessment
+    assert assessment is not None
     limit = assessment.local_displacement_limit_m
     return Method(
         behaviour_factor=assessment.behaviour_factor,
         circular=str(assessment.circular),
         scaling="return_period" if assessment.method == "grid" else "shape",
-        displacement_demand="at_period" if assessment.spectrum == "record" else "maximum",
+        displacement_demand=assessment.record_demand if assessment.spectrum == "record" else "maximum",
         hazard=hazard,
         site_acceleration=site_acceleration(project),
         local_limits={} if limit is None else dict.fromkeys(("SLV", "SLC"), limit),
+        local_reason=assessment.local_displacement_reason,
     )
+
+
+def governing(capacities: Mapping[str, Mapping[str, Any]]) -> dict[str, Any] | None:
+    """Return direction, limit state and ζ_E of the least check of a state; None where no check has a number."""
+    found = [
+        (zeta, direction, name)
+        for direction, capacity in capacities.items()
+        for name, zeta in decisive(capacity).items()
+    ]
+    if not found:
+        return None
+    zeta, direction, name = min(found)
+    return {"direction": direction, "limit_state": name, "zeta_E": zeta}
+
+
+def assess_chosen(
+    project: Project,
+    model: Assembly,
+    states: Mapping[str, Mapping[str, Any]],
+    demands: Mapping[str, Spectrum],
+    hazard: HazardCurve | None,
+    warnings: list[str],
+) -> list[dict[str, Any]]:
+    """Return the mechanisms that the user chose, each in its state's configuration, refused ones with the reason."""
+    found = []
+    factor = project.assessment.confidence_factor if project.assessment else 1.0
+    method = method_of(project, hazard) if project.assessment else Method()
+    for chosen in chosen_mechanisms(project, model):
+        state = states[chosen.state]
+        answer: dict[str, Any] = {"name": chosen.name, "state": chosen.state}
+        positions = model.initial.positions + np.array(state["configuration"])
+        try:
+            if chosen.state != ORIGINAL and not any(map(any, state["configuration"])):
+                raise MechanismError("its state was not reached")
+            answer |= evaluate(model, positions, chosen, factor, demands, method)
+            rigid = (state["pushover"].get(answer["direction"]) or {}).get("rigid")
+            answer = compared(answer, rigid["alpha_onset"] if rigid else None)
+            warnings += [f'mechanism "{chosen.name}": {note}' for note in answer["notes"]]
+        except MechanismError as refusal:
+            answer["refused"] = str(refusal)
+            warnings.append(f'mechanism "{chosen.name}": refused: {refusal}')
+        found.append(answer)
+    return found
 
 
 def _elastic_branch(elastic: Mapping[str, Any] | None) -> Curve | None:
@@ -185,9 +140,14 @@ def _elastic_branch(elastic: Mapping[str, Any] | None) -> Curve | None:
 
 
 def _numbers(
-    part: Participation, fit: CurveFit, capacity: CapacityCurve, checks: Mapping[str, Check]
+    mechanism: Mapping[str, Any],
+    part: Participation,
+    fit: CurveFit,
+    capacity: CapacityCurve,
+    checks: Mapping[str, Check],
 ) -> dict[str, Any]:
     return {
+        "mechanism": {"hinges": mechanism["hinges"], "sliding_joints": len(mechanism["sliding_joints"])},
         "e_star": part.e_star,
         "gamma_star": part.gamma_star,
         "T_0_s": capacity.T_0,
@@ -195,7 +155,7 @@ def _numbers(
         "d_0_star_m": capacity.d_0_star,
         "notes": list(fit.notes),
         "curve": {"d_star_m": capacity.displacement.tolist(), "a_star_g": capacity.acceleration.tolist()},
-        "trace": _trace((*part.steps(), *capacity.steps())),
+        "trace": numbers((*part.steps(), *capacity.steps()[2:])),  # e*, Γ* with what they come from
         **{name: _check(check, len(capacity.steps())) for name, check in checks.items()},
     }
 
@@ -215,19 +175,5 @@ def _check(check: Check, common: int) -> dict[str, Any]:
         "return_period_years": check.return_period,
         "governing": check.governing,
         "notes": list(check.notes),
-        "trace": _trace(check.trace[common:]),
+        "trace": numbers(check.trace[common:]),
     }
-
-
-def _trace(steps: Trace) -> list[dict[str, Any]]:
-    return [
-        {
-            "symbol": s.symbol,
-            "formula": s.formula,
-            "inputs": dict(s.inputs),
-            "result": s.result,
-            "unit": s.unit,
-            "paragraph": s.paragraph,
-        }
-        for s in steps
-    ]

@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 from pathlib import Path
+from traceback import walk_tb
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from assessment.workflow import Results
 
 DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
+NEEDED = ("title", "model", "geometry", "states", "quality")  # of stored results, for a report
 TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
 
 
@@ -207,6 +209,8 @@ def _report(options: argparse.Namespace) -> int:
         echo = results["echo"]["report"]
     except (ValueError, KeyError, TypeError) as error:
         raise ValueError(f"{stored}: not readable as results ({error}); run the project again") from None
+    if missing := [key for key in NEEDED if key not in results]:
+        raise ValueError(f"{stored}: {', '.join(missing)} missing: results cut short; run the project again")
     for key in ("client", "engineer", "location", "language"):
         echo[key] = getattr(project.report, key)
     for warning in write(results, folder):
@@ -230,11 +234,18 @@ def _writable(folder: Path) -> Path:
 
 
 def _is_input_error(error: ValueError | OSError) -> bool:
-    """Whether an exception is the user's to mend: those that name what is wrong; any other one is a bug."""
+    """Whether an exception is the user's to mend: those that name what is wrong; any other one is a bug.
+
+    A plain ValueError names it where our own code raised it; one out of a library is a bug of ours.
+    """
     from assessment.messages import ProjectError
     from mechanics import DrawingError
 
-    return isinstance(error, ProjectError | DrawingError | OSError) or type(error) is ValueError
+    if isinstance(error, ProjectError | DrawingError | OSError):
+        return True
+    *_, (frame, _) = walk_tb(error.__traceback__)
+    package = frame.f_globals["__name__"].partition(".")[0]
+    return type(error) is ValueError and package in {"assessment", "mechanics", "__main__"}
 
 
 def _message(error: ValueError | OSError) -> str:

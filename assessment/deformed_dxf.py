@@ -13,7 +13,7 @@ from ezdxf._options import options
 from ezdxf.document import Drawing
 from ezdxf.filemanagement import new
 
-from assessment.drawings import Mechanism
+from assessment.drawings import found_mechanism
 from assessment.files import write_atomically
 from assessment.joint_states import joint_states, situations, thrust_lines
 from assessment.outlines import Array, Outlines, outlines
@@ -79,7 +79,7 @@ def shapes(results: Results) -> Iterator[tuple[str, Outlines]]:
                 yield f"{_layer(results, name)}_{what}", drawn.moved(configuration)
         for direction, pushover in (content.get("pushover") or {}).items():
             if (pushover or {}).get("rigid", {}).get("mechanism"):
-                mechanism = Mechanism(results, drawn, name, direction)
+                mechanism = found_mechanism(results, name, direction)
                 yield f"{_layer(results, name)}_MECHANISM_{SIDES[direction]}", mechanism.swept
 
 

@@ -8,7 +8,9 @@ from typing import Any
 
 from markupsafe import Markup
 
-from assessment.tables import Row, Table, directions
+from assessment.capacity_tables import directions
+from assessment.hazard_files import RETURN_PERIODS
+from assessment.table import Row, Table
 from assessment.words import Words, direction_name
 
 MILLIMETRES = {
@@ -23,8 +25,9 @@ MILLIMETRES = {
     "residual_displacement_m",
     "movement_m",
 }
-PERCENT = {"reduction", "static_reduction", "dynamic_reduction", "deviation", "hand_deviation"}
+PERCENT = {"damping", "reduction", "static_reduction", "dynamic_reduction", "deviation", "hand_deviation"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
+TEXT |= {"mechanism", "governing", "kind", "soil", "topography", "refused"}
 TEXT |= {"property", "collapses"}
 TEXT |= {"case", "source", "test", "record", "contacts", "control", "collapsed", "resurrections"}
 REDUCTIONS = 3  # settled states beside the original in one table
@@ -52,7 +55,8 @@ class Grid:
 
 def _room(cell: Markup) -> float:
     """Return the width of a text in average letters; capitals are wider."""
-    return len(cell) + 0.4 * sum(letter.isupper() for letter in cell)
+    text = cell.striptags()
+    return len(text) + 0.4 * sum(letter.isupper() for letter in text)
 
 
 def grid(table: Table, words: Words, caption: Markup, significant: int = 3) -> Grid:
@@ -69,12 +73,36 @@ def grid(table: Table, words: Words, caption: Markup, significant: int = 3) -> G
 def cell(column: str, row: Row, words: Words, significant: int = 3) -> Markup:
     """Write one value: a dash where it was not asked for, "not reached" for null, the unit of the heading."""
     value = row.get(column)
+    if isinstance(value, Markup):
+        return value
     if column not in row or (value is None and column in TEXT):
         return words("value.none")
+    if column == "governing":
+        return governing(str(value), words)
+    if column == "return_period_years" and value is not None:
+        return Markup.escape(_bounded(float(value), words))
     if isinstance(value, float):
         factor = 1000.0 if column in MILLIMETRES else 100.0 if column in PERCENT else 1.0
         return Markup.escape(words.number(factor * value, significant))
     return Markup.escape(_name(column, value, words))
+
+
+def governing(text: str, words: Words) -> Markup:
+    """Write what set a capacity: a share of d_0, a local limit, activation."""
+    known = words.strings["governing"]
+    parts = [Markup(known.get(part, part).replace("d_0", "d<sub>0</sub>")) for part in text.split(": ")]
+    return Markup(": ").join(parts)
+
+
+def check_name(check: str, words: Words) -> str:
+    """Write the name of a check: the limit state, or that of the linear check at SLV."""
+    return words.plain("value.slv_linear") if check == "SLV linear" else check
+
+
+def _bounded(T_R: float, words: Words) -> str:
+    """Write a return period; at the bounds of the hazard it is only known to lie beyond."""
+    sign = "≤ " if RETURN_PERIODS[0] >= T_R else "≥ " if RETURN_PERIODS[-1] <= T_R else ""
+    return f"{sign}{words.number(T_R)}"
 
 
 def _name(column: str, value: Any, words: Words) -> str:
@@ -87,6 +115,10 @@ def _name(column: str, value: Any, words: Words) -> str:
         return words.plain(f"value.{value}")
     if column == "verified" and value is not None:
         return words.plain("value.verified" if value else "value.not_verified")
+    if column == "limit_state":
+        return check_name(value, words)
+    if column == "kind":
+        return words.plain(f"value.{value}_spectrum")
     if column == "stage" and value in words.strings["value"]:
         return words.plain(f"value.{value}")
     return words.show(value)
@@ -114,7 +146,7 @@ def _summary_row(row: Row, names: list[str], words: Words) -> list[Markup]:
     quantity, limit = row["quantity"], row["limit_state"]
     label = words(f"column.{quantity}")
     if limit:
-        label += Markup(" <span class='limit'>{}</span>").format(limit)
+        label += Markup(" <span class='limit'>{}</span>").format(check_name(limit, words))
     cells = [label, _valued(quantity, row, "original", words)]
     for name in names:
         cells.append(_valued(quantity, row, name, words))

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 
 from assessment.canvas import MM, Sheet, nice, sheet
-from assessment.hand_check import macro_blocks, virtual_displacements
+from assessment.hand_check import MacroBlock, macro_blocks, virtual_displacements
 from assessment.outlines import Array, Outlines, field, outlines, place
 from assessment.words import Words, direction_name
 
@@ -72,8 +72,19 @@ def draw_overturned(results: Results, words: Words, states: Sequence[str], direc
 
 def draw_mechanisms(results: Results, words: Words, states: Sequence[str], direction: str) -> Figure:
     """Draw the mechanism of each state on its own deformed shape, hinges and sliding joints marked."""
-    drawing = outlines(results)
-    views = [Mechanism(results, drawing, name, direction) for name in states]
+    views = [found_mechanism(results, name, direction) for name in states]
+    return _draw_mechanisms(words, views, direction)
+
+
+def draw_chosen(results: Results, words: Words, given: Mapping[str, Any]) -> Figure:
+    """Draw a mechanism that the user chose; its centres of rotation are marked as hinges."""
+    centres = [part["about_m"] for part in given["macro_blocks"]]
+    mechanism = {**given, "hinge_points_m": centres}
+    view = Mechanism(results, given["state"], mechanism, given["direction"])
+    return _draw_mechanisms(words, [view], given["direction"])
+
+
+def _draw_mechanisms(words: Words, views: Sequence[Mechanism], direction: str) -> Figure:
     page = sheet(
         union([outline for view in views for outline in (view.start, view.swept)]),
         len(views),
@@ -112,22 +123,36 @@ LABEL: dict[str, Any] = {
 SLIDING: dict[str, Any] = {"color": INK, "linewidth": 2.4, "solid_capstyle": "butt"}
 
 
-class Mechanism:
-    """A mechanism made visible: its displacements scaled to 8 % of the model's size."""
+def found_mechanism(results: Results, state: str, direction: str) -> Mechanism:
+    """Return the rigid mechanism of a state in a direction, its macro-blocks numbered."""
+    mechanism = results["states"][state]["pushover"][direction]["rigid"]["mechanism"]
+    return Mechanism(results, state, mechanism, direction, macro_blocks(results, state, direction))
 
-    def __init__(self, results: Results, drawing: Outlines, state: str, direction: str) -> None:
-        content = results["states"][state]
-        mechanism = content["pushover"][direction]["rigid"]["mechanism"]
-        self.state = state
-        self.configuration = np.asarray(content["configuration"], dtype=float)
-        self.velocity = virtual_displacements(results, state, direction)
-        self.drawing, self.start = drawing, drawing.moved(self.configuration)
+
+class Mechanism:
+    """A mechanism made visible: its displacements scaled to 8 % of the model's size.
+
+    `numbered`: the macro-blocks of the hand check, whose numbers are written into the drawing.
+    """
+
+    def __init__(
+        self,
+        results: Results,
+        state: str,
+        mechanism: Mapping[str, Any],
+        direction: str,
+        numbered: Sequence[MacroBlock] = (),
+    ) -> None:
+        self.state, self.macro_blocks = state, numbered
+        self.configuration = np.asarray(results["states"][state]["configuration"], dtype=float)
+        self.velocity = virtual_displacements(results, mechanism, direction)
+        self.drawing = outlines(results)
+        self.start = self.drawing.moved(self.configuration)
         speed = np.linalg.norm(self._rate(self.start.points, self.start.owner), axis=1)
-        self.amount = 0.08 * drawing.size / max(float(speed.max()), 1e-12)
+        self.amount = 0.08 * self.drawing.size / max(float(speed.max()), 1e-12)
         self.swept = self.start.swept(self.velocity, self.amount)
         self.moving = np.bincount(self.start.owner, speed > 1e-4 * speed.max()) > 0
         self.hinges: list[Any] = mechanism["hinge_points_m"]
-        self.macro_blocks = macro_blocks(results, state, direction)
         joints = results["geometry"]["joints"]
         self.sliding = [joints[index] for index in mechanism["sliding_joints"]]
 

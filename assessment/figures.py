@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from matplotlib.figure import Figure
 
 from assessment.canvas import save_images
-from assessment.drawings import draw_mechanisms, draw_overturned, draw_settlement
+from assessment.drawings import draw_chosen, draw_mechanisms, draw_overturned, draw_settlement
 from assessment.dynamic_plots import (
     draw_fragility,
     draw_history,
@@ -24,7 +24,7 @@ from assessment.dynamic_plots import (
 from assessment.joint_states import situations
 from assessment.model_drawing import draw_model
 from assessment.plots import draw_pushdown, draw_pushover, pushed
-from assessment.spectral_plots import draw_spectra
+from assessment.spectral_plots import draw_demand, draw_spectra
 from assessment.study_plots import draw_scenarios, draw_tornado, varied
 from assessment.thrust import draw_thrust
 from assessment.words import Words, direction_name, slug, words_of
@@ -76,6 +76,15 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
             draw = partial(draw_pushdown, results, words, name)
             found.append(Picture(f"pushdown_{slug(results, name)}", "pushdown", draw, "pushdown", fields))
     found += _thrusts(results, words, None)
+    for number, given in enumerate(results.get("mechanisms") or [], 1):
+        if "refused" not in given:
+            fields = {"name": given["name"], "state": words.state(given["state"])}
+            draw = partial(draw_chosen, results, words, given)
+            found.append(
+                Picture(f"chosen_mechanism_{number}", "mechanisms", draw, "chosen_mechanism", fields)
+            )
+    if results.get("spectra"):
+        found.append(Picture("spectrum", "action", partial(draw_demand, results, words), "spectrum"))
     for direction in ("+x", "-x"):
         found += _of_direction(results, words, direction)
     return found + _studies(results, words) + _dynamic(results, words)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,12 +55,11 @@ class MacroBlock:
         return self.centroid + np.array([-dz, dx]) / w
 
 
-def virtual_displacements(results: Results, state: str, direction: str) -> Array:
-    """Return the mechanism's motion (b, 3) in the sense in which it goes: the one in which the loads do work.
+def virtual_displacements(results: Results, mechanism: Mapping[str, Any], direction: str) -> Array:
+    """Return the motion (b, 3) of a mechanism in the sense in which it goes: the one in which the loads do work.
 
-    In the results it is scaled to 1 m along +x at the control point, whatever the direction of the loads.
+    The results scale it to 1 m along +x at the control point, whatever the direction of the loads.
     """
-    mechanism = results["states"][state]["pushover"][direction]["rigid"]["mechanism"]
     rate = np.asarray(mechanism["displacements"], dtype=float)
     along = 1.0 if direction == "+x" else -1.0
     work = along * float(weights(results)[1] @ rate[:, 0])
@@ -70,7 +69,7 @@ def virtual_displacements(results: Results, state: str, direction: str) -> Array
 def macro_blocks(results: Results, state: str, direction: str) -> list[MacroBlock]:
     """Group the blocks of a mechanism that move as one, the largest group first."""
     rigid = results["states"][state]["pushover"][direction]["rigid"]
-    rate = virtual_displacements(results, state, direction)
+    rate = virtual_displacements(results, rigid["mechanism"], direction)
     drawn = outlines(results)
     at = np.asarray(rigid.get("mechanism_configuration") or results["states"][state]["configuration"])
     shape = drawn.moved(at)

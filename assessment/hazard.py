@@ -11,19 +11,18 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from assessment.hazard_files import RETURN_PERIODS, HazardGrid, read_grid, read_site_table
 from assessment.trace import Step, Trace, datum, step
 from mechanics.errors import require
 
 Array = NDArray[np.float64]
 
-RETURN_PERIODS = np.array([30.0, 50.0, 72.0, 101.0, 140.0, 201.0, 475.0, 975.0, 2475.0])  # years
 EXCEEDANCE = {"SLO": 0.81, "SLD": 0.63, "SLV": 0.10, "SLC": 0.05}  # P_VR, Tab. 3.2.I
 USE_COEFFICIENT = {"I": 0.7, "II": 1.0, "III": 1.5, "IV": 2.0}  # C_U, Tab. 2.4.II
 _KM_PER_DEGREE = 111.195
 _PARAMETERS = ("a_g", "F_0", "T_C_star")
 _UNITS = ("g", "", "s")
 _ALLEGATO = "D.M. 14/01/2008, Allegato A"
-_COLUMNS = 2 + 3 * len(RETURN_PERIODS)
 # within the reach of a cell: a site has at most this many nodes nearer than the far corner of its cell
 _NEAR = 12
 
@@ -36,16 +35,6 @@ class Hazard:
     F0: float
     Tc_star: float
     return_period: float
-
-
-@dataclass(frozen=True, eq=False)
-class HazardGrid:
-    """Reference grid: longitude, latitude (n,) in degrees, values (n, 9, 3): a_g (g), F0, T_C* (s)."""
-
-    name: str
-    longitude: Array
-    latitude: Array
-    values: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +64,18 @@ class HazardCurve:
 
     def return_period(self, ag: float) -> float:
         """Return T_R (years) whose a_g (g) is the given one; 30 or 2475 where a_g lies outside the table."""
-        table = np.log(self.values[:, 0])
-        return exp(float(np.interp(log(ag), table, np.log(RETURN_PERIODS))))
+        table = self.values[:, 0]
+        if not table[0] < ag < table[-1]:
+            return float(RETURN_PERIODS[0] if ag <= table[0] else RETURN_PERIODS[-1])
+        return exp(float(np.interp(log(ag), np.log(table), np.log(RETURN_PERIODS))))
+
+    def return_period_step(self, ag: float) -> Step:
+        """Return the inverse interpolation of return_period(ag) by hand; its bounds are 30 and 2475 years."""
+        table = self.values[:, 0]
+        k = int(np.clip(np.searchsorted(table, ag), 1, len(table) - 1))
+        formula = "min(2475, max(30, exp(log(T_1) + log(T_2/T_1)*log(a_g/a_1)/log(a_2/a_1))))"
+        return step("T_R_capacity", formula, self.return_period(ag), "years", f"{_ALLEGATO}, eq. 1", a_g=ag,
+                    a_1=table[k - 1], a_2=table[k], T_1=RETURN_PERIODS[k - 1], T_2=RETURN_PERIODS[k])  # fmt: skip
 
     def steps(self, return_period: float) -> Trace:
         """Return the interpolation of a_g, F0 and T_C* in space, then in the return period."""
@@ -85,25 +84,23 @@ class HazardCurve:
         hazard = self.at(return_period)
         lines = [datum("T_R", return_period, "years", "NTC 2018, §3.2.1")]
         for j, (symbol, unit) in enumerate(zip(_PARAMETERS, _UNITS, strict=True)):
-            ends = {}
-            for end, column in (("1", k), ("2", k + 1)):
-                name = f"{symbol}_{end}"
-                ends["p" + end] = self.values[column, j]
-                lines.append(self._space(f"{name} (T_R = {RETURN_PERIODS[column]:g})", unit, column, j))
+            first, second = f"{symbol}_1", f"{symbol}_2"
+            ends = {first: self.values[k, j], second: self.values[k + 1, j]}
+            lines += [self._space(first, unit, k, j), self._space(second, unit, k + 1, j)]
+            formula = f"exp(log({first}) + log({second}/{first})*log(T_R/T_1)/log(T_2/T_1))"
             lines.append(
-                step(symbol, "exp(log(p1) + log(p2/p1)*log(T_R/T_1)/log(T_2/T_1))",
-                     (hazard.ag, hazard.F0, hazard.Tc_star)[j], unit, f"{_ALLEGATO}, eq. 1",
+                step(symbol, formula, (hazard.ag, hazard.F0, hazard.Tc_star)[j], unit, f"{_ALLEGATO}, eq. 1",
                      **ends, T_R=return_period, T_1=T1, T_2=T2)
             )  # fmt: skip
         return tuple(lines)
 
     def _space(self, symbol: str, unit: str, column: int, j: int) -> Step:
-        p, d = self.node_values[:, column, j], self.distances
+        p, d, at = self.node_values[:, column, j], self.distances, f"; T_R = {RETURN_PERIODS[column]:g}"
         if len(d) == 1:
-            return datum(symbol, p[0], unit, f"{self.name}: the site is a node")
+            return datum(symbol, p[0], unit, f"{self.name}: one node, the site itself{at}")
         inputs = {f"p{i + 1}": p[i] for i in range(4)} | {f"d{i + 1}": d[i] for i in range(4)}
         formula = "(p1/d1 + p2/d2 + p3/d3 + p4/d4)/(1/d1 + 1/d2 + 1/d3 + 1/d4)"
-        return step(symbol, formula, self.values[column, j], unit, f"{_ALLEGATO}, eq. 2", **inputs)
+        return step(symbol, formula, self.values[column, j], unit, f"{_ALLEGATO}, eq. 2{at}", **inputs)
 
 
 def return_period(limit_state: str, nominal_life: float = 50.0, use_class: str = "II") -> float:
@@ -132,45 +129,22 @@ def return_period_steps(limit_state: str, nominal_life: float = 50.0, use_class:
     )  # fmt: skip
 
 
-def read_grid(path: str | Path) -> HazardGrid:
-    """Read a grid in the layout of Allegato B: lon, lat, then a_g, F0, T_C* for nine return periods.
-
-    Tab- or semicolon-separated, decimal point or comma, a_g in g/10, header lines first, and optionally the
-    node's number before lon. Raises ValueError naming file and line; OSError where it cannot be opened.
-    """
-    path = Path(path)
-    lines = path.read_text(encoding="latin-1").splitlines()
-    separator = ";" if any(";" in line for line in lines[:5]) else "\t"
-    numbered = [
-        (i, line.replace(",", ".").split(separator)) for i, line in enumerate(lines, 1) if line.strip()
-    ]
-    while numbered and not _is_number(numbered[0][1][0]):
-        numbered.pop(0)
-    if not numbered:
-        raise ValueError(
-            f"{path}: no row of numbers; give the grid of Allegato B, tab- or semicolon-separated"
-        )
-    for i, cells in numbered:
-        if len(cells) not in {_COLUMNS, _COLUMNS + 1} or not all(map(_is_number, cells)):
-            raise ValueError(
-                f"{path}: line {i}: {_COLUMNS} numbers expected (lon, lat, then a_g, F0, T_C* for nine "
-                f"return periods; optionally the node's number first), found {len(cells)} cells: {cells[:4]}…"
-            )
-    table = np.array([cells[-_COLUMNS:] for _, cells in numbered], dtype=float)
-    values = table[:, 2:].reshape(-1, len(RETURN_PERIODS), 3)
-    if not (values > 0.0).all() or values[:, 6, 0].max() < 0.3:  # below 0.03 g at 475 years everywhere
-        raise ValueError(f"{path}: a_g, F0 and T_C* must be positive and a_g in g/10, as in Allegato B")
-    return HazardGrid(path.name, table[:, 0], table[:, 1], values / np.array([10.0, 1.0, 1.0]))
-
-
-def site_curve(grid: HazardGrid | str | Path, latitude: float, longitude: float) -> HazardCurve:
+def site_curve(
+    grid: HazardGrid | str | Path, latitude: float | None = None, longitude: float | None = None
+) -> HazardCurve:
     """Return the hazard of a site for the nine return periods: p = Σ(p_i/d_i)/Σ(1/d_i) over its cell's nodes.
 
-    latitude and longitude in degrees, in the datum of the grid (ED50 in Allegato B [k]).
+    latitude and longitude in degrees, in the datum of the grid (ED50 in Allegato B [k]). A file of nine lines,
+    one per return period, is the site's own table and needs no coordinates.
     Raises ValueError where no cell of four nodes holds the site: outside the grid, at its edge, on an island.
     """
     if not isinstance(grid, HazardGrid):
+        own = read_site_table(grid)
+        if own is not None:
+            return HazardCurve(Path(grid).name, own, own[None], np.zeros(1))
         grid = read_grid(grid)
+    if latitude is None or longitude is None:
+        raise ValueError(f"{grid.name}: is a grid of many nodes; give the latitude and longitude of the site")
     x = (grid.longitude - longitude) * np.cos(np.radians(latitude)) * _KM_PER_DEGREE
     y = (grid.latitude - latitude) * _KM_PER_DEGREE
     distance = np.hypot(x, y)
@@ -235,11 +209,3 @@ def _interval(return_period: float) -> int:
     low, high = RETURN_PERIODS[0], RETURN_PERIODS[-1]
     require(low <= return_period <= high, "return_period", return_period, "from 30 to 2475 years")
     return int(np.clip(np.searchsorted(RETURN_PERIODS, return_period) - 1, 0, len(RETURN_PERIODS) - 2))
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True

@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
+from assessment.trace import Step, Trace, datum, step
 from mechanics.errors import require
 
 Array = NDArray[np.float64]
 
 SECANT_SHARE = 0.4  # of α_u: where the secant stiffness is taken
 YIELD_SHARE = 0.9  # of α_u: plateau of the trilinear curve
+_PAPER = "Portioli et al., §7.1"
 
 
 class CapacityError(ValueError):
@@ -29,7 +31,8 @@ class CurveFit:
 
     model: "trilinear", "bilinear" or "none" (rigid branch alone). alpha_0: multiplier at the onset of the
     rigid mechanism; d_0: where the rigid branch reaches 0 (None: not reached); alpha_u: peak of the elastic
-    curve; (d_y, alpha_y): end of the elastic branch. The elastic values are None for model "none".
+    curve; (d_y, alpha_y): end of the elastic branch. The elastic values are None for model "none". `steps`:
+    how they were found; `source`: where alpha_0 comes from.
     """
 
     model: str
@@ -41,6 +44,8 @@ class CurveFit:
     displacement: Array
     multiplier: Array
     notes: tuple[str, ...] = ()
+    steps: Trace = ()
+    source: str = "pushover, rigid contacts"
 
 
 Curve = tuple[ArrayLike, ArrayLike]
@@ -64,8 +69,8 @@ def fit_trilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
     not rise with the displacement of the control point.
     """
     d, alpha, d_0 = _rigid_branch(rigid)
-    stiffness, alpha_u, _ = _rising_branch(elastic)
-    return _idealised("trilinear", (d, alpha, d_0), stiffness, alpha_u, YIELD_SHARE * alpha_u)
+    secant, alpha_u, _ = _rising_branch(elastic)
+    return _idealised("trilinear", (d, alpha, d_0), secant, alpha_u, YIELD_SHARE * alpha_u)
 
 
 def fit_bilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
@@ -76,22 +81,22 @@ def fit_bilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
     [k]); beyond the plateau the rigid branch is followed to d_0. Raises as fit_trilinear.
     """
     d, alpha, d_0 = _rigid_branch(rigid)
-    stiffness, alpha_u, (d_e, alpha_e) = _rising_branch(elastic)
+    secant, alpha_u, (d_e, alpha_e) = _rising_branch(elastic)
     grid = np.union1d(np.union1d(d, d_e[d_e < d[-1]]), np.linspace(0.0, d[-1], 2001))
     branch = np.interp(grid, d, alpha)
-    target = np.trapezoid(np.minimum(np.interp(grid, d_e, alpha_e), branch), grid)
+    target = float(np.trapezoid(np.minimum(np.interp(grid, d_e, alpha_e), branch), grid))
 
     def excess(alpha_y: float) -> float:
-        fitted = np.minimum(np.minimum(stiffness * grid, alpha_y), branch)
-        return float(np.trapezoid(fitted, grid) - target)
+        fit = _idealised("bilinear", (d, alpha, d_0), secant, alpha_u, alpha_y, target)
+        return float(np.trapezoid(fit.multiplier, fit.displacement) - target)
 
     if excess(alpha_u) <= 0.0:
         return _idealised(
-            "bilinear", (d, alpha, d_0), stiffness, alpha_u, alpha_u,
+            "bilinear", (d, alpha, d_0), secant, alpha_u, alpha_u, None,
             "no plateau below α_u has the area of the curve: α_y = α_u",
         )  # fmt: skip
-    alpha_y = float(brentq(excess, 0.0, alpha_u, xtol=1e-12))
-    return _idealised("bilinear", (d, alpha, d_0), stiffness, alpha_u, alpha_y)
+    alpha_y = float(brentq(excess, 1e-9 * alpha_u, alpha_u, xtol=1e-14))
+    return _idealised("bilinear", (d, alpha, d_0), secant, alpha_u, alpha_y, target)
 
 
 def fit_curve(model: str, rigid: Curve, elastic: Curve | None = None) -> CurveFit:
@@ -127,7 +132,7 @@ def _rigid_branch(rigid: Curve) -> tuple[Array, Array, float | None]:
 
 
 def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Array]]:
-    """Return the secant stiffness (1/m), α_u, and the curve up to where its displacement turns back."""
+    """Return where the curve reaches 0.4 α_u (m), α_u, and the curve up to where its displacement turns back."""
     if elastic is None:
         raise CapacityError(
             "no elastic pushover curve: ask for contacts = [\"rigid\", \"elastic\"] and give "
@@ -148,19 +153,24 @@ def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Ar
             "elastic curve: the control point does not advance as the load grows; choose another one"
         )
     end = int(np.argmax(backward)) + 1 if backward.any() else d.size
-    return SECANT_SHARE * alpha_u / d_secant, alpha_u, (d[:end], alpha[:end])
+    return d_secant, alpha_u, (d[:end], alpha[:end])
 
 
 def _idealised(
     model: str,
     rigid: tuple[Array, Array, float | None],
-    stiffness: float,
+    secant: float,
     alpha_u: float,
     alpha_y: float,
+    area: float | None = None,
     *notes: str,
 ) -> CurveFit:
-    """Return min(stiffness d, α_y, rigid branch) as a piecewise-linear curve."""
+    """Return min(secant stiffness times d, α_y, rigid branch) as a piecewise-linear curve.
+
+    secant: displacement at 0.4 α_u, m; area: of the curve from which α_y was found, m, None for a share of α_u.
+    """
     d, alpha, d_0 = rigid
+    stiffness = SECANT_SHARE * alpha_u / secant
     if alpha_u > alpha[0]:
         notes += (
             f"elastic peak α_u = {alpha_u:.4g} above the rigid onset α0 = {alpha[0]:.4g}: the fit is cut",
@@ -171,7 +181,8 @@ def _idealised(
         raise CapacityError(
             "the elastic branch does not meet the rigid branch: follow the rigid pushover further"
         )
-    if meets < d_y:
+    cut = meets < d_y
+    if cut:
         d_y = meets
         alpha_y = stiffness * meets
         notes += (f"the secant meets the rigid branch at α = {alpha_y:.4g}, below the plateau: no plateau",)
@@ -190,9 +201,55 @@ def _idealised(
     knots = [(0.0, 0.0), (d_y, alpha_y)] + ([(end, alpha_y)] if end > d_y else [])
     displacement = np.concatenate([[k[0] for k in knots], d[after]])
     multiplier = np.concatenate([[k[1] for k in knots], np.minimum(alpha[after], alpha_y)])
-    return CurveFit(
-        model, float(alpha[0]), d_0, alpha_u, float(alpha_y), float(d_y), displacement, multiplier, notes
+    beyond = float(np.trapezoid(multiplier[displacement >= end], displacement[displacement >= end]))
+    steps = (
+        datum("alpha_u", alpha_u, "", "pushover, elastic contacts: peak"),
+        datum("d_40", secant, "m", f"pushover, elastic contacts: at {SECANT_SHARE:g} α_u"),
+        step("K", f"{SECANT_SHARE:g}*alpha_u/d_40", stiffness, "1/m", _PAPER, alpha_u=alpha_u, d_40=secant),
+        *_yield_steps(float(d_y), float(alpha_y), cut, stiffness, alpha_u, end, area, beyond),
     )
+    return CurveFit(
+        model,
+        float(alpha[0]),
+        d_0,
+        alpha_u,
+        float(alpha_y),
+        float(d_y),
+        displacement,
+        multiplier,
+        notes,
+        steps,
+    )
+
+
+def _yield_steps(
+    d_y: float,
+    alpha_y: float,
+    cut: bool,
+    K: float,
+    alpha_u: float,
+    d_m: float,
+    area: float | None,
+    beyond: float,
+) -> tuple[Step, ...]:
+    """Return how α_y and d_y follow: cut by the rigid branch, from equal areas, or as a share of α_u."""
+    if cut:
+        return (
+            datum("d_y", d_y, "m", "where the secant meets the rigid branch"),
+            step("alpha_y", "K*d_y", alpha_y, "", _PAPER, K=K, d_y=d_y),
+        )
+    last = step("d_y", "alpha_y/K", d_y, "m", _PAPER, alpha_y=alpha_y, K=K)
+    if area is None:
+        share = alpha_y / alpha_u
+        return step("alpha_y", f"{share:g}*alpha_u", alpha_y, "", _PAPER, alpha_u=alpha_u), last
+    return (
+        datum("A", area, "m", "area of the elastic curve, up to the rigid branch"),
+        datum("d_m", d_m, "m", "where the plateau meets the rigid branch"),
+        datum("A_m", beyond, "m", "area of the rigid branch beyond d_m"),
+        step("alpha_y", "2*(A - A_m)/(d_m + sqrt(d_m**2 - 2*(A - A_m)/K))", alpha_y, "",
+             "equal area: NTC 2018, C7.3.4.2", A=area, A_m=beyond, d_m=d_m, K=K),
+        last,
+    )  # fmt: skip
 
 
 def _crossing(d: Array, value: Array) -> float | None:

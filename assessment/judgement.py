@@ -7,10 +7,10 @@ from typing import Any
 
 from markupsafe import Markup
 
+from assessment.capacity_tables import decisive_checks
 from assessment.hand_check import hand_check
 from assessment.reactions import balance
 from assessment.study_tables import tornado
-from assessment.tables import verification
 from assessment.words import Words, direction_name
 
 Results = Mapping[str, Any]
@@ -34,7 +34,7 @@ def draft_judgement(results: Results, words: Words) -> list[Markup]:
 
 
 def _governing(results: Results, words: Words) -> Iterator[Markup]:
-    checks = [row for row in verification(results).rows if row.get("zeta_E") is not None]
+    checks = decisive_checks(results)
     if checks:
         worst = min(checks, key=lambda row: row["zeta_E"])
         yield words(

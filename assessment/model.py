@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from assessment.macro_blocks import chosen_mechanisms
 from assessment.messages import ProjectError
 from mechanics import Assembly, DrawingError, Material
 from mechanics.drawing import Layer, read_drawing
@@ -27,7 +28,8 @@ class Model:
 def build_model(project: Project) -> Model:
     """Read the drawing, check it, and place the control points.
 
-    Raises DrawingError for a drawing that is no assembly and ProjectError for a control point outside every block.
+    Raises DrawingError for a drawing that is no assembly and ProjectError for a control point outside every block or
+    a mechanism whose blocks are not there.
     """
     geometry = project.geometry
     drawing = read_drawing(
@@ -60,6 +62,7 @@ def build_model(project: Project) -> Model:
             raise ProjectError(
                 f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}"
             ) from None
+    chosen_mechanisms(project, assembly)  # what is wrong in them is told before any analysis
     return Model(assembly, warnings)
 
 

@@ -12,6 +12,7 @@ from assessment.project_schema import (
     ORIGINAL,
     VARIED,
     AssessmentTable,
+    FloorTable,
     KeyPath,
     LimitState,
     MotionTable,
@@ -38,8 +39,11 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
     for index, settlement in enumerate(project.settlements):
         yield from _settlement(project, ("settlements", index), settlement)
     yield from _motions(project, folder)
+    yield from _mechanisms(project)
     if project.assessment:
         yield from _assessment(project, project.assessment)
+        if project.assessment.floor:
+            yield from _floor(project.assessment.floor, project.assessment)
         if project.assessment.site:
             yield from _site(project.assessment.site, project.assessment.limit_states, folder)
     if project.sensitivity:
@@ -121,8 +125,6 @@ def _control(project: ProjectContent) -> Iterator[Problem]:
         references += [(("pushover", "control"), control)] if isinstance(control, str) else []
     if project.incremental:
         references.append((("incremental", "control"), project.incremental.control))
-    if project.assessment:
-        references.append((("assessment", "control"), project.assessment.control))
     for path, name in references:
         if name is not None:
             yield from _known(path, name, [point.name for point in project.control], "control point")
@@ -197,6 +199,39 @@ def _assessment(project: ProjectContent, assessment: AssessmentTable) -> Iterato
         yield Problem(("assessment", "method"), text)
 
 
+def _floor(floor: FloorTable, assessment: AssessmentTable) -> Iterator[Problem]:
+    path: KeyPath = ("assessment", "floor")
+    if floor.height_m > floor.building_height_m:
+        text = f"{floor.height_m:g} is above building_height_m ({floor.building_height_m:g}); correct one of them"
+        yield Problem((*path, "height_m"), text)
+    if len(floor.higher_periods_s) != len(floor.higher_participations):
+        text = "write one γ_k ψ_k for each of higher_periods_s, in the same order"
+        yield Problem((*path, "higher_participations"), text)
+    if floor.higher_periods_s and assessment.circular == 2009:
+        text = "the circular of 2009 knows the first mode alone; leave it out or write circular = 2019"
+        yield Problem((*path, "higher_periods_s"), text)
+    if assessment.spectrum == "record":
+        yield Problem(path, 'a record is taken as that of the ground; write spectrum = "ntc" or leave it out')
+
+
+def _mechanisms(project: ProjectContent) -> Iterator[Problem]:
+    states: dict[str, str] = {}
+    for index, part in enumerate(project.mechanism):
+        path: KeyPath = ("mechanism", index)
+        if not (part.layers or part.region_m or part.blocks):
+            yield Problem(path, "no block is chosen; write layers, region_m or blocks")
+        if part.region_m is not None and (len(part.region_m) < 4 or len(part.region_m) % 2):
+            text = "no corners; write x and z of two corners of a box, or of each corner of a polygon"
+            yield Problem((*path, "region_m"), text)
+        if part.rotation == 0.0:
+            yield Problem((*path, "rotation"), "0 does not move the macro-block; leave the entry out")
+        yield from _known((*path, "state"), part.state, project.states, "state")
+        if part.state != states.setdefault(part.name, part.state):
+            yield Problem(
+                (*path, "state"), f'"{part.name}" has macro-blocks in another state; write one state'
+            )
+
+
 def _sensitivity(project: ProjectContent, sensitivity: SensitivityTable) -> Iterator[Problem]:
     path: KeyPath = ("sensitivity",)
     if project.assessment is None:
@@ -223,9 +258,11 @@ def _site(site: SiteTable, limit_states: Iterable[LimitState], folder: Path) -> 
     if placed and typed:
         text = f"given twice, by {', '.join(placed)} and by {', '.join(typed)}; keep one of the two"
         yield Problem(path, text)
-    elif placed:
+    elif placed and placed != ["grid"]:  # alone, it may be the table of the site; else the file tells
         for key in sorted(by_place.keys() - placed):
             yield Problem((*path, key), "missing; latitude, longitude and grid go together")
+    elif placed:
+        return
     elif typed:
         for key in limit_states:
             if key not in typed:

@@ -250,6 +250,26 @@ class SiteTable(Table):
     )
 
 
+class FloorTable(Table):
+    """[assessment.floor]: the building that carries a mechanism at height, for the floor spectrum."""
+
+    height_m: NotNegative = Field(
+        description="height z, m, of the restraints of the mechanism above the foundation"
+    )
+    building_height_m: Positive = Field(description="height H of the building, m")
+    storeys: Annotated[int, Field(ge=1)] = Field(description="number of storeys n")
+    period_s: Positive = Field(description="period T_1 of the building's first mode, s")
+    damping_ratio: Annotated[float, Field(gt=0, lt=1)] = Field(
+        default=0.05, description="viscous damping ratio of the building's modes"
+    )
+    higher_periods_s: Annotated[tuple[Positive, ...], Field(strict=False)] = Field(
+        default=(), description="periods T_k of further modes, s"
+    )
+    higher_participations: Annotated[tuple[float, ...], Field(strict=False)] = Field(
+        default=(), description="their products γ_k ψ_k(z), participation times shape at the height z"
+    )
+
+
 class AssessmentTable(Table):
     """[assessment]: the displacement-based check of every pushover curve."""
 
@@ -274,15 +294,49 @@ class AssessmentTable(Table):
     circular: Literal[2019, 2009] = Field(
         default=2019, description="circular whose rules apply: 2019 or 2009"
     )
-    control: Name | None = Field(
-        default=None, description="control point of the check; default the pushover's"
+    record_demand: Literal["at_period", "maximum"] = Field(
+        default="at_period",
+        description="displacement demand of a record: at_period T, as in the paper, or maximum over [T_0, T]",
     )
     local_displacement_limit_m: Positive | None = Field(
         default=None,
         description="displacement of the control point, m, at a local loss such as a beam unseating",
     )
+    local_displacement_reason: Text = Field(
+        default="", description="what is lost there and how it was found, printed with the limit"
+    )
+    floor: FloorTable | None = Field(
+        default=None, description="building below a mechanism at height; absent: at the ground"
+    )
     site: SiteTable | None = Field(
         default=None, description="site, ground and use; needed by the ntc spectrum"
+    )
+
+
+class MechanismTable(Table):
+    """[[mechanism]]: a macro-block of a mechanism chosen by the user; entries of one name form one mechanism."""
+
+    name: Name = Field(
+        description="name of the mechanism; each of its macro-blocks is an entry with this name"
+    )
+    about_m: Pair = Field(description="x and z, m, of the point about which the macro-block rotates")
+    rotation: float = Field(
+        default=-1.0,
+        description="virtual rotation, anticlockwise positive, relative to the other macro-blocks",
+    )
+    layers: Names | None = Field(
+        default=None, description="layers of the macro-block; default all, where a region is given"
+    )
+    region_m: Annotated[tuple[float, ...], Field(strict=False, min_length=1)] | None = Field(
+        default=None,
+        description="x and z, m, of two opposite corners of a box, or of the corners of a polygon: the movable "
+        "blocks of the layers whose centroid lies in it",
+    )
+    blocks: Annotated[tuple[int, ...], Field(strict=False, min_length=1)] | None = Field(
+        default=None, description="numbers of further blocks, as in tables/blocks.csv"
+    )
+    state: Name = Field(
+        default=ORIGINAL, description="state in whose configuration the mechanism and its points are taken"
     )
 
 
@@ -337,6 +391,9 @@ class ProjectContent(Table):
     )
     incremental: IncrementalTable | None = Field(default=None, description="incremental dynamic analysis")
     assessment: AssessmentTable | None = Field(default=None, description="check against the standard")
+    mechanism: Annotated[tuple[MechanismTable, ...], Field(strict=False)] = Field(
+        default=(), description="mechanisms chosen by the user, one entry per macro-block"
+    )
     sensitivity: SensitivityTable | None = Field(
         default=None, description="capacity with properties of the masonry lower and higher, one at a time"
     )

@@ -2,7 +2,7 @@
 
 Single tables (project, geometry, material, pushover, incremental, assessment, site, report) are sheets of
 key | value | comment; "project" holds the title, and a table within a table is written with a point
-(`control.+x`, `SLV.ag_g`). Lists of tables (layers, control, settlements, history) have a header of keys
+(`control.+x`, `SLV.ag_g`). Lists of tables (layers, control, settlements, history, mechanism) have a header of keys
 and one row per entry; the first column of "layers" is the layer's name. A list stands in one cell,
 "0.020; -0.020"; numbers in a text may have a decimal comma. An empty cell is an absent key, a missing
 sheet an absent table.

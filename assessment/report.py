@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -13,8 +13,8 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
-from assessment import tables
-from assessment.display import Grid, exact, flatten, grid, summary_grids
+from assessment import capacity_tables, tables
+from assessment.display import Grid, check_name, exact, flatten, grid, summary_grids
 from assessment.dynamic_tables import energy, histories, incremental, incremental_states, static_dynamic
 from assessment.figures import pictures
 from assessment.files import write_atomically
@@ -22,6 +22,7 @@ from assessment.hand_check import figures_of, governing_mechanisms, hand_check
 from assessment.judgement import all_warnings, draft_judgement, worst_scenario
 from assessment.reactions import balance, reactions
 from assessment.study_tables import reported_studies
+from assessment.table import Row, Table
 from assessment.trace import pretty
 from assessment.viewer import Viewer, viewer
 from assessment.words import Words, direction_name, words_of
@@ -37,6 +38,7 @@ CHAPTERS = (
     "pushdown",
     "mechanisms",
     "pushover",
+    "action",
     "capacity",
     "comparison",
     "quality",
@@ -105,7 +107,7 @@ def render_html(
         viewer=interactive,
         figures=_embedded(results, figures, words),
         grids=_grids(results, words),
-        summaries=list(summary_grids(tables.summary(results), results, words)),
+        summaries=list(summary_grids(capacity_tables.summary(results), results, words)),
         traces=list(_traces(results, words)),
         contacts=_contacts(results),
         missing=list(_missing(results, words)),
@@ -114,6 +116,8 @@ def render_html(
         edited=edited,
         macro_blocks=list(_macro_blocks(results, words)),
         warnings=all_warnings(results),
+        local=_local_limit(results, words),
+        refused=[given for given in results.get("mechanisms") or [] if "refused" in given],
     )
 
 
@@ -162,17 +166,21 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         tables.mechanisms(results),
         reactions(results),
         balance(results),
-        tables.verification(results),
-        tables.Table("comparison", _compared(results), tables.COMPARISON),
+        _without(capacity_tables.verification(results), "governing", "mechanism", "return_period_years"),
+        _governs(results),
+        capacity_tables.action(results),
+        _without(capacity_tables.chosen_mechanisms(results), "refused"),
+        capacity_tables.chosen_checks(results),
+        Table("comparison", _compared(results), tables.COMPARISON),
         *reported_studies(results),
         histories(results),
         energy(results),
         incremental(results),
         incremental_states(results),
         static_dynamic(results),
-        tables.Table("quality", list(results["quality"].get("by_stage") or []), tables.QUALITY),
+        Table("quality", list(results["quality"].get("by_stage") or []), tables.QUALITY),
         hand_check(results),
-        tables.Table("echo", echo, ("key", "value")),
+        Table("echo", echo, ("key", "value")),
     ]
     return {
         table.name: grid(table, words, words(f"caption.{table.name}"), 4 if table.name == "hand_check" else 3)
@@ -181,7 +189,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
     }
 
 
-def _validation(words: Words) -> tables.Table:
+def _validation(words: Words) -> Table:
     """Return the validation table of this version; tests compute every row again."""
     cases = tomllib.loads((files("templates") / "validation.toml").read_text(encoding="utf-8"))["case"]
     rows = [
@@ -193,10 +201,26 @@ def _validation(words: Words) -> tables.Table:
         }
         for case in cases
     ]
-    return tables.Table("validation", rows, ("case", "source", "expected", "computed", "test"))
+    return Table("validation", rows, ("case", "source", "expected", "computed", "test"))
 
 
-def _compared(results: Results) -> list[tables.Row]:
+def _without(table: Table, *columns: str) -> Table:
+    """Return the table without some columns, and without the rows that have nothing else but what they are called."""
+    kept = tuple(column for column in table.columns if column not in columns)
+    rows = [{key: value for key, value in row.items() if key in kept} for row in table.rows]
+    return Table(table.name, [row for row in rows if len(row) > 2], kept)
+
+
+def _governs(results: Results) -> Table:
+    """Return what governs each check, its mechanism and the return period of the capacity."""
+    table = capacity_tables.verification(results)
+    columns = ("state", "direction", "limit_state", "governing", "mechanism", "return_period_years")
+    kept = tuple(column for column in columns if column in table.columns)
+    rows = [{key: row[key] for key in kept if row.get(key) not in (None, "")} for row in table.rows]
+    return Table("governs", [row for row in rows if len(row) > 3], kept)
+
+
+def _compared(results: Results) -> list[Row]:
     """Return the comparison without its dynamic columns where no dynamic analysis was made."""
     rows = list(results.get("comparison") or [])
     static_only = all(row.get("dynamic_pga_g") is None for row in rows)
@@ -205,22 +229,39 @@ def _compared(results: Results) -> list[tables.Row]:
 
 
 def _traces(results: Results, words: Words) -> Iterator[Grid]:
-    """Yield, for each state, the steps of its governing direction; those of all directions are in tables/trace.csv."""
+    """Yield every calculation: the spectra, then each direction of each state, then the chosen mechanisms.
+
+    What the table of its spectrum, or the same table, has already said is not printed again.
+    """
+    spectra = {limit: content.get("trace") or [] for limit, content in (results.get("spectra") or {}).items()}
+    for limit, steps in spectra.items():
+        yield from _calculation(steps, [], words("caption.trace_spectrum", limit=limit), words)
+    for name, direction, capacity in capacity_tables.capacities(results):
+        for part, steps in capacity_tables.traces(capacity):
+            where = {"state": words.state(name), "direction": direction_name(direction)}
+            caption = words("caption.trace", limit=_part(part, "capacity_curve", words), **where)
+            yield from _calculation(steps, spectra.get(part.split()[0], []), caption, words)
+    for given in results.get("mechanisms") or []:
+        for part, steps in capacity_tables.traces(given):
+            title = _part(part, "virtual_work", words)
+            caption = words("caption.trace_chosen", name=given["name"], limit=title)
+            yield from _calculation(steps, spectra.get(part.split()[0], []), caption, words)
+
+
+def _part(part: str, shared: str, words: Words) -> str:
+    return words.plain(f"value.{shared}") if part == "capacity" else check_name(part, words)
+
+
+def _calculation(
+    steps: Sequence[Mapping[str, Any]], said: Sequence[Mapping[str, Any]], caption: Markup, words: Words
+) -> Iterator[Grid]:
     columns = ("symbol", "formula", "inputs", "result", "paragraph")
-    for name, content in results["states"].items():
-        capacities = {d: c for d, c in (content.get("capacity") or {}).items() if c}
-        if not capacities:
-            continue
-        direction = min(capacities, key=lambda d: _least_index(capacities[d]))
-        for part, trace in tables.traces(capacities[direction]):
-            caption = words(
-                "caption.trace",
-                state=words.state(name),
-                direction=direction_name(direction),
-                limit=words.plain("value.capacity_curve") if part == "capacity" else part,
-            )
-            rows = [_step(step, words) for step in trace]
-            yield grid(tables.Table("trace", rows, columns), words, caption)
+    lines: list[Mapping[str, Any]] = []
+    for step in steps:
+        if step not in said and step not in lines:
+            lines.append(step)
+    if lines:
+        yield grid(Table("trace", [_step(step, words) for step in lines], columns), words, caption)
 
 
 def _macro_blocks(results: Results, words: Words) -> Iterator[Grid]:
@@ -229,26 +270,42 @@ def _macro_blocks(results: Results, words: Words) -> Iterator[Grid]:
         rows = figures_of(results, name, direction)
         caption = words("caption.macro_blocks", state=words.state(name), direction=direction_name(direction))
         columns = tuple(key for key in rows[0] if key not in {"state", "direction"})
-        yield grid(tables.Table("macro_blocks", rows, columns), words, caption, 4)
+        yield grid(Table("macro_blocks", rows, columns), words, caption, 4)
 
 
-def _least_index(capacity: Mapping[str, Any]) -> float:
-    """Return the lowest ζ_E over the limit states of a direction."""
-    found = [(capacity.get(limit) or {}).get("zeta_E") for limit in tables.LIMIT_STATES]
-    return min((value for value in found if value is not None), default=float("inf"))
-
-
-def _step(step: Mapping[str, Any], words: Words) -> tables.Row:
-    result = words.number(step["result"], 6)
+def _step(step: Mapping[str, Any], words: Words) -> Row:
+    unit = words.strings["unit"].get(step["unit"], step["unit"])
+    inputs = (f"{_signs(name)} = {words.number(value, 6)}" for name, value in step["inputs"].items())
     return {
-        "symbol": pretty(step["symbol"]),
-        "formula": pretty(step["formula"]) or words.plain("value.datum"),
-        "inputs": "; ".join(
-            f"{pretty(name)} = {words.number(value, 6)}" for name, value in step["inputs"].items()
-        ),
-        "result": f"{result} {step['unit']}".strip() if step.get("unit") else result,
-        "paragraph": step["paragraph"],
+        "symbol": _signs(step["symbol"]),
+        "formula": _signs(step["formula"]) or words("value.datum"),
+        "inputs": Markup("; ".join(inputs)),
+        "result": f"{words.number(step['result'], 6)} {unit}".strip(),
+        "paragraph": _source(step["paragraph"], words),
     }
+
+
+def _signs(formula: str) -> Markup:
+    """Write a symbol or formula with signs and subscripts."""
+    return Markup(pretty(str(Markup.escape(formula)), "<sub>{}</sub>".format).replace("_", ","))
+
+
+def _source(paragraph: str, words: Words) -> str:
+    """Write where a number comes from in the language of the report; paragraphs of standards stay as they are."""
+    known = words.strings["source"]
+    return "; ".join(
+        ": ".join(known.get(part, part) for part in phrase.split(": ")) for phrase in paragraph.split("; ")
+    )
+
+
+def _local_limit(results: Results, words: Words) -> Markup:
+    """Return where the displacement limits come from: shares of d_0, and the local limit where one is given."""
+    assessment = results["echo"].get("assessment") or {}
+    limit = assessment.get("local_displacement_limit_m")
+    if limit is None:
+        return words("text.limits")
+    reason = assessment.get("local_displacement_reason") or words.plain("value.no_reason")
+    return words("text.limits") + Markup(" ") + words("text.local_limit", limit=1000.0 * limit, reason=reason)
 
 
 def _contacts(results: Results) -> list[str]:
@@ -264,7 +321,7 @@ def _contacts(results: Results) -> list[str]:
 
 def _missing(results: Results, words: Words) -> Iterator[Markup]:
     """Yield a sentence for each state without the pushover that another state has."""
-    for direction in tables.directions(results):
+    for direction in capacity_tables.directions(results):
         for name, content in results["states"].items():
             if not (content.get("pushover") or {}).get(direction):
                 yield words(

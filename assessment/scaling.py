@@ -12,7 +12,8 @@ from math import exp, log
 from scipy.optimize import brentq
 
 from assessment.floor import FloorSpectrum, FloorSpectrum2009
-from assessment.hazard import RETURN_PERIODS, Hazard, HazardCurve
+from assessment.hazard import Hazard, HazardCurve
+from assessment.hazard_files import RETURN_PERIODS
 from assessment.spectrum import ElasticSpectrum, Spectrum
 
 Demand = Callable[[Spectrum], float]

@@ -1,4 +1,4 @@
-"""Capacity and demand in spectral coordinates: acceleration over displacement, one panel per state."""
+"""Demand spectra over the period; capacity and demand in spectral coordinates, one panel per state."""
 
 from __future__ import annotations
 
@@ -11,20 +11,19 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from assessment.canvas import DASHES, chart
-from assessment.outlines import Array
 from assessment.words import Words
 from mechanics.block import GRAVITY
 
 Results = Mapping[str, Any]
 OFFSET: dict[str, Any] = {"textcoords": "offset points"}
-DAMPING = {"SLV": 0.08, "SLC": 0.10}  # Circolare 7/2019 C8.7.1.2
+LONGEST = 4.0  # s: what is drawn of the spectra
 
 
 def draw_spectra(results: Results, words: Words, states: Sequence[str], direction: str, limit: str) -> Figure:
     """Draw a* over d* (m) of each state with the spectrum it can bear and the one demanded of it.
 
-    Spectra have the damping of the limit state. The demand spectrum is scaled by a_g capacity / a_g demand;
-    it meets the line of period T of the limit state at d*.
+    Spectra have the damping of the limit state and are scaled to the a_g demanded and to the a_g borne; the
+    latter meets the line of period T of the limit state at d*.
     """
     columns = min(2, len(states))
     rows = -(-len(states) // columns)
@@ -34,15 +33,21 @@ def draw_spectra(results: Results, words: Words, states: Sequence[str], directio
     top = max(_top(capacity, limit) for capacity in capacities)
     for axes, name, capacity in zip(panels, states, capacities, strict=False):
         point = capacity[limit]
-        demand = _demand(results, limit, point.get("damping"))
+        spectrum = (results.get("spectra") or {}).get(limit)
         _period_lines(axes, (0.5, 1.0, 2.0, 3.0), reach, top)
         curve = capacity["curve"]
         axes.plot(1000.0 * np.asarray(curve["d_star_m"]), curve["a_star_g"], color="0.0", linewidth=1.9)
-        if demand is not None:
-            axes.plot(1000.0 * demand[1], demand[0], color="0.0", linewidth=0.9, linestyle=DASHES[2])
-            if point.get("a_g_g") and point.get("demand_a_g_g"):
-                factor = point["a_g_g"] / point["demand_a_g_g"]
-                axes.plot(1000.0 * factor * demand[1], factor * demand[0], color="0.0", linewidth=0.9)
+        if spectrum is not None:
+            for level, dashes in ((point.get("demand_a_g_g"), DASHES[2]), (point.get("a_g_g"), DASHES[0])):
+                factor = (level or np.nan) / spectrum["a_g_g"]
+                shown = np.asarray(spectrum["T_s"]) <= max(LONGEST, 1.2 * (point.get("T_s") or 0.0))
+                axes.plot(
+                    1000.0 * factor * np.asarray(spectrum["damped_S_De_m"])[shown],
+                    factor * np.asarray(spectrum["damped_S_e_g"])[shown],
+                    color="0.0",
+                    linewidth=0.9,
+                    linestyle=dashes,
+                )
         if point.get("d_star_m") is not None:
             _limit_point(axes, point, limit)
         axes.set(xlim=(0.0, 1000.0 * reach), ylim=(0.0, top), title=words.state(name))
@@ -53,33 +58,20 @@ def draw_spectra(results: Results, words: Words, states: Sequence[str], directio
     return figure
 
 
-def damped(acceleration: Array, period: Array, damping: float) -> Array:
-    """Return a 5 % NTC elastic spectrum at another damping: η = √(10/(5+ξ)) ≥ 0.55 (NTC 2018 §3.2.3.2.1).
-
-    Above T_B the spectrum is proportional to η; below, S_e = a_g S (η F0 T/T_B + 1 − T/T_B), so that it
-    loses (1 − η) S_max T/T_B. T_B is read as the first period at the plateau.
-    """
-    eta = max(float(np.sqrt(10.0 / (5.0 + 100.0 * damping))), 0.55)
-    peak = acceleration.max()
-    t_b = period[np.argmax(acceleration >= (1.0 - 1e-9) * peak)]
-    below: Array = acceleration - (1.0 - eta) * peak * period / max(t_b, 1e-12)
-    return np.where(period < t_b, below, eta * acceleration)
-
-
-def _demand(results: Results, limit: str, damping: float | None) -> tuple[Array, Array] | None:
-    """Return acceleration (g) and displacement (m) of the demand spectrum at the limit state's damping."""
-    spectrum = (results.get("spectra") or {}).get(limit)
-    if spectrum is None:
-        return None
-    if "damped_S_e_g" in spectrum:  # of a record: no rule gives one damping from another
-        acceleration, displacement = (
-            np.asarray(spectrum[f"damped_{key}"], dtype=float) for key in ("S_e_g", "S_De_m")
-        )
-        return acceleration, displacement
-    period, five = (np.asarray(spectrum[key], dtype=float) for key in ("T_s", "S_e_g"))
-    scaled = damped(five, period, DAMPING[limit] if damping is None else damping)
-    ratio = np.divide(scaled, five, out=np.ones_like(five), where=five > 0.0)
-    return scaled, np.asarray(spectrum["S_De_m"], dtype=float) * ratio
+def draw_demand(results: Results, words: Words) -> Figure:
+    """Draw S_e (g) and S_De (mm) of each limit state over the period, 5 % damping."""
+    figure, (above, below) = chart(words, columns=2)
+    for dashes, (limit, spectrum) in zip(DASHES, results["spectra"].items(), strict=False):
+        T = np.asarray(spectrum["T_s"], dtype=float)
+        shown = T <= LONGEST
+        for axes, ordinate, factor in ((above, "S_e_g", 1.0), (below, "S_De_m", 1000.0)):
+            values = factor * np.asarray(spectrum[ordinate], dtype=float)
+            axes.plot(T[shown], values[shown], color="0.0", linewidth=1.2, linestyle=dashes, label=limit)
+    for axes, label in ((above, "figure.S_e"), (below, "figure.S_De")):
+        axes.set(xlabel=words.plain("figure.period"), ylabel=words.plain(label), xlim=(0.0, LONGEST))
+        axes.set_ylim(bottom=0.0)
+    figure.legend(*above.get_legend_handles_labels(), loc="lower center", ncols=4)
+    return figure
 
 
 def _reach(capacity: Mapping[str, Any], limit: str) -> float:

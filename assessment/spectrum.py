@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import ceil, cos, exp, pi, sin, sqrt
+from math import sqrt
 from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import lfilter
 
 from assessment.trace import Trace, datum, step
 from mechanics.block import GRAVITY
 from mechanics.errors import require
+from mechanics.response_spectrum import response_spectrum
 
 Array = NDArray[np.float64]
 
@@ -178,6 +178,10 @@ class ElasticSpectrum:
 
     def steps(self, T: float) -> Trace:
         """Return how S_e(T) and S_De(T) follow from a_g, F0, T_C*, soil and topography."""
+        return (*self.parameter_steps(), *self._ordinates(T))
+
+    def parameter_steps(self) -> Trace:
+        """Return the parameters of the spectrum by hand."""
         lower, first, slope, upper = _STRATIGRAPHY[self.soil]
         factor, exponent = _PERIOD_FACTOR[self.soil]
         table = f"NTC 2018, Tab. 3.2.IV, {self.soil}"
@@ -195,7 +199,6 @@ class ElasticSpectrum:
             step("T_B", "T_C/3", self.T_B, "s", law, T_C=self.T_C),
             step("T_D", "4*a_g + 1.6", self.T_D, "s", law, a_g=self.ag),
             step("eta", "max(0.55, sqrt(10/(5 + 100*xi)))", self.eta, "", law, xi=self.damping),
-            *self._ordinates(T),
         )  # fmt: skip
 
     def _ordinates(self, T: float) -> Trace:
@@ -229,10 +232,7 @@ class ElasticSpectrum:
 class RecordSpectrum:
     """Elastic response spectrum of a record: `acceleration_g` (n,) in g at steps of `time_step` (s).
 
-    The oscillator starts at rest and the acceleration is linear between samples, for which the recursion
-    is exact (Nigam and Jennings, 1969); the free vibration of one period after the record counts. Below 50
-    time steps the record is sampled more finely, so that peaks between samples are not missed.
-    Raises ValueError naming the argument.
+    The ordinates are those of `mechanics.response_spectrum`. Raises ValueError naming the argument.
     """
 
     acceleration_g: ArrayLike
@@ -260,15 +260,11 @@ class RecordSpectrum:
 
     def acceleration(self, T: ArrayLike) -> Array:
         """Pseudo-acceleration S_e(T) = (2π/T)² S_De(T), g; at T = 0 the peak ground acceleration."""
-        T = _periods(T)
-        omega = 2.0 * np.pi / np.where(T > 0.0, T, 1.0)
-        return np.where(T > 0.0, omega**2 * self.displacement(T) / GRAVITY, self.ag)[()]
+        return self._ordinates(T)[0]
 
     def displacement(self, T: ArrayLike) -> Array:
         """S_De(T), m: the largest relative displacement of the oscillator; 0 at T = 0."""
-        T = _periods(T)
-        peaks = [self._peak(period) if period > 0.0 else 0.0 for period in T.ravel()]
-        return np.array(peaks).reshape(T.shape)[()]
+        return self._ordinates(T)[1]
 
     def largest_displacement(self, T_0: float, T: float) -> tuple[float, float]:
         """Return max S_De over [T_0, T] (m) and its period (s), at 200 periods in geometric progression.
@@ -290,50 +286,22 @@ class RecordSpectrum:
 
     def steps(self, T: float) -> Trace:
         """Return the ordinates at T: S_e is a datum (time integration), S_De follows from it."""
-        source = f"record at T = {T:.6g} s, {100.0 * self.damping:g} %: exact integration of the oscillator"
         S_e, S_De = float(self.acceleration(T)), float(self.displacement(T))
         return (
             datum("PGA", self.ag, "g", "record"),
-            datum("S_e", S_e, "g", source),
+            datum("T", T, "s", "record: period looked at"),
+            datum("xi", self.damping, "", "record: damping"),
+            datum("S_e", S_e, "g", "record: exact integration of the oscillator"),
             step("S_De", "S_e*g*(T/(2*pi))**2", S_De, "m", "NTC 2018, §3.2.3.2.3", S_e=S_e, g=GRAVITY, T=T),
         )
 
-    def _peak(self, T: float) -> float:
-        """Return max |u| (m) of the oscillator of period T > 0 (s)."""
-        fine = min(20, max(1, ceil(50.0 * self.time_step / T)))
-        h = self.time_step / fine
-        record = np.asarray(self.acceleration_g)
-        n = (record.size - 1) * fine + 1
-        a = np.interp(np.arange(n) / fine, np.arange(record.size), record) if fine > 1 else record
-        a = np.concatenate([a, np.zeros(int(np.ceil(T / h)) + 1)]) * GRAVITY
-        numerator, denominator, rest = _recursion(T, self.damping, h)
-        u, _ = lfilter(numerator, denominator, a, zi=rest * a[0])
-        return float(np.abs(u).max())
-
-
-def _recursion(T: float, damping: float, h: float) -> tuple[Array, Array, Array]:
-    """Return the second-order recursion of u (m) at steps h (s) under a linear acceleration (m/s²).
-
-    Exact step x' = A x + p a + q a' of x = (u, u̇): homogeneous solution A from x less the particular one,
-    which is u = −a/ω² + 2ξ ȧ/ω³. Eliminating u̇ leaves a filter (numerator, denominator) of a; the third
-    array is its initial state per unit of a at t = 0 for an oscillator at rest there.
-    """
-    omega = 2.0 * pi / T
-    damped = omega * sqrt(1.0 - damping**2)
-    decay = exp(-damping * omega * h)
-    c, s = decay * cos(damped * h), decay * sin(damped * h) / damped
-    A11, A12, A21, A22 = c + damping * omega * s, s, -(omega**2) * s, c - damping * omega * s
-    rate, lag = (
-        1.0 / (omega**2 * h),
-        2.0 * damping / (omega**3 * h),
-    )  # of the particular solution, for ȧ = 1/h
-    q_u = lag - 1.0 / omega**2 - A11 * lag + A12 * rate
-    p_u = -lag + A11 * (1.0 / omega**2 + lag) - A12 * rate
-    p_v = rate + A21 * (1.0 / omega**2 + lag) - A22 * rate
-    q_v = -rate - A21 * lag + A22 * rate
-    numerator = np.array([q_u, p_u - A22 * q_u + A12 * q_v, A12 * p_v - A22 * p_u])
-    denominator = np.array([1.0, -2.0 * c, decay**2])
-    return numerator, denominator, np.array([-q_u, p_u - numerator[1]])
+    def _ordinates(self, T: ArrayLike) -> tuple[Array, Array]:
+        """Return S_e(T), g, and S_De(T), m, for periods T (s) of any shape."""
+        T = _periods(T)
+        S_e, S_De = response_spectrum(
+            np.asarray(self.acceleration_g), self.time_step, T.ravel(), self.damping
+        )
+        return S_e.reshape(T.shape)[()], S_De.reshape(T.shape)[()]
 
 
 def _periods(T: ArrayLike) -> Array:

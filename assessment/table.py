@@ -8,6 +8,8 @@ from typing import Any
 
 Results = Mapping[str, Any]
 Row = dict[str, Any]
+# limit states, and beside the nonlinear check at SLV the linear one
+CHECKS = ("SLO", "SLD", "SLV linear", "SLV", "SLC")
 QUOTED = ("SLC", "SLV", "SLD")  # limit states, the farthest first
 
 
@@ -30,3 +32,15 @@ def static_pga(capacity: Mapping[str, Any] | None) -> float | None:
     checks = [(capacity or {}).get(limit_state) for limit_state in QUOTED]
     value: float | None = next((check["a_g_g"] for check in checks if check), None)
     return value
+
+
+def decisive(capacity: Mapping[str, Any]) -> dict[str, float]:
+    """Return ζ_E of the checks of a direction that have one and decide.
+
+    The linear check at SLV is an alternative to the nonlinear one, and counts only where that one has no number.
+    """
+    known = {name: (capacity.get(name) or {}).get("zeta_E") for name in CHECKS}
+    found = {name: float(zeta) for name, zeta in known.items() if zeta is not None}
+    if "SLV" in found:
+        found.pop("SLV linear", None)
+    return found

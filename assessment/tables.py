@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from assessment.capacity_tables import (
+    action,
+    capacity_curves,
+    chosen_checks,
+    chosen_mechanisms,
+    spectrum,
+    summary,
+    trace,
+    verification,
+)
 from assessment.dynamic_tables import dynamic_tables
 from assessment.files import write_atomically
 from assessment.hand_check import hand_check, macro_block_table, outline_area
 from assessment.reactions import balance, joint_table, reactions
 from assessment.study_tables import study_tables
-from assessment.table import Results, Row, Table, reduction
-
-__all__ = ["Results", "Row", "Table", "tables", "write_tables"]
-
-LIMIT_STATES = ("SLO", "SLD", "SLV", "SLC")
+from assessment.table import Results, Table
 
 
 def write_tables(results: Results, folder: Path) -> list[Path]:
@@ -51,7 +57,10 @@ def tables(results: Results) -> list[Table]:
         macro_block_table(results),
         hand_check(results),
         Table("quality", list(results["quality"].get("by_stage") or []), QUALITY),
-        spectra(results),
+        spectrum(results),
+        action(results),
+        chosen_mechanisms(results),
+        chosen_checks(results),
         trace(results),
         *study_tables(results),
         *dynamic_tables(results),
@@ -75,7 +84,6 @@ QUALITY = (
     "worst_complementarity",
     "worst_cone_violation",
 )
-VERIFICATION = ("d_star_m", "a_star_g", "T_s", "a_g_g", "demand_a_g_g", "zeta_E", "verified")
 
 
 def blocks(results: Results) -> Table:
@@ -203,144 +211,8 @@ def pushover_curves(results: Results) -> Table:
     return Table("pushover", rows, ("state", "direction", "contacts", "displacement_m", "multiplier"))
 
 
-def capacity_curves(results: Results) -> Table:
-    """List the points of every capacity curve in spectral coordinates."""
-    rows = [
-        {"state": name, "direction": direction, "d_star_m": d_star, "a_star_g": a_star}
-        for name, direction, capacity in _capacities(results)
-        if capacity.get("curve")
-        for d_star, a_star in zip(capacity["curve"]["d_star_m"], capacity["curve"]["a_star_g"], strict=True)
-    ]
-    return Table("capacity", rows, ("state", "direction", "d_star_m", "a_star_g"))
-
-
-def summary(results: Results) -> Table:
-    """Return the quantities of the paper's Table 1 per direction, a column per state, and the reductions.
-
-    A reduction is 1 − settled/original: positive where the movement costs capacity.
-    """
-    names = list(results["states"])
-    rows: list[Row] = []
-    for direction in directions(results):
-        for quantity, limit, values in _quantities(results, direction):
-            row: Row = {"direction": direction, "quantity": quantity, "limit_state": limit} | values
-            original = values.get("original")
-            for name in names:
-                if name != "original" and name in values:
-                    row[f"reduction: {name}"] = reduction(original, values[name])
-            rows.append(row)
-    columns = [column for name in names for column in _with_reduction(name)]
-    return Table("summary", rows, ("direction", "quantity", "limit_state", *columns))
-
-
-def verification(results: Results) -> Table:
-    """List the check of every state, direction and limit state."""
-    rows = [
-        {"state": name, "direction": direction, "limit_state": limit}
-        | {key: capacity[limit][key] for key in VERIFICATION if key in capacity[limit]}
-        for name, direction, capacity in _capacities(results)
-        for limit in LIMIT_STATES
-        if capacity.get(limit)
-    ]
-    return Table("verification", rows, ("state", "direction", "limit_state", *VERIFICATION))
-
-
-def spectra(results: Results) -> Table:
-    """List the points of the demand spectra (5 % damping)."""
-    rows = [
-        {"limit_state": limit, "T_s": period, "S_e_g": acceleration, "S_De_m": displacement}
-        for limit, spectrum in (results.get("spectra") or {}).items()
-        for period, acceleration, displacement in zip(
-            spectrum["T_s"], spectrum["S_e_g"], spectrum["S_De_m"], strict=True
-        )
-    ]
-    return Table("spectra", rows, ("limit_state", "T_s", "S_e_g", "S_De_m"))
-
-
-def traces(capacity: Mapping[str, Any]) -> Iterator[tuple[str, list[Mapping[str, Any]]]]:
-    """Yield the traces of a direction: "capacity" for the curve that all checks share, then each limit state's."""
-    if capacity.get("trace"):
-        yield "capacity", capacity["trace"]
-    for limit in LIMIT_STATES:
-        if (capacity.get(limit) or {}).get("trace"):
-            yield limit, capacity[limit]["trace"]
-
-
-def trace(results: Results) -> Table:
-    """List every step of every check: formula, numbers put in, result and paragraph."""
-    rows = [
-        {
-            "state": name,
-            "direction": direction,
-            "part": part,
-            **{key: step.get(key) for key in ("symbol", "formula", "result", "unit", "paragraph")},
-            "inputs": "; ".join(f"{symbol}={value!r}" for symbol, value in step["inputs"].items()),
-        }
-        for name, direction, capacity in _capacities(results)
-        for part, steps in traces(capacity)
-        for step in steps
-    ]
-    columns = ("state", "direction", "part", "symbol", "formula", "inputs", "result", "unit", "paragraph")
-    return Table("trace", rows, columns)
-
-
-def directions(results: Results) -> list[str]:
-    """Return the directions in which any state was pushed."""
-    found = {
-        direction for content in results["states"].values() for direction in content.get("pushover") or {}
-    }
-    return sorted(found)
-
-
-def _quantities(results: Results, direction: str) -> Iterator[tuple[str, str, Row]]:
-    """Yield quantity, limit state and the value of each state that has it."""
-    sources: dict[str, tuple[str, ...]] = {
-        "alpha_0": ("pushover", direction, "rigid", "alpha_0"),
-        "alpha_u": ("pushover", direction, "elastic", "alpha_u"),
-        "alpha_y": ("pushover", direction, "elastic", "alpha_y"),
-        "d_y_m": ("pushover", direction, "elastic", "d_y_m"),
-        "d_0_m": ("pushover", direction, "rigid", "d_0_m"),
-        "e_star": ("pushover", direction, "rigid", "mechanism", "e_star"),
-        "gamma_star": ("pushover", direction, "rigid", "mechanism", "gamma_star"),
-        "T_0_s": ("capacity", direction, "T_0_s"),
-    }
-    listed = [(quantity, "", path) for quantity, path in sources.items()]
-    listed += [
-        (quantity, limit, ("capacity", direction, limit, quantity))
-        for quantity in ("d_star_m", "T_s", "a_g_g", "zeta_E")
-        for limit in LIMIT_STATES
-    ]
-    for quantity, limit, path in listed:
-        values = {}
-        for name, content in results["states"].items():
-            found, value = _look_up(content, path)
-            if found:
-                values[name] = value
-        if values:
-            yield quantity, limit, values
-
-
-def _look_up(content: Any, path: Sequence[str]) -> tuple[bool, Any]:
-    for key in path:
-        if not isinstance(content, Mapping) or key not in content:
-            return False, None
-        content = content[key]
-    return True, content
-
-
-def _with_reduction(name: str) -> tuple[str, ...]:
-    return (name,) if name == "original" else (name, f"reduction: {name}")
-
-
 def _pushovers(results: Results) -> Iterator[tuple[str, str, Any]]:
     for name, content in results["states"].items():
         for direction, pushover in (content.get("pushover") or {}).items():
             if pushover:
                 yield name, direction, pushover
-
-
-def _capacities(results: Results) -> Iterator[tuple[str, str, Any]]:
-    for name, content in results["states"].items():
-        for direction, capacity in (content.get("capacity") or {}).items():
-            if capacity:
-                yield name, direction, capacity

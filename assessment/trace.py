@@ -7,13 +7,14 @@ reader, a spreadsheet or a test can compute the result again from what is printe
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Any
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
 _SIGNS = {"sqrt": "√", "pi": "π", "eta": "η", "alpha": "α", "Gamma": "Γ", "gamma": "γ", "psi": "ψ", "xi": "ξ"}
-_SIGNS |= {"Sigma": "Σ", "delta": "δ", "zeta": "ζ"}
+_SIGNS |= {"Sigma": "Σ", "delta": "δ", "zeta": "ζ", "theta": "θ"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,20 +46,27 @@ def datum(symbol: str, value: float, unit: str, source: str) -> Step:
     return step(symbol, "", value, unit, source)
 
 
+def names(formula: str) -> list[str]:
+    """Return the names in a formula, each once."""
+    return list(dict.fromkeys(_NAME.findall(formula)))
+
+
 def number(value: float, digits: int = 6) -> str:
     """Return a number as it is printed in a trace."""
     return f"{value:.{digits}g}"
 
 
-def pretty(formula: str) -> str:
-    """Return a symbol or formula in the field's signs: √, π, Greek letters, ·, ^, and X* for X_star."""
+def pretty(formula: str, subscript: Callable[[str], str] = "_{}".format) -> str:
+    """Return a symbol or formula in the field's signs: √, π, Greek letters, ·, ^, and X* for X_star.
+
+    `subscript` writes what stands after the first underscore of a name.
+    """
     text = formula.replace("**", "^").replace("*", "·")
 
     def sign(match: re.Match[str]) -> str:
-        parts = [_SIGNS.get(part, part) for part in match[0].split("_")]
-        star = "*" if "star" in parts else ""
-        head, *rest = [part for part in parts if part != "star"]
-        return head + star + ("_" + "_".join(rest) if rest else "")
+        head, *rest = [_SIGNS.get(part, part) for part in match[0].split("_") if part != "star"]
+        star = "*" if "star" in match[0].split("_") else ""
+        return head + star + (subscript("_".join(rest)) if rest else "")
 
     return _NAME.sub(sign, text)
 
@@ -86,6 +94,21 @@ def rows(trace: Iterable[Step], digits: int = 6) -> list[dict[str, str]]:
             "inputs": "; ".join(f"{name} = {number(v, digits)}" for name, v in line.inputs.items()),
             "numbers": substituted(line, digits),
             "result": number(line.result, digits),
+            "unit": line.unit,
+            "paragraph": line.paragraph,
+        }
+        for line in trace
+    ]
+
+
+def numbers(trace: Iterable[Step]) -> list[dict[str, Any]]:
+    """Return the steps as plain values for results.json."""
+    return [
+        {
+            "symbol": line.symbol,
+            "formula": line.formula,
+            "inputs": dict(line.inputs),
+            "result": line.result,
             "unit": line.unit,
             "paragraph": line.paragraph,
         }

@@ -16,7 +16,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from assessment.checks import assess, demand_spectra, spectra_numbers
+from assessment.checks import assess, assess_chosen, governing
+from assessment.demand import demand_spectra, spectra_numbers
 from assessment.dynamic_stages import add_dynamics, dynamic_contacts, read_motions
 from assessment.files import write_atomically
 from assessment.messages import ProjectError
@@ -127,9 +128,12 @@ def run(project: Project, model: Model, jobs: int = 0, progress: Progress = lamb
         for name, state in states.items():
             notes: list[str] = []
             state["capacity"] = assess(project, assembly, state["pushover"], demands, hazard, notes)
+            state["governing"] = governing(state["capacity"])
             warnings += [f"{name}: {note}" for note in notes]
-        results["spectra"] = spectra_numbers(demands)
+        results["spectra"] = spectra_numbers(project, demands, hazard)
         results["timing_s"]["assessment"] = time.perf_counter() - began
+    if project.mechanism:
+        results["mechanisms"] = assess_chosen(project, assembly, states, demands, hazard, warnings)
     studied = add_studies(results, project, assembly, stages, demands, hazard, jobs, progress)
     shaken = add_dynamics(results, project, assembly, motions, stages, jobs, progress)
     if project.assessment or project.incremental:
@@ -309,7 +313,7 @@ def _sum_up(quality: Results) -> None:
 
 
 def _states(project: Project) -> Iterable[tuple[str, Results | None]]:
-    if project.pushover or project.history or project.incremental:
+    if project.pushover or project.history or project.incremental or project.mechanism:
         yield ORIGINAL, None
     for s in project.settlements:
         yield (

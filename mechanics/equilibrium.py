@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -13,11 +14,12 @@ from mechanics.errors import NoEquilibriumError, UnstableError
 from mechanics.joints import Index
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Neighbour, Program, Solution
 from mechanics.solvers import BALANCED, LARGE, imbalance, kernels, solve
+from mechanics.solvers.band import Band
 from mechanics.solvers.kernels import fastest
 
 GEOMETRY_TOLERANCE = 1e-3  # of the step: how closely the geometry of forces and of positions must agree
 ALTERNATION = 0.5  # of the step: how far apart alternating mechanisms of rigid blocks may leave the blocks
-MOST_ITERATIONS = 30
+MOST_ITERATIONS = 15
 JUMP = 30.0  # a step this many times larger than asked is a fall, not a path of equilibrium
 CLOSED = 1e-3  # of the block size: a gap that is none (dilatant sliding leaves some in a settled state)
 
@@ -68,8 +70,9 @@ def find_step(
     where that cannot be decided.
     """
     pose = programs(model, behaviour, start, load, size, lateral, work)
-    if last is not None and len(model.contacts(behaviour)) >= LARGE:
-        followed = _follow(model, pose, guess, last.neighbour, size)
+    large = len(model.contacts(behaviour)) >= LARGE
+    if large and last is not None:
+        followed = _follow(model, behaviour, pose, guess, last.neighbour, size)
         if followed is not None:
             return _step(model, behaviour, *followed, pose, 1)
     scale = np.array([1.0, 1.0, model.size])
@@ -88,20 +91,20 @@ def find_step(
         largest, before = float(abs(change).max()), float(abs(earlier).max())
         if largest <= GEOMETRY_TOLERANCE * size:
             break
-        if count > (3 if behaviour == "rigid" else 8) and largest > 0.9 * before:
-            near = Neighbour(
-                solution.forces, pose(at).opening(solution.forces, solution.displacement), solution.alpha
-            )
-            followed = _follow(model, pose, at, near, size)
+        if (
+            count > (3 if large or behaviour == "rigid" else 8) and largest > 0.9 * before
+        ) or count == MOST_ITERATIONS:
+            opening = pose(at).opening(solution.forces, solution.displacement)
+            near = Neighbour(solution.forces, opening, solution.alpha)
+            followed = _follow(model, behaviour, pose, at, near, size)
             if followed is not None:
                 return _step(model, behaviour, *followed, pose, count + 1)
             if behaviour == "rigid" and largest <= ALTERNATION * size:
                 break  # two mechanisms alternate, each the answer in the other's geometry: both are close enough
-            if count > 8:
-                block = int(np.argmax(abs(change).max(axis=1)))
-                raise NoEquilibriumError(
-                    f"the geometry of the step does not settle: loss of stability, at block {block} first"
-                )
+            block = int(np.argmax(abs(change).max(axis=1)))
+            raise NoEquilibriumError(
+                f"the geometry of the step does not settle: loss of stability, at block {block} first"
+            )
         if behaviour == "elastic" and count > 1:
             # Aitken's extrapolation; never backwards, which would settle on an unstable equilibrium
             turn = change - earlier
@@ -111,15 +114,35 @@ def find_step(
 
 
 def _follow(
-    model: Assembly, pose: Callable[[Array], Program], guess: Array, near: Neighbour, size: float
+    model: Assembly,
+    behaviour: Behaviour,
+    pose: Callable[[Array], Program],
+    guess: Array,
+    near: Neighbour,
+    size: float,
 ) -> tuple[Array, Solution] | None:
     """The equilibrium that the central path leads to from a neighbour, its geometry followed; None: not reached."""
     from mechanics.solvers import central_path
 
     ended = central_path.follow(
-        lambda x: pose(_displaced(model, guess, x)), np.zeros(3 * int(model.movable.sum())), near, JUMP * size
+        lambda x: pose(_displaced(model, guess, x)),
+        _layout(model, behaviour),
+        np.zeros(3 * int(model.movable.sum())),
+        near,
+        JUMP * size,
     )
     return None if ended is None else (_displaced(model, guess, ended[0]), ended[1])
+
+
+@lru_cache(maxsize=8)
+def _layout(model: Assembly, behaviour: Behaviour) -> Band:
+    return Band.of(_rows(model, behaviour), model.initial.positions[model.movable, :2])
+
+
+def _rows(model: Assembly, behaviour: Behaviour) -> Index:
+    """Rows of equilibrium (c, 6) of the two blocks of each contact point."""
+    contacts = model.contacts(behaviour)
+    return np.concatenate([model.dof[contacts.a], model.dof[contacts.b]], axis=1)
 
 
 def _displaced(model: Assembly, positions: Array, displacement: Array) -> Array:
@@ -194,7 +217,7 @@ def programs(
     if start.shear is not None and behaviour == "elastic":
         slid = slid + compliance[:, 1] * start.shear
     still = Program(
-        dof=np.concatenate([model.dof[contacts.a], model.dof[contacts.b]], axis=1),
+        dof=_rows(model, behaviour),
         normal=np.zeros((0, 6)),
         tangent=np.zeros((0, 6)),
         gap=np.zeros((0, 2)),

@@ -15,6 +15,7 @@ import numpy as np
 G = 9.80665
 SETTLED = "right support 20 mm"
 DEMAND = {"SLD": (0.104, 2.33, 0.28), "SLV": (0.261, 2.36, 0.35), "SLC": (0.334, 2.40, 0.36)}  # L'Aquila
+DAMPING = {"SLD": 0.05, "SLV": 0.08, "SLC": 0.10}
 
 
 def results_example(language: str = "it") -> dict[str, Any]:
@@ -39,7 +40,7 @@ def results_example(language: str = "it") -> dict[str, Any]:
         "geometry": _geometry(),
         "echo": _echo(language),
         "states": states,
-        "spectra": {limit: _spectrum(*values) for limit, values in DEMAND.items()},
+        "spectra": {limit: _spectrum(*values, DAMPING[limit]) for limit, values in DEMAND.items()},
         "comparison": [
             {
                 "state": SETTLED,
@@ -247,14 +248,23 @@ def _demanded(a_g: float, limit: str) -> dict[str, Any]:
     return {"demand_a_g_g": demand, "zeta_E": a_g / demand, "verified": a_g >= demand}
 
 
-def _spectrum(a_g: float, F0: float, Tc_star: float) -> dict[str, Any]:
+def _spectrum(a_g: float, F0: float, Tc_star: float, damping: float = 0.05) -> dict[str, Any]:
     T_c = 1.10 * Tc_star**-0.20 * Tc_star
     T_b, T_d, S = T_c / 3.0, 4.0 * a_g + 1.6, min(1.2, 1.40 - 0.40 * F0 * a_g)
     T: np.ndarray = np.unique(np.r_[0.0, np.geomspace(0.02, 4.0, 60), T_b, T_c, T_d])
     rising, falling = 1.0 / F0 + (1.0 - 1.0 / F0) * T / T_b, T_c / np.maximum(T, T_c)
     shape = np.where(T_b > T, rising, falling * np.where(T_d < T, T_d / np.maximum(T, T_d), 1.0))
     S_e = a_g * S * F0 * shape
+    damped = math.sqrt(10.0 / (5.0 + 100.0 * damping)) * S_e
     return {
+        "kind": "ground",
+        "S": S,
+        "T_B_s": T_b,
+        "T_C_s": T_c,
+        "T_D_s": T_d,
+        "damping": damping,
+        "damped_S_e_g": damped.tolist(),
+        "damped_S_De_m": (damped * G * (T / (2.0 * math.pi)) ** 2).tolist(),
         "a_g_g": a_g,
         "F0": F0,
         "Tc_star_s": Tc_star,

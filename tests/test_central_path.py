@@ -11,7 +11,7 @@ from mechanics import limit_analysis, pushdown, pushover
 from mechanics.equilibrium import find_step, programs, rest
 from mechanics.program import Neighbour, certify
 from mechanics.solvers import central_path, solve
-from mechanics.solvers.band import band
+from mechanics.solvers.band import Band
 from tests.structures import arch_on_piers, running_bond, semicircular_arch
 
 WALL = running_bond(8, 10)
@@ -43,7 +43,9 @@ def test_it_solves_a_program_as_piqp_does(model, behaviour, lateral):
         done = 0.0 if there.lateral is None else float(there.lateral @ x)
         return replace(there, gap=there.gap + there.relative(x), work=there.work - done)
 
-    found = central_path.follow(frozen, np.zeros(len(there.load)), neighbour(there), np.inf)
+    found = central_path.follow(
+        frozen, Band.of(there.dof), np.zeros(len(there.load)), neighbour(there), np.inf
+    )
     assert found is not None
     x, solution = found
     expected = solve(there)
@@ -87,7 +89,12 @@ def test_where_nothing_stands_no_step_is_followed():
     size = 1e-3
     pose = programs(model, "rigid", model.initial, model.dead_load, size)
     there = pose(model.initial.positions)
-    assert central_path.follow(lambda x: there, np.zeros(len(there.load)), unaware(there), 30 * size) is None
+    assert (
+        central_path.follow(
+            lambda x: there, Band.of(there.dof), np.zeros(len(there.load)), unaware(there), 30 * size
+        )
+        is None
+    )
 
 
 def test_a_neighbour_saves_iterations(monkeypatch):
@@ -121,6 +128,7 @@ def test_a_neighbour_saves_iterations(monkeypatch):
     counts.clear()
     central_path.follow(
         lambda x: program(_moved(start.state.positions, x)),
+        Band.of(program(start.state.positions).dof),
         np.zeros(3 * int(WALL.movable.sum())),
         unaware(program(start.state.positions)),
         np.inf,
@@ -138,7 +146,7 @@ def _moved(positions, x):
 
 def test_the_band_holds_every_pair_of_touching_blocks():
     program = programs(WALL, "rigid", WALL.initial, WALL.dead_load, 1e-3)(WALL.initial.positions)
-    layout = band(program.dof)
+    layout = Band.of(program.dof)
     assert sorted(layout.order) == list(range(len(program.load)))
     assert np.array_equal(layout.order[layout.back], np.arange(len(program.load)))
     both = layout.row[(layout.row >= 0).all(axis=1)]

@@ -500,6 +500,21 @@ def test_results_that_are_none(project, capsys, stored):
     assert (project / "output" / "results.json").read_text(encoding="utf-8") == stored
 
 
+def test_results_cut_short(project, capsys):
+    (project / "output").mkdir()
+    content = {"echo": {"report": {}}, "title": "Block", "model": {}, "states": {}, "quality": {}}
+    (project / "output" / "results.json").write_text(json.dumps(content), encoding="utf-8")
+    assert main(["report", str(project)]) == 2
+    said = capsys.readouterr().err
+    assert "results.json: geometry missing: results cut short; run the project again" in said
+
+
+def test_a_value_error_of_a_library_is_a_bug_and_not_the_users(project, monkeypatch):
+    monkeypatch.setattr("assessment.project.load_project", lambda _: np.array_split(np.zeros(3), 0))
+    with pytest.raises(ValueError, match="number sections"):
+        main(["check", str(project)])
+
+
 def test_new_writes_a_project_that_checks(tmp_path, capsys):
     assert (
         main(["new", str(tmp_path / "w"), "--template", "wall", "--set", "courses=3", "--set", "blocks=3"])

@@ -296,6 +296,7 @@ def test_the_records_own_spectrum_as_demand(tmp_path):
     )
     assert check["zeta_E"] == pytest.approx(check["a_g_g"] / record.pga)
     assert outcome.results["spectra"]["SLC"]["damping"] == 0.10
+    assert any("the maximum over [T_0, T]" in note for note in check["notes"])
 
 
 def test_an_artificial_record_follows_its_spectrum(tmp_path):

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from assessment.canvas import MM, SCALES, nice, save_svg, sheet
 from assessment.figures import pictures, write_figures
 from assessment.outlines import Outlines, outlines
-from assessment.spectral_plots import damped
 from assessment.words import slug
 from tests.results_example import SETTLED, results_example
 
@@ -59,6 +58,7 @@ def test_figures_speak_the_language_of_the_report(drawn, tmp_path):
 
 def test_only_what_was_computed_is_drawn():
     results = results_example()
+    del results["spectra"]
     for content in results["states"].values():
         del content["capacity"], content["pushover"]
         content.pop("pushdown", None)
@@ -118,15 +118,3 @@ def test_mechanism_and_finite_motion_agree_to_first_order():
     rate = np.random.default_rng(1).normal(size=(7, 3))
     difference = shape.swept(rate, 1e-4).points - shape.moved(1e-4 * rate).points
     assert np.abs(difference).max() < 1e-7
-
-
-def test_damping_reduces_the_spectrum_as_the_standard_says():
-    """NTC 2018 §3.2.3.2.1: S_e at 10 % damping written out, a_g = 0.25 g, S = 1.2, F0 = 2.4, T_C = 0.45 s."""
-    eta, T = math.sqrt(10.0 / 15.0), np.array([0.0, 0.05, 0.15, 0.30, 0.45, 1.0])
-    plateau = 0.25 * 1.2 * 2.4
-
-    def spectrum(eta):
-        rising = 0.25 * 1.2 * (eta * 2.4 * T / 0.15 + 1.0 - T / 0.15)
-        return np.where(T < 0.15, rising, eta * plateau * np.minimum(1.0, 0.45 / np.maximum(T, 0.45)))
-
-    assert damped(spectrum(1.0), T, 0.10) == pytest.approx(spectrum(eta))

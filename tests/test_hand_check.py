@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from assessment.drawings import Mechanism
+from assessment.drawings import found_mechanism
 from assessment.hand_check import (
     figures_of,
     governing_mechanisms,
@@ -14,7 +14,6 @@ from assessment.hand_check import (
     multiplier,
     weights,
 )
-from assessment.outlines import outlines
 from tests.analysed import SETTLED, analysed
 
 
@@ -101,7 +100,7 @@ def test_a_mechanism_goes_where_the_loads_push_it_and_its_joints_open():
         for state in ("original", SETTLED):
             rows = figures_of(results, state, direction)
             assert rows[-1]["work_load"] > 0.0
-            drawing = Mechanism(results, outlines(results), state, direction)
+            drawing = found_mechanism(results, state, direction)
             crown = drawing.start.nearest([0.0, 1.65])
             assert along * (drawing.swept.centroids - drawing.start.centroids)[crown, 0] > 0.0
             forth, back = (

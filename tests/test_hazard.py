@@ -7,14 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.hazard import (
-    RETURN_PERIODS,
-    read_grid,
-    return_period,
-    return_period_steps,
-    site_curve,
-    site_hazard,
-)
+from assessment.hazard import return_period, return_period_steps, site_curve, site_hazard
+from assessment.hazard_files import RETURN_PERIODS, read_grid
+from assessment.trace import rows
 
 GRID_FILE = Path(__file__).parents[1] / ".." / "shared" / "data" / "allegato_b.txt"
 needs_grid = pytest.mark.skipif(
@@ -152,6 +147,42 @@ def test_semicolon_and_decimal_comma_give_the_same(tmp_path, small):
     for name, table, comma in (("a", rows, False), ("b", rows, True), ("c", numbered, True)):
         path = _write(tmp_path / f"{name}.csv", table, ";", comma, "lon;lat;ag;F0;Tc\r\n")
         assert site_hazard(path, lat, lon, 475) == expected
+
+
+def _site_table(path, header="T_R [anni];a_g [g];F0;T_C* [s]", factor=1.0):
+    lines = [f"{T_R:g};{factor * 0.05 * (k + 1):.4f};2.4;0.3{k}" for k, T_R in enumerate(RETURN_PERIODS)]
+    path.write_text("\n".join([header, *lines]).replace(".", ","), encoding="latin-1")
+    return path
+
+
+def test_the_nine_lines_of_one_site(tmp_path):
+    """T_R; a_g; F0; T_C* as site programs print them: no coordinates; a_g in g or in g/10 as the header says."""
+    curve = site_curve(_site_table(tmp_path / "site.csv"))
+    for k, T_R in enumerate(RETURN_PERIODS):
+        found = curve.at(float(T_R))
+        assert [found.ag, found.F0, found.Tc_star] == pytest.approx([0.05 * (k + 1), 2.4, 0.3 + 0.01 * k])
+    tenths = _site_table(tmp_path / "tenths.csv", "T_R;a_g [g/10];F0;T_C*", 10.0)
+    assert site_curve(tenths).values == pytest.approx(curve.values)
+    for line in rows(curve.steps(475.0)):
+        assert line["result"]
+
+
+def test_the_return_period_of_an_acceleration_ends_at_the_bounds(tmp_path):
+    """a_g from 0.05 g (30 years) to 0.45 g (2475): the columns give their years, beyond them the bound, exactly."""
+    curve = site_curve(_site_table(tmp_path / "site.csv"))
+    assert curve.return_period(0.35) == pytest.approx(475.0)
+    assert [curve.return_period(ag) for ag in (0.01, 0.05, 0.45, 2.0)] == [30.0, 30.0, 2475.0, 2475.0]
+
+
+def test_bad_site_tables_are_named(tmp_path, small):
+    with pytest.raises(ValueError, match=r"none\.csv: the unit of a_g is not said"):
+        site_curve(_site_table(tmp_path / "none.csv", "T_R;a_g;F0;T_C*"))
+    path = _site_table(tmp_path / "short.csv")
+    path.write_text("\n".join(path.read_text(encoding="latin-1").splitlines()[:-1]))
+    with pytest.raises(ValueError, match=r"short\.csv: a site's table has one line for each return period"):
+        site_curve(path)
+    with pytest.raises(ValueError, match=r"grid\.txt: is a grid of many nodes; give the latitude"):
+        site_curve(small)
 
 
 def test_bad_grids_are_named(tmp_path):

@@ -207,6 +207,10 @@ def test_what_may_be_written_too(folder, old, new):
     load(folder, CONTRACT.replace(old, new))
 
 
+BEFORE_REPORT = "[report]"
+MECHANISM = '[[mechanism]]\nname = "pier"\nabout_m = [0, 0]\n'
+FLOOR = "[assessment.floor]\nheight_m = 7.0\nbuilding_height_m = 10.0\nstoreys = 3\nperiod_s = 0.4\n"
+
 WRONG = [  # old text, new text, key, what the message must hold
     # unknown keys, with the nearest
     (
@@ -341,7 +345,31 @@ WRONG = [  # old text, new text, key, what the message must hold
     ('"C1"\n\n[[history]]', '{"-x" = "top"}\n[[history]]', "pushover.control.-x", 'valid: "C1", "C2"'),
     ('"C1"\nvertical', '"C9"\nvertical', "history[1].control", '"C2"'),
     ("max_scale = 5.0", 'control = "D1"', "incremental.control", '"C1"'),
-    ('spectrum = "ntc"', 'control = "c3"', "assessment.control", '"C2"'),
+    ('spectrum = "ntc"', 'control = "C1"', "assessment.control", "unknown key"),
+    (BEFORE_REPORT, MECHANISM, "mechanism[1]", "no block is chosen"),
+    (BEFORE_REPORT, MECHANISM + "region_m = [0, 0, 1]\n", "mechanism[1].region_m", "two corners of a box"),
+    (BEFORE_REPORT, MECHANISM + "blocks = [1]\nrotation = 0\n", "mechanism[1].rotation", "does not move"),
+    (BEFORE_REPORT, MECHANISM + 'blocks = [1]\nstate = "settled"\n', "mechanism[1].state", '"original"'),
+    (
+        BEFORE_REPORT,
+        MECHANISM + "blocks = [1]\n" + MECHANISM + 'blocks = [2]\nstate = "right support 20 mm"\n',
+        "mechanism[2].state",
+        "macro-blocks in another state",
+    ),
+    (
+        'spectrum = "ntc"',
+        'spectrum = "ntc"\ncircular = 2009\nfloor = {height_m = 1, building_height_m = 2, storeys = 1, period_s = 0.2, '
+        "higher_periods_s = [0.1], higher_participations = [0.2]}",
+        "assessment.floor.higher_periods_s",
+        "first mode alone",
+    ),
+    (BEFORE_REPORT, FLOOR.replace("7.0", "12.0"), "assessment.floor.height_m", "above building_height_m"),
+    (
+        BEFORE_REPORT,
+        FLOOR + "higher_periods_s = [0.1]\n",
+        "assessment.floor.higher_participations",
+        "one γ_k",
+    ),
     ("scale = 1.0\n", 'states = ["settled"]\n', "history[1].states[1]", '"right support 20 mm"'),
     ("max_scale = 5.0", 'states = ["orginal"]', "incremental.states[1]", '"original"'),
     # what does not fit together
@@ -375,7 +403,7 @@ WRONG = [  # old text, new text, key, what the message must hold
 @pytest.mark.parametrize(("old", "new", "key", "said"), WRONG, ids=[f"{w[2]}: {w[3]}" for w in WRONG])
 def test_a_wrong_key_is_named_with_its_file_and_remedy(folder, old, new, key, said):
     assert old in CONTRACT
-    first, *_ = message(folder, CONTRACT.replace(old, new, 1)).splitlines()
+    first, *_ = message(folder, CONTRACT.replace(old, new + old * (old == BEFORE_REPORT), 1)).splitlines()
     assert first.startswith(f"project.toml: {key}: ")
     assert said in first
 

@@ -5,8 +5,9 @@ import io
 import pandas as pd
 import pytest
 
+from assessment.capacity_tables import summary, trace, verification
 from assessment.hand_check import hand_check
-from assessment.tables import blocks, layers, summary, trace, verification, write_tables
+from assessment.tables import blocks, layers, write_tables
 from tests.results_example import SETTLED, results_example
 
 
@@ -18,8 +19,16 @@ def written(tmp_path_factory):
 
 def test_all_tables_are_written(written):
     names = {"blocks", "layers", "settlements", "pushdown", "mechanisms", "pushover", "capacity", "summary"}
-    names |= {"verification", "comparison", "macro_blocks", "hand_check", "quality", "spectra", "trace"}
-    assert set(written) == names
+    assert set(written) == names | {
+        "verification",
+        "comparison",
+        "hand_check",
+        "macro_blocks",
+        "quality",
+        "spectrum",
+        "action",
+        "trace",
+    }
 
 
 def test_curves_come_back_as_they_were(written):

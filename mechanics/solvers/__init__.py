@@ -53,13 +53,14 @@ def solve(program: Program) -> Solution:
 def _polished(program: Program, poor: Solution) -> Solution | None:
     """A static program's solution by the banded interior-point method, begun at a poor one."""
     from mechanics.solvers import central_path
+    from mechanics.solvers.band import Band
 
     def pose(x: Array) -> Program:
         done = 0.0 if program.lateral is None else float(program.lateral @ x)
         return replace(program, gap=program.gap + program.relative(x), work=program.work - done)
 
     near = Neighbour(poor.forces, program.opening(poor.forces, poor.displacement), poor.alpha)
-    found = central_path.follow(pose, poor.displacement, near, np.inf)
+    found = central_path.follow(pose, Band.of(program.dof), poor.displacement, near, np.inf)
     if found is None:
         return None
     answer = found[1].forces, found[1].alpha, found[0] + found[1].displacement

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from mechanics.block import Array
 from mechanics.joints import Index
+
+SWEEPS, TILT = 16, 0.01  # directions (of π), and the angle (rad) that keeps the blocks of a course in order
 
 
 @dataclass(frozen=True, eq=False)
 class Band:
-    """Rows of equilibrium in reverse Cuthill–McKee order of their blocks.
+    """Rows of equilibrium in the order of their blocks.
 
     `order` (m,): the program's row at each place of the band, `back` (m,) its inverse; `row` (c, 2): first of the three
     places of block a and of block b of each contact point, −1 for a support; `width`: places below and on the diagonal.
@@ -25,24 +27,32 @@ class Band:
     row: Index
     width: int
 
+    @classmethod
+    def of(cls, dof: Index, centres: Array | None = None) -> Band:
+        """The order for contact points of rows `dof` (c, 6), as in Program; `centres` (m/3, 2) of the blocks help."""
+        blocks = (int(dof.max(initial=-1)) + 1) // 3 if centres is None else len(centres)
+        pairs = dof[:, [0, 3]] // 3
+        linked = pairs[(pairs >= 0).all(axis=1)]
+        order = narrowest_order(linked, blocks, centres)
+        rank = np.argsort(order)
+        rows = (3 * order[:, None] + np.arange(3)).ravel()
+        row = np.where(pairs >= 0, 3 * rank[pairs], -1).astype(np.intp)
+        return cls(rows, np.argsort(rows), row, 3 * _half_band(linked, order) + 3)
 
-def band(dof: Index) -> Band:
-    """The order for contact points whose rows are `dof` (c, 6), as in Program."""
-    return _band(dof.tobytes())
+
+def narrowest_order(linked: Index, blocks: int, centres: Array | None) -> Index:
+    """The order of the blocks (b,) in which linked pairs (l, 2) lie closest: reverse Cuthill–McKee's, or a sweep's.
+
+    A sweep of the plane in a direction meets the courses of a wall one by one: a band by a quarter to a third narrower.
+    """
+    graph = sparse.coo_matrix((np.ones(len(linked)), (linked[:, 0], linked[:, 1])), shape=(blocks, blocks))
+    orders = [reverse_cuthill_mckee(sparse.csr_matrix(graph + graph.T), symmetric_mode=True).astype(np.intp)]
+    if centres is not None:
+        for angle in np.pi * np.arange(SWEEPS) / SWEEPS + TILT:
+            orders += [np.argsort(centres @ (np.cos(angle), np.sin(angle)), kind="stable")]
+    return min(orders, key=lambda order: _half_band(linked, order))
 
 
-@lru_cache(maxsize=16)
-def _band(buffer: bytes) -> Band:
-    dof = np.frombuffer(buffer, dtype=np.intp).reshape(-1, 6)
-    size = int(dof.max(initial=-1)) + 1
-    pairs = dof[:, [0, 3]] // 3
-    linked = pairs[(pairs >= 0).all(axis=1)]
-    shape = (size // 3, size // 3)
-    graph = sparse.coo_matrix((np.ones(len(linked)), (linked[:, 0], linked[:, 1])), shape=shape)
-    blocks = reverse_cuthill_mckee(sparse.csr_matrix(graph + graph.T), symmetric_mode=True)
-    rank = np.empty(len(blocks), dtype=np.intp)
-    rank[blocks] = np.arange(len(blocks))
-    order = (3 * blocks[:, None].astype(np.intp) + np.arange(3)).ravel()
-    row = np.where(pairs >= 0, 3 * rank[pairs], -1).astype(np.intp)
-    apart = abs(row[:, 0] - row[:, 1])[(row >= 0).all(axis=1)]
-    return Band(order, np.argsort(order), row, int(apart.max(initial=0)) + 3)
+def _half_band(linked: Index, order: Index) -> int:
+    rank = np.argsort(order)
+    return int(abs(rank[linked[:, 0]] - rank[linked[:, 1]]).max(initial=0))

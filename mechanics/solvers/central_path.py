@@ -19,7 +19,7 @@ from scipy.linalg import lapack
 from mechanics.block import Array
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Neighbour, Program, Solution, certify
 from mechanics.solvers import GOOD
-from mechanics.solvers.band import Band, band
+from mechanics.solvers.band import Band
 from mechanics.solvers.kernels import fastest
 from mechanics.solvers.threads import one_thread
 
@@ -68,22 +68,23 @@ class Direction:
 
 
 def follow(
-    pose: Callable[[Array], Program], x: Array, near: Neighbour, farthest: float
+    pose: Callable[[Array], Program], layout: Band, x: Array, near: Neighbour, farthest: float
 ) -> tuple[Array, Solution] | None:
     """Displacements (m,) at which the program posed there needs no further ones, and its certified solution.
 
-    `pose` gives the program at displacements, counted from them: every iteration, beginning at `x`, goes on in the
-    geometry to which it has led. None where that leads to no certified solution nearer than `farthest` (m).
+    `pose` gives the program at displacements, counted from them, `layout` its band: every iteration, beginning at `x`,
+    goes on in the geometry to which it has led. None where that leads to no certified solution nearer than
+    `farthest` (m).
     """
     with one_thread():
-        return _follow(pose, x, near, farthest)
+        return _follow(pose, layout, x, near, farthest)
 
 
 def _follow(
-    pose: Callable[[Array], Program], x: Array, near: Neighbour, farthest: float
+    pose: Callable[[Array], Program], layout: Band, x: Array, near: Neighbour, farthest: float
 ) -> tuple[Array, Solution] | None:
     program = pose(x)
-    rays, layout = Rays.of(program.friction), band(program.dof)
+    rays = Rays.of(program.friction)
     at = _begin(program, near, rays)
     progress: list[float] = []
     holding = HOLDING

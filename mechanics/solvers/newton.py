@@ -13,13 +13,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy import sparse
 from scipy.linalg import lapack
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.program import Certificate, Program, Solution
+from mechanics.solvers.band import Band
 from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, fastest
 
 ACCEPTED = 1e-6  # certificate; worse ones are left to the interior point method of PIQP
@@ -30,7 +29,6 @@ FINISHING = 8  # contacts: the same after it, where its solution is to be made e
 LONGEST_PAUSE = 7  # solves left to it at once, the other having failed again and again
 MOST_ITERATIONS = 40
 TO_THE_BOUND = 0.995  # share of the way to the cone that a step of the interior point method goes
-SWEEPS, TILT = 16, 0.01  # directions (of π), and the angle (rad) that keeps the blocks of a course in order
 START = 0.01  # least distance from the cone at which it starts, per weight and step
 
 
@@ -50,15 +48,9 @@ class Newton:
     solved: int = 0
 
     def __post_init__(self) -> None:
-        size = 3 * len(self.centres)
-        pairs = self.dof[:, [0, 3]] // 3
-        linked = pairs[(pairs >= 0).all(axis=1)]
-        order = narrowest_order(linked, self.centres)
-        rank = np.argsort(order)
-        self.order: Index = (3 * order[:, None] + np.arange(3)).ravel()
-        self.back: Index = np.argsort(self.order)
-        self.row: Index = np.where(pairs >= 0, 3 * rank[pairs], -1).astype(np.intp)
-        self.band: Array = np.zeros((size, 3 * _half_band(linked, order) + 3))
+        layout = Band.of(self.dof, self.centres)
+        self.order, self.back, self.row = layout.order, layout.back, layout.row
+        self.band: Array = np.zeros((len(layout.order), layout.width))
         self.state: Index | None = None
         self.pause, self.next_try = 0, 0
         self.along: Array | None = None
@@ -216,21 +208,3 @@ class Newton:
             penetration,
             0.0,
         )
-
-
-def narrowest_order(linked: Index, centres: Array) -> Index:
-    """The order of the blocks (b,) in which linked pairs (l, 2) lie closest: reverse Cuthill–McKee's, or a sweep's.
-
-    A sweep of the plane in a direction meets the courses of a wall one by one: a band by a quarter to a third narrower.
-    """
-    shape = (len(centres), len(centres))
-    graph = sparse.coo_matrix((np.ones(len(linked)), (linked[:, 0], linked[:, 1])), shape=shape)
-    orders = [reverse_cuthill_mckee(sparse.csr_matrix(graph + graph.T), symmetric_mode=True).astype(np.intp)]
-    for angle in np.pi * np.arange(SWEEPS) / SWEEPS + TILT:
-        orders += [np.argsort(centres @ (np.cos(angle), np.sin(angle)), kind="stable")]
-    return min(orders, key=lambda order: _half_band(linked, order))
-
-
-def _half_band(linked: Index, order: Index) -> int:
-    rank = np.argsort(order)
-    return int(abs(rank[linked[:, 0]] - rank[linked[:, 1]]).max(initial=0))

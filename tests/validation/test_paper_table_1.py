@@ -12,18 +12,21 @@ T_0 = 2π √(d_y*/a_y*) (s)     0.64           0.94
 T_NC (s)                      2.93           2.81
 
 Every printed number stands for an interval of half a unit of its last digit; a derived number agrees where
-the interval it inherits meets the one it is printed with. T_NC needs a*(d*_NC) on the paper's own rigid
-branch, which is not printed: with a straight branch from α0 to d_0 it comes out 4 and 7 % longer, so the
-paper's branch is concave; the multipliers that its T_NC implies lie between the straight branch and α_y.
+the interval it inherits meets the one it is printed with. T_NC needs a*(d*_NC) on the branch beyond the
+plateau, which the paper does not print. Of the rules tried (RULES) one alone gives both columns within their
+rounding: a straight rigid branch from α0 to d_0 that starts at d_y, α = α0 (1 − (d − d_y)/d_0): the elastic
+displacement comes on top of that of the mechanism. With the branch from d = 0, as this program has it (the
+curve of the mechanism itself, Circolare 7/2019), T_NC is 4 and 7 % longer: 3.06 and 3.00 s.
 """
 
+from itertools import product
 from math import pi, sqrt
 
 import numpy as np
 import pytest
 
 from assessment.capacity import capacity_curve
-from assessment.idealisation import CurveFit, fit_rigid
+from assessment.idealisation import CurveFit
 from assessment.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.verification import Method, verify
 
@@ -35,17 +38,15 @@ COLUMNS = {
 columns = pytest.mark.parametrize("column", COLUMNS.values(), ids=COLUMNS.keys())
 
 
-def _capacity(column, bend=0.0):
-    """Trilinear curve of a column of Table 1, its rigid branch straight, or raised by `bend` at 0.6 d_0."""
+def _capacity(column, shift=0.0):
+    """Trilinear curve of a column of Table 1; its straight rigid branch starts at `shift` (m) and ends at d_0."""
     alpha_0, alpha_y, d_y, d_0, e_star, gamma_star = column[:6]
-    rigid = fit_rigid(([0.0, 0.6 * d_0, d_0], [alpha_0, 0.4 * alpha_0 + bend, 0.0]))
-    end = np.interp(-alpha_y, -rigid.multiplier, rigid.displacement)
-    after = rigid.displacement > end
+    end = shift + d_0 * (1.0 - alpha_y / alpha_0)
+    last = alpha_0 * shift / d_0
     return capacity_curve(
         CurveFit(
             "trilinear", alpha_0, d_0, alpha_y / 0.9, alpha_y, d_y,
-            np.concatenate([[0.0, d_y, end], rigid.displacement[after]]),
-            np.concatenate([[0.0, alpha_y, alpha_y], rigid.multiplier[after]]),
+            np.array([0.0, d_y, end, d_0, d_0 * (1.0 + 1e-9)]), np.array([0.0, alpha_y, alpha_y, last, 0.0]),
         ),
         e_star,
         gamma_star,
@@ -88,17 +89,41 @@ def test_T_0(column):
     assert ours == pytest.approx(T_0, abs=0.0075)  # the central values alone agree to 0.004 and 0.007 s
 
 
+RULES = {  # multiplier at d_NC = 0.6 d_0, and whether T_NC then agrees in the two columns
+    "branch from d_y": (lambda a_0, a_y, d_y, d_0: a_0 * (1.0 - (0.6 * d_0 - d_y) / d_0), [True, True]),
+    "branch from 0": (lambda a_0, a_y, d_y, d_0: 0.4 * a_0, [False, False]),
+    "branch from 0 to d_0 + d_y": (
+        lambda a_0, a_y, d_y, d_0: a_0 * (1.0 - 0.6 * d_0 / (d_0 + d_y)),
+        [False, False],
+    ),
+    "branch from d_y to d_0": (lambda a_0, a_y, d_y, d_0: a_0 * 0.4 * d_0 / (d_0 - d_y), [False, False]),
+    "from the yield point to d_0": (lambda a_0, a_y, d_y, d_0: a_y * 0.4 * d_0 / (d_0 - d_y), [False, False]),
+    "plateau up to 0.4 d_0": (lambda a_0, a_y, d_y, d_0: a_y * 0.4 / 0.6, [True, False]),
+    "still on the plateau": (lambda a_0, a_y, d_y, d_0: a_y, [False, False]),
+}
+
+
+@pytest.mark.parametrize(("rule", "agrees"), RULES.values(), ids=RULES.keys())
+def test_which_branch_gives_T_NC(rule, agrees):
+    """1.56 π √(d*_NC/a*_NC), a*_NC = α/e* g, over all roundings of the printed numbers, meets the printed T_NC."""
+    half = np.array([0.0005, 0.0005, 0.0005, 0.0005, 0.005, 0.005])
+    for column, expected in zip(COLUMNS.values(), agrees, strict=True):
+        T = []
+        for sign in product((-1.0, 1.0), repeat=6):
+            *four, e_star, gamma_star = np.array(column[:6]) + sign * half
+            T.append(1.56 * pi * sqrt(0.6 * four[3] * gamma_star / (rule(*four) / e_star * G)))
+        assert (min(T) <= column[-1] + 0.005 and max(T) >= column[-1] - 0.005) == expected
+
+
 @columns
 def test_T_NC(column):
-    """With the straight branch 3.06 and 3.00 s; with the multiplier that T_NC implies, T_NC itself."""
-    alpha_0, alpha_y, *_, e_star, _, _, _, T_NC = column
-    straight = _check(_capacity(column), NTC)
-    assert T_NC < straight.T < 1.08 * T_NC
-    d_star = straight.d_star
-    implied = d_star * (1.56 * pi / T_NC) ** 2 / G * e_star
-    assert 0.4 * alpha_0 < implied < alpha_y
-    bent = _check(_capacity(column, implied - 0.4 * alpha_0), NTC)
-    np.testing.assert_allclose(bent.T, T_NC, rtol=1e-9)
+    """2.96 and 2.81 s with the branch from d_y, whose rounding holds 2.93 and 2.81; 3.06 and 3.00 s without."""
+    d_y, T_NC = column[2], column[-1]
+    shifted, straight = _check(_capacity(column, d_y), NTC), _check(_capacity(column), NTC)
+    np.testing.assert_allclose(
+        shifted.T, T_NC, rtol=0.0125
+    )  # what the roundings of α0, d_0, d_y, e*, Γ* leave
+    assert 1.04 * T_NC < straight.T < 1.07 * T_NC
 
 
 @columns

@@ -1,0 +1,153 @@
+"""Mechanisms chosen by the user: α0 by virtual work, beside that of limit analysis (Circolare 7/2019, C8.7.1.2).
+
+Macro-blocks rotate about given points: δ_x = −θ (z − z_C), δ_z = θ (x − x_C). Contact forces do no work where no
+joint that is closed penetrates and none rubs, so that α0 = Σ W δ_z/Σ P δ_x is then an upper bound of the true one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assessment.capacity import CapacityCurve, capacity_curve
+from assessment.idealisation import fit_rigid
+from assessment.trace import numbers, step
+from assessment.verification import Method, check_activation, check_linear
+from assessment.virtual_work import virtual_displacements, virtual_work
+from mechanics.equilibrium import CLOSED, local
+
+if TYPE_CHECKING:
+    from assessment.macro_blocks import Chosen
+    from assessment.spectrum import Spectrum
+    from mechanics import Assembly
+
+Array = NDArray[np.float64]
+Numbers = dict[str, Any]
+
+SLIGHT = 0.02  # of the largest displacement: penetration that a hinge set back from the edge may leave
+ROUNDING = 1e-4  # of the largest displacement: what the digits of typed coordinates leave
+BELOW = 1e-3  # how far an upper bound may fall below the multiplier of limit analysis
+_LAW = "Circolare 7/2019, C8.7.1.2"
+
+
+class MechanismError(ValueError):
+    """A mechanism that cannot move as it was given, or that no horizontal load can start."""
+
+
+def joint_motion(model: Assembly, positions: Array, delta: Array) -> tuple[float, tuple[int, int], list[int]]:
+    """Return the deepest penetration as a share of the largest displacement, its blocks, and the joints that rub.
+
+    Only contacts that are closed count. A joint rubs where its slip exceeds what associative friction allows for its
+    opening, u_t > u_n/μ: friction there would do work.
+    """
+    contacts, rows = model.rigid_contacts, model.kinematics("rigid", positions)
+    closed = rows.gap <= CLOSED * model.size
+    opening = local(rows.normal, contacts.a, contacts.b, delta)
+    slip = abs(local(rows.tangent, contacts.a, contacts.b, delta))
+    largest = float(abs(delta[:, :2]).max())
+    depth = np.where(closed, -opening / largest, -np.inf)
+    worst = int(np.argmax(depth))
+    rubs = closed & (slip * contacts.friction > np.maximum(opening, 0.0) + ROUNDING * largest)
+    pair = (int(contacts.a[worst]), int(contacts.b[worst]))
+    return max(0.0, float(depth[worst])), pair, np.unique(contacts.joint[rubs]).tolist()
+
+
+def evaluate(
+    model: Assembly,
+    positions: Array,
+    chosen: Chosen,
+    confidence_factor: float,
+    demands: Mapping[str, Spectrum],
+    method: Method,
+) -> Numbers:
+    """Return α0 of a chosen mechanism at `positions` (b, 3), its direction, its linear checks and their steps.
+
+    Raises MechanismError where blocks penetrate, where no weight moves horizontally, or where the weights drive the
+    motion by themselves.
+    """
+    delta = virtual_displacements(model, positions, chosen)
+    penetration, pair, rubbing = joint_motion(model, positions, delta)
+    if penetration > SLIGHT:
+        raise MechanismError(
+            f"block {pair[0]} penetrates block {pair[1]} by {100.0 * penetration:.3g} % of the largest displacement; "
+            "correct centres, rotations (anticlockwise positive) or the choice of blocks"
+        )
+    work = virtual_work(model, positions, chosen)
+    if abs(work.lateral) <= 1e-9 * work.moving * float(abs(delta[:, :2]).max()):
+        raise MechanismError("the weights do no horizontal work: no horizontal load starts it")
+    alpha_0, e_star = work.alpha_0, work.e_star
+    if alpha_0 <= 0.0:
+        raise MechanismError(
+            f"alpha_0 = {alpha_0:.4g}: the weights drive it without any horizontal load; change the sense of rotation"
+        )
+    capacity = capacity_curve(fit_rigid(([0.0, 1.0], [alpha_0, alpha_0])), e_star, 1.0, confidence_factor)
+    last = step("a_0_star", "alpha_0/(e_star*F_C)", capacity.a_0_star, "g", _LAW, alpha_0=alpha_0, e_star=e_star,
+                F_C=confidence_factor)  # fmt: skip
+    return {
+        "direction": "+x" if work.lateral > 0.0 else "-x",
+        "alpha_0": alpha_0,
+        "e_star": e_star,
+        "a_0_star_g": capacity.a_0_star,
+        "moving_weight_kN": work.moving,
+        "macro_blocks": [
+            {"about_m": part.about.tolist(), "rotation": part.rotation, "blocks": part.blocks.tolist()}
+            for part in chosen.parts
+        ],
+        "displacements": (delta / abs(delta[:, :2]).max()).tolist(),
+        "penetration": penetration,
+        "sliding_joints": rubbing,
+        "notes": list(_notes(penetration, pair, rubbing)),
+        "trace": numbers((*work.steps, *work.result_steps(), last)),
+        **_checks(capacity, demands, method),
+    }
+
+
+def _checks(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method) -> Numbers:
+    """Return the linear checks: activation at SLD, q times it at SLV (C8.7.1.2)."""
+    answers = {}
+    for limit_state, spectrum in demands.items():
+        if limit_state == "SLV":
+            answers["SLV linear"] = check_linear(capacity, limit_state, spectrum, method)
+        elif limit_state != "SLC":
+            answers[limit_state] = check_activation(capacity, limit_state, spectrum, method)
+    common = len(capacity.steps())
+    return {
+        name: {
+            "a_g_g": check.a_g,
+            "demand_a_g_g": check.demand_a_g,
+            "zeta_E": check.zeta_E,
+            "verified": check.verified,
+            "return_period_years": check.return_period,
+            "trace": numbers(check.trace[common:]),
+        }
+        for name, check in answers.items()
+    }
+
+
+def compared(found: Numbers, alpha_limit: float | None) -> Numbers:
+    """Return the mechanism with the multiplier of limit analysis in its direction, and a note where it lies above."""
+    notes = list(found["notes"])
+    if alpha_limit is not None and found["alpha_0"] < (1.0 - BELOW) * alpha_limit:
+        notes.append(
+            "alpha_0 is below that of limit analysis, which no mechanism without sliding and penetration can be: the "
+            "friction of the sliding joints, or the penetration, is what it leaves out"
+        )
+    return found | {"alpha_0_limit": alpha_limit, "notes": notes}
+
+
+def _notes(penetration: float, pair: tuple[int, int], rubbing: list[int]) -> list[str]:
+    notes = []
+    if penetration > ROUNDING:
+        notes.append(
+            f"block {pair[0]} penetrates block {pair[1]} by {100.0 * penetration:.2g} % of the largest displacement, "
+            "as with a hinge set back from the edge"
+        )
+    if rubbing:
+        notes.append(
+            f"joints that slide as the mechanism moves: {len(rubbing)}; their friction is left out, so that alpha_0 is "
+            "lower than with it"
+        )
+    return notes

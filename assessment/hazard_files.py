@@ -1,0 +1,101 @@
+"""Files of seismic hazard: the grid of D.M. 14/01/2008, Allegato B, and the nine lines of one site."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+RETURN_PERIODS = np.array([30.0, 50.0, 72.0, 101.0, 140.0, 201.0, 475.0, 975.0, 2475.0])  # years
+_COLUMNS = 2 + 3 * len(RETURN_PERIODS)
+_Rows = list[tuple[int, list[str]]]
+
+
+@dataclass(frozen=True, eq=False)
+class HazardGrid:
+    """Reference grid: longitude, latitude (n,) in degrees, values (n, 9, 3): a_g (g), F0, T_C* (s)."""
+
+    name: str
+    longitude: Array
+    latitude: Array
+    values: Array
+
+
+def read_grid(path: str | Path) -> HazardGrid:
+    """Read a grid in the layout of Allegato B: lon, lat, then a_g, F0, T_C* for nine return periods.
+
+    Tab- or semicolon-separated, decimal point or comma, a_g in g/10, header lines first, and optionally the
+    node's number before lon. Raises ValueError naming file and line; OSError where it cannot be opened.
+    """
+    path = Path(path)
+    _, rows = _read(path)
+    if not rows:
+        raise ValueError(
+            f"{path}: no row of numbers; give the grid of Allegato B, tab- or semicolon-separated"
+        )
+    table = _numbers(
+        path, rows, _COLUMNS,
+        "lon, lat, then a_g, F0, T_C* for nine return periods; optionally the node's number first",
+    )  # fmt: skip
+    values = table[:, 2:].reshape(-1, len(RETURN_PERIODS), 3)
+    if not (values > 0.0).all() or values[:, 6, 0].max() < 0.3:  # below 0.03 g at 475 years everywhere
+        raise ValueError(f"{path}: a_g, F0 and T_C* must be positive and a_g in g/10, as in Allegato B")
+    return HazardGrid(path.name, table[:, 0], table[:, 1], values / np.array([10.0, 1.0, 1.0]))
+
+
+def read_site_table(path: str | Path) -> Array | None:
+    """Read a site's own table (9, 3): a_g (g), F0, T_C* (s), from nine lines T_R; a_g; F0; T_C*.
+
+    None where the file is no such table but may be a grid. A header names the unit of a_g, [g] or [g/10]: the
+    two cannot be told apart by their size. Raises ValueError naming the file; OSError where it cannot be opened.
+    """
+    path = Path(path)
+    header, rows = _read(path)
+    if not rows or len(rows[0][1]) != 4:
+        return None
+    table = _numbers(path, rows, 4, "T_R, a_g, F0, T_C*", numbered=False)
+    if len(table) != len(RETURN_PERIODS) or not np.array_equal(table[:, 0], RETURN_PERIODS):
+        periods = ", ".join(f"{T_R:g}" for T_R in RETURN_PERIODS)
+        raise ValueError(f"{path}: a site's table has one line for each return period: {periods} years")
+    values = table[:, 1:]
+    if not (values > 0.0).all() or (np.diff(values[:, 0]) <= 0.0).any():
+        raise ValueError(f"{path}: a_g, F0 and T_C* must be positive and a_g grow with the return period")
+    unit = next((unit for unit in ("g/10", "g") if f"[{unit}]" in header.replace(" ", "")), None)
+    if unit is None:
+        raise ValueError(
+            f"{path}: the unit of a_g is not said; write it in a header line: T_R; a_g [g]; F0; T_C*"
+        )
+    return values / np.array([10.0 if unit == "g/10" else 1.0, 1.0, 1.0])
+
+
+def _read(path: Path) -> tuple[str, _Rows]:
+    """Return the header lines as one text, and the cells of the lines after them with their line numbers."""
+    lines = path.read_text(encoding="latin-1").splitlines()
+    separator = ";" if any(";" in line for line in lines[:5]) else "\t"
+    rows = [(i, line.replace(",", ".").split(separator)) for i, line in enumerate(lines, 1) if line.strip()]
+    start = next((k for k, (_, cells) in enumerate(rows) if _is_number(cells[0])), len(rows))
+    return "\n".join(lines[: rows[start][0] - 1] if start < len(rows) else lines), rows[start:]
+
+
+def _numbers(path: Path, rows: _Rows, columns: int, meaning: str, numbered: bool = True) -> Array:
+    """Return the last `columns` cells of every row as numbers (n, columns); a number may stand before them."""
+    allowed: Sequence[int] = (columns, columns + 1) if numbered else (columns,)
+    for i, cells in rows:
+        if len(cells) not in allowed or not all(map(_is_number, cells)):
+            raise ValueError(
+                f"{path}: line {i}: {columns} numbers expected ({meaning}), found {len(cells)} cells: {cells[:4]}…"
+            )
+    return np.array([cells[-columns:] for _, cells in rows], dtype=float)
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
