@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 
 from assessment.files import write_atomically
@@ -18,10 +19,15 @@ def write_artificial_record(folder: Path, spectrum: ElasticSpectrum, seed: int =
     15 s at 0.01 s with 10 s of strong motion, within 10 % of the spectrum at 0.15–2 s; the same seed gives the same
     file. Raises ConvergenceError where no such motion is found.
     """
+    path = folder / RECORD
+    write_atomically(path, _text(spectrum, seed))
+    return path
+
+
+@lru_cache(maxsize=4)
+def _text(spectrum: ElasticSpectrum, seed: int) -> bytes:
     record = compatible_record(
         spectrum.acceleration, DURATION, TIME_STEP, seed, plateau=PLATEAU, name="artificial"
     )
-    path = folder / RECORD
     lines = [f"{t:.2f},{a:.6f}\n" for t, a in zip(record.time, record.acceleration, strict=True)]
-    write_atomically(path, "".join(lines).encode())
-    return path
+    return "".join(lines).encode()

@@ -87,7 +87,7 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
         else words.plain("figure.at_end", time=entry["curve"]["time_s"][-1])
     )
     views[title] = shape.moved(entry["final_configuration"])
-    page = sheet(_bounds(start, list(views.values())), len(views), border_mm=5.0, height_mm=115.0)
+    page = sheet(bounds_of_views(start, list(views.values())), len(views), border_mm=5.0, height_mm=115.0)
     supports = np.array([block["support"] is not None for block in results["geometry"]["blocks"]])
     for axes, (title, view) in zip(page.panels, views.items(), strict=True):
         axes.set_title(title)
@@ -213,8 +213,8 @@ def _outcome(state: str, entry: Mapping[str, Any], words: Words) -> str:
     )
 
 
-def _bounds(start: Outlines, views: Sequence[Outlines]) -> tuple[float, float, float, float]:
-    """Bounds of all views, no farther than AROUND from the state at rest: fallen blocks may be anywhere."""
+def bounds_of_views(start: Outlines, views: Sequence[Outlines]) -> tuple[float, float, float, float]:
+    """Return the bounds of all views, no farther than AROUND from the state at rest: fallen blocks may be anywhere."""
     boxes = np.array([start.bounds, *(view.bounds for view in views)])
     room = AROUND * start.size
     low = np.maximum(boxes[:, :2].min(axis=0), boxes[0, :2] - room)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assessment.base_motion import BaseMotion, history_motions, incremental_motions
-from assessment.dynamics import StageResult, Start, histories, motion_numbers
+from assessment.dynamics import Campaign, StageResult, Start, histories, motion_numbers
 from assessment.incremental import searches, summarise
 from assessment.project_schema import ORIGINAL
 
@@ -61,7 +61,7 @@ def add_dynamics(
     Returns whether every run was completed. A project without them costs nothing and is left as it is.
     """
     starts = _starts(dynamic_contacts(project), model, stages)
-    ultimates = _ultimates(results["states"])
+    campaign = Campaign(project, model, starts, _ultimates(results["states"]), jobs, progress)
     warnings = results["quality"]["warnings"]
     complete = True
 
@@ -74,12 +74,12 @@ def add_dynamics(
 
     if project.history:
         results["motions"] = [motion_numbers(motion, PERIODS) for motion in motions.history]
-        for stage in histories(project, model, motions.history, starts, ultimates, jobs, progress):
+        for stage in histories(campaign, motions.history):
             take(stage)
             results["states"][stage.state]["history"].append(stage.numbers)
     if project.incremental:
         found: dict[str, list[Results]] = {}
-        for stage in searches(project, model, motions.incremental, starts, ultimates, jobs, progress):
+        for stage in searches(campaign, motions.incremental):
             take(stage)
             found.setdefault(stage.state, []).append(stage.numbers)
         for state, records in found.items():

@@ -18,7 +18,17 @@ HISTORY = (
     "collapsed",
     "time_of_collapse_s",
 )
-ENERGY = ("input", "kinetic", "potential", "elastic", "friction", "impact", "viscous", "integrator")
+ENERGY = (
+    "input",
+    "kinetic",
+    "potential",
+    "elastic",
+    "friction",
+    "impact",
+    "viscous",
+    "integrator",
+    "residual",
+)
 SEARCH = ("state", "record", "record_pga_g", "pga_safe_g", "pga_collapse_g", "resurrections", "runs")
 OF_STATES = (
     "state",
@@ -66,7 +76,7 @@ def histories(results: Results) -> Table:
 
 
 def energy(results: Results) -> Table:
-    """List the energy balance of every time history: input is what was stored and dissipated, kNm."""
+    """List the energy balance of every time history: input is what was stored and dissipated, and a residual, kNm."""
     rows = [
         {"state": state, "record": entry["record"]} | entry["energy"]
         for state, entry in _histories(results)

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from assessment.frames import motion_frames
+from assessment.frames import snapshots
 from assessment.parallel import spread
+from assessment.project_schema import HistoryTable
 from mechanics import Assembly, ConvergenceError, State, TimeHistory, time_history
 from mechanics.block import GRAVITY, Array
 from mechanics.response_spectrum import response_spectrum
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from assessment.base_motion import BaseMotion
     from assessment.project import Project
     from assessment.project_schema import ControlTable, MotionTable
@@ -28,13 +28,28 @@ Numbers = dict[str, Any]
 Start = State | str
 """The state at rest that a motion begins from, or why it could not be reached."""
 
+Task: TypeAlias = "tuple[Assembly, BaseMotion, Setting, str, Start]"
+"""What one motion, or one search, is made of: the arguments of history."""
+
+FRAMES = 150  # of an animation
+SHORTEST_FRAME = 0.05  # s
 MOST_POINTS = 2000  # of a curve kept for figures
 TAIL = (
     2.0  # s of free motion after the record, where the blocks still move: a fall under way is seen to its end
 )
 STILL = 0.01  # of √(g·size): a speed that is none
 WORTHWHILE = 500_000  # contact points times steps: below it a second process costs more than it saves
-ENERGIES = ("kinetic", "potential", "elastic", "input", "friction", "impact", "viscous", "integrator")
+ENERGIES = (
+    "kinetic",
+    "potential",
+    "elastic",
+    "input",
+    "friction",
+    "impact",
+    "viscous",
+    "integrator",
+    "residual",
+)
 
 
 @dataclass
@@ -132,33 +147,61 @@ def respond(
     )
 
 
-def histories(
-    project: Project,
-    model: Assembly,
-    motions: list[BaseMotion],
-    starts: Mapping[tuple[str, str], Start],
-    ultimates: Mapping[tuple[str, str], float],
-    jobs: int,
-    progress: Callable[[str], None],
-) -> Iterator[StageResult]:
-    """Every time history that the project asks for, state by state.
+@dataclass(frozen=True)
+class Campaign:
+    """What every motion of a run is made with.
 
-    `starts`: state at rest by name and contacts; `ultimates`: ultimate displacement by state and control point.
+    `starts`: state at rest by name and contacts; `ultimates`: ultimate displacement by state and control point;
+    `jobs`: processes, 0: as many as help; `progress` is told what begins.
     """
-    tasks = [
-        (model, motion, Setting(table, control, ultimates.get((state, control.name))), state,
-         starts[state, table.contacts])
-        for state in project.states
-        for table, motion in zip(project.history, motions, strict=True)
-        for control in [project.control_point(table.control)]
-        if table.states is None or state in table.states
-    ]  # fmt: skip
-    work = len(model.elastic_contacts) * sum(task[1].record.acceleration.size for task in tasks)
 
-    def announce(number: int) -> None:
-        progress(f"{tasks[number][3]}: history of {tasks[number][1].name}")
+    project: Project
+    model: Assembly
+    starts: Mapping[tuple[str, str], Start]
+    ultimates: Mapping[tuple[str, str], float]
+    jobs: int
+    progress: Callable[[str], None]
 
-    yield from spread(history, tasks, jobs, work > WORTHWHILE, announce)
+    def tasks(self, table: MotionTable, motions: Iterable[BaseMotion]) -> list[Task]:
+        """The motions from every state that the table asks for."""
+        control = self.project.control_point(table.control)
+        return [
+            (
+                self.model,
+                motion,
+                Setting(table, control, self.ultimates.get((state, control.name))),
+                state,
+                self.starts[state, table.contacts],
+            )
+            for state in self.project.states
+            if table.states is None or state in table.states
+            for motion in motions
+        ]
+
+    def spread(
+        self, function: Callable[[*Task], StageResult], tasks: list[Task], runs: int, what: str
+    ) -> Iterator[StageResult]:
+        """Yield the result of every task in order; `runs`: motions that one costs, about."""
+        work = (
+            runs * len(self.model.elastic_contacts) * sum(task[1].record.acceleration.size for task in tasks)
+        )
+
+        def announce(number: int) -> None:
+            count = f" ({number + 1}/{len(tasks)})"
+            self.progress(f"{tasks[number][3]}: {what}, {tasks[number][1].name}{count}")
+
+        yield from spread(function, tasks, self.jobs, work > WORTHWHILE, announce)
+
+
+def histories(campaign: Campaign, motions: list[BaseMotion]) -> Iterator[StageResult]:
+    """Every time history that the project asks for, state by state."""
+    by_table = [
+        campaign.tasks(table, [motion])
+        for table, motion in zip(campaign.project.history, motions, strict=True)
+    ]
+    states = campaign.project.states
+    tasks = sorted((task for tasks in by_table for task in tasks), key=lambda task: states.index(task[3]))
+    yield from campaign.spread(history, tasks, 1, "history")
 
 
 def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, start: Start) -> StageResult:
@@ -211,7 +254,7 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
             "time_s": (motion.start + response.time[kept]).tolist(),
             "displacement_m": response.displacement[kept].tolist(),
         },
-        "frames": motion_frames(
+        "snapshots": snapshots(
             model, motion.start + response.time, response.displacement, response.positions, peak
         ),
         "peak_configuration": (response.positions[peak] - drawn).tolist(),
@@ -222,6 +265,8 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
         "notes": list(last.notes),
         "seconds": result.seconds,
     }  # fmt: skip
+    if isinstance(setting.table, HistoryTable) and setting.table.animation:
+        numbers["frames"] = frames(response, motion.start, drawn)
     result.quality.append(
         quality_row(state, f"history, {motion.name}", response.total("solves"), response.certificate)
     )
@@ -239,6 +284,17 @@ def sustained_peak(displacement: Array, collapsed: bool) -> int:
         turns = np.flatnonzero(np.diff(np.sign(np.diff(displacement)))) + 1
         displacement = displacement[: turns[-1] + 1] if turns.size else displacement[:1]
     return int(np.argmax(abs(displacement)))
+
+
+def frames(response: Response, start: float, drawn: Array) -> Numbers:
+    """At most FRAMES configurations (b, 3) of a motion, from positions as `drawn`, at equal times from `start` (s)."""
+    steps = max(math.ceil(len(response.time) / FRAMES), round(SHORTEST_FRAME / float(response.time[1])), 1)
+    every = slice(None, None, steps)
+    moved = response.positions[every] - drawn
+    return {
+        "time_s": (start + response.time[every]).tolist(),
+        "configuration": moved.round(7).tolist(),
+    }
 
 
 def quality_row(state: str, stage: str, solves: int, worst: Certificate) -> Numbers:

@@ -64,7 +64,7 @@ def frames(
     }
 
 
-def motion_frames(model: Assembly, time: Array, displacement: Array, positions: Array, peak: int) -> Numbers:
+def snapshots(model: Assembly, time: Array, displacement: Array, positions: Array, peak: int) -> Numbers:
     """Describe some times of a motion, evenly spaced, the peak among them: `time_s`, `displacement_m` (f,) as well."""
     most = max(FEWEST, min(MOST_IN_TIME, NUMBERS // (3 * len(model.blocks))))
     kept = chosen(len(time), most, (peak,))

@@ -6,17 +6,16 @@ import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from assessment.dynamics import WORTHWHILE, Numbers, Setting, StageResult, Start, quality_row, respond
-from assessment.parallel import spread
+from assessment.dynamics import Campaign, Numbers, Setting, StageResult, Start, quality_row, respond
 from mechanics import Assembly, ConvergenceError
 
 if TYPE_CHECKING:
     from assessment.base_motion import BaseMotion
-    from assessment.project import Project
     from mechanics.program import Certificate
 
 # shares of the PGA at collapse where the order of collapse is not taken on trust
@@ -83,32 +82,12 @@ def find_collapse(
     return Bracket(safe_below(collapse), collapse, tuple(sorted(above)))
 
 
-def searches(
-    project: Project,
-    model: Assembly,
-    motions: list[BaseMotion],
-    starts: Mapping[tuple[str, str], Start],
-    ultimates: Mapping[tuple[str, str], float],
-    jobs: int,
-    progress: Callable[[str], None],
-) -> Iterator[StageResult]:
-    """The search of every record from every state, state by state; arguments as those of dynamics.histories."""
-    table = project.incremental
+def searches(campaign: Campaign, motions: list[BaseMotion]) -> Iterator[StageResult]:
+    """The search of every record from every state, state by state."""
+    table = campaign.project.incremental
     assert table is not None
-    control = project.control_point(table.control)
-    tasks = [
-        (model, motion, Setting(table, control, ultimates.get((state, control.name))), state,
-         starts[state, table.contacts], table.max_scale, table.tolerance_g)
-        for state in project.states
-        if table.states is None or state in table.states
-        for motion in motions
-    ]  # fmt: skip
-    work = RUNS * len(model.elastic_contacts) * sum(task[1].record.acceleration.size for task in tasks)
-
-    def announce(number: int) -> None:
-        progress(f"{tasks[number][3]}: PGA at collapse, {tasks[number][1].name} ({number + 1}/{len(tasks)})")
-
-    yield from spread(search, tasks, jobs, work > WORTHWHILE, announce)
+    find = partial(search, max_scale=table.max_scale, tolerance=table.tolerance_g)
+    yield from campaign.spread(find, campaign.tasks(table, motions), RUNS, "PGA at collapse")
 
 
 def search(

@@ -9,10 +9,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from assessment.artificial_record import write_artificial_record
 from assessment.messages import ProjectError, nearest
 from assessment.parametric import Layout
 from assessment.project_source import TOML, source_bytes
 from assessment.project_templates import DRAWING, NUMBER, TEMPLATES, Option, Template
+from assessment.spectrum import ElasticSpectrum
 
 COLOURS = (7, 8, 30, 1, 5, 3)  # AutoCAD colour indices of the layers, in their order
 
@@ -33,7 +35,7 @@ def template_layout(template: str, options: Mapping[str, float] | None = None) -
 
 
 def new_project(folder: Path, template: str, options: Mapping[str, float], source: str = TOML) -> None:
-    """Write geometry.dxf and the project file of a template into a new folder, whole or not at all.
+    """Write drawing, artificial record and project file of a template into a new folder, whole or not at all.
 
     `options` change the template's dimensions (see template_options), `source` is the name of the project file, which
     tells its form. Raises ProjectError where the template or an option is unknown or does not fit, or the folder
@@ -45,7 +47,7 @@ def new_project(folder: Path, template: str, options: Mapping[str, float], sourc
 
 
 def write_project(folder: Path, layout: Layout, content: Mapping[str, Any], source: str = TOML) -> None:
-    """Write a drawing and a commented project file into a new folder, whole or not at all."""
+    """Write drawing, record and commented project file into a new folder, whole or not at all."""
     if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
         raise ProjectError(f"{folder}: folder: exists and is not empty; give the name of a new one")
     folder.parent.mkdir(parents=True, exist_ok=True)
@@ -54,9 +56,17 @@ def write_project(folder: Path, layout: Layout, content: Mapping[str, Any], sour
         temporary.chmod(0o755)
         write_drawing(temporary / DRAWING, layout)
         (temporary / source).write_bytes(source_bytes(source, content))
+        write_artificial_record(temporary, _spectrum(content["assessment"]["site"]))
         temporary.replace(folder)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _spectrum(site: Mapping[str, Any]) -> ElasticSpectrum:
+    hazard = site["SLC"]
+    return ElasticSpectrum(
+        hazard["ag_g"], hazard["F0"], hazard["Tc_star_s"], site["soil"], site["topography"]
+    )
 
 
 def write_drawing(path: Path, layout: Layout) -> None:

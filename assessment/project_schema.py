@@ -183,7 +183,7 @@ class MotionTable(Table):
     )
     contacts: Contacts = Field(default="elastic", description="contact model: rigid or elastic")
     integrator: Literal["implicit-euler", "second-order"] = Field(
-        default="implicit-euler", description="time integration: implicit-euler (the paper's) or second-order"
+        default="second-order", description="time integration: second-order, or implicit-euler (the paper's)"
     )
     damping_ratio: Annotated[float, Field(ge=0, lt=1)] | None = Field(
         default=None, description="viscous damping ratio of the contacts"
@@ -197,12 +197,15 @@ class MotionTable(Table):
 class HistoryTable(MotionTable):
     """[[history]]: a time history of one record, from every state."""
 
-    record: Name = Field(description="file of the horizontal ground acceleration")
+    record: Name = Field(
+        description="file of the horizontal ground acceleration; records/artificial.csv comes with a new project"
+    )
     name: Name | None = Field(
         default=None, description="name in tables and figures; default the record's file name"
     )
     scale: float = Field(default=1.0, description="factor on the accelerations of the record; not zero")
     vertical_record: Name | None = Field(default=None, description="file of the vertical ground acceleration")
+    animation: bool = Field(default=False, description="also write the motion from every state as a GIF")
 
 
 class IncrementalTable(MotionTable):

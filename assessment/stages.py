@@ -29,10 +29,13 @@ from mechanics.pushdown import Pushdown, whole_movement
 from mechanics.pushover import Pushover
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
     from numpy.typing import NDArray
 
     from assessment.project import Project
     from assessment.project_schema import ControlTable, SettlementTable
+    from mechanics.equilibrium import Step
 
 ORIGINAL = "original"
 
@@ -138,7 +141,7 @@ def _settle(
         return None
     if settlement.to_collapse and path.ultimate is None:
         result.warnings.append(f"{title}: no ultimate movement up to {path.movement[-1]:.3g} m ({path.end})")
-    result.warnings += [f"{title}: {text}" for text in overruns(model, result.behaviour, path.steps)]
+    result.warnings += [f"{title}: {text}" for text in overruns(model, result.behaviour, _points(path.steps))]
     quality = Quality(result.state, f"pushdown, {result.behaviour}")
     quality.add(path)
     result.quality.append(quality.numbers())
@@ -193,7 +196,9 @@ def _push(
             result.failures.append(f"{title}: {error}")
             return
         quality.add(path)
-        result.warnings += [f"{title}: {text}" for text in overruns(model, result.behaviour, path.steps)]
+        result.warnings += [
+            f"{title}: {text}" for text in overruns(model, result.behaviour, _points(path.steps))
+        ]
         rigid = result.behaviour == "rigid"
         numbers = _rigid(model, control, direction, path) if rigid else _elastic(model, path)
         result.pushover[direction] = {
@@ -271,6 +276,11 @@ def _elastic(model: Assembly, path: Pushover) -> dict[str, Any]:
 
 def _curve(path: Pushover) -> dict[str, list[float]]:
     return {"displacement_m": path.displacement.tolist(), "multiplier": path.multiplier.tolist()}
+
+
+def _points(steps: Iterable[Step]) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Positions (b, 3) and contact forces (c, 2) along a path."""
+    return ((step.state.positions, step.forces) for step in steps)
 
 
 def configuration(model: Assembly, state: State) -> list[list[float]]:

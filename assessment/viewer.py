@@ -96,8 +96,8 @@ def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
 def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
     for name, content in results["states"].items():
         for entry in content.get("history") or []:
-            if "frames" in entry:
-                kept, curve = entry["frames"], entry["curve"]
+            if "snapshots" in entry:
+                kept, curve = entry["snapshots"], entry["curve"]
                 displacement = [1000.0 * value for value in curve["displacement_m"]]
                 yield {
                     "title": _title(words, "history", name, entry["record"]),

@@ -193,6 +193,7 @@ def write(results: Results, folder: Path, report: bool = True) -> list[str]:
     A judgement.md that was edited is kept and printed. Returns warnings (a PDF that could not be made). results.json
     comes last: where it is new, all is.
     """
+    from assessment.animation import write_animations
     from assessment.figures import write_figures
     from assessment.judgement_file import NAME, judgement
     from assessment.report import render_report
@@ -210,6 +211,7 @@ def write(results: Results, folder: Path, report: bool = True) -> list[str]:
         opinion = judgement(results, words_of(results), folder)
         write_atomically(new / NAME, opinion.text.encode())
         warnings += opinion.warnings
+        write_animations(results, new / "figures")
         if report:
             warnings += render_report(results, new / "figures", new, opinion.edited).warnings
         write_atomically(
@@ -240,7 +242,7 @@ def _replace(new: Path, old: Path, ours: bool) -> None:
         for stale in {
             item
             for item in old.iterdir()
-            if item.suffix in {".csv", ".svg", ".png", ".dxf"} and item.name not in names
+            if item.suffix in {".csv", ".svg", ".png", ".dxf", ".gif"} and item.name not in names
         }:
             stale.unlink()
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from mechanics.assembly import Assembly, Behaviour, Direction, State
 from mechanics.block import Array
-from mechanics.equilibrium import Step, local
+from mechanics.equilibrium import local
 from mechanics.joints import Index
 
 NOTICEABLE = 0.02  # of the largest relative motion in the mechanism
@@ -81,23 +81,24 @@ def virtual_work_multiplier(model: Assembly, mechanism: Array, direction: Direct
     return -float((model.dead_load * moved).sum() / (model.lateral_load(direction) * moved).sum())
 
 
-def overruns(model: Assembly, behaviour: Behaviour, steps: Sequence[Step]) -> tuple[str, ...]:
+def overruns(model: Assembly, behaviour: Behaviour, path: Iterable[tuple[Array, Array]]) -> tuple[str, ...]:
     """What the contacts of a path cannot show: blocks that have slid past an edge and are carried all the same.
 
-    The contacts keep the surfaces they have as drawn, without end (the paper's scheme). The worst overrun of the path
-    is named where a contact that carries more than a thousandth of the weight is past its edge by a tenth of a block.
+    `path`: positions (b, 3) and contact forces (c, 2) kN of its points. The contacts keep the surfaces they have as
+    drawn, without end (the paper's scheme). The worst overrun is named where a contact that carries more than a
+    thousandth of the weight is past its edge by a tenth of a block.
     """
     contacts = model.contacts(behaviour)
     worst, text = OVERRUN * model.size, ""
-    for step in steps:
-        slide = model.kinematics(behaviour, step.state.positions).slide
+    for positions, forces in path:
+        slide = model.kinematics(behaviour, positions).slide
         off = np.maximum(contacts.room[:, 0] - slide, slide - contacts.room[:, 1])
-        off[step.forces[:, 0] <= 1e-3 * model.weight] = 0.0
+        off[forces[:, 0] <= 1e-3 * model.weight] = 0.0
         k = int(np.argmax(off))
         if off[k] > worst:
             worst = float(off[k])
             text = (
                 f"block {contacts.a[k]} slides up to {worst:.3g} m past the edge of block {contacts.b[k]} and is still "
-                f"carried there with {step.forces[k, 0]:.3g} kN: surfaces have no end here; judge whether it would fall"
+                f"carried there with {forces[k, 0]:.3g} kN: surfaces have no end here; judge whether it would fall"
             )
     return (text,) if text else ()

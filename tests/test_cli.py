@@ -412,7 +412,12 @@ def test_a_disk_that_refuses_leaves_the_earlier_result(project, capsys, monkeypa
     assert run(project) == 2
     assert "No space left on device" in capsys.readouterr().err
     assert contents(project) == before
-    assert sorted(path.name for path in project.iterdir()) == ["geometry.dxf", "output", "project.toml"]
+    assert sorted(path.name for path in project.iterdir()) == [
+        "geometry.dxf",
+        "output",
+        "project.toml",
+        "records",
+    ]
 
 
 def test_a_structure_that_cannot_stand(project, capsys):
@@ -591,7 +596,7 @@ def test_a_killed_run_leaves_the_earlier_result(project):
     assert {name: value for name, value in left.items() if not name.startswith(".")} == before
     # what is left over is hidden, is taken for no result, and does not stop the next run
     seen = {path.name for path in project.iterdir() if not path.name.startswith(".")}
-    assert seen == {"geometry.dxf", "project.toml", "output"}
+    assert seen == {"geometry.dxf", "project.toml", "records", "output"}
     assert run(project) == 0
     after = contents(project / "output")
     assert after != before

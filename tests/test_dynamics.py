@@ -4,8 +4,10 @@ import json
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from assessment import dynamics
+from assessment.animation import write_animations
 from assessment.artificial_record import write_artificial_record
 from assessment.base_motion import BaseMotion, history_motions
 from assessment.dynamic_stages import read_motions
@@ -105,6 +107,7 @@ def test_energy_balance_closes(outcome):
         for entry in state["history"]:
             energy = dict(entry["energy"])
             put_in = energy.pop("input_kNm")
+            assert abs(energy["residual_kNm"]) < 0.01 * put_in
             assert sum(energy.values()) == pytest.approx(put_in, abs=1e-9)
 
 
@@ -248,6 +251,37 @@ def test_a_step_that_is_not_solved_is_a_failure(setting, monkeypatch):
     result = history(model, _motion(Record(WAVE, STEP, "wave")), setting, "original", model.initial)
     assert result.failures == ["original, history of wave: step 3: no solution"]
     assert result.numbers["collapsed"] is None
+
+
+@pytest.mark.parametrize("language", ["it", "en"])
+def test_an_animation_is_written_where_it_is_asked_for(tmp_path, language, monkeypatch):
+    """A GIF per state, of at most FRAMES frames in real time, the same bytes at every writing; none else."""
+    project = _project(
+        tmp_path / "block", TAIL.format(scale=0.7), TAIL.format(scale=0.5), "animation = true\n"
+    )
+    project = project.model_copy(update={"report": project.report.model_copy(update={"language": language})})
+    results = run(project, build_model(project), jobs=1).results
+    weak, strong = results["states"]["original"]["history"]
+    assert "frames" not in weak
+    times, configurations = strong["frames"]["time_s"], strong["frames"]["configuration"]
+    assert len(times) == len(configurations) <= dynamics.FRAMES
+    assert np.array(configurations).shape == (len(times), 2, 3)
+    paths = write_animations(results, tmp_path)
+    assert [path.name for path in paths] == [
+        "history_2_0_original.gif",
+        "history_2_1_base_turned_20_mrad.gif",
+    ]
+    with Image.open(paths[0]) as film:
+        assert 5 <= film.n_frames <= len(times)
+        assert sum(_duration(film, n) for n in range(film.n_frames)) == pytest.approx(
+            len(times) * times[1], rel=0.05
+        )
+    assert paths[0].read_bytes() == write_animations(results, tmp_path / "again")[0].read_bytes()
+
+
+def _duration(film, number):
+    film.seek(number)
+    return film.info["duration"] / 1000.0
 
 
 def test_thinned_curves_keep_their_shape():

@@ -171,7 +171,7 @@ def test_new_project_loads_and_its_drawing_holds_the_layout(template: str, tmp_p
     assert project.supports
     assert project.pushover
     assert project.assessment
-    assert {file.name for file in project.folder.iterdir()} == {"geometry.dxf", "project.toml"}
+    assert {file.name for file in project.folder.iterdir()} == {"geometry.dxf", "project.toml", "records"}
     import ezdxf
 
     drawing = ezdxf.readfile(project.path("geometry.dxf"))

@@ -74,7 +74,11 @@ def test_comments_follow_any_name(tmp_path):
 def test_a_new_spreadsheet_says_what_the_toml_says(template, tmp_path):
     for folder, options in (("toml", ()), ("xlsx", ("--excel",))):
         assert main(["new", str(tmp_path / folder), "--template", template, *options]) == 0
-    assert {file.name for file in (tmp_path / "xlsx").iterdir()} == {"geometry.dxf", "project.xlsx"}
+    assert {file.name for file in (tmp_path / "xlsx").iterdir()} == {
+        "geometry.dxf",
+        "project.xlsx",
+        "records",
+    }
     assert load_project(tmp_path / "xlsx").content() == load_project(tmp_path / "toml").content()
 
 
@@ -111,6 +115,7 @@ def test_conversion_either_way(tmp_path, capsys):
     assert "project.toml.old: file: exists" in capsys.readouterr().err
     assert {file.name for file in folder.iterdir()} == {
         "geometry.dxf",
+        "records",
         "project.toml",
         "project.toml.old",
         "project.xlsx.old",
@@ -125,7 +130,7 @@ def test_what_is_wrong_is_not_converted(tmp_path, capsys):
     )
     assert main(["convert", str(folder)]) == 2
     assert "geometry.depth_m: -1.0 is wrong" in capsys.readouterr().err
-    assert {each.name for each in folder.iterdir()} == {"geometry.dxf", "project.toml"}
+    assert {each.name for each in folder.iterdir()} == {"geometry.dxf", "project.toml", "records"}
 
 
 def test_the_schema_is_printed(capsys):

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import sys
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-import mechanics.integrators as integrators
-from mechanics import Assembly, Block, Material, State, TimeHistory, pushdown, time_history
+import mechanics.impacts as impacts
+import mechanics.scene as scene
+from mechanics import Assembly, Block, ConvergenceError, Material, State, TimeHistory, pushdown, time_history
+from mechanics.collapse import collapse
+from mechanics.scene import Motion, Scene
 from tests.structures import arch_on_piers, block_on_base, rectangle, running_bond, semicircular_arch
 
 SCHEMES = [(c, i) for c in ("rigid", "elastic") for i in ("implicit-euler", "second-order")]
@@ -34,7 +40,8 @@ def test_no_motion_without_a_record(contacts: str, integrator: str) -> None:
         motion = time_history(model, np.zeros(30), STEP, contacts, integrator=integrator)
         moved = abs(motion.positions - motion.start.positions)
         settlement = abs(motion.start.positions - model.initial.positions).max()
-        assert moved.max() < 1e-6 * model.size + 2e-3 * settlement, "within the tolerance of the statics"
+        # the statics' tolerance of a thousandth is swung through, undamped, to either side
+        assert moved.max() < 1e-6 * model.size + 4e-3 * settlement
         assert not motion.collapsed and motion.notes == ()
 
 
@@ -43,7 +50,8 @@ def test_no_motion_from_a_settled_state() -> None:
         arch_on_piers(), "right", displacement=(0.005, -0.005), increment=0.001, contacts="elastic"
     )
     motion = time_history(arch_on_piers(), np.zeros(30), STEP, "elastic", settled.final)
-    assert abs(motion.positions - settled.final.positions).max() < 1e-5
+    # within the tolerance of the pushdown's last step, swung through to either side
+    assert abs(motion.positions - settled.final.positions).max() < 2e-5
 
 
 @pytest.mark.parametrize(("contacts", "integrator"), SCHEMES)
@@ -83,20 +91,94 @@ def test_similitude(contacts: str, integrator: str) -> None:
     assert moved[1] == pytest.approx(scale * moved[0], abs=1e-3 * abs(moved[1]).max())
 
 
-@pytest.mark.parametrize(("contacts", "integrator"), SCHEMES)
-def test_energy_balance(contacts: str, integrator: str) -> None:
+@pytest.mark.parametrize(
+    ("contacts", "integrator", "open_share"),
+    [
+        ("rigid", "implicit-euler", 1e-6),
+        ("rigid", "second-order", 1e-3),
+        ("elastic", "implicit-euler", 0.03),  # its geometry is that of the beginning of the step
+        ("elastic", "second-order", 1e-3),
+    ],
+)
+def test_energy_balance(contacts: str, integrator: str, open_share: float) -> None:
+    """Every term is computed on its own; what they leave open is small, and no term is negative that cannot be."""
     motion = time_history(block_on_base(0.6, 4.2), burst(0.25), STEP, contacts, integrator=integrator)
     energy = motion.energy
     assert energy.input.max() > 0.0
-    assert energy.mechanical + energy.dissipated == pytest.approx(
-        energy.mechanical[0] + energy.input, abs=1e-12
-    )
-    steps = np.diff(np.stack([energy.friction, energy.impact, energy.viscous]), axis=1)
-    assert steps.min() > -1e-4 * energy.input.max()
-    if integrator == "implicit-euler":
-        assert np.diff(energy.integrator).min() > -1e-6 * energy.input.max(), (
-            "implicit Euler only takes energy"
+    assert energy.imbalance < open_share
+    assert energy.imbalance == pytest.approx(abs(energy.residual).max() / energy.turnover)
+    spent = np.stack([energy.friction, energy.impact, energy.viscous, energy.integrator])
+    assert np.diff(spent, axis=1).min() > -1e-3 * energy.turnover
+
+
+def shaken(kind: str) -> TimeHistory:
+    """Blocks that slide, rock with located impacts, and rock by implicit Euler."""
+    if kind == "sliding":
+        return time_history(
+            block_on_base(2.0, 0.2, 0.3), burst(0.6, 200), STEP, "rigid", integrator="second-order"
         )
+    model = block_on_base(0.6, 4.2)
+    state = model.rotated(1, (0.6, 0.0), -0.07)
+    integrator = "second-order" if kind == "rocking" else "implicit-euler"
+    return time_history(model, np.zeros(500), STEP, "rigid", state, integrator)
+
+
+@pytest.mark.parametrize(
+    ("kind", "term"),
+    [
+        ("sliding", "friction"),
+        ("sliding", "input"),
+        ("rocking", "kinetic"),
+        ("rocking", "potential"),
+        ("rocking", "impact"),
+        ("damped", "integrator"),
+    ],
+)
+def test_energy_balance_misses_every_term(kind: str, term: str) -> None:
+    """Were a term wrong by a tenth, the balance would show it."""
+    energy = shaken(kind).energy
+    assert energy.imbalance < 1e-3
+    assert replace(energy, **{term: 0.9 * getattr(energy, term)}).imbalance > 0.01
+
+
+def test_energy_of_springs_and_dashpots_is_in_the_balance() -> None:
+    """A block that falls on its elastic joint, whose shear yields too."""
+    stone = Material(18.0, 0.6, 1e5, tangential_stiffness=5e4)
+    base = Block(rectangle(-1.0, -0.2, 1.0, 0.0), 1.0, stone, support="base")
+    model = Assembly([base, Block(rectangle(-0.25, 0.0, 0.25, 0.5), 1.0, stone)])
+    positions, velocities = model.initial.positions.copy(), np.zeros((2, 3))
+    positions[1, 1] += 0.01
+    velocities[1, 0] = 0.05
+    motion = time_history(model, np.zeros(600), 2e-4, "elastic", State(positions, velocities), "second-order",
+                          damping_ratio=0.02)  # fmt: skip
+    energy = motion.energy
+    assert energy.elastic.max() > 0.5 * energy.turnover
+    assert energy.viscous[-1] > 0.05 * energy.turnover
+    assert energy.imbalance < 1e-3
+    assert np.diff(energy.viscous).min() >= 0.0
+
+
+def test_midpoint_rule_with_elastic_contacts_never_gives_energy() -> None:
+    """Rocking on joints so stiff that impacts are shorter than a step: they take energy, and nothing else does."""
+    model = block_on_base(0.6, 4.2, friction=2.0, stiffness=5e8)
+    state = model.rotated(1, (0.6, 0.0), -0.07)
+    for step in (0.01, 0.0025):
+        motion = time_history(model, np.zeros(round(3.0 / step)), step, "elastic", state, "second-order")
+        energy = motion.energy
+        assert np.diff(energy.integrator).min() > -1e-5 * energy.turnover
+        assert np.diff(energy.mechanical).max() < 1e-4 * energy.turnover
+        assert energy.imbalance < 1e-3
+
+
+def test_open_energy_balance_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    motion = time_history(arch_on_piers(), np.full(40, 0.3), 0.04, "elastic", integrator="implicit-euler")
+    assert 0.03 < motion.energy.imbalance < 0.05
+    assert motion.notes == ()
+    monkeypatch.setattr(sys.modules["mechanics.time_history"], "BALANCED", 0.03)
+    (note,) = time_history(
+        arch_on_piers(), np.full(40, 0.3), 0.04, "elastic", integrator="implicit-euler"
+    ).notes
+    assert "the energy balance leaves 4% of what was turned over open" in note
 
 
 def test_implicit_euler_dissipates_what_its_formula_says() -> None:
@@ -104,22 +186,10 @@ def test_implicit_euler_dissipates_what_its_formula_says() -> None:
     model = block_on_base(0.5, 0.5)
     positions = model.initial.positions.copy()
     positions[1, 1] += 1.0
-    motion = time_history(model, np.zeros(20), STEP, "rigid", State(positions, np.zeros_like(positions)))
+    start = State(positions, np.zeros_like(positions))
+    motion = time_history(model, np.zeros(20), STEP, "rigid", start, "implicit-euler")
     lost = 0.5 * model.weight * 9.80665 * STEP**2
     assert np.diff(motion.energy.integrator) == pytest.approx(lost, rel=1e-6)
-
-
-def test_smaller_steps_dissipate_less() -> None:
-    """The paper's Fig. 9: what implicit Euler takes shrinks with the step, the friction does not."""
-
-    def spent(step: float) -> float:
-        model = block_on_base(0.17, 1.0, friction=0.58, stiffness=5e6)
-        state = model.rotated(1, (0.17, 0.0), -0.64 * np.arctan(0.17))
-        return float(
-            time_history(model, np.zeros(round(0.6 / step)), step, "elastic", state).energy.dissipated[-1]
-        )
-
-    assert spent(0.001) < spent(0.002) < spent(0.005)
 
 
 def overturning(**kwargs: object) -> TimeHistory:
@@ -153,11 +223,47 @@ def test_falling_block_collapses() -> None:
     assert motion.time_of_collapse == pytest.approx(np.sqrt(2.0 * 0.3 / 9.80665), abs=2 * STEP)
 
 
+def test_control_point_past_its_ultimate_and_coming_back_is_no_collapse() -> None:
+    model = block_on_base(0.2, 1.0)
+    place = Scene(model, "rigid")
+    still = np.zeros((len(place.contacts), 2))
+    x = model.rotated(1, (0.2, 0.0), -0.15).positions
+    for outward in (True, False):
+        v = np.zeros((2, 3))
+        v[1, 2] = -0.1 if outward else 0.1
+        found = collapse(
+            place, model.initial, Motion(x, v, still, still[:, 1]), (np.array([0.2, 1.0]), 1), ultimate=0.1
+        )
+        assert bool(found) is outward
+
+
+def test_a_step_that_cannot_be_solved_is_no_collapse(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise ConvergenceError("no solution")
+
+    monkeypatch.setattr(scene.Newton, "solve", lambda *_: None)
+    monkeypatch.setattr(scene, "solve", fail)
+    with pytest.raises(ConvergenceError, match="no solution"):
+        time_history(block_on_base(), burst(0.5, 20), STEP, "rigid", integrator="implicit-euler")
+
+
+def test_a_part_that_falls_through_another_is_named() -> None:
+    """A block against a wall, carried by nothing, and a ledge below that it does not touch as drawn."""
+    stone = Material(18.0, 0.6)
+    wall = Block(rectangle(-0.5, -1.0, 0.0, 1.0), 1.0, stone, support="wall")
+    ledge = Block(rectangle(0.0, -1.0, 0.5, -0.2), 1.0, stone, support="wall")
+    model = Assembly([wall, ledge, Block(rectangle(0.0, 0.0, 0.3, 0.3), 1.0, stone)])
+    motion = time_history(model, np.zeros(100), STEP, "rigid")
+    assert motion.collapsed
+    assert any("block 1 passes through block 2" in note for note in motion.notes)
+
+
 def test_blocks_that_penetrate_each_other_are_pushed_apart() -> None:
     arch = semicircular_arch(9, 0.2)
     positions = arch.initial.positions.copy()
     positions[4, 1] -= 0.01
-    motion = time_history(arch, np.zeros(3), STEP, "rigid", State(positions, np.zeros_like(positions)))
+    start = State(positions, np.zeros_like(positions))
+    motion = time_history(arch, np.zeros(3), STEP, "rigid", start, "implicit-euler")
     assert arch.kinematics("rigid", motion.final.positions).gap.min() > -1e-3
 
 
@@ -167,24 +273,41 @@ def test_block_that_slides_off_is_out_of_reach() -> None:
     velocities[1, 0] = 6.0
     motion = time_history(model, np.zeros(200), STEP, "rigid", State(model.initial.positions, velocities))
     assert motion.collapsed and "out of reach" in motion.collapse_reason
-    assert any("beyond the edge" in note for note in motion.notes)
+    assert any("past the edge" in note for note in motion.notes)
 
 
 def test_a_poor_solution_is_solved_again_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     model = running_bond(2, 3)
-    good = time_history(model, burst(0.5, 20), STEP, "rigid")
-    monkeypatch.setattr(integrators.Newton, "solve", lambda *_: None)
-    again = time_history(model, burst(0.5, 20), STEP, "rigid")
+    good = time_history(model, burst(0.5, 20), STEP, "rigid", integrator="implicit-euler")
+    monkeypatch.setattr(scene.Newton, "solve", lambda *_: None)
+    again = time_history(model, burst(0.5, 20), STEP, "rigid", integrator="implicit-euler")
     assert (good.resolved, again.resolved) == (0, 19)
     assert again.positions == pytest.approx(good.positions, abs=1e-5)
     assert max(good.worst, again.worst) < 1e-6
 
 
-def test_chattering_contacts_end_in_the_implicit_step() -> None:
-    motion = time_history(running_bond(3, 4), burst(0.8, 100, 4.0), STEP, "rigid", integrator="second-order")
-    assert len(motion.time) == 100
-    assert motion.impacts > 0 and motion.fallbacks > 0
+def test_many_impacts_in_a_step_end_in_the_implicit_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An arch whose joints open and close together: impacts are located while they are few, then not, and counted."""
+
+    def shaken() -> TimeHistory:
+        return time_history(arch_on_piers(), burst(0.2, 200, 1.5), STEP, "rigid", integrator="second-order")
+
+    motion = shaken()
+    assert motion.impacts > 0
     assert motion.solves < 40 * len(motion.time)
+    assert motion.energy.imbalance < 0.01
+    monkeypatch.setattr(impacts, "MOST_EVENTS", 1)
+    fewer = shaken()
+    assert fewer.fallbacks > motion.fallbacks
+    assert fewer.solves < motion.solves
+
+
+def test_sliding_wall_needs_no_fallback() -> None:
+    """Joints that slide to and fro without dilating: nothing hops, so nothing falls, and impacts take nothing."""
+    motion = time_history(running_bond(3, 4), burst(0.8, 100, 4.0), STEP, "rigid", integrator="second-order")
+    assert motion.fallbacks == 0
+    assert abs(motion.energy.impact).max() < 1e-3 * motion.energy.turnover
+    assert motion.energy.friction[-1] > 0.9 * motion.energy.dissipated[-1]
 
 
 def test_bounces_shorter_than_a_step_are_rest() -> None:
@@ -205,7 +328,7 @@ def test_bounces_shorter_than_a_step_are_rest() -> None:
         ({"integrator": "explicit"}, "integrator"),
         ({"contacts": "soft"}, "contacts"),
         ({"damping_ratio": 0.05}, "damping_ratio"),
-        ({"restitution": 0.5}, "restitution"),
+        ({"restitution": 0.5, "integrator": "implicit-euler"}, "restitution"),
         ({"ultimate": 0.1}, "ultimate"),
         ({"vertical_acceleration": np.zeros(3)}, "vertical_acceleration"),
         ({"control": (50.0, 50.0)}, "control"),

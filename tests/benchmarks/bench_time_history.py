@@ -26,8 +26,8 @@ from typing import Any
 import numpy as np
 
 from mechanics import Assembly, time_history
-from mechanics.integrators import Scene
 from mechanics.program import Program
+from mechanics.scene import Scene
 from mechanics.solvers import interior_point
 from mechanics.solvers.newton import Newton
 from tests.structures import arch_on_piers, block_on_base, running_bond

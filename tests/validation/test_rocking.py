@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 
 from mechanics import Assembly, State, time_history
 from mechanics.block import GRAVITY
+from tests.benchmarks.work_precision import dissipation
 from tests.structures import block_on_base
 
 
@@ -99,20 +100,72 @@ def test_short_block_second_order() -> None:
     assert crossings(motion.time, motion.positions[:, 1, 2])[:3] == pytest.approx(impacts[:3], rel=0.003)
 
 
-@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
-def test_implicit_euler_needs_a_millisecond_for_a_few_percent(contacts: str) -> None:
+@pytest.mark.parametrize(
+    ("step", "expected"),
+    [
+        (0.01, (0.4170, 0.3550, 0.2977)),
+        (0.005, (0.4434, 0.3743, 0.3219)),
+        (0.001, (0.4544, 0.4140, 0.3777)),
+    ],
+)
+def test_implicit_euler_is_the_papers(step: float, expected: tuple[float, ...]) -> None:
+    """Peaks found independently with the paper's scheme and g = 9.81 m/s².
+
+    They hang on where in a step the impacts fall: with g = 9.80665 the third is 0.3738 at 1 ms, and over steps from
+    0.95 to 1.05 ms anything from 0.370 to 0.378. A time step as much longer has the same motion in fewer seconds.
+    """
     model, state, alpha = released(0.6, 4.2, 0.5)
-    motion = time_history(model, np.zeros(4000), 0.001, contacts, state)
+    h = step * np.sqrt(9.81 / GRAVITY)
+    motion = time_history(model, np.zeros(round(4.2 / step)), h, "rigid", state, "implicit-euler")
+    assert peaks(motion.positions[:, 1, 2], alpha) == pytest.approx(expected, abs=1e-3)
+
+
+def test_implicit_euler_needs_less_than_a_millisecond_for_one_percent() -> None:
+    model, state, alpha = released(0.6, 4.2, 0.5)
+    motion = time_history(model, np.zeros(4200), 0.001, "rigid", state, "implicit-euler")
     found, exact = peaks(motion.positions[:, 1, 2], alpha), exact_peaks(0.6, 4.2, 0.5)
-    assert found == pytest.approx(exact, rel=0.05)
     assert found[0] < exact[0] * 0.995, "it damps the motion"
+    assert found[2] < exact[2] * 0.99
+    assert found == pytest.approx(exact, rel=0.05)
 
 
 def test_implicit_euler_is_of_first_order() -> None:
-    steps = np.array([0.01, 0.005, 0.0025, 0.00125])
+    steps = np.array([0.02, 0.01, 0.005, 0.0025, 0.001])
     errors = np.array([third_peak_error("implicit-euler", h) for h in steps])
     order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
-    assert 0.6 < order < 1.4
+    assert 0.7 < order < 1.3
+
+
+def test_second_order_holds_the_third_peak_at_every_step() -> None:
+    """Within 0.5 % at 20 ms, where implicit Euler misses it by a third and more."""
+    exact = exact_peaks(0.6, 4.2, 0.5)[2]
+    errors = [third_peak_error("second-order", h) / exact for h in (0.02, 0.01, 0.005, 0.001)]
+    assert max(errors) < 0.005
+    assert errors[-1] < 1e-4
+    assert third_peak_error("implicit-euler", 0.02) > 0.3 * exact
+
+
+def test_what_rocking_dissipates_in_a_cycle() -> None:
+    """The paper's Fig. 9, per cycle of specimen 2: two impacts leave e⁴ of the energy; the paper's scheme takes more.
+
+    It takes less the smaller the step, and with elastic contacts less than with rigid ones.
+    """
+    rows = list(dissipation(steps=(0.01, 0.005, 0.002), stiffness=(5e5, 5e6, np.inf)))
+    share = {(r["stiffness_kN_m3"], r["integrator"], r["step_s"]): r["dissipated"] for r in rows}
+    e = 1.0 - 1.5 * np.sin(np.arctan(0.17)) ** 2
+    for step in (0.01, 0.005, 0.002):
+        assert share[None, "second-order", step] == pytest.approx(1.0 - e**4, rel=0.002)
+        assert share[None, "implicit-euler", step] > 1.2 * (1.0 - e**4)
+        for k in (5e5, 5e6):
+            assert share[k, "second-order", step] < 0.75 * share[k, "implicit-euler", step]
+    for k in (5e5, 5e6, None):
+        assert share[k, "implicit-euler", 0.01] > share[k, "implicit-euler", 0.005]
+        assert share[k, "implicit-euler", 0.005] > share[k, "implicit-euler", 0.002]
+    for step in (0.005, 0.002):
+        assert share[5e5, "implicit-euler", step] < share[None, "implicit-euler", step]
+    for row in rows:
+        parts = row["by_integrator"] + row["by_impact"] + row["by_friction"]
+        assert parts == pytest.approx(row["dissipated"], abs=1e-12)
 
 
 @pytest.mark.parametrize("end", [0.6, 3.0], ids=["before the first impact", "across two impacts"])
@@ -141,9 +194,7 @@ def test_energy_is_kept_between_impacts_and_lost_at_them() -> None:
     lost = at_release * (1.0 - e ** (2.0 * np.arange(1, 4)))
     assert energy.impact[after] == pytest.approx(lost, rel=0.005)
     assert abs(energy.integrator).max() < 0.005 * at_release
-    assert energy.mechanical + energy.dissipated - energy.input == pytest.approx(
-        energy.mechanical[0], abs=1e-12
-    )
+    assert abs(energy.residual).max() < 0.005 * at_release
 
 
 def pulse(amplitude: float, duration: float, end: float, step: float) -> np.ndarray:
@@ -165,7 +216,7 @@ def test_rectangular_pulse_that_hardly_lifts_the_block() -> None:
     assert first == pytest.approx(0.257, abs=0.002)
 
 
-@pytest.mark.parametrize("k", [1.3, 2.0, 4.0])
+@pytest.mark.parametrize("k", [1.2, 1.5, 2.0, 4.0])
 def test_minimum_duration_of_an_overturning_pulse(k: float) -> None:
     """cosh(p t) = 1 + 1/(2k(k − 1)), slender blocks; within 1 %."""
     width, height = 0.1, 2.0
