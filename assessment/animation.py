@@ -15,10 +15,9 @@ from matplotlib.patches import PathPatch
 from assessment.canvas import STYLE, sheet
 from assessment.drawings import GHOST, INK, SUPPORT
 from assessment.dynamic_plots import bounds_of_views, shaken
-from assessment.figures import slug
 from assessment.files import write_atomically
 from assessment.outlines import outlines
-from assessment.words import words_of
+from assessment.words import slug, words_of
 
 DOTS_PER_INCH = 110
 

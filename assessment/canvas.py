@@ -19,6 +19,8 @@ from assessment.words import Words
 
 WIDTH_MM = 168.0  # column of an A4 page with 20 mm margins, a little air included
 MM = 1.0 / 25.4  # inches
+SVG_METADATA = {"Date": None, "Creator": "Assesto"}
+PNG_DPI = 200  # sharp enough on paper at the column's width
 STYLE = {
     "font.family": "DejaVu Sans",  # shipped with matplotlib; any sans-serif will do to read the figure
     "font.size": 7.5,
@@ -44,8 +46,19 @@ def save_svg(draw: Callable[[], Figure], path: Path) -> None:
     """Draw in the common style and write an SVG whose bytes depend on nothing but the drawing."""
     buffer = io.BytesIO()
     with mpl.rc_context(STYLE):  # type: ignore[arg-type]
-        draw().savefig(buffer, format="svg", metadata={"Date": None, "Creator": "Assesto"})
+        draw().savefig(buffer, format="svg", metadata=SVG_METADATA)
     write_atomically(path, buffer.getvalue())
+
+
+def save_images(draw: Callable[[], Figure], path: Path) -> None:
+    """Draw once and write the SVG at `path` and a PNG beside it, both the same at every run."""
+    vector, raster = io.BytesIO(), io.BytesIO()
+    with mpl.rc_context(STYLE):  # type: ignore[arg-type]
+        figure = draw()
+        figure.savefig(vector, format="svg", metadata=SVG_METADATA)
+        figure.savefig(raster, format="png", dpi=PNG_DPI, metadata={"Software": None})
+    write_atomically(path, vector.getvalue())
+    write_atomically(path.with_suffix(".png"), raster.getvalue())
 
 
 @dataclass(frozen=True)
@@ -82,7 +95,7 @@ def sheet(
     needed = max(width / room_x, height / room_z) * 1000.0
     scale = next((s for s in SCALES if s >= needed - 1e-9), needed)
     cell = (width * 1000.0 / scale + 2.0 * border_mm, height * 1000.0 / scale + 2.0 * border_mm)
-    total = (max(cell[0] * columns, 120.0), (cell[1] + head_mm) * rows + foot_mm)
+    total = (max(cell[0] * columns, WIDTH_MM), (cell[1] + head_mm) * rows + foot_mm)
     figure = Figure(figsize=(total[0] * MM, total[1] * MM))
     pad = border_mm * scale / 1000.0
     left = (total[0] - cell[0] * columns) / 2.0

@@ -130,9 +130,9 @@ def _run(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     from assessment.canvas import save_svg
-    from assessment.drawings import draw_model
     from assessment.dynamic_stages import read_motions
     from assessment.model import build_model
+    from assessment.model_drawing import draw_model
     from assessment.project import load_project
     from assessment.terminal import model_summary
     from assessment.words import words_of

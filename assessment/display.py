@@ -25,11 +25,11 @@ MILLIMETRES = {
     "residual_displacement_m",
     "movement_m",
 }
-PERCENT = {"damping", "reduction", "static_reduction", "dynamic_reduction", "deviation"}
+PERCENT = {"damping", "reduction", "static_reduction", "dynamic_reduction", "deviation", "hand_deviation"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
 TEXT |= {"mechanism", "governing", "kind", "soil", "topography", "refused"}
 TEXT |= {"property", "collapses"}
-TEXT |= {"record", "contacts", "control", "collapsed", "resurrections"}
+TEXT |= {"case", "source", "test", "record", "contacts", "control", "collapsed", "resurrections"}
 REDUCTIONS = 3  # settled states beside the original in one table
 
 

@@ -1,4 +1,4 @@
-"""Drawings of an assembly: the model, a settlement, the mechanisms; all to scale, in black and white."""
+"""Drawings of an assembly: a settlement, the mechanisms, the end of capacity; all to scale, in black and white."""
 
 from __future__ import annotations
 
@@ -9,44 +9,22 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, PathPatch, Rectangle
+from matplotlib.patches import Patch, PathPatch
 
-from assessment.canvas import Sheet, nice, sheet
+from assessment.canvas import MM, Sheet, nice, sheet
+from assessment.hand_check import MacroBlock, macro_blocks, virtual_displacements
 from assessment.outlines import Array, Outlines, field, outlines, place
 from assessment.words import Words, direction_name
 
 Results = Mapping[str, Any]
 Bounds = tuple[float, float, float, float]
 INK, FAINT, SUPPORT, MOVING = "0.0", "0.55", "0.55", "0.82"
-LAYER_GREYS = ("1.0", "0.88", "0.76", "0.94", "0.82", "0.70")
+LETTER_MM, KEY_MM = (
+    1.4,
+    9.0,
+)  # of a legend: an average letter; the key before the words and the gap after them
 ARROW = {"arrowstyle": "-|>,head_width=0.18,head_length=0.4", "shrinkA": 0.0, "shrinkB": 0.0, "lw": 0.8}
-DIMENSION = {
-    "arrowstyle": "<|-|>,head_width=0.12,head_length=0.35",
-    "shrinkA": 0.0,
-    "shrinkB": 0.0,
-    "lw": 0.5,
-}
 GHOST = {"fill": False, "edgecolor": FAINT, "linewidth": 0.5, "linestyle": (0, (4, 2))}
-
-
-def draw_model(results: Results, words: Words) -> Figure:
-    """Draw blocks by layer, supports, vertical loads, control points, overall dimensions and the scale."""
-    shape, blocks = outlines(results), results["geometry"]["blocks"]
-    page = sheet(shape.bounds, border_mm=14.0, foot_mm=20.0)
-    axes = page.panels[0]
-    handles: list[Any] = []
-    for index, layer in enumerate(sorted({block["layer"] for block in blocks})):
-        chosen = [i for i, block in enumerate(blocks) if block["layer"] == layer]
-        support = blocks[chosen[0]]["support"]
-        grey = SUPPORT if support else LAYER_GREYS[index % len(LAYER_GREYS)]
-        _fill(axes, shape, chosen, grey)
-        label = words.plain("figure.support_layer", layer=layer, support=support) if support else layer
-        handles.append(Patch(facecolor=grey, edgecolor=INK, linewidth=0.5, label=label))
-    handles += _loads(page, axes, blocks, words)
-    handles += _controls(axes, results, words)
-    _dimensions(page, axes, shape.bounds, words)
-    _legend(page, handles)
-    return page.figure
 
 
 def draw_settlement(results: Results, words: Words, state: str) -> Figure:
@@ -54,7 +32,10 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
     shape, content = outlines(results), results["states"][state]
     travel = float(np.abs(shape.moved(content["configuration"]).points - shape.points).max())
     times = nice(max(1.0, 0.06 * shape.size / travel)) if travel > 0.0 else 1.0
-    views = {words.plain("figure.settled", times=f"{times:g}"): shape.moved(content["configuration"], times)}
+    views = {words.plain("figure.settled_true"): shape.moved(content["configuration"])}
+    if times > 1.0:
+        title = words.plain("figure.settled", times=f"{times:g}")
+        views[title] = shape.moved(content["configuration"], times)
     for contacts, stage in content.get("pushdown", {}).items():
         if stage.get("ultimate_configuration") is not None:
             title = words.plain(
@@ -63,36 +44,49 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
                 movement=words.millimetres(stage["ultimate_movement_m"]),
             )
             views[title] = shape.moved(stage["ultimate_configuration"])
-    page = sheet(_union([shape, *views.values()]), len(views), border_mm=9.0)
+    page = sheet(union([shape, *views.values()]), len(views), border_mm=9.0)
     for axes, (title, view) in zip(page.panels, views.items(), strict=True):
         axes.set_title(title)
         axes.add_patch(PathPatch(shape.path(_all(shape)), **GHOST))
-        _fill_roles(axes, view, results)
+        fill_roles(axes, view, results)
     _movement(page, shape, results, content["settlement"], words)
-    _legend(page, [_ghost_handle(words.plain("figure.original_outline"))])
+    legend(page, [ghost_handle(words.plain("figure.original_outline"))])
+    return page.figure
+
+
+def draw_overturned(results: Results, words: Words, states: Sequence[str], direction: str) -> Figure:
+    """Draw each state where its capacity ends (d_0, rigid contacts), to true scale over the state's own rest."""
+    drawing = outlines(results)
+    pushed = [results["states"][name]["pushover"][direction]["rigid"] for name in states]
+    starts = [drawing.moved(results["states"][name]["configuration"]) for name in states]
+    ends = [drawing.moved(rigid["final_configuration"]) for rigid in pushed]
+    page = sheet(union([*starts, *ends]), len(states), border_mm=7.0)
+    for axes, name, start, end, rigid in zip(page.panels, states, starts, ends, pushed, strict=True):
+        axes.set_title(f"{words.state(name)}\nd₀ = {words.millimetres(rigid['d_0_m'])}")
+        axes.add_patch(PathPatch(start.path(_all(start)), **GHOST))
+        fill_roles(axes, end, results)
+        push_arrow(page, axes, end.bounds, direction)
+    legend(page, [ghost_handle(words.plain("figure.start_outline"))])
     return page.figure
 
 
 def draw_mechanisms(results: Results, words: Words, states: Sequence[str], direction: str) -> Figure:
     """Draw the mechanism of each state on its own deformed shape, hinges and sliding joints marked."""
-    found = [(name, results["states"][name]["pushover"][direction]["rigid"]["mechanism"]) for name in states]
-    return _draw_mechanisms(results, words, found, direction)
+    views = [found_mechanism(results, name, direction) for name in states]
+    return _draw_mechanisms(words, views, direction)
 
 
 def draw_chosen(results: Results, words: Words, given: Mapping[str, Any]) -> Figure:
     """Draw a mechanism that the user chose; its centres of rotation are marked as hinges."""
     centres = [part["about_m"] for part in given["macro_blocks"]]
     mechanism = {**given, "hinge_points_m": centres}
-    return _draw_mechanisms(results, words, [(given["state"], mechanism)], given["direction"])
+    view = Mechanism(results, given["state"], mechanism, given["direction"])
+    return _draw_mechanisms(words, [view], given["direction"])
 
 
-def _draw_mechanisms(
-    results: Results, words: Words, found: Sequence[tuple[str, Mapping[str, Any]]], direction: str
-) -> Figure:
-    drawing = outlines(results)
-    views = [_Mechanism(results, drawing, name, mechanism) for name, mechanism in found]
+def _draw_mechanisms(words: Words, views: Sequence[Mechanism], direction: str) -> Figure:
     page = sheet(
-        _union([outline for view in views for outline in (view.start, view.swept)]),
+        union([outline for view in views for outline in (view.start, view.swept)]),
         len(views),
         border_mm=7.0,
         foot_mm=14.0,
@@ -100,15 +94,15 @@ def _draw_mechanisms(
     for axes, view in zip(page.panels, views, strict=True):
         axes.set_title(words.state(view.state))
         view.draw(axes)
-        _push(page, axes, view.swept.bounds, direction)
+        push_arrow(page, axes, view.swept.bounds, direction)
     handles: list[Any] = [
-        _ghost_handle(words.plain("figure.start_outline")),
+        ghost_handle(words.plain("figure.start_outline")),
         Patch(facecolor=MOVING, edgecolor=INK, linewidth=0.5, label=words.plain("figure.moving")),
         Line2D([], [], **HINGE, label=words.plain("figure.hinge")),
     ]
     if any(view.sliding for view in views):
         handles.append(Line2D([], [], **SLIDING, label=words.plain("figure.sliding")))
-    _legend(page, handles)
+    legend(page, handles)
     return page.figure
 
 
@@ -120,20 +114,42 @@ HINGE: dict[str, Any] = {
     "markeredgecolor": INK,
     "markeredgewidth": 1.2,
 }
+LABEL: dict[str, Any] = {
+    "ha": "center",
+    "va": "center",
+    "fontweight": "bold",
+    "bbox": {"facecolor": "1.0", "edgecolor": INK, "linewidth": 0.4, "pad": 1.4},
+}
 SLIDING: dict[str, Any] = {"color": INK, "linewidth": 2.4, "solid_capstyle": "butt"}
 
 
-class _Mechanism:
-    """A mechanism made visible: its displacements scaled to 8 % of the model's size."""
+def found_mechanism(results: Results, state: str, direction: str) -> Mechanism:
+    """Return the rigid mechanism of a state in a direction, its macro-blocks numbered."""
+    mechanism = results["states"][state]["pushover"][direction]["rigid"]["mechanism"]
+    return Mechanism(results, state, mechanism, direction, macro_blocks(results, state, direction))
 
-    def __init__(self, results: Results, drawing: Outlines, state: str, mechanism: Mapping[str, Any]) -> None:
-        content = results["states"][state]
-        self.state = state
-        self.configuration = np.asarray(content["configuration"], dtype=float)
-        self.velocity = np.asarray(mechanism["displacements"], dtype=float)
-        self.drawing, self.start = drawing, drawing.moved(self.configuration)
+
+class Mechanism:
+    """A mechanism made visible: its displacements scaled to 8 % of the model's size.
+
+    `numbered`: the macro-blocks of the hand check, whose numbers are written into the drawing.
+    """
+
+    def __init__(
+        self,
+        results: Results,
+        state: str,
+        mechanism: Mapping[str, Any],
+        direction: str,
+        numbered: Sequence[MacroBlock] = (),
+    ) -> None:
+        self.state, self.macro_blocks = state, numbered
+        self.configuration = np.asarray(results["states"][state]["configuration"], dtype=float)
+        self.velocity = virtual_displacements(results, mechanism, direction)
+        self.drawing = outlines(results)
+        self.start = self.drawing.moved(self.configuration)
         speed = np.linalg.norm(self._rate(self.start.points, self.start.owner), axis=1)
-        self.amount = 0.08 * drawing.size / max(float(speed.max()), 1e-12)
+        self.amount = 0.08 * self.drawing.size / max(float(speed.max()), 1e-12)
         self.swept = self.start.swept(self.velocity, self.amount)
         self.moving = np.bincount(self.start.owner, speed > 1e-4 * speed.max()) > 0
         self.hinges: list[Any] = mechanism["hinge_points_m"]
@@ -143,8 +159,8 @@ class _Mechanism:
     def draw(self, axes: Axes) -> None:
         """Draw start outline, displaced blocks, hinges and sliding joints."""
         axes.add_patch(PathPatch(self.start.path(_all(self.start)), **GHOST))
-        _fill(axes, self.swept, np.flatnonzero(~self.moving), "1.0")
-        _fill(axes, self.swept, np.flatnonzero(self.moving), MOVING)
+        fill(axes, self.swept, np.flatnonzero(~self.moving), "1.0")
+        fill(axes, self.swept, np.flatnonzero(self.moving), MOVING)
         for joint in self.sliding:
             owner = np.full(2, joint["blocks"][0])
             ends = np.asarray(joint["ends_m"], dtype=float)
@@ -154,6 +170,15 @@ class _Mechanism:
             owner = np.array([self.start.nearest(point) for point in self.hinges])
             points = self._carried(np.asarray(self.hinges, dtype=float), owner)
             axes.plot(points[:, 0], points[:, 1], **HINGE)
+        self._number_macro_blocks(axes)
+
+    def _number_macro_blocks(self, axes: Axes) -> None:
+        """Write the number of each macro-block, as in the table of the hand check, at its centroid."""
+        for number, whole in enumerate(self.macro_blocks, 1):
+            nearest = min(
+                whole.members, key=lambda b: float(np.hypot(*(self.start.centroids[b] - whole.centroid)))
+            )
+            axes.annotate(str(number), self.swept.centroids[nearest], **LABEL)
 
     def _rate(self, points: Array, owner: Any) -> Array:
         return field(points, owner, self.start.centroids, self.velocity)
@@ -162,89 +187,28 @@ class _Mechanism:
         return points + self.amount * self._rate(points, owner)
 
 
-def _fill(axes: Axes, shape: Outlines, chosen: Any, grey: str) -> None:
+def fill(axes: Axes, shape: Outlines, chosen: Any, grey: str) -> None:
+    """Draw the chosen blocks in a grey."""
     if len(chosen):
         axes.add_patch(PathPatch(shape.path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45))
 
 
-def _fill_roles(axes: Axes, shape: Outlines, results: Results) -> None:
+def fill_roles(axes: Axes, shape: Outlines, results: Results) -> None:
+    """Draw movable blocks light and supports dark."""
     supports = np.array([block["support"] is not None for block in results["geometry"]["blocks"]])
-    _fill(axes, shape, np.flatnonzero(~supports), "0.92")
-    _fill(axes, shape, np.flatnonzero(supports), SUPPORT)
+    fill(axes, shape, np.flatnonzero(~supports), "0.92")
+    fill(axes, shape, np.flatnonzero(supports), SUPPORT)
 
 
 def _all(shape: Outlines) -> range:
     return range(len(shape.centroids))
 
 
-def _union(shapes: Sequence[Outlines]) -> Bounds:
+def union(shapes: Sequence[Outlines]) -> Bounds:
+    """Return the bounds of all shapes, m."""
     boxes = np.array([shape.bounds for shape in shapes])
     low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
-
-
-def _loads(page: Sheet, axes: Axes, blocks: Sequence[Mapping[str, Any]], words: Words) -> list[Any]:
-    loaded = [block for block in blocks if block.get("vertical_load_kN")]
-    for block in loaded:
-        x, z = block["centroid_m"]
-        axes.annotate("", (x, z), (x, z + page.paper(7.0)), arrowprops=ARROW | {"color": INK})
-    sizes = sorted({block["vertical_load_kN"] for block in loaded})
-    text = " / ".join(words.number(size) for size in sizes)
-    label = words.plain("figure.loads", count=len(loaded), loads=text)
-    return (
-        [Line2D([], [], color=INK, linestyle="none", marker="$\\downarrow$", label=label)] if loaded else []
-    )
-
-
-def _controls(axes: Axes, results: Results, words: Words) -> list[Any]:
-    controls = results["geometry"].get("controls", [])
-    mark: dict[str, Any] = {"linestyle": "none", "marker": "D", "markersize": 4.0, "color": INK}
-    for control in controls:
-        axes.plot(*control["point_m"], **mark)
-        axes.annotate(
-            control["name"],
-            control["point_m"],
-            (4.0, 4.0),
-            textcoords="offset points",
-            fontweight="bold",
-            bbox={"facecolor": "1.0", "edgecolor": "none", "pad": 0.6},
-        )
-    return [Line2D([], [], **mark, label=words.plain("figure.control"))] if controls else []
-
-
-def _dimensions(page: Sheet, axes: Axes, bounds: Bounds, words: Words) -> None:
-    x0, z0, x1, z1 = bounds
-    off, tick = page.paper(7.0), page.paper(1.5)
-    axes.annotate("", (x1, z0 - off), (x0, z0 - off), arrowprops=DIMENSION)
-    axes.annotate("", (x0 - off, z1), (x0 - off, z0), arrowprops=DIMENSION)
-    for x in (x0, x1):
-        axes.plot([x, x], [z0 - off - tick, z0 - tick], color=INK, linewidth=0.4)
-    for z in (z0, z1):
-        axes.plot([x0 - off - tick, x0 - tick], [z, z], color=INK, linewidth=0.4)
-    label = {"ha": "center", "va": "center", "bbox": {"facecolor": "1.0", "edgecolor": "none", "pad": 1.0}}
-    axes.text((x0 + x1) / 2.0, z0 - off, _metres(x1 - x0, words), **label)  # type: ignore[arg-type]
-    axes.text(x0 - off, (z0 + z1) / 2.0, _metres(z1 - z0, words), rotation=90, **label)  # type: ignore[arg-type]
-    length = nice((x1 - x0) / 3.0)
-    base = z0 - page.paper(12.5)
-    for part in range(4):
-        start = x0 + length * part / 4.0
-        axes.add_patch(
-            Rectangle(
-                (start, base),
-                length / 4.0,
-                page.paper(1.2),
-                facecolor=INK if part % 2 == 0 else "1.0",
-                edgecolor=INK,
-                linewidth=0.4,
-            )
-        )
-    scale = words.comma(f"{page.scale:g}")
-    axes.text(
-        x0 + length + page.paper(2.0),
-        base + page.paper(0.6),
-        words.plain("figure.scale", length=_metres(length, words), scale=scale),
-        va="center",
-    )
 
 
 def _movement(
@@ -261,7 +225,8 @@ def _movement(
         axes.annotate("", (x + reach * dx, z + reach * dz), (x, z), arrowprops=ARROW | {"lw": 1.4})
 
 
-def _push(page: Sheet, axes: Axes, bounds: Bounds, direction: str) -> None:
+def push_arrow(page: Sheet, axes: Axes, bounds: Bounds, direction: str) -> None:
+    """Draw the arrow of the lateral loads above a model."""
     sign = 1.0 if direction.startswith("+") else -1.0
     x, z = (bounds[0] + bounds[2]) / 2.0, bounds[3] + page.paper(4.0)
     half = page.paper(8.0) * sign
@@ -276,16 +241,16 @@ def _push(page: Sheet, axes: Axes, bounds: Bounds, direction: str) -> None:
     )
 
 
-def _ghost_handle(label: str) -> Line2D:
+def ghost_handle(label: str) -> Line2D:
+    """Return the legend's line of an earlier outline."""
     return Line2D([], [], color=FAINT, linewidth=0.8, linestyle=(0, (4, 2)), label=label)
 
 
-def _legend(page: Sheet, handles: list[Any]) -> None:
-    columns = min(len(handles), 3)
+def legend(page: Sheet, handles: list[Any]) -> None:
+    """Put the legend of a drawing below it, in as many columns, up to three, as the sheet has room for."""
+    room = page.figure.get_figwidth() / MM
+    widest = max((LETTER_MM * len(str(handle.get_label())) + KEY_MM for handle in handles), default=KEY_MM)
+    columns = max(1, min(len(handles), 3, int(room / widest)))
     page.figure.legend(
         handles=handles, loc="lower center", ncols=columns, handlelength=1.8, columnspacing=1.6
     )
-
-
-def _metres(value: float, words: Words) -> str:
-    return f"{words.comma(f'{value:.3f}'.rstrip('0').rstrip('.'))} m"

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from assessment.frames import snapshots
 from assessment.parallel import spread
 from assessment.project_schema import HistoryTable
 from mechanics import Assembly, ConvergenceError, State, TimeHistory, time_history
@@ -253,6 +254,9 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
             "time_s": (motion.start + response.time[kept]).tolist(),
             "displacement_m": response.displacement[kept].tolist(),
         },
+        "snapshots": snapshots(
+            model, motion.start + response.time, response.displacement, response.positions, peak
+        ),
         "peak_configuration": (response.positions[peak] - drawn).tolist(),
         "final_configuration": (response.positions[-1] - drawn).tolist(),
         "energy": response.energy(),

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import re
-import unicodedata
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from matplotlib.figure import Figure
 
-from assessment.canvas import save_svg
-from assessment.drawings import draw_chosen, draw_mechanisms, draw_model, draw_settlement
+from assessment.canvas import save_images
+from assessment.drawings import draw_chosen, draw_mechanisms, draw_overturned, draw_settlement
 from assessment.dynamic_plots import (
     draw_fragility,
     draw_history,
@@ -23,12 +21,17 @@ from assessment.dynamic_plots import (
     fragile,
     shaken,
 )
+from assessment.joint_states import situations
+from assessment.model_drawing import draw_model
 from assessment.plots import draw_pushdown, draw_pushover, pushed
 from assessment.spectral_plots import draw_demand, draw_spectra
 from assessment.study_plots import draw_scenarios, draw_tornado, varied
-from assessment.words import Words, direction_name, words_of
+from assessment.thrust import draw_thrust
+from assessment.words import Words, direction_name, slug, words_of
 
+T = TypeVar("T")
 PANELS = 4  # states side by side in one figure
+SIDES = {"+x": "plus_x", "-x": "minus_x"}  # directions in file names
 
 
 @dataclass(frozen=True)
@@ -43,12 +46,18 @@ class Picture:
 
 
 def write_figures(results: Mapping[str, Any], folder: Path) -> list[Path]:
-    """Write every figure of the results as SVG into the folder, the same bytes for the same results."""
+    """Write every figure as SVG and PNG into the folder, and deformed.dxf: the same bytes for the same results.
+
+    Returns the paths of the SVG files, in the order of the report.
+    """
+    from assessment.deformed_dxf import write_deformed  # late: ezdxf is needed for nothing else here
+
     paths = []
     for picture in pictures(results):
         path = folder / f"{picture.name}.svg"
-        save_svg(picture.draw, path)
+        save_images(picture.draw, path)
         paths.append(path)
+    write_deformed(results, folder / "deformed.dxf")
     return paths
 
 
@@ -66,6 +75,7 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
         if content.get("pushdown"):
             draw = partial(draw_pushdown, results, words, name)
             found.append(Picture(f"pushdown_{slug(results, name)}", "pushdown", draw, "pushdown", fields))
+    found += _thrusts(results, words, None)
     for number, given in enumerate(results.get("mechanisms") or [], 1):
         if "refused" not in given:
             fields = {"name": given["name"], "state": words.state(given["state"])}
@@ -120,15 +130,35 @@ def _dynamic(results: Mapping[str, Any], words: Words) -> list[Picture]:
     return found
 
 
+def _thrusts(results: Mapping[str, Any], words: Words, direction: str | None) -> list[Picture]:
+    known = [each for each in situations(results) if each.direction == direction]
+    stem = "thrust_at_rest" if direction is None else f"thrust_{SIDES[direction]}"
+    caption = "thrust_at_rest" if direction is None else "thrust"
+    fields: dict[str, object] = {} if direction is None else {"direction": direction_name(direction)}
+    section = "model" if direction is None else "mechanisms"
+    return [
+        Picture(
+            _numbered(stem, number), section, partial(draw_thrust, results, words, shown), caption, fields
+        )
+        for number, shown in enumerate(_portions(known))
+    ]
+
+
 def _of_direction(results: Mapping[str, Any], words: Words, direction: str) -> list[Picture]:
     states = pushed(results, direction)
-    side = "plus_x" if direction == "+x" else "minus_x"
+    side = SIDES[direction]
     fields: dict[str, object] = {"direction": direction_name(direction)}
     found = []
     failing = [n for n, s in states.items() if s["pushover"][direction].get("rigid", {}).get("mechanism")]
     for number, names in enumerate(_portions(failing)):
         draw = partial(draw_mechanisms, results, words, names, direction)
         found.append(Picture(_numbered(f"mechanism_{side}", number), "mechanisms", draw, "mechanism", fields))
+    found += _thrusts(results, words, direction)
+    overturned = [n for n in failing if states[n]["pushover"][direction]["rigid"]["d_0_m"] is not None]
+    for number, names in enumerate(_portions(overturned)):
+        draw = partial(draw_overturned, results, words, names, direction)
+        stem = _numbered(f"overturned_{side}", number)
+        found.append(Picture(stem, "pushover", draw, "overturned", fields))
     if states:
         draw = partial(draw_pushover, results, words, direction)
         found.append(Picture(f"pushover_{side}", "pushover", draw, "pushover", fields))
@@ -141,19 +171,12 @@ def _of_direction(results: Mapping[str, Any], words: Words, direction: str) -> l
     return found
 
 
-def slug(results: Mapping[str, Any], state: str) -> str:
-    """Return a file name for a state: its number among the states and its plain letters."""
-    number = list(results["states"]).index(state)
-    ascii_name = unicodedata.normalize("NFKD", state).encode("ascii", "ignore").decode().lower()
-    return f"{number}_{re.sub(r'[^a-z0-9]+', '_', ascii_name).strip('_')[:40]}".rstrip("_")
-
-
 def _has_curve(content: Mapping[str, Any], direction: str, limit: str) -> bool:
     capacity = (content.get("capacity") or {}).get(direction) or {}
     return bool(capacity.get("curve") and capacity["curve"]["d_star_m"] and capacity.get(limit))
 
 
-def _portions(names: list[str]) -> list[list[str]]:
+def _portions(names: Sequence[T]) -> list[Sequence[T]]:
     return [names[start : start + PANELS] for start in range(0, len(names), PANELS)]
 
 

@@ -8,12 +8,14 @@ from typing import Any
 from markupsafe import Markup
 
 from assessment.capacity_tables import decisive_checks
+from assessment.hand_check import hand_check
+from assessment.reactions import balance
 from assessment.study_tables import tornado
-from assessment.tables import hand_check
 from assessment.words import Words, direction_name
 
 Results = Mapping[str, Any]
 ACCURATE = 1e-6  # equilibrium residual relative to the weight
+BALANCED = 1e-3  # reactions less loads, relative to the weight
 AGREEMENT = 0.01  # of the virtual-work multiplier, as in the paper
 
 
@@ -160,10 +162,16 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
         yield words(
             "judgement.certificates" if good else "judgement.poor_certificates", residual=float(residual)
         )
-    deviations = [abs(row["deviation"]) for row in hand_check(results).rows]
+    deviations = [
+        abs(row[key]) for row in hand_check(results).rows for key in ("deviation", "hand_deviation")
+    ]
     if deviations:
         key = "hand_agrees" if max(deviations) <= AGREEMENT else "hand_differs"
         yield words(f"judgement.{key}", deviation=100.0 * max(deviations))
+    unbalanced = [row["unbalanced"] for row in balance(results).rows]
+    if unbalanced:
+        good = max(unbalanced) <= BALANCED
+        yield words(f"judgement.{'balanced' if good else 'unbalanced'}", unbalanced=max(unbalanced))
     warnings = all_warnings(results)
     if warnings:
         yield words("judgement.warnings", count=len(warnings))

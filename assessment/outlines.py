@@ -47,7 +47,7 @@ class Outlines:
 
     def path(self, chosen: Sequence[int] | NDArray[np.intp]) -> Outline:
         """Return one compound path of the chosen blocks: one element of the SVG, however many blocks."""
-        closed = [Outline(np.vstack([ring, ring[:1]]), closed=True) for ring in self._rings(chosen)]
+        closed = [Outline(np.vstack([ring, ring[:1]]), closed=True) for ring in self.rings(chosen)]
         return Outline.make_compound_path(*closed)
 
     def nearest(self, point: ArrayLike) -> int:
@@ -62,7 +62,8 @@ class Outlines:
         distance = np.linalg.norm(offset - along[:, None] * edge, axis=1)
         return int(self.owner[np.argmin(distance)])
 
-    def _rings(self, chosen: Sequence[int] | NDArray[np.intp]) -> list[Array]:
+    def rings(self, chosen: Sequence[int] | NDArray[np.intp]) -> list[Array]:
+        """Return the vertices (n, 2) of each of the chosen blocks."""
         cuts = np.searchsorted(self.owner, np.arange(len(self.centroids) + 1))
         return [self.points[cuts[block] : cuts[block + 1]] for block in chosen]
 

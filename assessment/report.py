@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterator, Mapping, Sequence
+import tomllib
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -13,14 +14,17 @@ import jinja2
 from markupsafe import Markup
 
 from assessment import capacity_tables, tables
-from assessment.display import Grid, check_name, exact, flatten, grid, summary_grids
+from assessment.display import Grid, exact, flatten, grid, summary_grids
 from assessment.dynamic_tables import energy, histories, incremental, incremental_states, static_dynamic
 from assessment.figures import pictures
 from assessment.files import write_atomically
+from assessment.hand_check import figures_of, governing_mechanisms, hand_check
 from assessment.judgement import all_warnings, draft_judgement, worst_scenario
+from assessment.reactions import balance, reactions
+from assessment.report_traces import traces
 from assessment.study_tables import reported_studies
 from assessment.table import Row, Table
-from assessment.trace import pretty
+from assessment.viewer import Viewer, viewer
 from assessment.words import Words, direction_name, words_of
 
 Results = Mapping[str, Any]
@@ -54,28 +58,36 @@ class Report:
     warnings: tuple[str, ...] = ()
 
 
-def render_report(results: Results, figures: Path, folder: Path) -> Report:
+def render_report(results: Results, figures: Path, folder: Path, edited: Markup | None = None) -> Report:
     """Write report.html and report.pdf into `folder` from results and the SVG files of `write_figures`.
 
-    Both appear whole or not at all and depend on nothing but results and figures: no date is printed. Without
-    WeasyPrint's system libraries only the HTML is written; the warning holds the command that installs them.
+    `edited`: the judgement in the engineer's own words, in place of the draft. Both appear whole or not at all and
+    depend on nothing but the arguments: no date is printed. Without WeasyPrint's system libraries only the HTML is
+    written; the warning holds the command that installs them.
     """
     words = words_of(results)
-    html = render_html(results, figures, words)
     page = folder / "report.html"
-    write_atomically(page, html.encode())
+    write_atomically(page, render_html(results, figures, words, edited, viewer(results, words)).encode())
     try:
         import weasyprint
     except OSError as error:  # a shared library that cannot be loaded
         reason = str(error).partition("\n")[0]
         return Report(page, None, (words.plain("warning.no_pdf", reason=reason, command=APT_COMMAND),))
     document = folder / "report.pdf"
-    write_atomically(document, weasyprint.HTML(string=html).write_pdf())
+    write_atomically(
+        document, weasyprint.HTML(string=render_html(results, figures, words, edited)).write_pdf()
+    )
     return Report(page, document)
 
 
-def render_html(results: Results, figures: Path, words: Words) -> str:
-    """Return the report as one self-contained page."""
+def render_html(
+    results: Results,
+    figures: Path,
+    words: Words,
+    edited: Markup | None = None,
+    interactive: Viewer | None = None,
+) -> str:
+    """Return the report as one self-contained page, with or without the part to step through on the screen."""
     environment = jinja2.Environment(
         loader=jinja2.FunctionLoader(lambda name: (files("templates") / name).read_text(encoding="utf-8")),
         autoescape=True,
@@ -84,7 +96,7 @@ def render_html(results: Results, figures: Path, words: Words) -> str:
         lstrip_blocks=True,
     )
     environment.filters["unit_kept"] = _unit_kept
-    annexes = ["echo", "trace"] if any(_traces(results, words)) else ["echo"]
+    annexes = ["echo", "trace"] if any(traces(results, words)) else ["echo"]
     return environment.get_template("report.html.j2").render(
         w=words,
         results=results,
@@ -92,14 +104,17 @@ def render_html(results: Results, figures: Path, words: Words) -> str:
         chapters=_chapters(results),
         annexes=annexes,
         count=Counter(),
+        viewer=interactive,
         figures=_embedded(results, figures, words),
         grids=_grids(results, words),
         summaries=list(summary_grids(capacity_tables.summary(results), results, words)),
-        traces=list(_traces(results, words)),
+        traces=list(traces(results, words)),
         contacts=_contacts(results),
         missing=list(_missing(results, words)),
         judgement=draft_judgement(results, words),
         worst=list(worst_scenario(results, words)),
+        edited=edited,
+        macro_blocks=list(_macro_blocks(results, words)),
         warnings=all_warnings(results),
         local=_local_limit(results, words),
         refused=[given for given in results.get("mechanisms") or [] if "refused" in given],
@@ -145,10 +160,12 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
     """Return the tables of the report that have rows, by name."""
     echo = [{"key": key, "value": exact(value, words)} for key, value in flatten(results["echo"])]
     made = [
-        Table("validation", words.rows("validation"), ("case", "source", "expected")),
+        _validation(words),
         tables.layers(results),
         tables.settlements(results),
         tables.mechanisms(results),
+        reactions(results),
+        balance(results),
         _without(capacity_tables.verification(results), "governing", "mechanism", "return_period_years"),
         _governs(results),
         capacity_tables.action(results),
@@ -162,7 +179,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         incremental_states(results),
         static_dynamic(results),
         Table("quality", list(results["quality"].get("by_stage") or []), tables.QUALITY),
-        tables.hand_check(results),
+        hand_check(results),
         Table("echo", echo, ("key", "value")),
     ]
     return {
@@ -170,6 +187,21 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         for table in made
         if table.rows
     }
+
+
+def _validation(words: Words) -> Table:
+    """Return the validation table of this version; tests compute every row again."""
+    cases = tomllib.loads((files("templates") / "validation.toml").read_text(encoding="utf-8"))["case"]
+    rows = [
+        {
+            **case[words.language],
+            "expected": words.comma(case["expected"]),
+            "computed": words.comma(case["computed"]),
+            "test": case["test"],
+        }
+        for case in cases
+    ]
+    return Table("validation", rows, ("case", "source", "expected", "computed", "test"))
 
 
 def _without(table: Table, *columns: str) -> Table:
@@ -196,65 +228,13 @@ def _compared(results: Results) -> list[Row]:
     return [{key: row.get(key) for key in kept} for row in rows]
 
 
-def _traces(results: Results, words: Words) -> Iterator[Grid]:
-    """Yield every calculation: the spectra, then each direction of each state, then the chosen mechanisms.
-
-    What the table of its spectrum, or the same table, has already said is not printed again.
-    """
-    spectra = {limit: content.get("trace") or [] for limit, content in (results.get("spectra") or {}).items()}
-    for limit, steps in spectra.items():
-        yield from _calculation(steps, [], words("caption.trace_spectrum", limit=limit), words)
-    for name, direction, capacity in capacity_tables.capacities(results):
-        for part, steps in capacity_tables.traces(capacity):
-            where = {"state": words.state(name), "direction": direction_name(direction)}
-            caption = words("caption.trace", limit=_part(part, "capacity_curve", words), **where)
-            yield from _calculation(steps, spectra.get(part.split()[0], []), caption, words)
-    for given in results.get("mechanisms") or []:
-        for part, steps in capacity_tables.traces(given):
-            title = _part(part, "virtual_work", words)
-            caption = words("caption.trace_chosen", name=given["name"], limit=title)
-            yield from _calculation(steps, spectra.get(part.split()[0], []), caption, words)
-
-
-def _part(part: str, shared: str, words: Words) -> str:
-    return words.plain(f"value.{shared}") if part == "capacity" else check_name(part, words)
-
-
-def _calculation(
-    steps: Sequence[Mapping[str, Any]], said: Sequence[Mapping[str, Any]], caption: Markup, words: Words
-) -> Iterator[Grid]:
-    columns = ("symbol", "formula", "inputs", "result", "paragraph")
-    lines: list[Mapping[str, Any]] = []
-    for step in steps:
-        if step not in said and step not in lines:
-            lines.append(step)
-    if lines:
-        yield grid(Table("trace", [_step(step, words) for step in lines], columns), words, caption)
-
-
-def _step(step: Mapping[str, Any], words: Words) -> Row:
-    unit = words.strings["unit"].get(step["unit"], step["unit"])
-    inputs = (f"{_signs(name)} = {words.number(value, 6)}" for name, value in step["inputs"].items())
-    return {
-        "symbol": _signs(step["symbol"]),
-        "formula": _signs(step["formula"]) or words("value.datum"),
-        "inputs": Markup("; ".join(inputs)),
-        "result": f"{words.number(step['result'], 6)} {unit}".strip(),
-        "paragraph": _source(step["paragraph"], words),
-    }
-
-
-def _signs(formula: str) -> Markup:
-    """Write a symbol or formula with signs and subscripts."""
-    return Markup(pretty(str(Markup.escape(formula)), "<sub>{}</sub>".format).replace("_", ","))
-
-
-def _source(paragraph: str, words: Words) -> str:
-    """Write where a number comes from in the language of the report; paragraphs of standards stay as they are."""
-    known = words.strings["source"]
-    return "; ".join(
-        ": ".join(known.get(part, part) for part in phrase.split(": ")) for phrase in paragraph.split("; ")
-    )
+def _macro_blocks(results: Results, words: Words) -> Iterator[Grid]:
+    """Yield the macro-blocks of each state's weakest direction, with the sums of the virtual work."""
+    for name, direction in governing_mechanisms(results):
+        rows = figures_of(results, name, direction)
+        caption = words("caption.macro_blocks", state=words.state(name), direction=direction_name(direction))
+        columns = tuple(key for key in rows[0] if key not in {"state", "direction"})
+        yield grid(Table("macro_blocks", rows, columns), words, caption, 4)
 
 
 def _local_limit(results: Results, words: Words) -> Markup:

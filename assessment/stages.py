@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assessment.capacity import mechanism_participation
+from assessment.frames import pushdown_frames, pushover_frames
 from assessment.idealisation import CapacityError
 from mechanics import (
     Assembly,
@@ -150,12 +151,14 @@ def _settle(
         "reaction_x_kN": path.reaction[:, 0].tolist(),
         "reaction_z_kN": path.reaction[:, 1].tolist(),
         "ultimate_movement_m": path.ultimate,
+        "applied_movement_m": whole,
         "end": path.end,
         "configuration": configuration(model, path.final),
         "ultimate_configuration": configuration(model, path.states[-1])
         if path.ultimate is not None
         else None,
         "control_displacement_m": _control_path(model, control, path) if control else None,
+        "frames": pushdown_frames(model, result.behaviour, path, whole),
     }
     return reached
 
@@ -198,7 +201,11 @@ def _push(
         ]
         rigid = result.behaviour == "rigid"
         numbers = _rigid(model, control, direction, path) if rigid else _elastic(model, path)
-        result.pushover[direction] = {"control": control.name} | numbers
+        result.pushover[direction] = {
+            "control": control.name,
+            **numbers,
+            "frames": pushover_frames(model, result.behaviour, path),
+        }
         # an elastic curve has served once it is past its peak; a rigid one is the capacity to its end
         if not path.reached_zero and (
             result.behaviour == "rigid" or path.multiplier[-1] > 0.5 * max(path.multiplier)
@@ -236,6 +243,7 @@ def _rigid(model: Assembly, control: ControlTable, direction: Direction, path: P
             "hinge_points_m": found.points.tolist(),
             "sliding_joints": found.sliding.tolist(),
             "moving_weight_kN": float(found.moving_weight),
+            "point": path.formed,
         },
         "virtual_work_alpha": virtual_work_multiplier(model, mechanism, direction),
         "virtual_work_reference": float(reference),

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from assessment.capacity_tables import (
     action,
@@ -20,6 +18,8 @@ from assessment.capacity_tables import (
 )
 from assessment.dynamic_tables import dynamic_tables
 from assessment.files import write_atomically
+from assessment.hand_check import hand_check, macro_block_table, outline_area
+from assessment.reactions import balance, joint_table, reactions
 from assessment.study_tables import study_tables
 from assessment.table import Results, Table
 
@@ -51,6 +51,10 @@ def tables(results: Results) -> list[Table]:
         summary(results),
         verification(results),
         Table("comparison", list(results.get("comparison") or []), COMPARISON),
+        reactions(results),
+        balance(results),
+        joint_table(results),
+        macro_block_table(results),
         hand_check(results),
         Table("quality", list(results["quality"].get("by_stage") or []), QUALITY),
         spectrum(results),
@@ -86,7 +90,7 @@ def blocks(results: Results) -> Table:
     """List every block: layer, support, centroid, area, volume and extra load."""
     rows = []
     for number, block in enumerate(results["geometry"]["blocks"]):
-        area = _area(block["vertices_m"])
+        area = outline_area(block["vertices_m"])
         rows.append(
             {
                 "block": number,
@@ -115,7 +119,7 @@ def layers(results: Results) -> Table:
                 "support": own[0]["support"],
                 "blocks": len(own),
                 "depth_m": own[0]["depth_m"],
-                "area_m2": sum(_area(block["vertices_m"]) for block in own),
+                "area_m2": sum(outline_area(block["vertices_m"]) for block in own),
                 "vertical_load_kN": sum(block["vertical_load_kN"] for block in own),
             }
             | {key: given[key] for key in MATERIAL if given.get(key) is not None}
@@ -207,34 +211,8 @@ def pushover_curves(results: Results) -> Table:
     return Table("pushover", rows, ("state", "direction", "contacts", "displacement_m", "multiplier"))
 
 
-def hand_check(results: Results) -> Table:
-    """Compare α0 with the multiplier that virtual work gives on the mechanism, where it was computed."""
-    rows = []
-    for name, direction, pushover in _pushovers(results):
-        rigid = pushover.get("rigid", {})
-        if rigid.get("virtual_work_alpha") is not None and rigid.get("alpha_0"):
-            computed = rigid.get("virtual_work_reference", rigid["alpha_0"])
-            by_hand = rigid["virtual_work_alpha"]
-            rows.append(
-                {
-                    "state": name,
-                    "direction": direction,
-                    "alpha_0": computed,
-                    "virtual_work_alpha": by_hand,
-                    "deviation": by_hand / computed - 1.0,
-                }
-            )
-    return Table("hand_check", rows, ("state", "direction", "alpha_0", "virtual_work_alpha", "deviation"))
-
-
 def _pushovers(results: Results) -> Iterator[tuple[str, str, Any]]:
     for name, content in results["states"].items():
         for direction, pushover in (content.get("pushover") or {}).items():
             if pushover:
                 yield name, direction, pushover
-
-
-def _area(vertices: Sequence[Sequence[float]]) -> float:
-    """Return the area of a simple polygon in m² (shoelace)."""
-    x, z = np.asarray(vertices, dtype=float).T
-    return float(abs(np.dot(x, np.roll(z, -1)) - np.dot(z, np.roll(x, -1))) / 2.0)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
+import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
@@ -29,10 +31,6 @@ class Words:
     def plain(self, key: str, **values: object) -> str:
         """Return the string as plain text, for figures."""
         return str(self._find(key)).format(**{name: self.show(value) for name, value in values.items()})
-
-    def rows(self, key: str) -> list[dict[str, str]]:
-        """Return an array of tables of the strings file."""
-        return list(self.strings[key])
 
     def show(self, value: object) -> str:
         """Write a value of results.json: null is "not reached", floats have three significant digits."""
@@ -87,3 +85,10 @@ def words_of(results: Mapping[str, Any]) -> Words:
 def direction_name(direction: str) -> str:
     """Write a direction with a true minus sign: +x, −x."""
     return direction.replace("-", "−")
+
+
+def slug(results: Mapping[str, Any], state: str) -> str:
+    """Return a file name for a state: its number among the states and its plain letters."""
+    number = list(results["states"]).index(state)
+    ascii_name = unicodedata.normalize("NFKD", state).encode("ascii", "ignore").decode().lower()
+    return f"{number}_{re.sub(r'[^a-z0-9]+', '_', ascii_name).strip('_')[:40]}".rstrip("_")

@@ -190,12 +190,15 @@ def describe(project: Project, model: Model) -> Results:
 def write(results: Results, folder: Path, report: bool = True) -> list[str]:
     """Write results.json, tables, figures and report into `folder`; each appears whole or not at all.
 
-    Returns warnings (a PDF that could not be made). results.json comes last: where it is new, all is.
+    A judgement.md that was edited is kept and printed. Returns warnings (a PDF that could not be made). results.json
+    comes last: where it is new, all is.
     """
     from assessment.animation import write_animations
     from assessment.figures import write_figures
+    from assessment.judgement_file import NAME, judgement
     from assessment.report import render_report
     from assessment.tables import write_tables
+    from assessment.words import words_of
 
     folder.mkdir(parents=True, exist_ok=True)
     for left in folder.glob(f"{SCRATCH}*"):  # of a run that was killed
@@ -205,10 +208,12 @@ def write(results: Results, folder: Path, report: bool = True) -> list[str]:
         new = Path(scratch)
         write_tables(results, new / "tables")
         write_figures(results, new / "figures")
+        opinion = judgement(results, words_of(results), folder)
+        write_atomically(new / NAME, opinion.text.encode())
+        warnings += opinion.warnings
         write_animations(results, new / "figures")
         if report:
-            made = render_report(results, new / "figures", new)
-            warnings = list(made.warnings)
+            warnings += render_report(results, new / "figures", new, opinion.edited).warnings
         write_atomically(
             new / "results.json", json.dumps(results, ensure_ascii=False, allow_nan=False).encode()
         )
@@ -237,7 +242,7 @@ def _replace(new: Path, old: Path, ours: bool) -> None:
         for stale in {
             item
             for item in old.iterdir()
-            if item.suffix in {".csv", ".svg", ".gif"} and item.name not in names
+            if item.suffix in {".csv", ".svg", ".png", ".dxf", ".gif"} and item.name not in names
         }:
             stale.unlink()
 
@@ -335,6 +340,7 @@ def _geometry(project: Project, a: Assembly) -> Results:
                 "handle": block.handle,
                 "support": block.support,
                 "vertical_load_kN": block.vertical_load,
+                "weight_kN": block.weight,
             }
             for block in a.blocks
         ],
@@ -343,7 +349,11 @@ def _geometry(project: Project, a: Assembly) -> Results:
             for point in project.control
         ],
         "joints": [
-            {"blocks": [int(i), int(j)], "ends_m": ends.tolist()}
+            {
+                "blocks": [int(i), int(j)],
+                "ends_m": ends.tolist(),
+                "friction": min(a.blocks[i].material.friction, a.blocks[j].material.friction),
+            }
             for i, j, ends in zip(a.joints.a, a.joints.b, a.joints.ends, strict=True)
         ],
         "gravity_m_s2": GRAVITY,

@@ -16,7 +16,7 @@ from assessment.dynamic_stages import read_motions
 from assessment.hazard import RETURN_PERIODS
 from assessment.model import build_model
 from assessment.project import load_project
-from assessment.report import _traces
+from assessment.report_traces import traces
 from assessment.words import words_of
 from assessment.workflow import run
 from tests.trace_check import from_csv, from_report, printed, recomputed
@@ -153,7 +153,7 @@ def test_every_line_of_the_trace_table_follows_from_its_inputs(outcomes, name):
 @pytest.mark.parametrize("name", VARIANTS)
 def test_every_line_of_the_printed_annex_follows_from_its_printed_inputs(outcomes, name):
     computed = 0
-    for grid in _traces(outcomes[name], words_of(outcomes[name])):
+    for grid in traces(outcomes[name], words_of(outcomes[name])):
         for _, formula, inputs, result, paragraph in grid.rows:
             assert paragraph
             if formula != "given":

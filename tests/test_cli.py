@@ -137,8 +137,8 @@ def test_a_run_writes_everything_and_says_where(project, capsys, drawn):
     assert str(project / "output") in out
     assert err == ""  # silent: no terminal
     found = {path.name for path in (project / "output").iterdir()}
-    assert found == {"results.json", "report.html", "report.pdf", "tables", "figures"}
-    assert {p.suffix for p in (project / "output" / "figures").iterdir()} == {".svg"}
+    assert found == {"results.json", "report.html", "report.pdf", "judgement.md", "tables", "figures"}
+    assert {p.suffix for p in (project / "output" / "figures").iterdir()} == {".svg", ".png", ".dxf"}
     assert {p.suffix for p in (project / "output" / "tables").iterdir()} == {".csv"}
     assert (project / "output" / "figures" / "model.svg").is_file()
     before = (project / "output" / "results.json").read_bytes()
@@ -583,8 +583,8 @@ def test_a_killed_run_leaves_the_earlier_result(project):
     code = (
         "import os, signal, sys, assessment.figures as figures\n"
         "from assessment.cli import main\n"
-        "draw = figures.save_svg\n"
-        "figures.save_svg = lambda *it: (draw(*it), os.kill(os.getpid(), signal.SIGKILL))\n"
+        "draw = figures.save_images\n"
+        "figures.save_images = lambda *it: (draw(*it), os.kill(os.getpid(), signal.SIGKILL))\n"
         "main(['run', sys.argv[1], '--no-report'])"
     )
     killed = subprocess.run(

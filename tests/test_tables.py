@@ -6,7 +6,8 @@ import pandas as pd
 import pytest
 
 from assessment.capacity_tables import summary, trace, verification
-from assessment.tables import blocks, hand_check, layers, write_tables
+from assessment.hand_check import hand_check
+from assessment.tables import blocks, layers, write_tables
 from tests.results_example import SETTLED, results_example
 
 
@@ -22,6 +23,7 @@ def test_all_tables_are_written(written):
         "verification",
         "comparison",
         "hand_check",
+        "macro_blocks",
         "quality",
         "spectrum",
         "action",

@@ -1,0 +1,226 @@
+"use strict";
+// Steps through the frames of a path: deformed shape, joint forces and the marker on the curve move together.
+// Points are (x, z) in m; the drawing shows z upwards, so that SVG's y is −z.
+(() => {
+  const data = JSON.parse(document.getElementById("viewer-data").textContent);
+  const { words, limits } = data;
+  const $ = (id) => document.getElementById(id);
+  const [shape, curve, slider, choice, tip] = ["shape", "curve", "frame", "path", "tip"].map((id) => $(`viewer-${id}`));
+  const floats = (text) => new Float32Array(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
+  const number = (value, digits = 3) =>
+    Number.isFinite(value) ? String(+value.toPrecision(digits)).replace("-", "−").replace(".", words.decimal_mark) : "–";
+  const millimetres = (metres) => number(Math.abs(metres) < 5e-7 ? 0 : 1e3 * metres);
+  const safe = (text) => String(text).replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);
+  const bounds = (points) => {
+    const box = [Infinity, Infinity, -Infinity, -Infinity];
+    for (const [x, z] of points) {
+      box[0] = Math.min(box[0], x); box[1] = Math.min(box[1], z);
+      box[2] = Math.max(box[2], x); box[3] = Math.max(box[3], z);
+    }
+    return box;
+  };
+  const drawn = bounds(data.blocks.flatMap((block) => block.vertices));
+  const size = Math.max(drawn[2] - drawn[0], drawn[3] - drawn[1]);
+  let path, frame, configuration, force, centre, times, playing = null;
+
+  // ---- geometry ----
+  const motion = (block) => configuration.subarray(3 * (frame * data.blocks.length + block)).subarray(0, 3);
+  const placed = ([x, z], block, magnified = times) => {
+    const [dx, dz, turn] = motion(block), [cx, cz] = data.blocks[block].centroid;
+    const [c, s] = [Math.cos(turn), Math.sin(turn)], [ax, az] = [x - cx, z - cz];
+    return [x + magnified * (dx + c * ax - s * az - ax), z + magnified * (dz + s * ax + c * az - az)];
+  };
+  const line = (points) => points.map(([x, z]) => `${x.toFixed(5)},${(-z).toFixed(5)}`).join(" ");
+
+  const jointAt = (index) => {
+    // What joint `index` does in this frame; null without forces.
+    const joint = data.joints[index], [a, b] = joint.blocks;
+    const ends = joint.ends.map((end) => placed(end, a)), [p, q] = joint.ends.map((end) => placed(end, b, 1));
+    const length = Math.hypot(q[0] - p[0], q[1] - p[1]), t = [(q[0] - p[0]) / length, (q[1] - p[1]) / length];
+    const n = [-t[1], t[0]], dot = (u, v) => u[0] * v[0] + u[1] * v[1];
+    const gaps = joint.ends.map((end, k) => {
+      const own = placed(end, a, 1), other = [p, q][k];
+      return [own[0] - other[0], own[1] - other[1]];
+    });
+    const opening = gaps.map((gap) => dot(gap, n)), nearer = opening[1] < opening[0] ? 1 : 0;
+    const state = { ends, opening, slip: dot(gaps[nearer], t) };
+    const at = frame * data.joints.length + index;
+    if (!force || Number.isNaN(force[2 * at])) return state;
+    const F = [force[2 * at], force[2 * at + 1]], share = Number.isNaN(centre[at]) ? 0.5 : centre[at];
+    const [N, T] = [dot(F, n), dot(F, t)], off = Math.abs(share - 0.5);
+    const condition = N < limits.idle * data.weight ? "idle"
+      : Math.abs(T) > limits.friction * joint.friction * N ? "sliding"
+        : off > 0.5 - limits.edge ? "edge" : off > 1 / 6 ? "partial" : "whole";
+    const point = [0, 1].map((i) => ends[0][i] + share * (ends[1][i] - ends[0][i]));
+    return { ...state, F, N, T, condition, point, eccentricity: (share - 0.5) * length };
+  };
+
+  // ---- drawing ----
+  const drawShape = () => {
+    const joints = data.joints.map((_, index) => jointAt(index));
+    const outline = (block, moved) => line(block.vertices.map(moved));
+    const parts = [];
+    data.blocks.forEach((block) => parts.push(`<polygon class="ghost" points="${outline(block, (v) => v)}"/>`));
+    data.blocks.forEach((block, index) => {
+      const points = outline(block, (v) => placed(v, index));
+      parts.push(`<polygon class="${block.support ? "support" : "block"}" data-block="${index}" points="${points}"/>`);
+    });
+    joints.forEach((joint) => {
+      if (["partial", "sliding", "idle"].includes(joint.condition))
+        parts.push(`<polyline class="joint ${joint.condition}" points="${line(joint.ends)}"/>`);
+    });
+    if ($("viewer-forces").checked) parts.push(...forces(joints));
+    joints.forEach((joint, index) =>
+      parts.push(`<polyline class="touch" data-joint="${index}" points="${line(joint.ends)}"/>`));
+    shape.innerHTML = parts.join("");
+  };
+
+  const forces = (joints) => {
+    const loaded = data.blocks.map(() => []), parts = [];
+    const largest = Math.max(...joints.map((joint) => (joint.F ? Math.hypot(...joint.F) : 0)), 1e-12);
+    joints.forEach((joint, index) => {
+      if (!joint.F || joint.condition === "idle") return;
+      data.joints[index].blocks.forEach((block) => loaded[block].push(joint.point));
+      const half = joint.F.map((f) => (0.04 * size * f) / largest), [x, z] = joint.point;
+      parts.push(`<polyline class="resultant" points="${line([[x - half[0], z - half[1]], [x + half[0], z + half[1]]])}"/>`);
+    });
+    loaded.filter((points) => points.length === 2)
+      .forEach((points) => parts.push(`<polyline class="thrust" points="${line(points)}"/>`));
+    joints.filter((joint) => joint.condition === "edge").forEach(({ point: [x, z] }) =>
+      parts.push(`<circle class="hinge" cx="${x}" cy="${-z}" r="${0.007 * size}"/>`));
+    return parts;
+  };
+
+  const W = 640, H = 260, M = { left: 62, right: 12, top: 12, bottom: 40 };
+  let scaleX, scaleY;
+  const ticks = (low, high) => {
+    const raw = (high - low) / 5, power = 10 ** Math.floor(Math.log10(raw));
+    const step = [1, 2, 5, 10].map((k) => k * power).find((each) => each >= raw);
+    const found = [];
+    for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) found.push(k * step);
+    return found;
+  };
+  const scale = (values, from, to) => {
+    let low = Math.min(0, ...values), high = Math.max(0, ...values);
+    if (high - low < 1e-12) high = low + 1;
+    return Object.assign((v) => from + ((v - low) / (high - low)) * (to - from), { low, high });
+  };
+  const finite = (key) => path.series.flatMap((each) => each[key]).filter(Number.isFinite);
+  const drawCurve = () => {
+    scaleX = scale(finite("x"), M.left, W - M.right);
+    scaleY = scale(finite("y"), H - M.bottom, M.top);
+    const parts = [];
+    for (const v of ticks(scaleX.low, scaleX.high)) parts.push(
+      `<line class="grid" x1="${scaleX(v)}" x2="${scaleX(v)}" y1="${M.top}" y2="${H - M.bottom}"/>`,
+      `<text x="${scaleX(v)}" y="${H - M.bottom + 14}" text-anchor="middle">${number(v, 6)}</text>`);
+    for (const v of ticks(scaleY.low, scaleY.high)) parts.push(
+      `<line class="grid" x1="${M.left}" x2="${W - M.right}" y1="${scaleY(v)}" y2="${scaleY(v)}"/>`,
+      `<text x="${M.left - 5}" y="${scaleY(v) + 3}" text-anchor="end">${number(v, 6)}</text>`);
+    path.series.forEach((each, k) => {
+      const points = each.x.map((x, i) => `${scaleX(x).toFixed(2)},${scaleY(each.y[i]).toFixed(2)}`).join(" ");
+      parts.push(`<polyline class="series s${k}" points="${points}"/>`);
+    });
+    parts.push(`<text x="${(M.left + W - M.right) / 2}" y="${H - 8}" text-anchor="middle">${safe(path.x_label)}</text>`,
+      `<text transform="translate(12 ${(M.top + H - M.bottom) / 2}) rotate(-90)" text-anchor="middle">${safe(path.y_label)}</text>`,
+      `<line id="viewer-cursor" class="cursor" y1="${M.top}" y2="${H - M.bottom}"/>`,
+      ...path.series.map((_, k) => `<circle class="marker" id="viewer-marker-${k}" r="5"/>`));
+    curve.innerHTML = parts.join("");
+  };
+
+  const drawMarkers = () => {
+    const x = path.frames.x[frame];
+    $("viewer-cursor").setAttribute("x1", scaleX(x)); $("viewer-cursor").setAttribute("x2", scaleX(x));
+    const shown = path.series.map((each, k) => {
+      const y = path.frames.y[k][frame], marker = $(`viewer-marker-${k}`);
+      marker.setAttribute("cx", scaleX(x)); marker.setAttribute("cy", scaleY(y));
+      return `${each.label} = ${number(y)}`;
+    });
+    $("viewer-values").textContent =
+      `${frame + 1}/${path.frames.x.length}   ${path.x_label}: ${number(x)}   ${shown.join("   ")}`;
+  };
+
+  // ---- state ----
+  const show = (index) => {
+    frame = Math.max(0, Math.min(path.frames.x.length - 1, index));
+    slider.value = frame;
+    drawShape();
+    drawMarkers();
+  };
+  const fit = () => {
+    // the frame holds every configuration of the path, as far as half the model's size around the drawing
+    const kept = frame, corners = [];
+    for (frame = 0; frame < path.frames.x.length; frame++)
+      data.blocks.forEach((block, index) => corners.push(...block.vertices.map((v) => placed(v, index))));
+    frame = kept;
+    const box = bounds(corners), pad = 0.04 * size, room = 0.5 * size;
+    const [x0, z0] = [0, 1].map((i) => Math.max(Math.min(box[i], drawn[i]), drawn[i] - room) - pad);
+    const [x1, z1] = [2, 3].map((i) => Math.min(Math.max(box[i], drawn[i]), drawn[i] + room) + pad);
+    shape.setAttribute("viewBox", `${x0} ${-z1} ${x1 - x0} ${z1 - z0}`);
+  };
+  const select = (index) => {
+    path = data.paths[index];
+    configuration = floats(path.frames.configuration);
+    force = path.frames.force && floats(path.frames.force);
+    centre = path.frames.centre && floats(path.frames.centre);
+    slider.max = path.frames.x.length - 1;
+    frame = 0;
+    magnify();
+    drawCurve();
+    show(0);
+  };
+  const magnify = () => { times = +$("viewer-times").value; fit(); };
+  const stop = () => { clearInterval(playing); playing = null; $("viewer-play").textContent = "▶"; };
+  const play = () => {
+    if (playing) return stop();
+    if (frame === path.frames.x.length - 1) show(0);
+    $("viewer-play").textContent = "❚❚";
+    playing = setInterval(() => (frame === path.frames.x.length - 1 ? stop() : show(frame + 1)), 80);
+  };
+
+  // ---- tooltips ----
+  const rows = (title, pairs) => `<b>${safe(title)}</b>` + pairs.map(([k, v]) => `<br>${safe(k)}: ${safe(v)}`).join("");
+  const blockTip = (index) => {
+    const block = data.blocks[index], [dx, dz, turn] = motion(index);
+    return rows(`${words.block} ${index}`, [
+      [words.layer, block.layer + (block.support ? ` (${words.support} “${block.support}”)` : "")],
+      [words.weight, `${number(block.weight)} kN`],
+      [words.displacement, `${millimetres(dx)}; ${millimetres(dz)} mm`],
+      [words.rotation, `${number(1e3 * turn)} mrad`]]);
+  };
+  const jointTip = (index) => {
+    const joint = jointAt(index), [a, b] = data.joints[index].blocks;
+    const pairs = [[words.opening, joint.opening.map(millimetres).join("; ") + " mm"],
+      [words.slip, `${millimetres(joint.slip)} mm`]];
+    if (joint.F) pairs.unshift([words.condition, words[joint.condition]],
+      [words.forces, `N = ${number(joint.N)}, T = ${number(joint.T)} kN`],
+      [words.eccentricity, `${millimetres(joint.eccentricity)} mm`]);
+    return rows(`${words.joint} ${index} (${a}–${b})`, pairs);
+  };
+  const hover = (event) => {
+    const { block, joint } = event.target.dataset;
+    tip.hidden = block === undefined && joint === undefined;
+    if (tip.hidden) return;
+    tip.innerHTML = joint === undefined ? blockTip(+block) : jointTip(+joint);
+    tip.style.left = `${event.pageX + 14}px`;
+    tip.style.top = `${event.pageY + 14}px`;
+  };
+  const pick = (event) => {
+    const box = curve.getBoundingClientRect(), x = ((event.clientX - box.left) / box.width) * W;
+    const off = path.frames.x.map((value) => Math.abs(scaleX(value) - x));
+    stop();
+    show(off.indexOf(Math.min(...off)));
+  };
+
+  data.paths.forEach((each, index) => choice.add(new Option(each.title, index)));
+  choice.addEventListener("change", () => { stop(); select(+choice.value); });
+  slider.addEventListener("input", () => { stop(); show(+slider.value); });
+  $("viewer-times").addEventListener("change", () => { magnify(); show(frame); });
+  $("viewer-forces").addEventListener("change", () => show(frame));
+  $("viewer-play").addEventListener("click", play);
+  shape.addEventListener("pointermove", hover);
+  shape.addEventListener("pointerleave", () => { tip.hidden = true; });
+  curve.addEventListener("pointerdown", pick);
+  curve.addEventListener("pointermove", (event) => { if (event.buttons) pick(event); });
+  curve.setAttribute("viewBox", `0 0 ${W} ${H}`);
+  select(0);
+})();

@@ -1,0 +1,83 @@
+"""judgement.md: drafted, edited, kept, printed; and told when its numbers have changed."""
+
+import pytest
+
+from assessment.figures import write_figures
+from assessment.judgement_file import NAME, judgement, to_html
+from assessment.words import words_of
+from assessment.workflow import write
+from tests.results_example import results_example
+
+
+@pytest.fixture
+def results():
+    return results_example("en")
+
+
+def test_the_draft_is_replaced_by_the_next_one_while_nobody_edits_it(results, tmp_path):
+    first = judgement(results, words_of(results), tmp_path)
+    assert first.edited is None
+    assert "- The governing condition is the state" in first.text
+    assert "ζ_E" in first.text
+    assert "<sub>" not in first.text
+    (tmp_path / NAME).write_text(first.text, encoding="utf-8")
+    results["states"]["original"]["capacity"]["+x"]["SLC"]["zeta_E"] = 0.01
+    second = judgement(results, words_of(results), tmp_path)
+    assert second.text != first.text
+    assert second.edited is None
+    assert not second.warnings
+
+
+def test_an_edited_text_is_kept_and_a_change_of_the_numbers_is_said(results, tmp_path):
+    words = words_of(results)
+    draft = judgement(results, words, tmp_path).text
+    edited = draft + "\nThe **pier** must be tied <at once>.\n"
+    (tmp_path / NAME).write_text(edited, encoding="utf-8")
+    kept = judgement(results, words, tmp_path)
+    assert kept.text == edited
+    assert "<p>The <b>pier</b> must be tied &lt;at once&gt;.</p>" in str(kept.edited)
+    assert not kept.warnings
+    results["states"]["original"]["capacity"]["+x"]["SLC"]["zeta_E"] = 0.01
+    later = judgement(results, words, tmp_path)
+    assert later.text == edited
+    assert "changed" in later.warnings[0]
+
+
+def test_a_text_of_ones_own_without_the_mark_is_kept(results, tmp_path):
+    (tmp_path / NAME).write_text("Mine.\n", encoding="utf-8")
+    kept = judgement(results, words_of(results), tmp_path)
+    assert kept.text == "Mine.\n"
+    assert kept.warnings
+
+
+def test_markdown_of_a_judgement():
+    text = "# Opinion\n\nA line\nand *more*.\n\n- one\n  goes on\n- two & three\n"
+    assert to_html(text).replace("\n", "") == (
+        "<h3>Opinion</h3><p>A line and <i>more</i>.</p><ul><li>one goes on</li><li>two &amp; three</li></ul>"
+    )
+
+
+def test_a_run_prints_the_edited_judgement_and_leaves_the_file(results, tmp_path, monkeypatch):
+    monkeypatch.setattr("assessment.figures.pictures", lambda _: [])
+    monkeypatch.setattr("assessment.report.pictures", lambda _: [])
+    monkeypatch.setattr("assessment.deformed_dxf.write_deformed", lambda *_: None)
+    write_figures(results, tmp_path / "figures")
+    write(results, tmp_path, report=False)
+    path = tmp_path / NAME
+    path.write_text(path.read_text(encoding="utf-8") + "\nStrut the right pier.\n", encoding="utf-8")
+    before = path.read_bytes()
+    monkeypatch.setitem(__import__("sys").modules, "weasyprint", _Printer)
+    write(results, tmp_path)
+    assert path.read_bytes() == before
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "<p>Strut the right pier.</p>" in page
+    assert "A draft written from the numbers" not in page
+
+
+class _Printer:
+    class HTML:
+        def __init__(self, string):
+            self.string = string
+
+        def write_pdf(self):
+            return b"%PDF-"

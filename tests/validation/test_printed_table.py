@@ -1,0 +1,73 @@
+"""The validation table that every report prints is what this version gives, digit by digit."""
+
+from __future__ import annotations
+
+import tomllib
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from mechanics import limit_analysis, pushover, time_history
+from tests.structures import block_on_base, running_bond
+from tests.validation import test_paper_table_1 as paper
+from tests.validation import test_rocking as rocking
+from tests.validation.test_rectangular_block import BREADTH, HEIGHT
+from tests.validation.test_semicircular_arch import least_thickness, thrust
+
+CASES = tomllib.loads((files("templates") / "validation.toml").read_text(encoding="utf-8"))["case"]
+
+
+def block_curve():
+    curve = pushover(block_on_base(BREADTH, HEIGHT), (BREADTH, HEIGHT), increment=0.005)
+    return CubicSpline(curve.displacement, curve.multiplier)([0.05, 0.10, 0.15, 0.18])
+
+
+def block_end():
+    curve = pushover(block_on_base(BREADTH, HEIGHT), (BREADTH, HEIGHT), increment=0.02)
+    return [curve.displacement[-1]]
+
+
+def rocking_peaks():
+    model, state, alpha = rocking.released(0.6, 4.2, 0.5)
+    motion = time_history(model, np.zeros(230), 0.02, "rigid", state, "second-order")
+    return rocking.peaks(motion.positions[:, 1, 2], alpha)
+
+
+COMPUTED = {
+    "block_onset": lambda: [limit_analysis(block_on_base(BREADTH, HEIGHT)).alpha],
+    "block_curve": block_curve,
+    "block_end": block_end,
+    "block_sliding": lambda: [limit_analysis(block_on_base(BREADTH, HEIGHT, friction=0.15)).alpha],
+    "leaf": lambda: [limit_analysis(block_on_base(0.5, 3.9, friction=0.58)).alpha],
+    "wall": lambda: [limit_analysis(running_bond()).alpha],
+    "arch_thickness": lambda: [least_thickness(7), least_thickness(27)],
+    "arch_friction": lambda: [least_thickness(27, friction) for friction in (0.40, 0.38, 0.35)],
+    "arch_thrust": lambda: [thrust(0.15, 1e-4), thrust(0.15, -1e-4)],
+    "paper_periods": lambda: [paper._capacity(column).T_0 for column in paper.COLUMNS.values()],
+    "paper_displacements": lambda: [
+        1000.0 * paper._check(paper._capacity(column), paper.NTC).d_star for column in paper.COLUMNS.values()
+    ],
+    "rocking": rocking_peaks,
+}
+
+
+def test_every_row_is_computed():
+    assert [case["id"] for case in CASES] == list(COMPUTED)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["id"])
+def test_the_printed_numbers_are_this_versions(case):
+    printed = case["computed"].split("; ")
+    for text, value in zip(printed, COMPUTED[case["id"]](), strict=True):
+        assert f"{value:.{len(text.partition('.')[2])}f}" == text
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["id"])
+def test_the_test_that_a_row_names_exists_and_both_languages_are_there(case):
+    assert (Path(__file__).parent / f"{case['test']}.py").is_file()
+    for language in ("it", "en"):
+        assert case[language].keys() == {"case", "source"}
+        assert all(case[language].values())
