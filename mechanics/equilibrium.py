@@ -19,7 +19,7 @@ from mechanics.solvers.kernels import fastest
 
 GEOMETRY_TOLERANCE = 1e-3  # of the step: how closely the geometry of forces and of positions must agree
 ALTERNATION = 0.5  # of the step: how far apart alternating mechanisms of rigid blocks may leave the blocks
-MOST_ITERATIONS = 15
+MOST_ITERATIONS = 30
 JUMP = 30.0  # a step this many times larger than asked is a fall, not a path of equilibrium
 CLOSED = 1e-3  # of the block size: a gap that is none (dilatant sliding leaves some in a settled state)
 
@@ -70,8 +70,7 @@ def find_step(
     where that cannot be decided.
     """
     pose = programs(model, behaviour, start, load, size, lateral, work)
-    large = len(model.contacts(behaviour)) >= LARGE
-    if large and last is not None:
+    if last is not None and len(model.contacts(behaviour)) >= LARGE:
         followed = _follow(model, behaviour, pose, guess, last.neighbour, size)
         if followed is not None:
             return _step(model, behaviour, *followed, pose, 1)
@@ -91,9 +90,7 @@ def find_step(
         largest, before = float(abs(change).max()), float(abs(earlier).max())
         if largest <= GEOMETRY_TOLERANCE * size:
             break
-        settles = largest < (0.5 if large else 0.9) * before or count <= (
-            3 if large or behaviour == "rigid" else 8
-        )
+        settles = largest < 0.9 * before or count <= (3 if behaviour == "rigid" else 8)
         if not settles or count == MOST_ITERATIONS:
             opening = pose(at).opening(solution.forces, solution.displacement)
             near = Neighbour(solution.forces, opening, solution.alpha)
