@@ -6,11 +6,11 @@ the movement, comes to rest, and is pushed over.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from assessment.project_schema import ORIGINAL
-from assessment.stages import StateResult
+from assessment.states import StateResult
 from assessment.study import (
     Demands,
     Numbers,
@@ -27,6 +27,7 @@ from assessment.table import reduction
 from mechanics.pushdown import whole_movement
 
 if TYPE_CHECKING:
+    from assessment.parallel import Workers
     from assessment.project import Project
     from assessment.project_schema import SettlementTable
     from mechanics import Assembly
@@ -44,8 +45,7 @@ def scenarios(
     states: Mapping[str, Any],
     stages: Sequence[StateResult],
     demands: Demands,
-    jobs: int,
-    progress: Callable[[str], None],
+    workers: Workers,
     study: Study,
 ) -> Numbers:
     """Review the states that there are, and the parts of each movement that is swept.
@@ -55,7 +55,7 @@ def scenarios(
     swept = [(whole, k) for whole in project.settlements for k in range(1, whole.steps or 1)]
     variants = [Variant(f"part {k} of {whole.steps}", project, model, part(whole, k)) for whole, k in swept]
     keys = [(whole.name, k) for whole, k in swept]
-    parts = dict(zip(keys, analyse(variants, demands, jobs, progress, study), strict=True))
+    parts = dict(zip(keys, analyse(variants, demands, workers, study, "scenarios"), strict=True))
 
     by, original = quantity(project), _of_state(project, states, stages, ORIGINAL)
     points = _points(ORIGINAL, 0.0, 0.0, original, original, by)

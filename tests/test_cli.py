@@ -14,7 +14,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from assessment import stages, workflow
+from assessment import output, stages, workflow
 from assessment.cli import main
 from assessment.new_project import write_drawing
 from mechanics import ConvergenceError
@@ -136,7 +136,7 @@ def test_a_run_writes_everything_and_says_where(project, capsys, drawn):
     out, err = capsys.readouterr()
     assert str(project / "output") in out
     assert err == ""  # silent: no terminal
-    found = {path.name for path in (project / "output").iterdir()}
+    found = {path.name for path in (project / "output").iterdir() if path.name != ".stages"}
     assert found == {"results.json", "report.html", "report.pdf", "judgement.md", "tables", "figures"}
     assert {p.suffix for p in (project / "output" / "figures").iterdir()} == {".svg", ".png", ".dxf"}
     assert {p.suffix for p in (project / "output" / "tables").iterdir()} == {".csv"}
@@ -408,7 +408,7 @@ def test_a_disk_that_refuses_leaves_the_earlier_result(project, capsys, monkeypa
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device", str(project / "output"))
 
-    monkeypatch.setattr(workflow, "write_atomically", full)
+    monkeypatch.setattr(output, "write_atomically", full)
     assert run(project) == 2
     assert "No space left on device" in capsys.readouterr().err
     assert contents(project) == before
