@@ -51,7 +51,7 @@ increment_rad = 0.01
 [pushover]
 contacts = ["rigid"]
 directions = ["+x"]
-increment_m = 0.2
+increment_m = 0.1
 [[history]]
 record = "wave.csv"
 contacts = "rigid"
@@ -160,7 +160,7 @@ EDITS = {
     "nothing": ("", "", 0),
     "friction": ("friction = 0.7", "friction = 0.71", ALL),
     "segments": ("segments_per_joint = 2", "segments_per_joint = 3", ALL),
-    "the increment of the pushover": ("increment_m = 0.2", "increment_m = 0.1", 2),
+    "the increment of the pushover": ("increment_m = 0.1", "increment_m = 0.05", 2),
     "another direction": ('["+x"]', '["+x", "-x"]', 6),  # and what a history may reach before it has fallen
     "elastic contacts too": ('contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]', 3),
     "the movement": ("rotation_rad = -0.02", "rotation_rad = -0.03", 4),
@@ -411,7 +411,7 @@ def test_bars_on_a_terminal(project, capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     assert assesto(project) == 0
     first = capsys.readouterr()
-    edit(project, "increment_m = 0.2", "increment_m = 0.1")
+    edit(project, "increment_m = 0.1", "increment_m = 0.05")
     assert assesto(project) == 0
     second = capsys.readouterr()
     json.loads(second.out)
