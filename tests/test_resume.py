@@ -294,11 +294,11 @@ def test_an_interrupted_run_keeps_what_is_finished_and_says_so(project, capsys, 
 def test_no_process_is_left_behind(project, sent):
     """An interruption, or a kill, of the parent alone while two others work on something endless."""
     code = (
-        "import sys, time\n"
+        "import os, sys, time\n"
         "from assessment import states\n"
         "from assessment.cli import main\n"
         "def endless(*_):\n"
-        "    print('begun', flush=True)\n"
+        "    os.write(1, b'begun\\n')\n"
         "    time.sleep(600)\n"
         "states.push = endless\n"
         "sys.exit(main(['run', sys.argv[1], '--no-report', '--jobs', '2']))"
