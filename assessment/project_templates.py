@@ -166,7 +166,7 @@ def _buttressed_arch(values: Values) -> dict[str, Any]:
         },
         control=[_point("C1", -outer, top), _point("C2", outer, top)],
         settlements=[_outward(0.02, 0.001)],
-        pushover=_pushover(0.001, right="C2", left="C1"),
+        pushover=_pushover(0.0005, right="C2", left="C1"),
     )
 
 
