@@ -353,7 +353,7 @@ def test_results_keep_every_bit():
 def test_fingerprints_tell_every_content_and_type_apart():
     model, other = block_on_base(0.6, 4.2), block_on_base(0.6, 4.3)
     values = [1, 1.0, True, "1", None, [1], [[1]], {"1": 1}, [], {}, 0.0, -0.0, float("inf"), float("nan")]
-    values += [np.zeros(2), np.zeros((2, 1)), np.zeros(2, dtype=int), model, other, model.initial]
+    values += [np.zeros(2), np.ones(2), np.zeros((2, 1)), np.zeros(2, dtype=int), model, other, model.initial]
     assert len({digest(settle, (value,)) for value in values}) == len(values)
     assert digest(settle, (model, 1)) == digest(settle, (block_on_base(0.6, 4.2), 1))
     assert digest(settle, (model,)) != digest(run, (model,))
