@@ -42,18 +42,18 @@ def slender_in_motion(width: float, height: float) -> None:
     assert abs(motion.positions[-1] - motion.positions[0]).max() < 1e-6 * width
 
 
-def needle(tolerance: float | None) -> None:
-    """A needle of 1 µm beside a block of 10 m on one base: it overturns first, at 0.1."""
-    needle_ = Block(rectangle(6.0, 0.0, 6.0 + 1e-6, 1e-5), 1.0, STONE)
+def needle(width: float) -> None:
+    """A needle, 1 : 10, beside a block of 10 m on one base: it overturns first, at 0.1."""
+    thin = Block(rectangle(6.0, 0.0, 6.0 + width, 10.0 * width), 1.0, STONE)
     wide = Block(rectangle(-5.0, 0.0, 5.0, 10.0), 1.0, STONE)
     base = Block(rectangle(-20.0, -1.0, 20.0, 0.0), 1.0, STONE, support="base")
-    limit = limit_analysis(Assembly([base, wide, needle_], tolerance=tolerance))
+    limit = limit_analysis(Assembly([base, wide, thin], tolerance=1e-3 * width))
     sound(limit, 1e-3)
     assert limit.alpha == pytest.approx(0.1, rel=1e-6)
 
 
 def ledge(width: float, tolerance: float) -> None:
-    """A lintel of 10 m on a bearing of 1 m and one of 1 µm: it stands, the far ledge carrying between W/2 and 5/9 W."""
+    """A lintel of 10 m on a bearing of 1 m and a ledge, which carries between 4/9 and 1/2 of it, or its whole width."""
     lintel = Block(rectangle(0.0, 0.0, 10.0, 0.5), 1.0, STONE)
     left = Block(rectangle(-1.0, -1.0, 1.0, 0.0), 1.0, STONE, support="left")
     right = Block(rectangle(10.0 - width, -1.0, 12.0, 0.0), 1.0, STONE, support="right")
@@ -61,9 +61,10 @@ def ledge(width: float, tolerance: float) -> None:
     limit = limit_analysis(model)
     sound(limit, 1e-3)
     assert limit.alpha == pytest.approx(0.7, rel=1e-6)
-    step = rest(model, "elastic", model.initial)
-    share = reaction(model, "elastic", step, model.support("right"))[1] / model.weight
-    assert (4.0 / 9.0 if width > 0.5 else 0.5) - 1e-6 <= share <= 5.0 / 9.0 + 1e-6
+    for contacts in ("rigid", "elastic"):
+        step = rest(model, contacts, model.initial)
+        share = reaction(model, contacts, step, model.support("right"))[1] / model.weight
+        assert 4.0 / 9.0 - 1e-6 <= share <= 5.0 / (10.0 - width) + 1e-6
 
 
 def tilted(angle: float) -> None:
@@ -170,7 +171,7 @@ def thin_arch(voussoirs: int, off: float) -> None:
     check_self_weight(model)
     limit = limit_analysis(model)
     sound(limit, 1e-3)
-    assert 0.0 <= limit.alpha < 1e-3
+    assert 0.0 <= limit.alpha < max(1e-4, 10.0 * off)
     assert limit.alpha == pytest.approx(by_highs(model), abs=1e-7)
 
 
@@ -179,10 +180,11 @@ def cases() -> Iterator[Case]:
         name = f"{width:g} × {height:g} m"
         yield Case("slender and flat", name, partial(slender, width, height))
         yield Case("slender and flat", f"{name} at rest in time", partial(slender_in_motion, width, height))
-    yield Case(
-        "1 µm beside 10 m", "needle, tolerance of the drawing", partial(needle, None), (UnstableError,)
-    )
-    yield Case("1 µm beside 10 m", "needle, tolerance 1e-8", partial(needle, 1e-8))
+    for width in (1e-2, 1.0):
+        yield Case("1 µm beside 10 m", f"needle of {width:g} m", partial(needle, width))
+    for width in (1e-6, 1e-4):
+        name = f"needle of {width:g} m"
+        yield Case("1 µm beside 10 m", name, partial(needle, width), bad_input="block 2 weighs")
     for width in (1e-6, 1e-4, 1e-2, 1.0):
         yield Case("1 µm beside 10 m", f"ledge of {width:g} m", partial(ledge, width, 1e-8))
     yield Case(

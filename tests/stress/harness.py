@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import time
+import traceback
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -93,7 +94,9 @@ def judge(case: Case) -> Outcome:
         known = case.bad_input and type(refusal) is ValueError and case.bad_input in str(refusal)
         return outcome("refused" if known else "failed", f"{type(refusal).__name__}: {refusal}")
     except BaseException as failure:
-        return outcome("failed", f"{type(failure).__name__}: {failure}"[:600])
+        where = traceback.extract_tb(failure.__traceback__)[-1]
+        said = f"{type(failure).__name__} at {where.name}, line {where.lineno}, {where.line}: {failure}"
+        return outcome("failed", said[:600])
     if case.must_refuse or case.bad_input:
         return outcome("failed", "answered, where there is no answer")
     return outcome("certified")

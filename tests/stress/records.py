@@ -73,7 +73,7 @@ def steps_of(time_step: float, contacts: Behaviour, integrator: str) -> None:
 
 
 def million(collapsing: bool, contacts: Behaviour) -> None:
-    """A million samples: a block that a sample overturns early ends there, one that is pushed little stays to the end."""
+    """A million samples: a block overturned early ends there, one left alone stays to the end."""
     record = np.zeros(1_000_000)
     if collapsing:
         record[:400] = 1.0

@@ -10,7 +10,7 @@ import pytest
 
 from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover, time_history
 from mechanics.equilibrium import closed_program
-from mechanics.errors import UnstableError
+from mechanics.errors import ControlError, UnstableError
 from mechanics.solvers import linear
 from tests.stress.harness import Case, sound
 from tests.structures import arch_on_piers, block_on_base, running_bond
@@ -37,21 +37,22 @@ def by_highs(model: Assembly) -> float:
 
 
 def stiffness(k: float) -> None:
-    """A block on a bed of four segments: it stands where K = k d l³/12 (1 + 2/m²) exceeds W h/2."""
+    """A block on a bed of four segments: it stands where K = k d l³/12 (1 + 2/m²) exceeds W h/2.
+
+    Where it does not, the rest that is found is upright and unstable, and no curve leads away from it.
+    """
     model = block_on_base(stiffness=k, segments=4)
     rotational = k * 0.2**3 / 12.0 * (1.0 + 2.0 / 4**2)
-    if rotational < 0.5 * model.weight:
-        with pytest.raises(UnstableError):
-            pushover(model, (0.2, 1.0), contacts="elastic", increment=0.002)
-        raise UnstableError("the bed is softer than K = W h/2")
     curve = pushover(model, (0.2, 1.0), contacts="elastic", increment=0.002)
     sound(curve)
     assert curve.multiplier.max() <= 0.2 + 1e-9
-    # the corner's first displacement under α W at mid-height, second-order effect included
+    # the corner's displacement under α W at mid-height, second-order effect included. From the first point: before
+    # it the shears of the two faces of a joint, apart by its compression u, turn round and add μu/h to α
     flexibility = 0.5 * model.weight / (rotational - 0.5 * model.weight)
-    assert curve.displacement[1] / curve.multiplier[1] == pytest.approx(flexibility, rel=2e-2)
+    change = np.diff(curve.displacement[1:3]) / np.diff(curve.multiplier[1:3])
+    assert change == pytest.approx(flexibility, rel=1e-2)
     if k >= 1e7:
-        assert curve.multiplier.max() == pytest.approx(0.2, rel=3e-2 * (1e7 / k) ** 0.5 + 1e-2)
+        assert curve.multiplier.max() == pytest.approx(0.2, rel=1e-2)
 
 
 def same_elastic_curve(make: str, size: float, weight: float) -> None:
@@ -66,7 +67,7 @@ def same_elastic_curve(make: str, size: float, weight: float) -> None:
         theirs = pushover(other, tuple(size * c for c in control), contacts=contacts, increment=0.01 * size)
         sound(theirs)
         assert theirs.multiplier.max() == pytest.approx(ours.multiplier.max(), rel=2e-5)
-        assert theirs.displacement[-1] / size == pytest.approx(ours.displacement[-1], rel=2e-3)
+        assert theirs.displacement[-1] / size == pytest.approx(ours.displacement[-1], rel=1e-3)
 
 
 def settled_alike(size: float, weight: float) -> None:
@@ -123,7 +124,7 @@ def mixed(factor: float) -> None:
     """One joint in a column of three is stiffer by a factor: the soft ones govern, in closed form."""
     soft, stiff = (Material(18.0, 0.7, k) for k in (1e5, 1e5 * factor))
     corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [0.0, 0.5]])
-    blocks = [Block(corners + (0.0, 0.5 * i), 1.0, m) for i, m in enumerate((stiff, stiff, soft))]
+    blocks = [Block(corners + np.array([0.0, 0.5 * i]), 1.0, m) for i, m in enumerate((stiff, stiff, soft))]
     base = Block([[-1, -1], [2, -1], [2, 0], [-1, 0]], 1.0, soft, support="base")
     model = Assembly([base, *blocks], 2)
     from mechanics.equilibrium import rest
@@ -141,8 +142,9 @@ def mixed(factor: float) -> None:
 
 def cases() -> Iterator[Case]:
     for k in 10.0 ** np.arange(2, 13):
-        refusal = (UnstableError,) if k < 1e4 else ()
-        yield Case("stiffness", f"k = {k:g} kN/m³", partial(stiffness, k), refusal)
+        soft = k < 0.5 * 3.6 / (0.2**3 / 12.0 * 1.125)
+        refusal = (UnstableError, ControlError) if soft else ()
+        yield Case("stiffness", f"k = {k:g} kN/m³", partial(stiffness, k), refusal, soft)
     for factor in 10.0 ** np.arange(-5, 6, 2):
         yield Case("stiffness", f"one of three joints stiffer by {factor:g}", partial(mixed, factor))
     for size in (1e-3, 1e-1, 1e1, 1e3):
