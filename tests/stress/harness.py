@@ -102,18 +102,16 @@ def judge(case: Case) -> Outcome:
     return outcome("certified")
 
 
-def _send(case_label: str, line: Connection) -> None:
-    from tests.stress.cases import CASES
-
-    line.send(judge(CASES[case_label]))
+def _send(case: Case, line: Connection) -> None:
+    line.send(judge(case))
 
 
 def apart(case: Case) -> Outcome:
     """Run a case in a process of its own: a crash or a hang is a failure of it alone."""
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["tests.stress.cases"])
+    context.set_forkserver_preload(["tests.stress.warm"])
     here, there = context.Pipe(duplex=False)
-    process = context.Process(target=_send, args=(case.label, there))
+    process = context.Process(target=_send, args=(case, there))
     process.start()
     there.close()
     limit = LONG_SECONDS if case.long else SECONDS

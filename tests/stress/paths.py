@@ -194,7 +194,7 @@ def cases() -> Iterator[Case]:
                 collapse,
             )
         for share in (0.9, 0.99, 0.999, 1.0, 1.1):
-            refusal = (UnstableError, NoEquilibriumError) if share >= 0.99 else ()
+            refusal = (UnstableError, *end) if share >= 0.99 else ()
             yield Case(
                 "edge of collapse", f"{share:g} of the ultimate movement, {contacts}",
                 partial(at_the_edge, contacts, share), refusal, share > 1.0,
