@@ -51,11 +51,10 @@ def strain(program: Program, one: Solution, other: Solution) -> float:
 
 def test_multipliers_and_displacements_of_statics(monkeypatch):
     """α to 1e-7 by three solvers, rigid; by two and with the strain energy of the difference, elastic."""
-    # a step asks for less: its geometry is known to 3e-4 (see the next test)
-    monkeypatch.setattr(central_path, "FOLLOWED", 1e-10)
     compared = {"rigid": 0, "elastic": 0}
     for number, model in assemblies(STATICS):
         program = static(model, "rigid")
+        monkeypatch.setattr(central_path, "FOLLOWED", 1e-10)  # a step asks for less, see the next test
         reference, highs, found = solve(program), linear.solve(program), banded(program)
         assert highs is not None
         assert highs[1] == pytest.approx(reference.alpha, abs=1e-7), number
@@ -66,17 +65,19 @@ def test_multipliers_and_displacements_of_statics(monkeypatch):
             compared["rigid"] += 1
             assert found.alpha == pytest.approx(reference.alpha, abs=1e-7), number
         program = static(model, "elastic")
+        # with compliance the error of α goes with the root of the duality gap
+        monkeypatch.setattr(central_path, "FOLLOWED", 1e-11)
         reference, found = solve(program), banded(program)
         if found is not None:
             compared["elastic"] += 1
             assert found.alpha == pytest.approx(reference.alpha, abs=1e-7), number
             assert strain(program, found, reference) < 1e-5, number
     # asked for so much it does not always get there, and says so
-    assert min(compared.values()) > 0.85 * STATICS, compared
+    assert min(compared.values()) > 0.8 * STATICS, compared
 
 
 def test_multipliers_of_a_followed_step():
-    """As a step asks for them: a solution of every program, and α to 3e-3, in the median to 1e-5."""
+    """As a step, whose geometry is known to 3e-4, asks for them: a solution of each, α to 3e-3, in the median to 1e-5."""
     differences = []
     for number, model in assemblies(STATICS):
         for behaviour in ("rigid", "elastic"):

@@ -13,9 +13,8 @@ import pytest
 from mechanics.errors import UnstableError
 from mechanics.limit import Limit
 from mechanics.program import Certificate
-
 from tests.stress.cases import CASES
-from tests.stress.harness import apart
+from tests.stress.harness import Case, Outcome, apart, judge, sound, table
 
 LONG = os.environ.get("ASSESTO_STRESS") == "long"
 
