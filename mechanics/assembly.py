@@ -15,6 +15,10 @@ from mechanics.contacts import Contacts, Kinematics, kinematics, place_contacts
 from mechanics.errors import require
 from mechanics.joints import Index, Joints, default_tolerance, find_joints
 
+LIGHTEST = (
+    1e-6  # of the mean block's weight: equilibrium, solved to 1e-8 of that, would not see a lighter one
+)
+
 Behaviour = Literal["rigid", "elastic"]
 Direction = Literal["+x", "-x"]
 Mask = NDArray[np.bool_]
@@ -54,6 +58,18 @@ class Assembly:
             object.__setattr__(self, "tolerance", default_tolerance(self.blocks))
         require(0.0 < self.joint_tolerance < np.inf, "tolerance", self.tolerance, "positive, in m")
         require(bool(self.movable.any()), "blocks", "all supports", "an assembly with a movable block")
+        self._check_weights()
+
+    def _check_weights(self) -> None:
+        weights = np.where(self.movable, [abs(b.weight) for b in self.blocks], np.inf)
+        lightest = int(np.argmin(weights))
+        share = float(weights[lightest]) / float(np.mean(weights[self.movable]))
+        require(
+            share >= LIGHTEST,
+            "blocks",
+            f"block {lightest} weighs {share:.2g} of the mean block",
+            f"at least {LIGHTEST:g} of it (less is lost in the accuracy of equilibrium): leave the block out",
+        )
 
     @property
     def joint_tolerance(self) -> float:
@@ -87,6 +103,18 @@ class Assembly:
         if np.isnan(self.elastic_contacts.stiffness).any():
             raise ValueError("normal_stiffness: elastic contacts need it for the material of every block")
         return self.elastic_contacts
+
+    @cached_property
+    def joints_in_a_row(self) -> int:
+        """The most joints between a block and the support nearest to it."""
+        near, count = ~self.movable, 0
+        while True:
+            touched = near.copy()
+            touched[self.joints.a[near[self.joints.b]]] = True
+            touched[self.joints.b[near[self.joints.a]]] = True
+            if (touched == near).all():
+                return count
+            near, count = touched, count + 1
 
     @cached_property
     def movable(self) -> Mask:

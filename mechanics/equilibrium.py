@@ -21,6 +21,7 @@ GEOMETRY_TOLERANCE = 1e-3  # of the step: how closely the geometry of forces and
 ALTERNATION = 0.5  # of the step: how far apart alternating mechanisms of rigid blocks may leave the blocks
 MOST_ITERATIONS = 30
 JUMP = 30.0  # a step this many times larger than asked is a fall, not a path of equilibrium
+TURN = 0.5  # rad: a step that turns a block by more leaves the range in which its geometry is linear
 CLOSED = 1e-3  # of the block size: a gap that is none (dilatant sliding leaves some in a settled state)
 
 
@@ -70,8 +71,10 @@ def find_step(
     where that cannot be decided.
     """
     pose = programs(model, behaviour, start, load, size, lateral, work)
+    # joints in a row may all be compressed by the expected displacement
+    farthest = max(JUMP, model.joints_in_a_row if behaviour == "elastic" else 0.0) * size
     if last is not None and len(model.contacts(behaviour)) >= LARGE:
-        followed = _follow(model, behaviour, pose, guess, last.neighbour, size)
+        followed = _follow(model, behaviour, pose, guess, last.neighbour, farthest)
         if followed is not None:
             return _step(model, behaviour, *followed, pose, 1)
     scale = np.array([1.0, 1.0, model.size])
@@ -84,8 +87,11 @@ def find_step(
             )
         found = _displaced(model, at, solution.displacement)
         moved = float(abs((found - start.positions) * scale).max())
-        if moved > JUMP * size:
+        if moved > farthest:
             raise NoEquilibriumError(f"the structure falls: a step of {size:.3g} m moves it by {moved:.3g} m")
+        turned = float(abs(found - start.positions)[model.movable, 2].max())
+        if turned > TURN:
+            raise NoEquilibriumError(f"a step of {size:.3g} m turns a block by {turned:.2g} rad")
         change = (found - at) * scale
         largest, before = float(abs(change).max()), float(abs(earlier).max())
         if largest <= GEOMETRY_TOLERANCE * size:
@@ -94,7 +100,7 @@ def find_step(
         if not settles or count == MOST_ITERATIONS:
             opening = pose(at).opening(solution.forces, solution.displacement)
             near = Neighbour(solution.forces, opening, solution.alpha)
-            followed = _follow(model, behaviour, pose, at, near, size)
+            followed = _follow(model, behaviour, pose, at, near, farthest)
             if followed is not None:
                 return _step(model, behaviour, *followed, pose, count + 1)
             if behaviour == "rigid" and largest <= ALTERNATION * size:
@@ -117,7 +123,7 @@ def _follow(
     pose: Callable[[Array], Program],
     guess: Array,
     near: Neighbour,
-    size: float,
+    farthest: float,
 ) -> tuple[Array, Solution] | None:
     """The equilibrium that the central path leads to from a neighbour, its geometry followed; None: not reached."""
     from mechanics.solvers import central_path
@@ -127,7 +133,7 @@ def _follow(
         _layout(model, behaviour),
         np.zeros(3 * int(model.movable.sum())),
         near,
-        JUMP * size,
+        farthest,
     )
     return None if ended is None else (_displaced(model, guess, ended[0]), ended[1])
 

@@ -142,7 +142,8 @@ def _kept_together(
     """
     _, normal, tangent = scene.geometry(x)
     rate = np.stack([scene.relative(normal, v), scene.relative(tangent, v)], axis=1)
-    stopped = (abs(slip) <= least) | (slip * rate[:, 1] < 0.0)
+    # without friction nothing stops
+    stopped = (scene.contacts.friction > 0.0) & ((abs(slip) <= least) | (slip * rate[:, 1] < 0.0))
     held = carrying.astype(np.intp) + (carrying & stopped)
     off = np.where(held > [[0], [1]], abs(rate).T, 0.0).max()
     if off <= RESTING * np.sqrt(GRAVITY * scene.model.size):

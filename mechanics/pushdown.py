@@ -16,7 +16,9 @@ from mechanics.program import Certificate
 HALVINGS = 5
 MOST_CLOSINGS = 30
 FINEST = 0.01  # of an increment: the last of the ever smaller steps towards the whole movement
-ONSET = 1e-3  # of an increment: a movement small enough to tell the reaction at its beginning
+ONSET = (
+    1e-3  # of an increment, at most of a block: a movement small enough to tell the reaction at its beginning
+)
 SETTLED = 2e-4  # of the block size: what a gap left by dilatant sliding may be when the movement stops
 
 
@@ -85,7 +87,13 @@ def pushdown(
     begun = (
         start
         if contacts == "elastic"
-        else advance(model.initial, np.zeros_like(moved(model.initial, 0.0)), 0.0, ONSET * increment, start)
+        else advance(
+            model.initial,
+            np.zeros_like(moved(model.initial, 0.0)),
+            0.0,
+            ONSET * min(increment, model.size),
+            start,
+        )
     )
     states, path = [start.state], [0.0]
     reactions = [reaction(model, contacts, begun, index)[:2]]

@@ -24,7 +24,8 @@ GROWTH = 1.5  # of steps that begin small
 FIRST = 0.02  # of the rigid multiplier: the first step of that branch
 SETTLED_FIRST = 0.1  # of an increment: the first step from a settled state, whose open hinges may close first
 ZERO = 1e-6  # of the largest multiplier: one that is none
-MOST_CHORDS = 3  # to get there
+CHORDS, MOST_CHORDS = 3, 30  # to get there, and nearly there
+NEARLY = 1e-3  # of the largest multiplier: what is left after a few chords of a step of ordinary length
 CARRYING = 1e-6  # of the weight: a contact force that is one
 LARGEST = 2.0  # a block may move this many increments where the control point moves less
 
@@ -102,7 +103,8 @@ def pushover(
 
     snap = SNAP * float(abs(states[0].positions - model.initial.positions)[:, :2].max()) if state else 0.0
     # the next step from the rate of the last one: per unit work, how far the blocks and the control point move
-    control_rate = along(states[0].positions + 1e-6 * model.size * rate) / (1e-6 * model.size)
+    little = 1e-6 * model.size / float(abs(rate[:, :2]).max())
+    control_rate = along(states[0].positions + little * rate) / little
     onset, onset_rate = rate, control_rate
     path, smallest = [0.0], 0.0
     reached, lost, end = False, False, f"{MOST_STEPS} points"
@@ -207,7 +209,9 @@ def _down_to_zero(
 ) -> tuple[float, Step]:
     """The work that brings the multiplier from α > 0 down to zero, and its step (false position, Illinois rule)."""
     low, high = (0.0, alpha), (work, step.alpha)
-    for _ in range(MOST_CHORDS):
+    for count in range(MOST_CHORDS):
+        if count >= CHORDS and abs(step.alpha) <= NEARLY / ZERO * tolerance:
+            break
         chord = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
         try:
             work, step = chord, advance(chord)

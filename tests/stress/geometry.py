@@ -1,0 +1,218 @@
+"""Slender and flat blocks, tiny and tilted joints, redundant contact points, tall columns, arches at their limit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache, partial
+
+import numpy as np
+import pytest
+
+from mechanics import Assembly, Block, Material, limit_analysis, pushover, time_history
+from mechanics.equilibrium import check_self_weight, closed_program, reaction, rest
+from mechanics.errors import UnstableError
+from mechanics.solvers import linear
+from tests.stress.harness import Case, sound
+from tests.stress.scales import by_highs
+from tests.structures import block_on_base, rectangle, running_bond, semicircular_arch
+
+STONE = Material(18.0, 0.7, 1e8)
+
+
+def slender(width: float, height: float) -> None:
+    """α = B/H or μ; the rigid curve is tan(arctan(B/H) − θ)."""
+    model = block_on_base(width, height)
+    limit = limit_analysis(model)
+    sound(limit, 1e-3 * model.size)
+    ratio = width / height
+    assert limit.alpha == pytest.approx(min(ratio, 0.7), rel=1e-6)
+    if ratio < 0.7:
+        curve = pushover(model, (width, height), increment=0.02 * width)
+        sound(curve)
+        lean = np.array([-state.positions[1, 2] for state in curve.states])
+        np.testing.assert_allclose(curve.multiplier, np.tan(np.arctan(ratio) - lean), atol=1e-5 * ratio)
+
+
+def slender_in_motion(width: float, height: float) -> None:
+    """At rest it stays; energy is not made."""
+    motion = time_history(
+        block_on_base(width, height, stiffness=1e9, segments=2), np.zeros(40), 0.01, "elastic"
+    )
+    sound(motion.certificate)
+    assert abs(motion.positions[-1] - motion.positions[0]).max() < 1e-6 * width
+
+
+def needle(width: float) -> None:
+    """A needle, 1 : 10, beside a block of 10 m on one base: it overturns first, at 0.1."""
+    thin = Block(rectangle(6.0, 0.0, 6.0 + width, 10.0 * width), 1.0, STONE)
+    wide = Block(rectangle(-5.0, 0.0, 5.0, 10.0), 1.0, STONE)
+    base = Block(rectangle(-20.0, -1.0, 20.0, 0.0), 1.0, STONE, support="base")
+    limit = limit_analysis(Assembly([base, wide, thin], tolerance=1e-3 * width))
+    sound(limit, 1e-3)
+    assert limit.alpha == pytest.approx(0.1, rel=1e-6)
+
+
+def ledge(width: float, tolerance: float) -> None:
+    """A lintel of 10 m on a bearing of 1 m and a ledge, which carries between 4/9 and 1/2 of it, or its whole width."""
+    lintel = Block(rectangle(0.0, 0.0, 10.0, 0.5), 1.0, STONE)
+    left = Block(rectangle(-1.0, -1.0, 1.0, 0.0), 1.0, STONE, support="left")
+    right = Block(rectangle(10.0 - width, -1.0, 12.0, 0.0), 1.0, STONE, support="right")
+    model = Assembly([lintel, left, right], tolerance=tolerance)
+    limit = limit_analysis(model)
+    sound(limit, 1e-3)
+    assert limit.alpha == pytest.approx(0.7, rel=1e-6)
+    for contacts in ("rigid", "elastic"):
+        step = rest(model, contacts, model.initial)
+        share = reaction(model, contacts, step, model.support("right"))[1] / model.weight
+        tilt = abs(step.state.positions[0, 2])  # of a soft ledge's making: it moves the forces a little
+        assert 4.0 / 9.0 - 1e-6 - 0.2 * tilt <= share <= 5.0 / (10.0 - width) + 1e-6
+
+
+def tilted(angle: float) -> None:
+    """A base tilted by less than the tolerance: α = tan(arctan(B/H) + θ), as near as the joint is drawn."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    corners = np.array(rectangle(0.0, 0.0, 0.2, 1.0)) @ np.array([[cos, sin], [-sin, cos]])
+    base = Block(rectangle(-1.0, -0.1, 1.0, 0.0), 1.0, STONE, support="base")
+    model = Assembly([base, Block(corners, 1.0, STONE)])
+    limit = limit_analysis(model)
+    sound(limit, 1e-3)
+    assert limit.alpha == pytest.approx(0.2, abs=2.0 * abs(angle) + 1e-9)
+
+
+def tee(overlap: float) -> None:
+    """A block across the joint of two: a T; α of each part in closed form, the whole as HiGHS has it."""
+    blocks = [
+        Block(rectangle(-2.0, -0.5, 3.0, 0.0), 1.0, STONE, support="base"),
+        Block(rectangle(0.0, 0.0, 0.5, 0.4), 1.0, STONE),
+        Block(rectangle(0.5, 0.0, 1.0, 0.4), 1.0, STONE),
+        Block(rectangle(0.5 - overlap, 0.4, 0.9, 0.8), 1.0, STONE),
+    ]
+    model = Assembly(blocks, tolerance=1e-10)
+    limit = limit_analysis(model)
+    sound(limit, 1e-3)
+    assert limit.alpha == pytest.approx(by_highs(model), abs=1e-7)
+    assert len(model.joints.a) == 5
+    sound(rest(model, "elastic", model.initial).certificate, 1e-3)
+
+
+def redundant(segments: int) -> None:
+    """A joint of thousands of points: the continuous bed, whose rotation under small α is W h/2 α/(K − W h/2)."""
+    model = block_on_base(stiffness=1e6, segments=segments)
+    curve = pushover(model, (0.2, 1.0), contacts="elastic", increment=0.01)
+    sound(curve)
+    rotational = 1e6 * 0.2**3 / 12.0 * (1.0 + 2.0 / segments**2)
+    flexibility = 0.5 * model.weight / (rotational - 0.5 * model.weight)
+    assert curve.displacement[1] / curve.multiplier[1] == pytest.approx(flexibility, rel=1e-2)
+
+
+def redundant_rigid(segments: int) -> None:
+    """Thousands of rigid points where eight would do: the same multiplier, and the same motion."""
+    one = running_bond(3, 4)
+    many = Assembly(one.blocks, segments)
+    many.__dict__["rigid_contacts"] = many.elastic_contacts
+    found = limit_analysis(many)
+    sound(found, 1e-3)
+    assert found.alpha == pytest.approx(limit_analysis(one).alpha, abs=1e-7)
+    record = 0.4 * np.sin(2.0 * np.pi * 3.0 * 0.005 * np.arange(10))
+    sound(time_history(many, record, 0.005, "elastic").certificate)
+
+
+def column(blocks: int, stiffness: float = 1e9) -> Assembly:
+    stone = Material(18.0, 0.7, stiffness)
+    base = Block(rectangle(-1.0, -0.5, 2.0, 0.0), 1.0, stone, support="base")
+    return Assembly(
+        [base, *(Block(rectangle(0.0, 0.1 * i, 1.0, 0.1 * i + 0.1), 1.0, stone) for i in range(blocks))]
+    )
+
+
+def stacked(blocks: int) -> None:
+    """α = B/H of the whole, the compression of every joint, and no motion at rest."""
+    model = column(blocks)
+    limit = limit_analysis(model)
+    sound(limit, 1e-3)
+    assert limit.alpha == pytest.approx(10.0 / blocks, rel=1e-6)
+    step = rest(model, "elastic", model.initial)
+    sound(step.certificate, 1e-6)
+    shortening = 1.8 * np.cumsum(np.arange(blocks, 0, -1)) / 1e9
+    settled = model.initial.positions[1:, 1] - step.state.positions[1:, 1]
+    np.testing.assert_allclose(settled, shortening, rtol=1e-5)
+    for contacts in ("rigid", "elastic"):
+        motion = time_history(model, np.zeros(20), 0.005, contacts)
+        sound(motion.certificate)
+        assert abs(motion.positions[-1] - motion.positions[0]).max() < 1e-7
+
+
+def stacked_curve(blocks: int) -> None:
+    model = column(blocks)
+    height = 0.1 * blocks
+    curve = pushover(model, (1.0, height), increment=0.1)
+    sound(curve)
+    lean = np.array([-state.positions[-1, 2] for state in curve.states])
+    np.testing.assert_allclose(curve.multiplier, np.tan(np.arctan(1.0 / height) - lean), atol=1e-5)
+    assert curve.reached_zero
+
+
+@cache
+def least_thickness(voussoirs: int) -> float:
+    """By bisection with HiGHS: the thinnest arch in which α = 0 has equilibrium, to 1e-9."""
+
+    def stands(thickness: float) -> bool:
+        model = semicircular_arch(voussoirs, thickness)
+        return linear.solve(closed_program(model, model.initial)[0]) is not None
+
+    low, high = 0.09, 0.12
+    while high - low > 1e-9:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if stands(middle) else (middle, high)
+    return high
+
+
+def thin_arch(voussoirs: int, off: float) -> None:
+    model = semicircular_arch(voussoirs, least_thickness(voussoirs) + off)
+    check_self_weight(model)
+    limit = limit_analysis(model)
+    sound(limit, 1e-3)
+    assert 0.0 <= limit.alpha < max(1e-4, 10.0 * off)
+    assert limit.alpha == pytest.approx(by_highs(model), abs=1e-7)
+
+
+def cases() -> Iterator[Case]:
+    for width, height in ((0.01, 10.0), (1e-3, 1.0), (10.0, 0.01), (1.0, 1e-3)):
+        name = f"{width:g} × {height:g} m"
+        yield Case("slender and flat", name, partial(slender, width, height))
+        yield Case("slender and flat", f"{name} at rest in time", partial(slender_in_motion, width, height))
+    for width in (1e-2, 1.0):
+        yield Case("1 µm beside 10 m", f"needle of {width:g} m", partial(needle, width))
+    for width in (1e-6, 1e-4):
+        name = f"needle of {width:g} m"
+        yield Case("1 µm beside 10 m", name, partial(needle, width), bad_input="block 2 weighs")
+    for width in (1e-6, 1e-4, 1e-2, 1.0):
+        yield Case("1 µm beside 10 m", f"ledge of {width:g} m", partial(ledge, width, 1e-8))
+    yield Case(
+        "1 µm beside 10 m", "ledge below the tolerance", partial(ledge, 1e-6, 1e-3), (UnstableError,), True
+    )
+    for angle in (0.0, 1e-12, 1e-9, 1e-6, 1e-4, -1e-6, -1e-4):
+        yield Case("nearly parallel and T-joints", f"tilted by {angle:g}", partial(tilted, angle))
+    yield Case(
+        "nearly parallel and T-joints", "tilted by 0.01", partial(tilted, 1e-2), (UnstableError,), True
+    )
+    for overlap in (1e-9, 1e-6, 1e-3, 0.25, 0.4):
+        yield Case("nearly parallel and T-joints", f"T over {overlap:g} m", partial(tee, overlap))
+    for segments in (100, 1000):
+        yield Case("redundant points", f"{4 * segments} points, elastic", partial(redundant, segments))
+    yield Case("redundant points", "4000 points, rigid", partial(redundant_rigid, 30))
+    yield Case("redundant points", "20000 points, elastic", partial(redundant, 5000), long=True)
+    yield Case("redundant points", "13000 points, rigid", partial(redundant_rigid, 100), long=True)
+    for blocks in (20, 200):
+        yield Case("stacked columns", f"{blocks} blocks", partial(stacked, blocks))
+        yield Case(
+            "stacked columns", f"{blocks} blocks, curve", partial(stacked_curve, blocks), long=blocks > 20
+        )
+    yield Case("stacked columns", "2000 blocks", partial(stacked, 2000), long=True)
+    for voussoirs in (7, 15, 27):
+        for off in (1e-3, 1e-6, -1e-6, -1e-3):
+            refusal = (UnstableError,) if off < 0 else ()
+            name = f"{voussoirs} voussoirs, t_min {off:+g}"
+            yield Case(
+                "arch at its least thickness", name, partial(thin_arch, voussoirs, off), refusal, off < 0
+            )

@@ -1,0 +1,165 @@
+"""Ten orders of magnitude in stiffness, size and unit weight; friction from 0 to 5."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+import pytest
+
+from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover, time_history
+from mechanics.equilibrium import closed_program
+from mechanics.errors import ControlError, UnstableError
+from mechanics.solvers import linear
+from tests.stress.harness import Case, sound
+from tests.structures import arch_on_piers, block_on_base, running_bond
+
+SLENDERNESS = np.arctan(0.2)
+
+
+def scaled(model: Assembly, size: float = 1.0, weight: float = 1.0, stiffness: float = 1.0) -> Assembly:
+    """The same assembly in other units: every length but the depth, unit weight and stiffness by factors."""
+
+    def stone(m: Material) -> Material:
+        k = None if m.normal_stiffness is None else m.normal_stiffness * stiffness
+        return Material(m.unit_weight * weight, m.friction, k)
+
+    blocks = [Block(size * b.polygon, b.depth, stone(b.material), b.support) for b in model.blocks]
+    return Assembly(blocks, model.segments_per_joint)
+
+
+def by_highs(model: Assembly) -> float:
+    """The multiplier of limit analysis by a solver of another kind."""
+    found = linear.solve(closed_program(model, model.initial, model.lateral_load("+x"))[0])
+    assert found is not None
+    return found[1]
+
+
+def stiffness(k: float) -> None:
+    """A block on a bed of four segments: it stands where K = k d l³/12 (1 + 2/m²) exceeds W h/2.
+
+    Where it does not, the rest that is found is upright and unstable, and no curve leads away from it.
+    """
+    model = block_on_base(stiffness=k, segments=4)
+    rotational = k * 0.2**3 / 12.0 * (1.0 + 2.0 / 4**2)
+    curve = pushover(model, (0.2, 1.0), contacts="elastic", increment=0.002)
+    sound(curve)
+    assert curve.multiplier.max() <= 0.2 + 1e-9
+    # the corner's displacement under α W at mid-height, second-order effect included. From the first point: before
+    # it the shears of the two faces of a joint, apart by its compression u, turn round and add μu/h to α
+    flexibility = 0.5 * model.weight / (rotational - 0.5 * model.weight)
+    change = np.diff(curve.displacement[1:3]) / np.diff(curve.multiplier[1:3])
+    assert change == pytest.approx(flexibility, rel=1e-2)
+    if k >= 1e7:
+        assert curve.multiplier.max() == pytest.approx(0.2, rel=1e-2)
+
+
+def same_elastic_curve(make: str, size: float, weight: float) -> None:
+    """α over d/size is invariant: displacements per size go with γ·size/k, kept."""
+    control = {"block": (0.2, 1.0), "arch": (0.85, 0.8)}[make]
+    model = (
+        block_on_base(segments=2) if make == "block" else arch_on_piers(voussoirs=9, courses=3, stiffness=1e6)
+    )
+    other = scaled(model, size, weight, weight)
+    for contacts in ("rigid", "elastic"):
+        ours = pushover(model, control, contacts=contacts, increment=0.01)
+        theirs = pushover(other, tuple(size * c for c in control), contacts=contacts, increment=0.01 * size)
+        sound(theirs)
+        assert theirs.multiplier.max() == pytest.approx(ours.multiplier.max(), rel=2e-5)
+        assert theirs.displacement[-1] / size == pytest.approx(ours.displacement[-1], rel=1e-3)
+
+
+def settled_alike(size: float, weight: float) -> None:
+    """The ultimate movement of an arch per size, and its thrust per weight."""
+    model = arch_on_piers(voussoirs=9, courses=3)
+    other = scaled(model, size, weight)
+    ours, theirs = (
+        pushdown(m, "right", (0.05 * s, 0.0), increment=0.01 * s) for m, s in ((model, 1.0), (other, size))
+    )
+    sound(theirs)
+    expected = ours.reaction[:, 0] / model.weight
+    np.testing.assert_allclose(theirs.reaction[:, 0] / other.weight, expected, rtol=1e-3)
+
+
+def rocks_alike(size: float, weight: float) -> None:
+    """Free rocking over t√(g/size) is the same at every size and weight."""
+    model = block_on_base(0.6, 4.2)
+    other = scaled(model, size, weight, weight)
+    time_step = 0.01 * np.sqrt(size)
+    for contacts in ("rigid", "elastic"):
+        first, second = (
+            time_history(
+                m,
+                np.zeros(60),
+                dt,
+                contacts,
+                state=m.rotated(block=1, about=(0.6 * s, 0.0), rotation=-0.05),
+            ).positions[:, 1, 2]
+            for m, s, dt in ((model, 1.0, 0.01), (other, size, time_step))
+        )
+        np.testing.assert_allclose(second, first, atol=2e-5)
+
+
+def friction(mu: float) -> None:
+    """A block slides at μ or rocks at B/H; a wall as HiGHS has it, and never above μ."""
+    block = limit_analysis(block_on_base(friction=mu))
+    sound(block, 1e-3)
+    assert block.alpha == pytest.approx(min(mu, 0.2), abs=1e-7)
+    wall = running_bond(4, 5, friction=mu)
+    limit = limit_analysis(wall)
+    sound(limit, 1e-3)
+    assert limit.alpha == pytest.approx(by_highs(wall), abs=1e-7)
+    assert limit.alpha <= mu + 1e-7
+
+
+def arch_friction(mu: float) -> None:
+    model = arch_on_piers(friction=mu)
+    limit = limit_analysis(model)
+    sound(limit, 1e-3)
+    assert limit.alpha == pytest.approx(by_highs(model), abs=1e-7)
+
+
+def mixed(factor: float) -> None:
+    """One joint in a column of three is stiffer by a factor: the soft ones govern, in closed form."""
+    soft, stiff = (Material(18.0, 0.7, k) for k in (1e5, 1e5 * factor))
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [0.0, 0.5]])
+    blocks = [Block(corners + np.array([0.0, 0.5 * i]), 1.0, m) for i, m in enumerate((stiff, stiff, soft))]
+    base = Block([[-1, -1], [2, -1], [2, 0], [-1, 0]], 1.0, soft, support="base")
+    model = Assembly([base, *blocks], 2)
+    from mechanics.equilibrium import rest
+
+    step = rest(model, "elastic", model.initial)
+    sound(step.certificate, 1e-3)
+    k = model.contacts("elastic").stiffness[:, 0]
+    for joint, carried in ((0, 3), (1, 2), (2, 1)):
+        closed = 9.0 * carried / k[8 * joint : 8 * joint + 8].sum()
+        upper, lower = (
+            step.state.positions[[joint + 1, joint], 1] - model.initial.positions[[joint + 1, joint], 1]
+        )
+        assert lower - upper == pytest.approx(closed, rel=1e-5, abs=1e-13)
+
+
+def cases() -> Iterator[Case]:
+    for k in 10.0 ** np.arange(2, 13):
+        soft = k < 0.5 * 3.6 / (0.2**3 / 12.0 * 1.125)
+        refusal = (UnstableError, ControlError) if soft else ()
+        yield Case("stiffness", f"k = {k:g} kN/m³", partial(stiffness, k), refusal, soft)
+    for factor in 10.0 ** np.arange(-5, 6, 2):
+        yield Case("stiffness", f"one of three joints stiffer by {factor:g}", partial(mixed, factor))
+    for size in (1e-3, 1e-1, 1e1, 1e3):
+        for make in ("block", "arch"):
+            yield Case("size", f"{make} × {size:g}", partial(same_elastic_curve, make, size, 1.0 / size))
+        yield Case("size", f"settled arch × {size:g}", partial(settled_alike, size, 1.0))
+        yield Case("size", f"rocking × {size:g}", partial(rocks_alike, size, 1.0 / size))
+    for weight in 10.0 ** np.arange(-5, 6, 2):
+        for make in ("block", "arch"):
+            yield Case(
+                "unit weight", f"{make}, γ × {weight:g}", partial(same_elastic_curve, make, 1.0, weight)
+            )
+        yield Case("unit weight", f"settled arch, γ × {weight:g}", partial(settled_alike, 1.0, weight))
+        yield Case("unit weight", f"rocking, γ × {weight:g}", partial(rocks_alike, 1.0, weight))
+    for mu in (0.0, 1e-9, 1e-6, 1e-3, 0.1, 0.5, 1.0, 2.0, 5.0):
+        yield Case("friction", f"block and wall, μ = {mu:g}", partial(friction, mu))
+        refusal = (UnstableError,) if mu < 0.35 else ()
+        yield Case("friction", f"arch, μ = {mu:g}", partial(arch_friction, mu), refusal, bool(refusal))
