@@ -24,8 +24,8 @@ GROWTH = 1.5  # of steps that begin small
 FIRST = 0.02  # of the rigid multiplier: the first step of that branch
 SETTLED_FIRST = 0.1  # of an increment: the first step from a settled state, whose open hinges may close first
 ZERO = 1e-6  # of the largest multiplier: one that is none
-CHORDS, MOST_CHORDS = 3, 30  # to get there, and nearly there
-NEARLY = 1e-3  # of the largest multiplier: what is left after a few chords of a step of ordinary length
+CHORDS, MOST_CHORDS = 3, 8  # to get there, and nearly there
+NEARLY = 1e-2  # of the largest multiplier: what is left after a few chords of a step of ordinary length
 CARRYING = 1e-6  # of the weight: a contact force that is one
 LARGEST = 2.0  # a block may move this many increments where the control point moves less
 

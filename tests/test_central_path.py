@@ -50,7 +50,7 @@ def test_it_solves_a_program_as_piqp_does(model, behaviour, lateral):
     x, solution = found
     expected = solve(there)
     certificate = certify(there, solution.forces, solution.alpha, x + solution.displacement)
-    assert certificate.worst(size) <= central_path.FOLLOWED
+    assert certificate.worst(size) <= central_path.FOLLOWED * len(there.load) / 3
     assert certificate.equilibrium <= 1e-8
     assert solution.alpha == pytest.approx(expected.alpha, abs=1e-6)
     # the forces of a redundant structure and the mechanism of a symmetrical one are not unique; the work is

@@ -34,7 +34,7 @@ IDLE = 8  # and after which the method ends
 TO_AND_FRO = -0.3  # of a step: its return that asks for a shorter one
 TINY = 1e-300
 NEARLY = 1e-5  # unbalanced force, per weight, from which equilibrium is restored by itself
-FOLLOWED = 3e-7  # certificate that ends the path; its equilibrium is restored to rounding
+FOLLOWED = 1e-9  # certificate that ends the path, per block; its equilibrium is restored to rounding
 RESTORATIONS = 2
 FROZEN = 3e-4  # of the step: displacements that do not change the geometry
 DISTANCE = 0.03  # from the bounds, per weight and step, at which the method begins
@@ -86,6 +86,7 @@ def _follow(
     program = pose(x)
     rays = Rays.of(program.friction)
     at = _begin(program, near, rays)
+    accepted = FOLLOWED * len(x) / 3
     progress: list[float] = []
     holding = HOLDING
     last = np.zeros_like(x)
@@ -94,11 +95,11 @@ def _follow(
         worst = quality.worst(program.step)
         if (
             quality.equilibrium <= NEARLY
-            and replace(quality, equilibrium=0.0).worst(program.step) <= FOLLOWED
+            and replace(quality, equilibrium=0.0).worst(program.step) <= accepted
         ):
             restored = _restored(program, layout, at, rays)
             quality = restored.certificate
-            if quality.equilibrium <= GOOD and quality.worst(program.step) <= FOLLOWED:
+            if quality.equilibrium <= GOOD and quality.worst(program.step) <= accepted:
                 return x, restored
         product = float((at.s * at.z).mean())
         progress.append(worst * product)
