@@ -74,6 +74,44 @@ def outcome(tmp_path_factory):
     return run(project, build_model(project), jobs=1)
 
 
+class Told:
+    """What was told of the analyses under way."""
+
+    def __init__(self):
+        self.lines = []
+
+    def begin(self, stage, total, taken):
+        self.lines.append(("begin", stage, total, taken))
+
+    def under_way(self, title):
+        self.lines.append(("under way", title))
+
+    def advance(self):
+        self.lines.append(("advance",))
+
+    def end(self):
+        self.lines.append(("end",))
+
+
+def test_incremental_analysis_tells_its_progress_and_is_the_same_on_several_processes(tmp_path):
+    project = _project(tmp_path / "block", INCREMENTAL.replace("0.1", "0.4"))
+    np.savetxt(project.folder / "later.csv", np.column_stack([TIME, 0.3 * WAVE]), delimiter=",", fmt="%.8f")
+    found, told = [], []
+    for jobs in (1, 2):
+        show = Told()
+        states = run(project, build_model(project), jobs, show=show).results["states"]
+        found.append([states[name]["incremental"] for name in project.states])
+        told.append(show.lines[show.lines.index(("begin", "incremental", 4, 0)) :])
+    for state in (state for states in found for state in states):
+        assert len(state["records"]) == 2
+        assert all(record.pop("seconds") > 0.0 for record in state["records"])
+    assert found[0] == found[1]
+    under_way = [f"{name}, {record}" for name in project.states for record in ("later", "wave")]
+    one_by_one = [line for title in under_way for line in (("under way", title), ("advance",))]
+    assert told[0] == [("begin", "incremental", 4, 0), *one_by_one, ("end",)]
+    assert told[1] == [("begin", "incremental", 4, 0), *[("advance",)] * 4, ("end",)]
+
+
 def test_histories_of_both_states_and_records(outcome):
     assert outcome.complete
     assert list(outcome.results["states"]) == ["original", "base turned 20 mrad"]
