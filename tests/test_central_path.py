@@ -65,7 +65,7 @@ def test_a_step_followed_and_a_step_of_programs_are_the_same(behaviour, monkeypa
     apart = pushover(model, control, contacts=behaviour, increment=0.01)
     monkeypatch.setattr("mechanics.equilibrium.LARGE", 0)
     followed = pushover(model, control, contacts=behaviour, increment=0.01)
-    assert sum(step.solves == 1 for step in followed.steps) > 0.7 * len(followed.steps)
+    assert sum(step.solves == 1 for step in followed.steps) > 0.6 * len(followed.steps)
     assert sum(step.solves > 1 for step in apart.steps) > 0.7 * len(apart.steps)
     along = np.linspace(0.0, 0.5 * min(path.displacement[-1] for path in (apart, followed)), 20)
     alpha = [np.interp(along, path.displacement, path.multiplier) for path in (apart, followed)]
