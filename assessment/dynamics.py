@@ -63,6 +63,7 @@ class StageResult:
     warnings: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
     seconds: float = 0.0
+    convergence: Numbers | None = None
 
 
 @dataclass(frozen=True)
@@ -191,17 +192,6 @@ class Campaign:
             self.progress(f"{tasks[number][3]}: {what}, {tasks[number][1].name}{count}")
 
         yield from spread(function, tasks, self.jobs, work > WORTHWHILE, announce)
-
-
-def histories(campaign: Campaign, motions: list[BaseMotion]) -> Iterator[StageResult]:
-    """Every time history that the project asks for, state by state."""
-    by_table = [
-        campaign.tasks(table, [motion])
-        for table, motion in zip(campaign.project.history, motions, strict=True)
-    ]
-    states = campaign.project.states
-    tasks = sorted((task for tasks in by_table for task in tasks), key=lambda task: states.index(task[3]))
-    yield from campaign.spread(history, tasks, 1, "history")
 
 
 def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, start: Start) -> StageResult:

@@ -26,20 +26,24 @@ def add_studies(
     project: Project,
     model: Assembly,
     stages: Sequence[StateResult],
+    halvings: Mapping[str, int],
     spectra: Mapping[str, Spectrum],
     hazard: HazardCurve | None,
     jobs: int,
     progress: Callable[[str], None],
 ) -> bool:
-    """Set the scenarios side by side and vary the properties, where asked for; return whether all was completed."""
+    """Set the scenarios side by side and vary the properties, where asked for; return whether all was completed.
+
+    `halvings`: of each state's increments behind `stages`; the studies of a state take the same.
+    """
     demands = Demands(spectra, hazard)
     made: dict[str, Callable[[Study], Numbers]] = {}
     if asks_for_scenarios(project):
         made["scenarios"] = lambda study: scenarios(
-            project, model, results["states"], stages, demands, jobs, progress, study
+            project, model, results["states"], stages, halvings, demands, jobs, progress, study
         )
     if project.sensitivity:
-        made["sensitivity"] = lambda study: sensitivity(project, demands, jobs, progress, study)
+        made["sensitivity"] = lambda study: sensitivity(project, halvings, demands, jobs, progress, study)
     complete = True
     for name, make in made.items():
         began, study = time.perf_counter(), Study()

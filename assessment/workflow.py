@@ -10,13 +10,14 @@ import platform
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assessment.checks import assess, assess_chosen, governing
+from assessment.convergence import accuracy_of, converge
 from assessment.demand import demand_spectra, spectra_numbers
 from assessment.dynamic_stages import add_dynamics, dynamic_contacts, read_motions
 from assessment.files import write_atomically
@@ -24,6 +25,7 @@ from assessment.messages import ProjectError
 from assessment.model import Model
 from assessment.parallel import SMALL, spread
 from assessment.stages import ORIGINAL, StateResult, analyse_state
+from assessment.study import Demands
 from assessment.study_stages import add_studies
 from assessment.table import reduction, static_pga
 from mechanics import Assembly, UnstableError
@@ -114,8 +116,16 @@ def run(project: Project, model: Model, jobs: int = 0, progress: Progress = lamb
         results["quality"]["warnings"].append(str(error))
         _sum_up(results["quality"])
         return Outcome(_without_nan(results), complete=False)
-    stages = list(_analyses(project, assembly, jobs, progress))
+    converged = converge(
+        project,
+        assembly,
+        Demands(demands, hazard),
+        lambda finer, names: list(_analyses(finer, assembly, names, jobs, progress)),
+    )
+    stages = converged.stages
     warnings = results["quality"]["warnings"]
+    warnings += converged.warnings
+    results["convergence"]["rows"] += converged.rows
     states = results["states"]
     for stage in stages:
         _merge(states[stage.state], stage)
@@ -134,7 +144,9 @@ def run(project: Project, model: Model, jobs: int = 0, progress: Progress = lamb
         results["timing_s"]["assessment"] = time.perf_counter() - began
     if project.mechanism:
         results["mechanisms"] = assess_chosen(project, assembly, states, demands, hazard, warnings)
-    studied = add_studies(results, project, assembly, stages, demands, hazard, jobs, progress)
+    studied = add_studies(
+        results, project, assembly, stages, converged.halvings, demands, hazard, jobs, progress
+    )
     shaken = add_dynamics(results, project, assembly, motions, stages, jobs, progress)
     if project.assessment or project.incremental:
         results["comparison"] = _comparison(states)
@@ -176,6 +188,7 @@ def describe(project: Project, model: Model) -> Results:
             for name, settlement in _states(project)
         },
         "comparison": [],
+        "convergence": {"tolerance": accuracy_of(project).tolerance, "rows": []},
         "quality": {"solves": 0, "warnings": [], "by_stage": []},
         "timing_s": {},
         "software": {
@@ -247,12 +260,14 @@ def _replace(new: Path, old: Path, ours: bool) -> None:
             stale.unlink()
 
 
-def _analyses(project: Project, assembly: Assembly, jobs: int, progress: Progress) -> Iterable[StateResult]:
-    """Every state under every contact behaviour, on several processes where that pays."""
+def _analyses(
+    project: Project, assembly: Assembly, states: Collection[str], jobs: int, progress: Progress
+) -> Iterable[StateResult]:
+    """Each of the states under every contact behaviour, on several processes where that pays."""
     pushed: tuple[Behaviour, ...] = project.pushover.contacts if project.pushover else ()
     settled = list(dict.fromkeys([*pushed, *dynamic_contacts(project)])) or ["rigid"]
-    tasks: list[tuple[SettlementTable | None, Behaviour]] = [(None, b) for b in pushed]
-    tasks += [(s, b) for s in project.settlements for b in settled]
+    tasks: list[tuple[SettlementTable | None, Behaviour]] = [(None, b) for b in pushed if ORIGINAL in states]
+    tasks += [(s, b) for s in project.settlements if s.name in states for b in settled]
     names = [f"{task[0].name if task[0] else ORIGINAL}: {task[1]} contacts" for task in tasks]
     worthwhile = len(assembly.elastic_contacts) * len(tasks) > SMALL
     return spread(
