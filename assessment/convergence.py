@@ -87,6 +87,11 @@ class Levels:
         return [level.get(quantity) for level in self.measured]
 
     @property
+    def reached(self) -> bool:
+        """Whether any level gave any quantity."""
+        return any(value is not None for level in self.measured for value in level.values())
+
+    @property
     def errors(self) -> dict[str, float | None]:
         """Estimated error of each quantity that the last two levels did not both fail to reach; None: not known."""
         if len(self.measured) < 2:
@@ -108,7 +113,7 @@ class Levels:
 
     def within(self, tolerance: float) -> bool:
         """Whether every error is known and meets the tolerance; one level alone tells none."""
-        if not any(value is not None for level in self.measured for value in level.values()):
+        if not self.reached:
             return True
         known = self.relative.values()
         return len(self.measured) > 1 and all(error is not None and error <= tolerance for error in known)
@@ -222,6 +227,8 @@ def converge(
         found.stages = [_finest(each, stages, failed) for each in found.stages]
     for state, ways in levels.items():
         for way, each in ways.items():
+            if not each.reached:
+                continue
             found.rows.append({"state": state, "direction": way, **each.numbers(accuracy.tolerance)})
             title = f"{state}, {way}"
             if state in failed:
@@ -235,7 +242,9 @@ def not_met(title: str, levels: Levels, tolerance: float, what: str) -> list[str
     if levels.within(tolerance):
         return []
     times = 2 ** (len(levels.measured) - 1)
-    said = "; ".join(levels.missed(tolerance)) or "is not known"
+    if times == 1:
+        return [f"{title}: discretisation error not known"]
+    said = "; ".join(levels.missed(tolerance))
     return [
         f"{title}: estimated discretisation error of {said} with {what} 1/{times} of those given, "
         f"tolerance {100.0 * tolerance:.2g} %; start from smaller {what}"
