@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Numbers = dict[str, Any]
 Measured = Mapping[str, float | None]
 QUANTITIES = ("alpha_0", "d_0_m", "alpha_u", "a_g_g")
-SHOWN = 1.25  # ratio of successive differences from which on an order shows
+SHOWN = 1.25  # ratio of successive differences below which they hardly shrink
 FIRST_ORDER = (
     2.0  # the ratio of a method of first order: differences that shrink faster are not trusted to go on so
 )
@@ -52,20 +52,17 @@ def accuracy_of(project: Project) -> Accuracy:
 def estimated_error(values: Sequence[float | None]) -> float | None:
     """Estimate |v_n − v| of values v_0 … v_n at increments h, h/2, h/4…; None: the last two are not both known.
 
-    With r = (v_n−1 − v_n−2)/(v_n − v_n−1), Richardson's extrapolation leaves |v_n − v_n−1|/(r − 1), for r cut at 2, the
-    ratio of first order. Of two values the difference, which is the same at first order. Where no order shows
-    (r < 1.25, or of either sign), the larger of the last two differences.
+    With r = |v_n−1 − v_n−2|/|v_n − v_n−1|, Richardson's extrapolation leaves |v_n − v_n−1|/(r − 1) at most: r is cut at
+    2, the ratio of first order, and at 1.25 from below, where differences hardly shrink and no order shows. Of two
+    values the difference, which is the same at first order.
     """
     if len(values) < 2 or values[-1] is None or values[-2] is None:
         return None
     last = values[-1] - values[-2]
     if len(values) < 3 or values[-3] is None or last == 0.0:
         return abs(last)
-    before = values[-2] - values[-3]
-    ratio = before / last
-    if ratio < SHOWN:
-        return max(abs(before), abs(last))
-    return abs(last) / (min(ratio, FIRST_ORDER) - 1.0)
+    ratio = abs((values[-2] - values[-3]) / last)
+    return abs(last) / (min(max(ratio, SHOWN), FIRST_ORDER) - 1.0)
 
 
 @dataclass(frozen=True)
