@@ -39,7 +39,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"error: {error}; nothing was written", file=sys.stderr)
         return INCOMPLETE
     except KeyboardInterrupt:
-        print("interrupted: nothing of an earlier result was changed", file=sys.stderr)
+        kept = "; finished analyses are kept: run again to go on" if options.command is _run else ""
+        print(f"interrupted: nothing of an earlier result was changed{kept}", file=sys.stderr)
         return INCOMPLETE
     return code
 
@@ -60,6 +61,10 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--only", type=lambda text: text.split(","), metavar="STAGE,…", help="only these stages")
     run.add_argument("--jobs", type=int, default=0, metavar="N", help="processes (default: as many as help)")
     run.add_argument("--no-report", action="store_true", help="numbers, tables and figures only")
+    run.add_argument(
+        "--fresh", action="store_true", help="compute again what an earlier run has already computed"
+    )
+    run.add_argument("--json", action="store_true", help="print the summary as JSON")
     run.set_defaults(command=_run)
 
     check = commands.add_parser("check", help="read and validate everything, draw the model; no analysis")
@@ -113,47 +118,49 @@ def _add_project(command: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     from assessment.model import build_model
+    from assessment.output import write
     from assessment.project import load_project
-    from assessment.terminal import progress, summary
-    from assessment.workflow import run, select, write
+    from assessment.store import FOLDER, Store
+    from assessment.terminal import as_json, progress, summary
+    from assessment.workflow import run, select
 
     project = select(load_project(options.project), options.only)
     folder = _writable(options.out or project.folder / "output")
     model = build_model(project)
-    with progress() as line:
-        outcome = run(project, model, options.jobs, line)
-        line("report" if not options.no_report else "figures and tables")
+    with progress() as show:
+        outcome = run(project, model, options.jobs, Store(folder / FOLDER), options.fresh, show)
+        show.begin("report" if not options.no_report else "figures and tables", 1, 0)
         warnings = write(outcome.results, folder, report=not options.no_report)
-    print(summary(outcome.results, folder, warnings))
+        show.end()
+    print((as_json if options.json else summary)(outcome, folder, warnings))
     return DONE if outcome.complete else INCOMPLETE
 
 
 def _check(options: argparse.Namespace) -> int:
     from assessment.canvas import save_svg
+    from assessment.description import describe
     from assessment.dynamic_stages import read_motions
     from assessment.model import build_model
     from assessment.model_drawing import draw_model
     from assessment.project import load_project
-    from assessment.terminal import model_summary
+    from assessment.stages import stand
+    from assessment.terminal import model_summary, told
     from assessment.words import words_of
-    from assessment.workflow import describe
-    from mechanics import UnstableError
-    from mechanics.equilibrium import check_self_weight
 
     project = load_project(options.project)
     folder = _writable(options.out or project.folder / "output")
     model = build_model(project)
     results = describe(project, model)
     results["model"]["warnings"] += read_motions(project).notes
-    try:
-        check_self_weight(model.assembly)
-    except UnstableError as error:
+    if unstable := stand(model.assembly):
         results["model"]["self_weight_stable"] = False
-        results["model"]["warnings"].append(str(error))
+        results["model"]["warnings"].append(unstable)
     drawing = folder / "model.svg"
     save_svg(lambda: draw_model(results, words_of(results)), drawing)
     print(model_summary(results))
     print(f"drawing of the model: {drawing}")
+    for line in told(results["model"]["warnings"]):
+        print(line)
     return DONE
 
 
@@ -194,8 +201,8 @@ def _schema(_: argparse.Namespace) -> int:
 
 
 def _report(options: argparse.Namespace) -> int:
+    from assessment.output import write
     from assessment.project import load_project
-    from assessment.workflow import write
 
     project = load_project(options.project)
     folder = _writable(options.out or project.folder / "output")

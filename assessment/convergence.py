@@ -16,7 +16,7 @@ from assessment.study import Demands, capacity_numbers, curves, directions
 if TYPE_CHECKING:
     from assessment.project import Project
     from assessment.project_schema import SettlementTable
-    from assessment.stages import StateResult
+    from assessment.states import StateResult
     from mechanics import Assembly
 
 Numbers = dict[str, Any]

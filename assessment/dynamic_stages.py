@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,8 +15,9 @@ from assessment.incremental import searches, summarise
 from assessment.project_schema import ORIGINAL
 
 if TYPE_CHECKING:
+    from assessment.parallel import Workers
     from assessment.project import Project
-    from assessment.stages import StateResult
+    from assessment.states import StateResult
     from mechanics import Assembly
     from mechanics.assembly import Behaviour
 
@@ -54,15 +55,14 @@ def add_dynamics(
     model: Assembly,
     motions: Motions,
     stages: Iterable[StateResult],
-    jobs: int,
-    progress: Callable[[str], None],
+    workers: Workers,
 ) -> bool:
     """Carry out [[history]] and [incremental] from the states that `stages` reached and fill their results.
 
     Returns whether every run was completed. A project without them costs nothing and is left as it is.
     """
     starts = _starts(dynamic_contacts(project), model, stages)
-    campaign = Campaign(project, model, starts, _ultimates(results["states"]), jobs, progress)
+    campaign = Campaign(project, model, starts, _ultimates(results["states"]), workers)
     warnings = results["quality"]["warnings"]
     complete = True
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from assessment.frames import snapshots
-from assessment.parallel import spread
 from assessment.project_schema import HistoryTable
 from mechanics import Assembly, ConvergenceError, State, TimeHistory, time_history
 from mechanics.block import GRAVITY, Array
@@ -20,8 +19,9 @@ from mechanics.response_spectrum import response_spectrum
 
 if TYPE_CHECKING:
     from assessment.base_motion import BaseMotion
+    from assessment.parallel import Workers
     from assessment.project import Project
-    from assessment.project_schema import ControlTable, MotionTable
+    from assessment.project_schema import ControlTable, HistoryTable, MotionTable
     from mechanics.program import Certificate
 
 Numbers = dict[str, Any]
@@ -152,16 +152,14 @@ def respond(
 class Campaign:
     """What every motion of a run is made with.
 
-    `starts`: state at rest by name and contacts; `ultimates`: ultimate displacement by state and control point;
-    `jobs`: processes, 0: as many as help; `progress` is told what begins.
+    `starts`: state at rest by name and contacts; `ultimates`: ultimate displacement by state and control point.
     """
 
     project: Project
     model: Assembly
     starts: Mapping[tuple[str, str], Start]
     ultimates: Mapping[tuple[str, str], float]
-    jobs: int
-    progress: Callable[[str], None]
+    workers: Workers
 
     def tasks(self, table: MotionTable, motions: Iterable[BaseMotion]) -> list[Task]:
         """The motions from every state that the table asks for."""
@@ -170,7 +168,7 @@ class Campaign:
             (
                 self.model,
                 motion,
-                Setting(table, control, self.ultimates.get((state, control.name))),
+                Setting(_own(table), control, self.ultimates.get((state, control.name))),
                 state,
                 self.starts[state, table.contacts],
             )
@@ -179,19 +177,24 @@ class Campaign:
             for motion in motions
         ]
 
-    def spread(
-        self, function: Callable[[*Task], StageResult], tasks: list[Task], runs: int, what: str
-    ) -> Iterator[StageResult]:
-        """Yield the result of every task in order; `runs`: motions that one costs, about."""
-        work = (
-            runs * len(self.model.elastic_contacts) * sum(task[1].record.acceleration.size for task in tasks)
+    def each(
+        self, stage: str, function: Callable[..., StageResult], tasks: list[Task], runs: int, *more: object
+    ) -> list[StageResult]:
+        """Return function(*task, *more) for every task, in order; `runs`: motions that one costs, about."""
+        samples = sum(motion.record.acceleration.size for _, motion, *_ in tasks)
+        return self.workers.each(
+            stage,
+            function,
+            [(*task, *more) for task in tasks],
+            [f"{state}, {motion.name}" for _, motion, _, state, _ in tasks],
+            runs * len(self.model.elastic_contacts) * samples > WORTHWHILE,
         )
 
-        def announce(number: int) -> None:
-            count = f" ({number + 1}/{len(tasks)})"
-            self.progress(f"{tasks[number][3]}: {what}, {tasks[number][1].name}{count}")
 
-        yield from spread(function, tasks, self.jobs, work > WORTHWHILE, announce)
+def _own(table: MotionTable) -> MotionTable:
+    """Return the table without its choice of states and records: an analysis depends on its own alone."""
+    choice: dict[str, Any] = {"states": None, "records": ()}
+    return table.model_copy(update={key: choice[key] for key in choice if key in type(table).model_fields})
 
 
 def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, start: Start) -> StageResult:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
 from typing import TYPE_CHECKING
 
 from assessment.convergence import Accuracy, Levels, accuracy_of, not_met
@@ -14,7 +12,7 @@ if TYPE_CHECKING:
     from mechanics import Assembly
 
 
-def histories(campaign: Campaign, motions: list[BaseMotion]) -> Iterator[StageResult]:
+def histories(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult]:
     """Every time history that the project asks for, state by state."""
     by_table = [
         campaign.tasks(table, [motion])
@@ -22,8 +20,7 @@ def histories(campaign: Campaign, motions: list[BaseMotion]) -> Iterator[StageRe
     ]
     states = campaign.project.states
     tasks = sorted((task for tasks in by_table for task in tasks), key=lambda task: states.index(task[3]))
-    make = partial(converged_history, accuracy=accuracy_of(campaign.project))
-    yield from campaign.spread(make, tasks, 1, "history")
+    return campaign.each("history", converged_history, tasks, 1, accuracy_of(campaign.project))
 
 
 def converged_history(

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -82,12 +81,12 @@ def find_collapse(
     return Bracket(safe_below(collapse), collapse, tuple(sorted(above)))
 
 
-def searches(campaign: Campaign, motions: list[BaseMotion]) -> Iterator[StageResult]:
+def searches(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult]:
     """The search of every record from every state, state by state."""
     table = campaign.project.incremental
     assert table is not None
-    find = partial(search, max_scale=table.max_scale, tolerance=table.tolerance_g)
-    yield from campaign.spread(find, campaign.tasks(table, motions), RUNS, "PGA at collapse")
+    tasks = campaign.tasks(table, motions)
+    return campaign.each("incremental", search, tasks, RUNS, table.max_scale, table.tolerance_g)
 
 
 def search(

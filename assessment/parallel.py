@@ -1,37 +1,172 @@
-"""Independent tasks of an analysis, one after another or on several processes, their results in order."""
+"""The analyses of a run: taken over where nothing they depend on has changed, otherwise computed.
+
+On several processes where that pays. An analysis is a function of its arguments alone; each is kept as soon as it is
+finished, whatever becomes of the others.
+"""
 
 from __future__ import annotations
 
+import multiprocessing
 import os
+import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from typing import TypeVar, TypeVarTuple
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar, TypeVarTuple
+
+from assessment.fingerprint import fingerprint
+from assessment.store import Store, packed, unpacked
+
+if TYPE_CHECKING:
+    from mechanics import Assembly
 
 SMALL = 2000  # contact points times static analyses: below it a second process costs more than it saves
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
 
 
-def spread(
-    function: Callable[[*Arguments], Result],
-    tasks: Sequence[tuple[*Arguments]],
-    jobs: int,
-    worthwhile: bool,
-    announce: Callable[[int], None],
-) -> Iterator[Result]:
-    """Yield function(*task) for every task, in their order.
+class Show(Protocol):
+    """What is told of the analyses under way."""
 
-    `jobs`: processes, 0: one per core if the work is `worthwhile` enough to start them. `announce` is called with the
-    number of each task before it is begun or waited for.
+    def begin(self, stage: str, total: int, taken: int) -> None:
+        """Tell that of `total` analyses of a stage all but `taken` are to be computed."""
+
+    def under_way(self, title: str) -> None:
+        """Tell which analysis is being computed."""
+
+    def advance(self) -> None:
+        """Tell that one more analysis of the stage is finished."""
+
+    def end(self) -> None:
+        """Tell that the stage is finished."""
+
+
+class Silence:
+    """Tells nothing."""
+
+    def begin(self, stage: str, total: int, taken: int) -> None:
+        """See Show."""
+
+    def under_way(self, title: str) -> None:
+        """See Show."""
+
+    def advance(self) -> None:
+        """See Show."""
+
+    def end(self) -> None:
+        """See Show."""
+
+
+SILENCE = Silence()
+
+
+@dataclass
+class Workers:
+    """How analyses are computed, and how many were.
+
+    `jobs`: processes, 0: one per core if the work is worth starting them. `store`: where finished analyses are kept and
+    looked for, None: nowhere; `fresh`: they are kept, but not looked for.
     """
-    processes = jobs or ((os.cpu_count() or 1) if worthwhile else 1)
-    if min(processes, len(tasks)) <= 1:
-        for number, task in enumerate(tasks):
-            announce(number)
-            yield function(*task)
-        return
-    with ProcessPoolExecutor(min(processes, len(tasks))) as pool:
-        futures = [pool.submit(function, *task) for task in tasks]
-        for number, future in enumerate(futures):
-            announce(number)
-            yield future.result()
+
+    jobs: int = 0
+    store: Store | None = None
+    fresh: bool = False
+    show: Show = SILENCE
+    computed: int = 0
+    taken: int = 0
+    pool: ProcessPoolExecutor | None = None
+
+    def each(
+        self,
+        stage: str,
+        function: Callable[[*Arguments], Result],
+        tasks: Sequence[tuple[*Arguments]],
+        titles: Sequence[str],
+        worthwhile: bool,
+    ) -> list[Result]:
+        """Return function(*task) for every task, in their order.
+
+        What was computed goes the same way through JSON as what is taken over: both are equal to the last bit.
+        """
+        keys = [fingerprint(function, task) for task in tasks] if self.store else []
+        known = {} if self.fresh else {n: text for n, key in enumerate(keys) if (text := self._find(key))}
+        unknown = [number for number in range(len(tasks)) if number not in known]
+        self.taken += len(known)
+        if not tasks:
+            return []
+        self.show.begin(stage, len(tasks), len(known))
+        for number, text in self._compute(function, tasks, titles, unknown, worthwhile):
+            if self.store:
+                self.store.keep(keys[number], text)
+            known[number] = text
+            self.computed += 1
+            self.show.advance()
+        self.show.end()
+        return [unpacked(known[number]) for number in range(len(tasks))]
+
+    def _find(self, key: str) -> str | None:
+        return self.store.find(key) if self.store else None
+
+    def _compute(
+        self,
+        function: Callable[[*Arguments], Result],
+        tasks: Sequence[tuple[*Arguments]],
+        titles: Sequence[str],
+        numbers: Sequence[int],
+        worthwhile: bool,
+    ) -> Iterator[tuple[int, str]]:
+        """Yield the number of each task and its packed result, as they are finished.
+
+        Long work is left to another process even where there is one task: a solver in C hears no interruption.
+        """
+        if not numbers or not (worthwhile or (self.jobs > 1 and len(numbers) > 1)):
+            for number in numbers:
+                self.show.under_way(titles[number])
+                yield number, packed(function(*tasks[number]))
+            return
+        pool = self._pool()
+        pending = {pool.submit(_packed, function, tasks[number]): number for number in numbers}
+        while pending:
+            for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                yield pending.pop(future), future.result()
+
+    def _pool(self) -> ProcessPoolExecutor:
+        """Return the processes, started when first needed and kept for the stages to come."""
+        if self.pool is None:
+            self.pool = ProcessPoolExecutor(self.jobs or os.cpu_count() or 1, initializer=_belong_to_parent)
+        return self.pool
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        """End the processes: at once, with what they are at, where something went wrong."""
+        if self.pool is not None:
+            if kind is not None:
+                for worker in multiprocessing.active_children():
+                    worker.terminate()
+            self.pool.shutdown(cancel_futures=True)
+            self.pool = None
+
+
+def large(*models: Assembly) -> bool:
+    """Return whether a static analysis of each model is work enough for a process of its own."""
+    return sum(len(model.elastic_contacts) for model in models) > SMALL
+
+
+def _packed(function: Callable[..., Any], task: tuple[Any, ...]) -> str:
+    return packed(function(*task))
+
+
+def _belong_to_parent() -> None:
+    """Leave interruption to the parent, and end with it however it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def follow() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=follow, daemon=True).start()

@@ -6,12 +6,12 @@ the movement, comes to rest, and is pushed over.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from assessment.convergence import refined
 from assessment.project_schema import ORIGINAL
-from assessment.stages import StateResult
+from assessment.states import StateResult
 from assessment.study import (
     Demands,
     Numbers,
@@ -28,6 +28,7 @@ from assessment.table import reduction
 from mechanics.pushdown import whole_movement
 
 if TYPE_CHECKING:
+    from assessment.parallel import Workers
     from assessment.project import Project
     from assessment.project_schema import SettlementTable
     from mechanics import Assembly
@@ -46,8 +47,7 @@ def scenarios(
     stages: Sequence[StateResult],
     halvings: Mapping[str, int],
     demands: Demands,
-    jobs: int,
-    progress: Callable[[str], None],
+    workers: Workers,
     study: Study,
 ) -> Numbers:
     """Review the states that there are, and the parts of each movement that is swept.
@@ -68,7 +68,7 @@ def scenarios(
         Variant(f"part {k} of {whole.steps}", finer, model, part(whole, k)) for finer, whole, k in swept
     ]
     keys = [(whole.name, k) for _, whole, k in swept]
-    parts = dict(zip(keys, analyse(variants, demands, jobs, progress, study), strict=True))
+    parts = dict(zip(keys, analyse(variants, demands, workers, study, "scenarios"), strict=True))
 
     by, original = quantity(project), _of_state(project, states, stages, ORIGINAL)
     points = _points(ORIGINAL, 0.0, 0.0, original, original, by)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,7 @@ from assessment.project_schema import ORIGINAL, Table
 from assessment.study import Demands, Numbers, Study, Variant, analyse, quoted_limit_state
 
 if TYPE_CHECKING:
+    from assessment.parallel import Workers
     from assessment.project import Project
     from assessment.project_schema import SettlementTable
 
@@ -25,12 +26,7 @@ KEYS = {  # property: the keys of [material], [geometry] and [layers] that it st
 
 
 def sensitivity(
-    project: Project,
-    halvings: Mapping[str, int],
-    demands: Demands,
-    jobs: int,
-    progress: Callable[[str], None],
-    study: Study,
+    project: Project, halvings: Mapping[str, int], demands: Demands, workers: Workers, study: Study
 ) -> Numbers:
     """Analyse every state with each property lower and higher; return the runs, two to a property and state.
 
@@ -59,7 +55,7 @@ def sensitivity(
             **numbers,
         }
         for ((key, factor), settlement), found in zip(
-            cases, analyse(variants, demands, jobs, progress, study), strict=True
+            cases, analyse(variants, demands, workers, study, "sensitivity"), strict=True
         )
         for direction, numbers in found.items()
     ]

@@ -1,4 +1,4 @@
-"""The static stages of one state under one contact behaviour, as plain numbers for results.json."""
+"""The static analyses of one state under one contact behaviour, as plain numbers for results.json."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from mechanics import (
     pushover,
 )
 from mechanics.assembly import Behaviour, Direction
+from mechanics.equilibrium import check_self_weight
 from mechanics.mechanism import hinges, overruns, virtual_work_multiplier
 from mechanics.program import Certificate
 from mechanics.pushdown import Pushdown, whole_movement
@@ -33,11 +34,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from assessment.project import Project
     from assessment.project_schema import ControlTable, SettlementTable
     from mechanics.equilibrium import Step
-
-ORIGINAL = "original"
 
 
 @dataclass
@@ -72,54 +70,68 @@ class Quality:
 
 
 @dataclass
-class StateResult:
-    """What one state gave under one behaviour; `failures`: analyses that could not be completed.
+class Part:
+    """What one static analysis gave: `numbers` for results.json, None where there are none.
 
-    `reached`: the settled state, at rest; None where the structure collapses before.
+    `reached`: the settled state, at rest; None where the structure collapses before. `failures`: what could not be
+    completed.
     """
 
-    state: str
-    behaviour: Behaviour
-    pushdown: dict[str, Any] | None = None
-    pushover: dict[str, dict[str, Any]] = field(default_factory=dict)
-    configuration: list[list[float]] | None = None
+    numbers: dict[str, Any] | None = None
     reached: State | None = None
     quality: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
-    seconds: dict[str, float] = field(default_factory=dict)
+    seconds: float = 0.0
 
 
-def analyse_state(
-    project: Project, model: Assembly, settlement: SettlementTable | None, behaviour: Behaviour
-) -> StateResult:
-    """Settle the structure as a scenario asks (None: not at all), then push it over in every direction asked for."""
-    result = StateResult(settlement.name if settlement else ORIGINAL, behaviour)
-    state: State | None = None
-    if settlement is not None:
-        began = time.perf_counter()
-        state = _settle(project, model, settlement, result)
-        result.seconds["pushdown"] = time.perf_counter() - began
-        result.reached = state
-        if state is None:
-            return result
-        result.configuration = configuration(model, state)
-    if project.pushover is not None and behaviour in project.pushover.contacts:
-        began = time.perf_counter()
-        quality = Quality(result.state, f"pushover, {behaviour}")
-        for direction in project.pushover.directions:
-            _push(project, model, state, direction, result, quality)
-        result.quality.append(quality.numbers())
-        result.seconds["pushover"] = time.perf_counter() - began
+def stand(model: Assembly) -> str | None:
+    """Return why the structure cannot stand under its own weight, None where it can."""
+    try:
+        check_self_weight(model)
+    except UnstableError as error:
+        return str(error)
+    return None
+
+
+def settle(
+    model: Assembly, settlement: SettlementTable, behaviour: Behaviour, control: ControlTable | None
+) -> Part:
+    """Move a support as a scenario asks; the path of the control point, if there is one, is followed."""
+    began = time.perf_counter()
+    result = Part()
+    _settle(model, settlement, behaviour, control, result)
+    result.seconds = time.perf_counter() - began
+    return result
+
+
+def push(
+    model: Assembly,
+    name: str,
+    state: State | None,
+    behaviour: Behaviour,
+    direction: Direction,
+    controls: tuple[ControlTable, ...],
+    increment: float,
+) -> Part:
+    """Push the state of that name over (None: as drawn), by the first control point that moves; increment in m."""
+    began = time.perf_counter()
+    result, quality = Part(), Quality(name, f"pushover, {behaviour}")
+    _push(model, name, state, behaviour, direction, controls, increment, result, quality)
+    result.quality.append(quality.numbers())
+    result.seconds = time.perf_counter() - began
     return result
 
 
 def _settle(
-    project: Project, model: Assembly, settlement: SettlementTable, result: StateResult
-) -> State | None:
-    title = f"{settlement.name}, {result.behaviour} contacts"
+    model: Assembly,
+    settlement: SettlementTable,
+    behaviour: Behaviour,
+    control: ControlTable | None,
+    result: Part,
+) -> None:
+    title = f"{settlement.name}, {behaviour} contacts"
     path: Pushdown
-    reached: State | None
     whole = whole_movement(model, settlement.support, settlement.displacement_m, settlement.rotation_rad)
     try:
         path = pushdown(
@@ -128,25 +140,24 @@ def _settle(
             settlement.displacement_m,
             settlement.rotation_rad,
             whole / settlement.increments,
-            result.behaviour,
+            behaviour,
             settlement.to_collapse,
         )
-        reached = path.final
+        result.reached = path.final
     except CollapseError as collapse:
         result.failures.append(f"{title}: {collapse}")
         assert isinstance(collapse.path, Pushdown)
-        path, reached = collapse.path, None
+        path = collapse.path
     except (UnstableError, ConvergenceError, NoEquilibriumError) as error:
         result.failures.append(f"{title}: {error}")
-        return None
+        return
     if settlement.to_collapse and path.ultimate is None:
         result.warnings.append(f"{title}: no ultimate movement up to {path.movement[-1]:.3g} m ({path.end})")
-    result.warnings += [f"{title}: {text}" for text in overruns(model, result.behaviour, _points(path.steps))]
-    quality = Quality(result.state, f"pushdown, {result.behaviour}")
+    result.warnings += [f"{title}: {text}" for text in overruns(model, behaviour, _points(path.steps))]
+    quality = Quality(settlement.name, f"pushdown, {behaviour}")
     quality.add(path)
     result.quality.append(quality.numbers())
-    control = project.control[0] if project.control else None
-    result.pushdown = {
+    result.numbers = {
         "movement_m": path.movement.tolist(),
         "reaction_x_kN": path.reaction[:, 0].tolist(),
         "reaction_z_kN": path.reaction[:, 1].tolist(),
@@ -158,9 +169,8 @@ def _settle(
         if path.ultimate is not None
         else None,
         "control_displacement_m": _control_path(model, control, path) if control else None,
-        "frames": pushdown_frames(model, result.behaviour, path, whole),
+        "frames": pushdown_frames(model, behaviour, path, whole),
     }
-    return reached
 
 
 def _control_path(model: Assembly, control: ControlTable, path: Pushdown) -> list[list[float]]:
@@ -173,22 +183,20 @@ def _control_path(model: Assembly, control: ControlTable, path: Pushdown) -> lis
 
 
 def _push(
-    project: Project,
     model: Assembly,
+    name: str,
     state: State | None,
+    behaviour: Behaviour,
     direction: Direction,
-    result: StateResult,
+    controls: tuple[ControlTable, ...],
+    increment: float,
+    result: Part,
     quality: Quality,
 ) -> None:
-    """Push over in one direction, with the control point asked for or, where it stays still, the next that moves."""
-    assert project.pushover is not None
-    title = f"{result.state}, pushover {direction}, {result.behaviour} contacts"
-    wished = project.pushover_control(direction)
-    for control in (wished, *(point for point in project.control if point != wished)):
+    title = f"{name}, pushover {direction}, {behaviour} contacts"
+    for control in controls:
         try:
-            path = pushover(
-                model, control.point_m, direction, result.behaviour, project.pushover.increment_m, state
-            )
+            path = pushover(model, control.point_m, direction, behaviour, increment, state)
         except ControlError as error:
             result.warnings.append(f"{title}: control point {control.name}: {error}")
             continue
@@ -196,20 +204,16 @@ def _push(
             result.failures.append(f"{title}: {error}")
             return
         quality.add(path)
-        result.warnings += [
-            f"{title}: {text}" for text in overruns(model, result.behaviour, _points(path.steps))
-        ]
-        rigid = result.behaviour == "rigid"
+        result.warnings += [f"{title}: {text}" for text in overruns(model, behaviour, _points(path.steps))]
+        rigid = behaviour == "rigid"
         numbers = _rigid(model, control, direction, path) if rigid else _elastic(model, path)
-        result.pushover[direction] = {
+        result.numbers = {
             "control": control.name,
             **numbers,
-            "frames": pushover_frames(model, result.behaviour, path),
+            "frames": pushover_frames(model, behaviour, path),
         }
         # an elastic curve has served once it is past its peak; a rigid one is the capacity to its end
-        if not path.reached_zero and (
-            result.behaviour == "rigid" or path.multiplier[-1] > 0.5 * max(path.multiplier)
-        ):
+        if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * max(path.multiplier)):
             result.warnings.append(
                 f"{title}: ends at d = {path.displacement[-1]:.4g} m, α = {path.multiplier[-1]:.4g}: {path.end}"
             )

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from assessment.checks import assess
-from assessment.parallel import SMALL, spread
 from assessment.project_schema import ORIGINAL
-from assessment.stages import StateResult, analyse_state
+from assessment.states import Request, StateResult, analyse_states
 from assessment.table import QUOTED
 
 if TYPE_CHECKING:
     from assessment.hazard import HazardCurve
+    from assessment.parallel import Workers
     from assessment.project import Project
     from assessment.project_schema import SettlementTable
     from assessment.spectrum import Spectrum
@@ -50,40 +50,35 @@ class Demands:
 class Study:
     """What a study leaves beside its numbers.
 
-    Rows of quality, warnings of its runs, findings about all of them, and analyses that failed.
+    Rows of quality, warnings of its runs, findings about all of them, analyses that failed, and the time they took.
     """
 
     quality: list[Numbers] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     findings: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
+    seconds: float = 0.0
 
     def take(self, variant: Variant, stages: Iterable[StateResult]) -> None:
         """Take in what the stages of a variant left; their messages name the state and here also what varied."""
         for stage in stages:
             self.quality += stage.quality
+            self.seconds += sum(stage.seconds.values())
             self.warnings += [f"{variant.what}: {text}" for text in stage.warnings]
             self.failures += [f"{variant.what}: {text}" for text in stage.failures]
 
 
 def analyse(
-    variants: Sequence[Variant],
-    demands: Demands,
-    jobs: int,
-    progress: Callable[[str], None],
-    study: Study,
+    variants: Sequence[Variant], demands: Demands, workers: Workers, study: Study, name: str
 ) -> Iterator[dict[str, Numbers]]:
-    """Yield the capacity of each variant by direction, on several processes where that pays."""
-    tasks = [
-        (variant.project, variant.model, variant.settlement, behaviour)
+    """Yield the capacity of each variant by direction; `name`: of the study."""
+    requests = [
+        Request(variant.project, variant.model, variant.settlement, behaviour, f"{variant.what}: ")
         for variant in variants
         for behaviour in behaviours(variant.project)
     ]
-    each = len(tasks) // max(1, len(variants))
-    size = sum(len(model.elastic_contacts) for _, model, _, _ in tasks)
-    results = spread(
-        analyse_state, tasks, jobs, size > SMALL, lambda number: progress(variants[number // each].title)
-    )
+    each = len(requests) // max(1, len(variants))
+    results = iter(analyse_states(requests, workers, name))
     for variant in variants:
         stages = [next(results) for _ in range(each)]
         study.take(variant, stages)

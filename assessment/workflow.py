@@ -2,64 +2,48 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
-import os
-import platform
-import shutil
-import tempfile
 import time
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assessment.checks import assess, assess_chosen, governing
-from assessment.convergence import accuracy_of, converge
+from assessment.convergence import converge
 from assessment.demand import demand_spectra, spectra_numbers
+from assessment.description import describe
 from assessment.dynamic_stages import add_dynamics, dynamic_contacts, read_motions
-from assessment.files import write_atomically
 from assessment.messages import ProjectError
-from assessment.model import Model
-from assessment.parallel import SMALL, spread
-from assessment.stages import ORIGINAL, StateResult, analyse_state
-from assessment.study import Demands
+from assessment.parallel import SILENCE, Show, Workers, large
+from assessment.project_schema import ORIGINAL
+from assessment.stages import stand
+from assessment.states import Request, StateResult, analyse_states
+from assessment.study import Demands, behaviours
 from assessment.study_stages import add_studies
 from assessment.table import reduction, static_pga
-from mechanics import Assembly, UnstableError
-from mechanics.block import GRAVITY
-from mechanics.equilibrium import check_self_weight
 
 if TYPE_CHECKING:
+    from assessment.model import Model
     from assessment.project import Project
     from assessment.project_schema import SettlementTable
+    from assessment.store import Store
+    from mechanics import Assembly
     from mechanics.assembly import Behaviour
 
 Results = dict[str, Any]
-Progress = Callable[[str], None]
-PACKAGES = (
-    "numpy",
-    "scipy",
-    "piqp",
-    "ezdxf",
-    "shapely",
-    "pandas",
-    "matplotlib",
-    "jinja2",
-    "weasyprint",
-    "pydantic",
-)
-SCRATCH = ".assesto-"  # where files are made before they take their place
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run came to: its results and whether every analysis asked for was completed."""
+    """What a run came to: its results, whether every analysis asked for was completed, and how they were come by.
+
+    `computed`: analyses of this run; `taken`: those of earlier ones whose inputs have not changed.
+    """
 
     results: Results
     complete: bool
+    computed: int
+    taken: int
 
 
 STAGES = {  # stage: table
@@ -102,25 +86,45 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
     return project.model_copy(update=dropped)
 
 
-def run(project: Project, model: Model, jobs: int = 0, progress: Progress = lambda _: None) -> Outcome:
-    """Carry out every stage that the project asks for (jobs: processes, 0: as many as help)."""
+def run(
+    project: Project,
+    model: Model,
+    jobs: int = 0,
+    store: Store | None = None,
+    fresh: bool = False,
+    show: Show = SILENCE,
+) -> Outcome:
+    """Carry out every stage that the project asks for.
+
+    `jobs`: processes, 0: as many as help; `store`: where finished analyses are kept, and taken from unless `fresh`.
+    """
+    with Workers(jobs, store, fresh, show) as workers:
+        results, complete = _stages(project, model, workers)
+    if store:
+        store.prune()
+    return Outcome(_without_nan(results), complete, workers.computed, workers.taken)
+
+
+def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, bool]:
+    """Return the results and whether every analysis asked for was completed."""
     assembly = model.assembly
     motions = read_motions(project)
     demands, hazard = demand_spectra(project, motions.history) if project.assessment else ({}, None)
     results = describe(project, model)
     results["quality"]["warnings"] += motions.notes
-    try:
-        check_self_weight(assembly)
-    except UnstableError as error:
+    [unstable] = workers.each("self-weight", stand, [(assembly,)], ["self-weight"], large(assembly))
+    if unstable:
         results["model"]["self_weight_stable"] = False
-        results["quality"]["warnings"].append(str(error))
+        results["quality"]["warnings"].append(unstable)
         _sum_up(results["quality"])
-        return Outcome(_without_nan(results), complete=False)
+        return results, False
     converged = converge(
         project,
         assembly,
         Demands(demands, hazard),
-        lambda finer, names: list(_analyses(finer, assembly, names, jobs, progress)),
+        lambda finer, names: analyse_states(
+            [request for request in _requests(finer, assembly) if request.state in names], workers
+        ),
     )
     stages = converged.stages
     warnings = results["quality"]["warnings"]
@@ -144,139 +148,21 @@ def run(project: Project, model: Model, jobs: int = 0, progress: Progress = lamb
         results["timing_s"]["assessment"] = time.perf_counter() - began
     if project.mechanism:
         results["mechanisms"] = assess_chosen(project, assembly, states, demands, hazard, warnings)
-    studied = add_studies(
-        results, project, assembly, stages, converged.halvings, demands, hazard, jobs, progress
-    )
-    shaken = add_dynamics(results, project, assembly, motions, stages, jobs, progress)
+    studied = add_studies(results, project, assembly, stages, converged.halvings, demands, hazard, workers)
+    shaken = add_dynamics(results, project, assembly, motions, stages, workers)
     if project.assessment or project.incremental:
         results["comparison"] = _comparison(states)
     _sum_up(results["quality"])
-    complete = shaken and studied and not any(stage.failures for stage in stages)
-    return Outcome(_without_nan(results), complete)
+    return results, shaken and studied and not any(stage.failures for stage in stages)
 
 
-def describe(project: Project, model: Model) -> Results:
-    """The part of the results that needs no analysis: inputs, model, geometry, echo."""
-    a = model.assembly
-    return {
-        "assesto": _version("assesto"),
-        "title": project.title,
-        "inputs": {
-            name: hashlib.sha256(project.path(name).read_bytes()).hexdigest() for name in _inputs(project)
-        },
-        "model": {
-            "blocks": len(a.blocks),
-            "movable_blocks": int(a.movable.sum()),
-            "joints": len(a.joints.a),
-            "contact_points": len(a.elastic_contacts),
-            "weight_kN": a.weight,
-            "self_weight_stable": True,
-            "warnings": list(model.warnings),
-        },
-        "geometry": _geometry(project, a),
-        "echo": project.content(),
-        "states": {
-            name: {
-                "configuration": [[0.0, 0.0, 0.0]] * len(a.blocks),
-                "settlement": settlement,
-                "pushdown": {},
-                "pushover": {},
-                "capacity": {},
-                "history": [],
-                "incremental": {},
-            }
-            for name, settlement in _states(project)
-        },
-        "comparison": [],
-        "convergence": {"tolerance": accuracy_of(project).tolerance, "rows": []},
-        "quality": {"solves": 0, "warnings": [], "by_stage": []},
-        "timing_s": {},
-        "software": {
-            "version": _version("assesto"),
-            "python": platform.python_version(),
-            "platform": platform.system(),
-            "packages": {name: _version(name) for name in PACKAGES},
-        },
-    }
-
-
-def write(results: Results, folder: Path, report: bool = True) -> list[str]:
-    """Write results.json, tables, figures and report into `folder`; each appears whole or not at all.
-
-    A judgement.md that was edited is kept and printed. Returns warnings (a PDF that could not be made). results.json
-    comes last: where it is new, all is.
-    """
-    from assessment.animation import write_animations
-    from assessment.figures import write_figures
-    from assessment.judgement_file import NAME, judgement
-    from assessment.report import render_report
-    from assessment.tables import write_tables
-    from assessment.words import words_of
-
-    folder.mkdir(parents=True, exist_ok=True)
-    for left in folder.glob(f"{SCRATCH}*"):  # of a run that was killed
-        shutil.rmtree(left)
-    warnings: list[str] = []
-    with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=folder) as scratch:
-        new = Path(scratch)
-        write_tables(results, new / "tables")
-        write_figures(results, new / "figures")
-        opinion = judgement(results, words_of(results), folder)
-        write_atomically(new / NAME, opinion.text.encode())
-        warnings += opinion.warnings
-        write_animations(results, new / "figures")
-        if report:
-            warnings += render_report(results, new / "figures", new, opinion.edited).warnings
-        write_atomically(
-            new / "results.json", json.dumps(results, ensure_ascii=False, allow_nan=False).encode()
-        )
-        ours, made_now = (folder / "results.json").exists(), {item.name for item in new.iterdir()}
-        for item in sorted(new.iterdir(), key=lambda path: path.name == "results.json"):
-            _replace(item, folder / item.name, ours)
-        for name in ("report.pdf", "report.html"):  # one of earlier results would stand beside the new ones
-            if ours and name not in made_now:
-                (folder / name).unlink(missing_ok=True)
-    return warnings
-
-
-def _replace(new: Path, old: Path, ours: bool) -> None:
-    """Put a finished file, or each file of a finished folder, in the place of an earlier one.
-
-    `ours`: an earlier run filled the folder, so that what it made and this one did not is removed.
-    """
-    if not new.is_dir():
-        new.replace(old)
-        return
-    old.mkdir(exist_ok=True)
-    names = {item.name for item in new.iterdir()}
-    for name in sorted(names):
-        (new / name).replace(old / name)
-    if ours:
-        for stale in {
-            item
-            for item in old.iterdir()
-            if item.suffix in {".csv", ".svg", ".png", ".dxf", ".gif"} and item.name not in names
-        }:
-            stale.unlink()
-
-
-def _analyses(
-    project: Project, assembly: Assembly, states: Collection[str], jobs: int, progress: Progress
-) -> Iterable[StateResult]:
-    """Each of the states under every contact behaviour, on several processes where that pays."""
-    pushed: tuple[Behaviour, ...] = project.pushover.contacts if project.pushover else ()
+def _requests(project: Project, model: Assembly) -> list[Request]:
+    """Every state under every contact behaviour that a stage needs it under."""
+    pushed = behaviours(project)
     settled = list(dict.fromkeys([*pushed, *dynamic_contacts(project)])) or ["rigid"]
-    tasks: list[tuple[SettlementTable | None, Behaviour]] = [(None, b) for b in pushed if ORIGINAL in states]
-    tasks += [(s, b) for s in project.settlements if s.name in states for b in settled]
-    names = [f"{task[0].name if task[0] else ORIGINAL}: {task[1]} contacts" for task in tasks]
-    worthwhile = len(assembly.elastic_contacts) * len(tasks) > SMALL
-    return spread(
-        analyse_state,
-        [(project, assembly, *task) for task in tasks],
-        jobs,
-        worthwhile,
-        lambda number: progress(names[number]),
-    )
+    states: list[tuple[SettlementTable | None, Behaviour]] = [(None, behaviour) for behaviour in pushed]
+    states += [(settlement, behaviour) for settlement in project.settlements for behaviour in settled]
+    return [Request(project, model, *state) for state in states]
 
 
 def _merge(state: Results, stage: StateResult) -> None:
@@ -327,69 +213,6 @@ def _sum_up(quality: Results) -> None:
         "worst_cone_violation",
     ):
         quality[key] = max((row[key] for row in rows), default=None)
-
-
-def _states(project: Project) -> Iterable[tuple[str, Results | None]]:
-    if project.pushover or project.history or project.incremental or project.mechanism:
-        yield ORIGINAL, None
-    for s in project.settlements:
-        yield (
-            s.name,
-            {
-                "support": s.support,
-                "displacement_m": list(s.displacement_m),
-                "rotation_rad": s.rotation_rad,
-                "increment_m": s.increment_m,
-            },
-        )
-
-
-def _geometry(project: Project, a: Assembly) -> Results:
-    return {
-        "blocks": [
-            {
-                "vertices_m": block.polygon.tolist(),
-                "centroid_m": block.centroid.tolist(),
-                "depth_m": block.depth,
-                "layer": block.layer,
-                "handle": block.handle,
-                "support": block.support,
-                "vertical_load_kN": block.vertical_load,
-                "weight_kN": block.weight,
-            }
-            for block in a.blocks
-        ],
-        "controls": [
-            {"name": point.name, "point_m": list(point.point_m), "block": a.block_at(point.point_m)}
-            for point in project.control
-        ],
-        "joints": [
-            {
-                "blocks": [int(i), int(j)],
-                "ends_m": ends.tolist(),
-                "friction": min(a.blocks[i].material.friction, a.blocks[j].material.friction),
-            }
-            for i, j, ends in zip(a.joints.a, a.joints.b, a.joints.ends, strict=True)
-        ],
-        "gravity_m_s2": GRAVITY,
-    }
-
-
-def _inputs(project: Project) -> list[str]:
-    names = [project.source, project.geometry.drawing]
-    if project.assessment and project.assessment.site and project.assessment.site.grid:
-        names.append(project.assessment.site.grid)
-    for history in project.history:
-        names += [name for name in (history.record, history.vertical_record) if name]
-    names += [os.path.relpath(path, project.folder) for path in project.incremental_records()]
-    return list(dict.fromkeys(names))
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "unknown"
 
 
 def _without_nan(value: Any) -> Any:

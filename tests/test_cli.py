@@ -14,9 +14,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from assessment import stages, workflow
+from assessment import output, stages, workflow
 from assessment.cli import main
 from assessment.new_project import write_drawing
+from assessment.store import FOLDER
 from mechanics import ConvergenceError
 from tests.structures import rectangle
 
@@ -113,10 +114,11 @@ def _no_constant(name: str) -> None:
 
 
 def contents(folder: Path) -> dict[str, str]:
+    """Files and their digests, without the analyses kept for later runs."""
     return {
         str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
         for path in sorted(folder.rglob("*"))
-        if path.is_file()
+        if path.is_file() and FOLDER not in path.parts
     }
 
 
@@ -136,7 +138,7 @@ def test_a_run_writes_everything_and_says_where(project, capsys, drawn):
     out, err = capsys.readouterr()
     assert str(project / "output") in out
     assert err == ""  # silent: no terminal
-    found = {path.name for path in (project / "output").iterdir()}
+    found = {path.name for path in (project / "output").iterdir() if path.name != FOLDER}
     assert found == {"results.json", "report.html", "report.pdf", "judgement.md", "tables", "figures"}
     assert {p.suffix for p in (project / "output" / "figures").iterdir()} == {".svg", ".png", ".dxf"}
     assert {p.suffix for p in (project / "output" / "tables").iterdir()} == {".csv"}
@@ -408,7 +410,7 @@ def test_a_disk_that_refuses_leaves_the_earlier_result(project, capsys, monkeypa
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device", str(project / "output"))
 
-    monkeypatch.setattr(workflow, "write_atomically", full)
+    monkeypatch.setattr(output, "write_atomically", full)
     assert run(project) == 2
     assert "No space left on device" in capsys.readouterr().err
     assert contents(project) == before

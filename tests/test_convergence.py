@@ -20,11 +20,12 @@ from assessment.histories import converged_history
 from assessment.messages import ProjectError
 from assessment.model import build_model
 from assessment.new_project import new_project, template_layout, write_drawing
+from assessment.parallel import Workers
 from assessment.project import Project, load_project
 from assessment.project_schema import ControlTable, HistoryTable, PushoverTable, SettlementTable
 from assessment.project_source import convert
 from assessment.report import render_html
-from assessment.stages import StateResult, analyse_state
+from assessment.states import Request, StateResult, analyse_states
 from assessment.study import Demands
 from assessment.words import words_of
 from assessment.workflow import run
@@ -183,7 +184,9 @@ def arch(tmp_path_factory):
 
 def test_the_error_of_an_arch_is_bounded_by_the_estimate(arch):
     assembly = build_model(arch).assembly
-    fine = analyse_state(refined(arch, 5), assembly, None, "rigid").pushover["+x"]
+    with Workers(1) as workers:
+        [stage] = analyse_states([Request(refined(arch, 5), assembly, None, "rigid")], workers)
+    fine = stage.pushover["+x"]
     found = results_of(arch.model_copy(update={"accuracy": 0.01}))
     right, left = found["convergence"]["rows"]
     values = right["levels"]["d_0_m"]

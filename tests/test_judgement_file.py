@@ -4,8 +4,8 @@ import pytest
 
 from assessment.figures import write_figures
 from assessment.judgement_file import NAME, judgement, to_html
+from assessment.output import write
 from assessment.words import words_of
-from assessment.workflow import write
 from tests.results_example import results_example
 
 

@@ -7,9 +7,9 @@ import pytest
 
 from assessment.hand_check import figures_of, governing_mechanisms, hand_check
 from assessment.judgement import draft_judgement
+from assessment.output import write
 from assessment.reactions import balance, reactions
 from assessment.words import words_of
-from assessment.workflow import write
 from tests.analysed import SETTLED, analysed
 from tests.validation.test_printed_table import CASES
 

@@ -1,0 +1,134 @@
+"""The part of the results that needs no analysis: inputs, model, geometry, versions."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from assessment.convergence import accuracy_of
+from assessment.fingerprint import installed
+from assessment.project_schema import ORIGINAL
+from mechanics.block import GRAVITY
+
+if TYPE_CHECKING:
+    from assessment.model import Model
+    from assessment.project import Project
+    from mechanics import Assembly
+
+Results = dict[str, Any]
+PACKAGES = (
+    "numpy",
+    "scipy",
+    "piqp",
+    "ezdxf",
+    "shapely",
+    "pandas",
+    "matplotlib",
+    "jinja2",
+    "weasyprint",
+    "pydantic",
+)
+
+
+def describe(project: Project, model: Model) -> Results:
+    """Return results without any analysis: every state is there, and empty."""
+    a = model.assembly
+    return {
+        "assesto": installed("assesto"),
+        "title": project.title,
+        "inputs": {
+            name: hashlib.sha256(project.path(name).read_bytes()).hexdigest() for name in _inputs(project)
+        },
+        "model": {
+            "blocks": len(a.blocks),
+            "movable_blocks": int(a.movable.sum()),
+            "joints": len(a.joints.a),
+            "contact_points": len(a.elastic_contacts),
+            "weight_kN": a.weight,
+            "self_weight_stable": True,
+            "warnings": list(model.warnings),
+        },
+        "geometry": _geometry(project, a),
+        "echo": project.content(),
+        "states": {
+            name: {
+                "configuration": [[0.0, 0.0, 0.0]] * len(a.blocks),
+                "settlement": settlement,
+                "pushdown": {},
+                "pushover": {},
+                "capacity": {},
+                "history": [],
+                "incremental": {},
+            }
+            for name, settlement in _states(project)
+        },
+        "comparison": [],
+        "convergence": {"tolerance": accuracy_of(project).tolerance, "rows": []},
+        "quality": {"solves": 0, "warnings": [], "by_stage": []},
+        "timing_s": {},
+        "software": {
+            "version": installed("assesto"),
+            "python": platform.python_version(),
+            "platform": platform.system(),
+            "packages": {name: installed(name) for name in PACKAGES},
+        },
+    }
+
+
+def _states(project: Project) -> Iterable[tuple[str, Results | None]]:
+    if project.pushover or project.history or project.incremental or project.mechanism:
+        yield ORIGINAL, None
+    for s in project.settlements:
+        yield (
+            s.name,
+            {
+                "support": s.support,
+                "displacement_m": list(s.displacement_m),
+                "rotation_rad": s.rotation_rad,
+                "increment_m": s.increment_m,
+            },
+        )
+
+
+def _geometry(project: Project, a: Assembly) -> Results:
+    return {
+        "blocks": [
+            {
+                "vertices_m": block.polygon.tolist(),
+                "centroid_m": block.centroid.tolist(),
+                "depth_m": block.depth,
+                "layer": block.layer,
+                "handle": block.handle,
+                "support": block.support,
+                "vertical_load_kN": block.vertical_load,
+                "weight_kN": block.weight,
+            }
+            for block in a.blocks
+        ],
+        "controls": [
+            {"name": point.name, "point_m": list(point.point_m), "block": a.block_at(point.point_m)}
+            for point in project.control
+        ],
+        "joints": [
+            {
+                "blocks": [int(i), int(j)],
+                "ends_m": ends.tolist(),
+                "friction": min(a.blocks[i].material.friction, a.blocks[j].material.friction),
+            }
+            for i, j, ends in zip(a.joints.a, a.joints.b, a.joints.ends, strict=True)
+        ],
+        "gravity_m_s2": GRAVITY,
+    }
+
+
+def _inputs(project: Project) -> list[str]:
+    names = [project.source, project.geometry.drawing]
+    if project.assessment and project.assessment.site and project.assessment.site.grid:
+        names.append(project.assessment.site.grid)
+    for history in project.history:
+        names += [name for name in (history.record, history.vertical_record) if name]
+    names += [os.path.relpath(path, project.folder) for path in project.incremental_records()]
+    return list(dict.fromkeys(names))
