@@ -41,6 +41,12 @@ class BaseMotion:
         """Name in tables and figures."""
         return self.record.name
 
+    def at_half_step(self) -> BaseMotion:
+        """Return the same broken lines with a sample between any two."""
+        record = self.record.resampled(0.5 * self.record.time_step)
+        vertical = None if self.vertical is None else np.interp(record.time, self.record.time, self.vertical)
+        return replace(self, record=record, vertical=vertical)
+
 
 def history_motions(project: Project) -> list[BaseMotion]:
     """Base motion of each [[history]]; ProjectError or ValueError naming key or file where one cannot be used."""

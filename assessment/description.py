@@ -8,6 +8,7 @@ import platform
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from assessment.convergence import accuracy_of
 from assessment.fingerprint import installed
 from assessment.project_schema import ORIGINAL
 from mechanics.block import GRAVITY
@@ -65,6 +66,7 @@ def describe(project: Project, model: Model) -> Results:
             for name, settlement in _states(project)
         },
         "comparison": [],
+        "convergence": {"tolerance": accuracy_of(project).tolerance, "rows": []},
         "quality": {"solves": 0, "warnings": [], "by_stage": []},
         "timing_s": {},
         "software": {

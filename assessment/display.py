@@ -24,8 +24,11 @@ MILLIMETRES = {
     "peak_displacement_m",
     "residual_displacement_m",
     "movement_m",
+    "d_0_error_m",
+    "peak_displacement_error_m",
 }
-PERCENT = {"damping", "reduction", "static_reduction", "dynamic_reduction", "deviation", "hand_deviation"}
+PERCENT = {"damping", "reduction", "static_reduction", "dynamic_reduction"}
+PERCENT |= {"deviation", "hand_deviation", "relative_error"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
 TEXT |= {"mechanism", "governing", "kind", "soil", "topography", "refused"}
 TEXT |= {"property", "collapses"}

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assessment.base_motion import BaseMotion, history_motions, incremental_motions
-from assessment.dynamics import Campaign, StageResult, Start, histories, motion_numbers
+from assessment.dynamics import Campaign, StageResult, Start, motion_numbers
+from assessment.histories import histories
 from assessment.incremental import searches, summarise
 from assessment.project_schema import ORIGINAL
 
@@ -77,6 +78,8 @@ def add_dynamics(
         for stage in histories(campaign, motions.history):
             take(stage)
             results["states"][stage.state]["history"].append(stage.numbers)
+            if stage.convergence is not None:
+                results["convergence"]["rows"].append(stage.convergence)
     if project.incremental:
         found: dict[str, list[Results]] = {}
         for stage in searches(campaign, motions.incremental):

@@ -63,6 +63,7 @@ class StageResult:
     warnings: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
     seconds: float = 0.0
+    convergence: Numbers | None = None
 
 
 @dataclass(frozen=True)
@@ -177,7 +178,7 @@ class Campaign:
         ]
 
     def each(
-        self, stage: str, function: Callable[..., StageResult], tasks: list[Task], runs: int, *more: float
+        self, stage: str, function: Callable[..., StageResult], tasks: list[Task], runs: int, *more: object
     ) -> list[StageResult]:
         """Return function(*task, *more) for every task, in order; `runs`: motions that one costs, about."""
         samples = sum(motion.record.acceleration.size for _, motion, *_ in tasks)
@@ -194,17 +195,6 @@ def _own(table: MotionTable) -> MotionTable:
     """Return the table without its choice of states and records: an analysis depends on its own alone."""
     choice: dict[str, Any] = {"states": None, "records": ()}
     return table.model_copy(update={key: choice[key] for key in choice if key in type(table).model_fields})
-
-
-def histories(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult]:
-    """Every time history that the project asks for, state by state."""
-    by_table = [
-        campaign.tasks(table, [motion])
-        for table, motion in zip(campaign.project.history, motions, strict=True)
-    ]
-    states = campaign.project.states
-    tasks = sorted((task for tasks in by_table for task in tasks), key=lambda task: states.index(task[3]))
-    return campaign.each("history", history, tasks, 1)
 
 
 def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, start: Start) -> StageResult:

@@ -43,6 +43,7 @@ Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True)]
 Segments = Annotated[int, Field(ge=1, le=100)]
 Pair = Annotated[tuple[float, float], Field(strict=False)]
 Factors = Annotated[tuple[Positive, Positive], Field(strict=False)]
+Tolerance = Annotated[float, Field(gt=0, lt=1)]
 Name = Annotated[str, Field(max_length=200, pattern=rf"^[^\s{_UNSEEN}]([^\t\n{_UNSEEN}]*[^\s{_UNSEEN}])?$")]
 Text = Annotated[str, StringConstraints(strip_whitespace=True, max_length=2000, pattern=rf"^[^{_UNSEEN}]*$")]
 _ENTRIES = Field(strict=False, min_length=1, json_schema_extra={"uniqueItems": True})
@@ -377,6 +378,11 @@ class ProjectContent(Table):
     """All that a project file says. A table that is absent switches its stage off."""
 
     title: Name = Field(description="title of the project")
+    accuracy: Literal["fast", "standard", "fine"] | Tolerance = Field(
+        default="fast",
+        description="fast: increments and time steps as given, no error estimated; else they are halved until the "
+        "estimated relative error is below standard (0.05), fine (0.01) or a number",
+    )
     geometry: GeometryTable = Field(description="the drawing and how it becomes blocks and joints")
     material: MaterialTable = Field(description="stone and joints, default of every layer")
     layers: dict[Name, LayerTable] = Field(

@@ -186,7 +186,8 @@ def _typed(value: Any, annotation: Any) -> Any:
     kinds = alternatives(annotation)
     members = [member for kind in kinds if get_origin(kind) is Literal for member in get_args(kind)]
     lists = [kind for kind in kinds if get_origin(kind) is tuple]
-    takes_text = str in kinds or any(isinstance(member, str) for member in members)
+    words = any(isinstance(member, str) for member in members)
+    takes_text = str in kinds or (words and value in members) or (words and float not in kinds)
     if lists and value not in members:
         one_line = _text(value).replace("\r", ";").replace("\n", ";")
         parts = next(csv.reader([one_line], delimiter=";", skipinitialspace=True))

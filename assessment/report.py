@@ -14,6 +14,7 @@ import jinja2
 from markupsafe import Markup
 
 from assessment import capacity_tables, tables
+from assessment.convergence_tables import convergence, history_convergence, reported
 from assessment.display import Grid, exact, flatten, grid, summary_grids
 from assessment.dynamic_tables import energy, histories, incremental, incremental_states, static_dynamic
 from assessment.figures import pictures
@@ -41,6 +42,7 @@ CHAPTERS = (
     "action",
     "capacity",
     "comparison",
+    "convergence",
     "quality",
     "hand_check",
     "judgement",
@@ -178,6 +180,8 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         incremental(results),
         incremental_states(results),
         static_dynamic(results),
+        reported(convergence(results), words),
+        reported(history_convergence(results), words),
         Table("quality", list(results["quality"].get("by_stage") or []), tables.QUALITY),
         hand_check(results),
         Table("echo", echo, ("key", "value")),

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from assessment.convergence import refined
 from assessment.project_schema import ORIGINAL
 from assessment.states import StateResult
 from assessment.study import (
@@ -44,17 +45,29 @@ def scenarios(
     model: Assembly,
     states: Mapping[str, Any],
     stages: Sequence[StateResult],
+    halvings: Mapping[str, int],
     demands: Demands,
     workers: Workers,
     study: Study,
 ) -> Numbers:
     """Review the states that there are, and the parts of each movement that is swept.
 
+    The parts are reviewed with the increments of the whole, halved as often (`halvings` of each state).
     Returns the points in the order of the scenarios, what they are judged by, and the worst of them.
     """
-    swept = [(whole, k) for whole in project.settlements for k in range(1, whole.steps or 1)]
-    variants = [Variant(f"part {k} of {whole.steps}", project, model, part(whole, k)) for whole, k in swept]
-    keys = [(whole.name, k) for whole, k in swept]
+    finest = [
+        (refined(project, halvings.get(whole.name, 0)), number)
+        for number, whole in enumerate(project.settlements)
+    ]
+    swept = [
+        (finer, finer.settlements[number], k)
+        for finer, number in finest
+        for k in range(1, finer.settlements[number].steps or 1)
+    ]
+    variants = [
+        Variant(f"part {k} of {whole.steps}", finer, model, part(whole, k)) for finer, whole, k in swept
+    ]
+    keys = [(whole.name, k) for _, whole, k in swept]
     parts = dict(zip(keys, analyse(variants, demands, workers, study, "scenarios"), strict=True))
 
     by, original = quantity(project), _of_state(project, states, stages, ORIGINAL)

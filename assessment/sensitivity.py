@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 from itertools import product
 from typing import TYPE_CHECKING
 
+from assessment.convergence import refined
 from assessment.model import build_model
 from assessment.project_schema import ORIGINAL, Table
 from assessment.study import Demands, Numbers, Study, Variant, analyse, quoted_limit_state
@@ -24,17 +25,22 @@ KEYS = {  # property: the keys of [material], [geometry] and [layers] that it st
 }
 
 
-def sensitivity(project: Project, demands: Demands, workers: Workers, study: Study) -> Numbers:
-    """Analyse every state with each property lower and higher; return the runs, two to a property and state."""
+def sensitivity(
+    project: Project, halvings: Mapping[str, int], demands: Demands, workers: Workers, study: Study
+) -> Numbers:
+    """Analyse every state with each property lower and higher; return the runs, two to a property and state.
+
+    Increments are those of the state itself, halved as often (`halvings`): differences are then the property's.
+    """
     assert project.sensitivity is not None
     factors = [(key, factor) for key, pair in project.sensitivity.factors.items() for factor in pair]
     varied = {each: with_factor(project, *each) for each in factors}
     models = {each: build_model(changed).assembly for each, changed in varied.items()}
-    cases = list(product(factors, _settlements(project)))
+    cases = list(product(factors, _settlements(project, halvings)))
     variants = [
         Variant(
             f"{key.replace('_', ' ')} × {factor:g}",
-            varied[key, factor],
+            refined(varied[key, factor], halvings.get(settlement.name if settlement else ORIGINAL, 0)),
             models[key, factor],
             settlement,
         )
@@ -113,9 +119,13 @@ def with_factor(project: Project, key: str, factor: float) -> Project:
     )
 
 
-def _settlements(project: Project) -> list[SettlementTable | None]:
+def _settlements(project: Project, halvings: Mapping[str, int]) -> list[SettlementTable | None]:
     """Return the settlements of the states to vary, None for the original one, not taken on to collapse."""
     assert project.sensitivity is not None
     states = project.sensitivity.states or project.states
-    short = [each.model_copy(update={"to_collapse": False}) for each in project.settlements]
+    finest = [
+        refined(project, halvings.get(each.name, 0)).settlements[number]
+        for number, each in enumerate(project.settlements)
+    ]
+    short = [each.model_copy(update={"to_collapse": False}) for each in finest]
     return [None for name in states if name == ORIGINAL] + [each for each in short if each.name in states]

@@ -25,19 +25,23 @@ def add_studies(
     project: Project,
     model: Assembly,
     stages: Sequence[StateResult],
+    halvings: Mapping[str, int],
     spectra: Mapping[str, Spectrum],
     hazard: HazardCurve | None,
     workers: Workers,
 ) -> bool:
-    """Set the scenarios side by side and vary the properties, where asked for; return whether all was completed."""
+    """Set the scenarios side by side and vary the properties, where asked for; return whether all was completed.
+
+    `halvings`: of each state's increments behind `stages`; the studies of a state take the same.
+    """
     demands = Demands(spectra, hazard)
     made: dict[str, Callable[[Study], Numbers]] = {}
     if asks_for_scenarios(project):
         made["scenarios"] = lambda study: scenarios(
-            project, model, results["states"], stages, demands, workers, study
+            project, model, results["states"], stages, halvings, demands, workers, study
         )
     if project.sensitivity:
-        made["sensitivity"] = lambda study: sensitivity(project, demands, workers, study)
+        made["sensitivity"] = lambda study: sensitivity(project, halvings, demands, workers, study)
     complete = True
     for name, make in made.items():
         study = Study()

@@ -16,6 +16,7 @@ from assessment.capacity_tables import (
     trace,
     verification,
 )
+from assessment.convergence_tables import convergence, history_convergence
 from assessment.dynamic_tables import dynamic_tables
 from assessment.files import write_atomically
 from assessment.hand_check import hand_check, macro_block_table, outline_area
@@ -64,6 +65,8 @@ def tables(results: Results) -> list[Table]:
         trace(results),
         *study_tables(results),
         *dynamic_tables(results),
+        convergence(results),
+        history_convergence(results),
     ]
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from assessment.checks import assess, assess_chosen, governing
+from assessment.convergence import converge
 from assessment.demand import demand_spectra, spectra_numbers
 from assessment.description import describe
 from assessment.dynamic_stages import add_dynamics, dynamic_contacts, read_motions
@@ -17,7 +18,7 @@ from assessment.parallel import SILENCE, Show, Workers, large
 from assessment.project_schema import ORIGINAL
 from assessment.stages import stand
 from assessment.states import Request, StateResult, analyse_states
-from assessment.study import behaviours
+from assessment.study import Demands, behaviours
 from assessment.study_stages import add_studies
 from assessment.table import reduction, static_pga
 
@@ -117,8 +118,18 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
         results["quality"]["warnings"].append(unstable)
         _sum_up(results["quality"])
         return results, False
-    stages = analyse_states(_requests(project, assembly), workers)
+    converged = converge(
+        project,
+        assembly,
+        Demands(demands, hazard),
+        lambda finer, names: analyse_states(
+            [request for request in _requests(finer, assembly) if request.state in names], workers
+        ),
+    )
+    stages = converged.stages
     warnings = results["quality"]["warnings"]
+    warnings += converged.warnings
+    results["convergence"]["rows"] += converged.rows
     states = results["states"]
     for stage in stages:
         _merge(states[stage.state], stage)
@@ -137,7 +148,7 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
         results["timing_s"]["assessment"] = time.perf_counter() - began
     if project.mechanism:
         results["mechanisms"] = assess_chosen(project, assembly, states, demands, hazard, warnings)
-    studied = add_studies(results, project, assembly, stages, demands, hazard, workers)
+    studied = add_studies(results, project, assembly, stages, converged.halvings, demands, hazard, workers)
     shaken = add_dynamics(results, project, assembly, motions, stages, workers)
     if project.assessment or project.incremental:
         results["comparison"] = _comparison(states)

@@ -53,6 +53,23 @@ def results_example(language: str = "it") -> dict[str, Any]:
             }
             for direction in ("+x", "-x")
         ],
+        "convergence": {
+            "tolerance": 0.05,
+            "rows": [
+                {
+                    "state": name,
+                    "direction": direction,
+                    "halvings": 2,
+                    "alpha_0_error": 0.0,
+                    "d_0_error_m": d_0_error,
+                    "a_g_error_g": 0.002,
+                    "relative_error": None if d_0_error is None else 0.012,
+                    "met": d_0_error is not None,
+                    "levels": {"alpha_0": [0.15, 0.15, 0.15]},
+                }
+                for name, direction, d_0_error in (("original", "+x", 0.0023), (SETTLED, "-x", None))
+            ],
+        },
         "quality": {
             "solves": 210,
             "worst_equilibrium_residual": 3.2e-10,

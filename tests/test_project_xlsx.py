@@ -202,7 +202,7 @@ def test_a_list_written_as_a_value_is_told(folder):
     book["project"].append(["control", 7])
     book.save(folder / "project.xlsx")
     with pytest.raises(
-        ProjectError, match=r'control\[1\] \(sheet "project", cell B3\): 7 is wrong; write a table'
+        ProjectError, match=r'control\[1\] \(sheet "project", cell B4\): 7 is wrong; write a table'
     ):
         load_project(folder)
 

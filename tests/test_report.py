@@ -227,7 +227,7 @@ def test_degraded_forms_render(form, tmp_path):
         assert f'<h2 id="{chapter}">' in html
     assert ("not reached" in re.sub(r"“[^”]*”", "", html)) == (form is nothing_reached)
     if form is nothing_reached:
-        comparison = html[html.index('<h2 id="comparison">') : html.index('<h2 id="quality">')]
+        comparison = html[html.index('<h2 id="comparison">') : html.index('<h2 id="convergence">')]
         assert comparison.count("<td>not reached</td>") == 2 * len(results["comparison"])
     if form is unstable_state:
         assert "the pushover in direction +x is not available" in html

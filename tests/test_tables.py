@@ -22,6 +22,7 @@ def test_all_tables_are_written(written):
     assert set(written) == names | {
         "verification",
         "comparison",
+        "convergence",
         "hand_check",
         "macro_blocks",
         "quality",

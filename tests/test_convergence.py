@@ -1,0 +1,416 @@
+"""Halved increments and the error they let expect: against closed forms, finer references, and by themselves."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Collection
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from assessment import histories
+from assessment.base_motion import BaseMotion
+from assessment.convergence import Accuracy, Levels, accuracy_of, converge, estimated_error, refined
+from assessment.dynamics import Setting, StageResult, history
+from assessment.figures import write_figures
+from assessment.histories import converged_history
+from assessment.messages import ProjectError
+from assessment.model import build_model
+from assessment.new_project import new_project, template_layout, write_drawing
+from assessment.parallel import Workers
+from assessment.project import Project, load_project
+from assessment.project_schema import ControlTable, HistoryTable, PushoverTable, SettlementTable
+from assessment.project_source import convert
+from assessment.report import render_html
+from assessment.states import Request, StateResult, analyse_states
+from assessment.study import Demands
+from assessment.words import words_of
+from assessment.workflow import run
+from mechanics.block import GRAVITY
+from mechanics.ground_motion import Record
+from tests.results_example import results_example
+from tests.structures import block_on_base
+from tests.test_studies import ASSESSMENT, BLOCK, HEIGHT, PUSHOVER, SLENDERNESS, TURNS
+
+SOLVER = 1e-6  # relative: what programs leave, whatever the increments
+STEP = 0.02
+TIME = STEP * np.arange(76)
+SINE = 0.27 * np.sin(4.0 * np.pi * TIME) * (TIME <= 0.5)  # g: a block of 0.2 × 1.0 m rocks and comes back
+PUSH = np.where((TIME > 0.5 * STEP) & (TIME < 10.5 * STEP), 0.3, 0.0)  # g: one of low friction slides
+CONTROL = ControlTable(name="top", point_m=(0.2, 1.0))
+
+
+@pytest.fixture
+def block(tmp_path):
+    """Write a project of one block, its first lines and then its tables; return it loaded."""
+    write_drawing(tmp_path / "geometry.dxf", template_layout("block"))
+
+    def written(accuracy: str, *tables: str):
+        text = BLOCK.replace("\n", f"\naccuracy = {accuracy}\n", 1) if accuracy else BLOCK
+        (tmp_path / "project.toml").write_text(text + "".join(tables), encoding="utf-8")
+        return load_project(tmp_path)
+
+    return written
+
+
+def results_of(project) -> dict:
+    return run(project, build_model(project), jobs=1).results
+
+
+# The estimate
+
+
+@given(
+    exact=st.floats(-10.0, 10.0),
+    factor=st.floats(1e-3, 10.0),
+    sign=st.sampled_from([-1.0, 1.0]),
+    order=st.floats(0.35, 4.0),
+    levels=st.integers(3, 6),
+)
+def test_the_estimate_bounds_the_error_of_any_order_that_shows(exact, factor, sign, order, levels):
+    """v_k = v + C 2^(−pk): exact up to first order, on the safe side above."""
+    values = [exact + sign * factor * 2.0 ** (-order * k) for k in range(levels)]
+    error, estimate = abs(values[-1] - exact), estimated_error(values)
+    assert estimate >= error * (1.0 - 1e-6) - 1e-12
+    if order <= 1.0:
+        assert estimate == pytest.approx(error, rel=1e-6, abs=1e-12)
+
+
+def test_the_estimate_without_an_order():
+    assert estimated_error([1.0]) is None
+    assert estimated_error([1.0, None]) is None
+    assert estimated_error([None, 1.0]) is None
+    assert estimated_error([None, 1.0, 1.25]) == 0.25
+    assert estimated_error([1.0, 1.5]) == 0.5  # as at first order
+    assert estimated_error([1.0, 1.5, 1.0]) == 4 * 0.5  # scatter
+    assert estimated_error([1.0, 1.5, 1.25]) == 0.25  # alternating, and shrinking
+    assert estimated_error([1.0, 1.5, 2.0]) == 4 * 0.5  # drifting on
+    assert estimated_error([1.0, 2.0, 2.0]) == 0.0
+
+
+def test_a_quantity_that_only_one_level_reaches_has_no_error():
+    levels = Levels(1.0, ({"alpha_0": 0.1, "d_0_m": None}, {"alpha_0": 0.1, "d_0_m": 0.2}))
+    assert levels.errors == {"alpha_0": 0.0, "d_0_m": None}
+    assert not levels.within(0.5)
+    assert levels.numbers(0.5)["relative_error"] is None
+    neither = Levels(1.0, ({"alpha_0": 0.1, "d_0_m": None},) * 2)
+    assert neither.errors == {"alpha_0": 0.0} and neither.within(0.5)
+
+
+def test_one_level_tells_no_error():
+    levels = Levels(1.0, ({"alpha_0": 0.1},))
+    assert not levels.within(0.5) and levels.numbers(0.5)["met"] is False
+
+
+def test_values_of_rounding_size_are_none():
+    """A block that does not move has a peak of 1e-13 m: no error is relative to that."""
+    assert Levels(5.0, ({"peak_displacement_m": 3e-13}, {"peak_displacement_m": 1e-13})).within(0.01)
+
+
+# The increments
+
+
+@given(
+    x=st.just(0.0) | st.floats(1e-6, 0.1),
+    rotation=st.just(0.0) | st.floats(-0.1, -1e-6),
+    increment=st.floats(1e-4, 0.2),
+    halvings=st.integers(0, 4),
+)
+def test_increments_are_doubled_exactly(x, rotation, increment, halvings):
+    """Also where the movement is no multiple of the increment, or shorter than it."""
+    assume(x or rotation)
+    settlement = SettlementTable(
+        name="s", support="b", displacement_m=(x, 0.0), rotation_rad=rotation, increment_m=increment
+    )
+    project = project_of_one_settlement(settlement)
+    finer = refined(project, halvings)
+    assert finer.settlements[0].increments == 2**halvings * settlement.increments
+    assert finer.pushover.increment_m == project.pushover.increment_m / 2**halvings
+
+
+def project_of_one_settlement(settlement: SettlementTable) -> Project:
+    """A project that need not be on disk."""
+    return Project.model_construct(settlements=(settlement,), pushover=PushoverTable(increment_m=0.01))
+
+
+# States
+
+
+def test_fast_is_what_the_increments_give_and_says_so(block, tmp_path):
+    """The key left out, "fast", and the first level of any accuracy are the same numbers."""
+    plain = results_of(block("", TURNS, PUSHOVER, ASSESSMENT))
+    fast = results_of(block('"fast"', TURNS, PUSHOVER, ASSESSMENT))
+    assert fast["states"] == plain["states"]
+    assert fast["convergence"] == {"tolerance": None, "rows": []}
+    rows = results_of(block('"standard"', TURNS, PUSHOVER, ASSESSMENT))["convergence"]["rows"]
+    assert len(rows) == 6
+    for row in rows:
+        state = fast["states"][row["state"]]
+        assert row["levels"]["d_0_m"][0] == state["pushover"][row["direction"]]["rigid"]["d_0_m"]
+        assert row["levels"]["a_g_g"][0] == state["capacity"][row["direction"]]["SLC"]["a_g_g"]
+
+
+def test_the_error_of_a_block_is_bounded_by_the_estimate(block):
+    """Leaning by θ from the start: α0 = tan(arctan(B/H) − θ), d_0 = H (sin arctan(B/H) − sin θ) above the hinge."""
+    results = results_of(block("0.001", TURNS, PUSHOVER))
+    rows = {(row["state"], row["direction"]): row for row in results["convergence"]["rows"]}
+    turned = {"original": 0.0, "turned": -0.04, "turned back": 0.02}
+    for (state, way), row in rows.items():
+        lean = -turned[state] if way == "+x" else turned[state]
+        rigid = results["states"][state]["pushover"][way]["rigid"]
+        exact = {
+            "alpha_0": math.tan(SLENDERNESS - lean),
+            "d_0_m": HEIGHT * (math.sin(SLENDERNESS) - math.sin(lean)),
+        }
+        for key, error in (("alpha_0", row["alpha_0_error"]), ("d_0_m", row["d_0_error_m"])):
+            assert row["levels"][key][-1] == rigid[key]
+            assert abs(rigid[key] - exact[key]) <= error + SOLVER * exact[key], (state, way, key)
+        assert row["met"] and row["relative_error"] <= 0.001
+
+
+@pytest.fixture(scope="module")
+def arch(tmp_path_factory):
+    """A semicircular arch of 21 voussoirs whose d_0 is 46 mm with the increment given, 25.7 mm with smaller ones."""
+    folder = tmp_path_factory.mktemp("convergence") / "arch"
+    new_project(folder, "arch", {})
+    project = load_project(folder)
+    assert project.pushover is not None
+    rigid = project.pushover.model_copy(update={"contacts": ("rigid",)})
+    return project.model_copy(update={"pushover": rigid, "settlements": (), "assessment": None})
+
+
+def test_the_error_of_an_arch_is_bounded_by_the_estimate(arch):
+    assembly = build_model(arch).assembly
+    with Workers(1) as workers:
+        [stage] = analyse_states([Request(refined(arch, 5), assembly, None, "rigid")], workers)
+    fine = stage.pushover["+x"]
+    found = results_of(arch.model_copy(update={"accuracy": 0.01}))
+    right, left = found["convergence"]["rows"]
+    values = right["levels"]["d_0_m"]
+    assert abs(values[0] / fine["d_0_m"] - 1.0) > 0.5
+    assert abs(values[-1] - fine["d_0_m"]) <= right["d_0_error_m"] + SOLVER * values[-1]
+    assert right["d_0_error_m"] <= 0.01 * values[-1]
+    assert found["states"]["original"]["pushover"]["+x"]["rigid"]["d_0_m"] == values[-1]
+    assert right["alpha_0_error"] == 0.0  # the onset knows no increment
+    assert left["halvings"] == right["halvings"] == 2
+    assert left["levels"]["d_0_m"] == pytest.approx(values, rel=1e-6)  # the mirror image
+
+
+def test_where_the_tolerance_is_not_met_a_warning_says_so(arch):
+    found = results_of(arch.model_copy(update={"accuracy": 1e-7}))
+    rows = found["convergence"]["rows"]
+    assert [row["halvings"] for row in rows] == [4, 4]
+    assert not any(row["met"] for row in rows)
+    said = [text for text in found["quality"]["warnings"] if "discretisation" in text]
+    assert [text.partition(":")[0] for text in said] == ["original, +x", "original, -x"]
+    assert "d_0_m is" in said[0] and "1/16" in said[0] and "alpha_0" not in said[0]
+
+
+def test_studies_take_the_increments_of_their_states(block):
+    """A property times one, and the whole of a sweep, are the state itself."""
+    table = "\n[sensitivity]\nfriction = [1.0, 1.2]\n"
+    results = results_of(block("0.001", TURNS.replace("steps = 4", "steps = 2"), PUSHOVER, ASSESSMENT, table))
+    assert {row["halvings"] for row in results["convergence"]["rows"]} == {1}
+    for each in results["sensitivity"]["runs"]:
+        if each["factor"] == 1.0:
+            rigid = results["states"][each["state"]]["pushover"][each["direction"]]["rigid"]
+            assert each["d_0_m"] == rigid["d_0_m"]
+
+
+def _stage(state: str, alpha_0: float, *failures: str) -> StateResult:
+    numbers = {"alpha_0": alpha_0, "d_0_m": None, "control": "C"}
+    return StateResult(
+        state, "rigid", pushover={"+x": numbers}, failures=list(failures), seconds={"pushover": 1.0}
+    )
+
+
+def _converged(arch, *levels: dict[str, StateResult]):
+    """Converge states that are made up, one dictionary by name for each level."""
+    asked: list[tuple[float, list[str]]] = []
+
+    def analyse(project: Project, states: Collection[str]) -> list[StateResult]:
+        asked.append((project.pushover.increment_m, list(states)))
+        return [levels[len(asked) - 1][name] for name in states if name in levels[len(asked) - 1]]
+
+    settled = SettlementTable(name="settled", support="right", displacement_m=(0.01, 0.0))
+    push = arch.pushover.model_copy(update={"directions": ("+x",), "increment_m": 1.0})
+    project = arch.model_copy(update={"settlements": (settled,), "pushover": push, "accuracy": "standard"})
+    return converge(project, build_model(arch).assembly, Demands({}, None), analyse), asked
+
+
+def test_only_states_that_need_it_are_analysed_again(arch):
+    found, asked = _converged(
+        arch,
+        {"original": _stage("original", 0.2), "settled": _stage("settled", 0.2)},
+        {"original": _stage("original", 0.2), "settled": _stage("settled", 0.15)},
+        {"settled": _stage("settled", 0.125)},
+    )
+    assert asked == [
+        (1.0, ["original", "settled"]), (0.5, ["original", "settled"]), (0.25, ["settled"])
+    ]  # fmt: skip
+    assert found.halvings == {"original": 1, "settled": 2}
+    assert [stage.pushover["+x"]["alpha_0"] for stage in found.stages] == [0.2, 0.125]
+    assert [stage.seconds["pushover"] for stage in found.stages] == [2.0, 3.0]
+    original, settled = found.rows
+    assert original["met"] and not settled["met"]
+    assert settled["alpha_0_error"] == pytest.approx(0.025)  # first order: 0.1 is where it goes
+    (warning,) = found.warnings
+    assert "settled, +x" in warning and "alpha_0 is 20 %" in warning and "1/4" in warning
+
+
+def test_a_finer_analysis_that_fails_leaves_the_coarser_one(arch):
+    found, asked = _converged(
+        arch,
+        {"original": _stage("original", 0.2)},
+        {"original": _stage("original", 0.1)},
+        {"original": _stage("original", 0.0, "no equilibrium")},
+    )
+    assert len(asked) == 3
+    assert found.stages[0].pushover["+x"]["alpha_0"] == 0.1 and not found.stages[0].failures
+    assert found.halvings["original"] == 1
+    assert "original, +x: finer increments fail: no equilibrium" in found.warnings
+
+
+# Histories
+
+
+def _shaken(step: float = STEP, acceleration=SINE, integrator: str = "implicit-euler"):
+    record = Record(acceleration, STEP, "pulse").resampled(step)
+    table = HistoryTable(record="pulse", contacts="rigid", integrator=integrator)
+    return BaseMotion(record, record, float(abs(acceleration).max()), 1.0), Setting(table, CONTROL)
+
+
+def _bounded(found: StageResult, exact: float) -> dict:
+    """Check a history's estimate against the true error of its peak; return its row."""
+    row, peak = found.convergence, found.numbers["peak_displacement_m"]
+    assert row is not None and row["met"]
+    assert peak == row["levels"]["peak_displacement_m"][-1]
+    assert found.numbers["time_step_s"] == STEP / 2 ** row["halvings"]
+    assert (
+        abs(peak - exact) <= row["peak_displacement_error_m"] == pytest.approx(row["relative_error"] * peak)
+    )
+    return row
+
+
+def test_the_error_of_a_slide_is_bounded_by_the_estimate():
+    """A block on μ = 0.1 slides by ∫∫ (a − μ) g from the instant that a exceeds μ to its rest."""
+    friction = 0.1
+    model = block_on_base(width=1.0, friction=friction)
+    rise = STEP * (1.0 - friction / 0.3)  # while the broken line is above μ, before and after the plateau
+    slope, plateau = 0.3 * GRAVITY / STEP, 9 * STEP
+    net = (0.3 - friction) * GRAVITY
+    v1, u1 = slope * rise**2 / 2.0, slope * rise**3 / 6.0
+    v2, u2 = v1 + net * plateau, u1 + v1 * plateau + net * plateau**2 / 2.0
+    v3 = v2 + net * rise - slope * rise**2 / 2.0
+    u3 = u2 + v2 * rise + net * rise**2 / 2.0 - slope * rise**3 / 6.0
+    fall = STEP - rise  # the line goes on to zero
+    v4, u4 = v3 - slope * fall**2 / 2.0, u3 + v3 * fall - slope * fall**3 / 6.0
+    exact = u4 + v4**2 / (2.0 * friction * GRAVITY)
+    found = converged_history(
+        model, *_shaken(acceleration=PUSH), "original", model.initial, Accuracy(0.02, 4)
+    )
+    row = _bounded(found, exact)
+    assert abs(row["levels"]["peak_displacement_m"][0] / exact - 1.0) > 0.02 >= row["relative_error"]
+
+
+def test_the_error_of_a_rocking_block_is_bounded_by_the_estimate():
+    """Second order, one cycle of a sine; reference: the same with a sixteenth of the step."""
+    model = block_on_base()
+    reference = history(model, *_shaken(STEP / 16, integrator="second-order"), "original", model.initial)
+    assert not reference.numbers["collapsed"]
+    made = converged_history(
+        model, *_shaken(integrator="second-order"), "original", model.initial, Accuracy(0.01, 3)
+    )
+    _bounded(made, reference.numbers["peak_displacement_m"])
+
+
+def test_a_fast_history_is_the_history():
+    model = block_on_base()
+    plain = history(model, *_shaken(), "original", model.initial)
+    fast = converged_history(model, *_shaken(), "original", model.initial, Accuracy(None, 0))
+    assert fast.convergence is None
+    assert plain.numbers | {"seconds": 0.0} == fast.numbers | {"seconds": 0.0}
+
+
+def test_a_half_step_shakes_by_the_same_lines():
+    motion, _ = _shaken()
+    vertical = np.cos(3.0 * TIME)
+    motion = BaseMotion(motion.record, motion.original, motion.pga, 1.0, vertical=vertical)
+    half = motion.at_half_step()
+    assert half.record.time_step == STEP / 2 and half.vertical is not None
+    np.testing.assert_array_equal(half.record.acceleration[::2], motion.record.acceleration)
+    np.testing.assert_allclose(half.vertical[::2], vertical, atol=1e-12)
+    np.testing.assert_allclose(half.vertical[1::2], 0.5 * (vertical[1:] + vertical[:-1]), atol=1e-12)
+
+
+def test_a_collapse_is_confirmed_by_a_second_step(monkeypatch):
+    """The last two steps decide; where one says collapse and the other does not, nothing is known."""
+    model = block_on_base()
+
+    def told(*collapses: bool):
+        runs = iter(collapses)
+
+        def made(_, motion, __, state, ___):
+            fell = next(runs)
+            return StageResult(
+                state, "history", {"collapsed": fell, "peak_displacement_m": 9.9 if fell else 0.1}
+            )
+
+        monkeypatch.setattr(histories, "history", made)
+        return converged_history(model, *_shaken(), "original", model.initial, Accuracy(0.05, 2))
+
+    both = told(True, True)
+    assert both.convergence is not None and both.convergence["halvings"] == 1 and not both.warnings
+    assert "peak_displacement_error_m" not in both.convergence
+    late = told(True, False, False)
+    assert late.convergence is not None and late.convergence["met"] and not late.warnings
+    never = told(True, False, True)
+    assert never.convergence is not None and not never.convergence["met"]
+    assert "not known" in never.warnings[0]
+
+
+# The key
+
+
+def test_the_key_survives_both_forms(block, tmp_path):
+    for written, accuracy in (('"fine"', Accuracy(0.01, 4)), ("0.02", Accuracy(0.02, 4))):
+        project = block(written, PUSHOVER)
+        assert accuracy_of(project) == accuracy
+        convert(project)
+        assert (tmp_path / "project.xlsx").is_file()
+        again = load_project(tmp_path)
+        assert again.accuracy == project.accuracy and type(again.accuracy) is type(project.accuracy)
+        (tmp_path / "project.xlsx").unlink()
+        (tmp_path / "project.toml.old").unlink()
+
+
+@pytest.mark.parametrize("written", ['"finest"', "0.0", "1.0", "-0.1", "true"])
+def test_what_is_no_accuracy_is_told(block, written):
+    with pytest.raises(ProjectError, match=r"project\.toml: accuracy: .* is wrong; write"):
+        block(written, PUSHOVER)
+
+
+@pytest.mark.parametrize("language", ["it", "en"])
+def test_the_report_states_the_error_or_that_there_is_no_estimate(language, tmp_path):
+    results = results_example(language)
+    write_figures(results, tmp_path)
+    words = words_of(results)
+
+    def chapter(content: dict) -> str:
+        html = render_html(json.loads(json.dumps(content)), tmp_path, words)
+        return html[html.index('<h2 id="convergence">') : html.index('<h2 id="quality">')]
+
+    said = chapter(results)
+    for text in (
+        words.number(2.3),
+        words.number(1.2),
+        words.plain("value.not_known"),
+        words.plain("value.no"),
+    ):
+        assert f"<td>{text}</td>" in said
+    results["convergence"] = {"tolerance": None, "rows": []}
+    assert chapter(results) == chapter({key: results[key] for key in results if key != "convergence"})
+    assert words("text.no_convergence") in chapter(results)
