@@ -185,9 +185,9 @@ def _without_dilation(
 ) -> tuple[Array, Array, Array, Array, Mask]:  # fmt: skip
     """The program with friction that does not dilate: displacements (m,), forces (c, 2), slips and dilations (c,).
 
-    And which contacts (c,) carry. The program's sliding opens the contact by μ times the slip: a gap of as much, found
-    by repetition, undoes it. A contact that has ceased to carry keeps of it what cannot let blocks into each other:
-    dropped, it would carry again. What is left of it after the last trial is a gap in the next step.
+    And which contacts (c,) carry. The program's sliding opens the contact by μ times the slip: a gap of as much, found by repetition, undoes it. A
+    contact that has ceased to carry keeps of it what cannot let blocks into each other: dropped, it would carry again.
+    What is left of it after the last trial is a gap in the next step.
     """
     found = np.zeros_like(gap)
     for _ in range(MOST_TRIALS):
