@@ -24,8 +24,7 @@ class Energy:
     `integrator` are summed since the start, each from forces and displacements of its own kind. What `integrator`
     takes is what the scheme is known to: of implicit Euler ½ΔvᵀMΔv a step, impacts in it, and what springs lose where
     forces are not the mean ones; less the dilation of sliding, which comes back when the gap closes. So the balance is
-    a check: its `residual` is what the geometry linearised in a step and the solver's tolerance leave open,
-    with the work of weights where positions are corrected for it (see impacts).
+    a check: its `residual` is what the geometry linearised in a step and the solver's tolerance leave open.
     """
 
     kinetic: Array

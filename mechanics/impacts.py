@@ -124,10 +124,7 @@ def _midpoint(scene: Scene, motion: Motion, gap: Array, load: Load, time: float,
 
 
 def _kept_closed(scene: Scene, x: Array, carrying: Mask) -> Array:
-    """Positions with the contacts that carry closed: constraints on mean velocities drift.
-
-    What weights do in it stays in the residual of the balance, of the order of the geometry linearised in the step.
-    """
+    """Positions with the contacts that carry closed: constraints on mean velocities drift."""
     gap, normal, tangent = scene.geometry(x)
     if abs(gap[carrying, 0]).max() <= 1e-3 * CLOSED * scene.model.size:
         return x
@@ -183,9 +180,10 @@ def _without_dilation(
     scene: Scene, mass: Array, load: Array, rows: tuple[Array, Array], gap: Array, motion: Motion, guess: Array,
     span: float,
 ) -> tuple[Array, Array, Array, Array, Mask]:  # fmt: skip
-    """The program with friction that does not dilate: displacements (m,), forces (c, 2), slips and dilations (c,).
+    """Displacements (m,), forces (c, 2), slips and dilations (c,) of the program with friction that does not dilate.
 
-    And which contacts (c,) carry. The program's sliding opens the contact by μ times the slip: a gap of as much, found by repetition, undoes it. A
+    And which contacts (c,) carry.
+    The program's sliding opens the contact by μ times the slip: a gap of as much, found by repetition, undoes it. A
     contact that has ceased to carry keeps of it what cannot let blocks into each other: dropped, it would carry again.
     What is left of it after the last trial is a gap in the next step.
     """

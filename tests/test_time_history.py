@@ -302,33 +302,6 @@ def test_many_impacts_in_a_step_end_in_the_implicit_step(monkeypatch: pytest.Mon
     assert fewer.solves < motion.solves
 
 
-@pytest.mark.parametrize(("voussoirs", "courses", "amplitude"), [(23, 10, 0.4), (9, 3, 0.25), (5, 1, 0.5)])
-def test_positions_are_not_corrected_out_of_nothing(
-    voussoirs: int, courses: int, amplitude: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Joints that are open in the step are not closed after it: that moves blocks at rest, and weights do work."""
-    step, closed, keep = 0.01, [0.0], impacts._kept_closed
-
-    def watched(place: Scene, x: np.ndarray, carrying: np.ndarray) -> np.ndarray:
-        closed.append(place.geometry(x)[0][carrying, 0].max())
-        return keep(place, x, carrying)
-
-    monkeypatch.setattr(impacts, "_kept_closed", watched)
-    base = amplitude * np.sin(3.0 * np.pi * step * np.arange(round(1.0 / step)))
-    arch = arch_on_piers(voussoirs=voussoirs, courses=courses)
-    motion = time_history(arch, base, step, "rigid", integrator="second-order")
-    assert motion.energy.imbalance < 2e-3
-    assert max(closed) < 0.02 * 9.80665 * step**2
-
-
-def test_a_faint_force_of_an_open_contact_carries_nothing() -> None:
-    """Of force and gap, in units of the program, the greater is the one that is not zero."""
-    place, span = Scene(block_on_base(), "rigid"), 1e-3
-    force, apart = np.array([[0.5, 1e-4, 1.7e-5, 5e-6], [1e-3, 0.0, 0.08, 0.0]])
-    carrying = impacts._carrying(place, place.weight * force, span * apart, span)
-    assert carrying.tolist() == [True, True, False, False]
-
-
 def test_sliding_wall_needs_no_fallback() -> None:
     """Joints that slide to and fro without dilating: nothing hops, so nothing falls, and impacts take nothing."""
     motion = time_history(running_bond(3, 4), burst(0.8, 100, 4.0), STEP, "rigid", integrator="second-order")
