@@ -99,11 +99,12 @@ def _midpoint(scene: Scene, motion: Motion, gap: Array, load: Load, time: float,
     mass = 2.0 * scene.mass / step**2
     inertia, span = step * motion.v[scene.movable].ravel(), scene.span(motion.v, step)
     force = load(time + 0.5 * step)
-    moved, forces, slip, dilation, carrying = _without_dilation(
+    moved, forces, slip, dilation = _without_dilation(
         scene, mass, force[scene.movable].ravel() + mass * inertia, (normal, tangent), gap, motion, inertia, span
     )  # fmt: skip
     dx = scene.spread(moved)
     x, v, taken = motion.x + dx, 2.0 * dx / step - motion.v, 0.0
+    carrying = forces[:, 0] > CARRYING * scene.weight
     if carrying.any():
         x = _kept_closed(scene, x, carrying)
         v, taken = _kept_together(scene, x, v, carrying, slip, STUCK * span)
@@ -164,7 +165,7 @@ def _impact(scene: Scene, motion: Motion) -> Motion:
     v = motion.v[scene.movable].ravel()
     span = max(float(abs(motion.v[:, :2]).max()), RESTING * unit)
     bounce = scene.restitution * np.minimum(approach, 0.0)
-    moved, impulses, *_ = _without_dilation(
+    moved, impulses, _, _ = _without_dilation(
         scene, scene.mass / scene.impulse, scene.mass / scene.impulse * v, (normal, tangent),
         np.where(closed, bounce, FAR * span), motion, v, span,
     )  # fmt: skip
@@ -179,10 +180,9 @@ def _impact(scene: Scene, motion: Motion) -> Motion:
 def _without_dilation(
     scene: Scene, mass: Array, load: Array, rows: tuple[Array, Array], gap: Array, motion: Motion, guess: Array,
     span: float,
-) -> tuple[Array, Array, Array, Array, Mask]:  # fmt: skip
+) -> tuple[Array, Array, Array, Array]:  # fmt: skip
     """Displacements (m,), forces (c, 2), slips and dilations (c,) of the program with friction that does not dilate.
 
-    And which contacts (c,) carry.
     The program's sliding opens the contact by μ times the slip: a gap of as much, found by repetition, undoes it. A
     contact that has ceased to carry keeps of it what cannot let blocks into each other: dropped, it would carry again.
     What is left of it after the last trial is a gap in the next step.
@@ -192,21 +192,9 @@ def _without_dilation(
         dilation = found
         both = np.stack([gap + dilation, np.zeros_like(gap)], axis=1)
         solution = scene.solve(mass, load, rows, both, scene.compliance, motion, guess, span)
-        moved = scene.spread(solution.displacement)
-        slip = scene.relative(rows[1], moved)
+        slip = scene.relative(rows[1], scene.spread(solution.displacement))
         slid = scene.contacts.friction * abs(slip)
-        apart = both[:, 0] + scene.relative(rows[0], moved) - slid
-        carrying = _carrying(scene, solution.forces[:, 0], apart, span)
-        found = np.where(carrying, slid, np.minimum(slid, dilation))
+        found = np.where(solution.forces[:, 0] > CARRYING * scene.weight, slid, np.minimum(slid, dilation))
         if abs(found - dilation).max(initial=0.0) <= SETTLED * span:
             break
-    return solution.displacement, solution.forces, slip, dilation, carrying
-
-
-def _carrying(scene: Scene, force: Array, apart: Array, span: float) -> Mask:
-    """Which contacts carry (c,), by their normal force (c,) kN and what is left between them, dilation apart, (c,) m.
-
-    One of the two is zero, but for the solver's tolerance on their product: the greater of them, in the program's
-    units, is the one that is not. To close a contact for the faint force of an open one would move blocks by its gap.
-    """
-    return force > scene.weight * np.maximum(CARRYING, apart / span)
+    return solution.displacement, solution.forces, slip, dilation
