@@ -107,8 +107,10 @@ def test_incremental_analysis_tells_its_progress_and_is_the_same_on_several_proc
         assert all(record.pop("seconds") > 0.0 for record in state["records"])
     assert found[0] == found[1]
     under_way = [(name, record) for name in project.states for record in ("later", "wave")]
-    one_by_one = [[("under way", f"{name}, {record}"), ("advance",)] for name, record in under_way]
-    assert told[0] == [("begin", "incremental", 4, 0), *sum(one_by_one, []), ("end",)]
+    one_by_one = [
+        event for name, record in under_way for event in (("under way", f"{name}, {record}"), ("advance",))
+    ]
+    assert told[0] == [("begin", "incremental", 4, 0), *one_by_one, ("end",)]
     assert told[1] == [("begin", "incremental", 4, 0), *[("advance",)] * 4, ("end",)]
 
 
