@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from assessment.project_schema import ControlTable, SettlementTable
-    from mechanics.equilibrium import Step
+    from mechanics.static_step import Step
 
 
 @dataclass

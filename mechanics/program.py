@@ -117,6 +117,10 @@ class Solution:
     displacement: Array
     certificate: Certificate
 
+    def neighbour(self, program: Program) -> Neighbour:
+        """What this solution of a program tells one that is sought near it."""
+        return Neighbour(self.forces, program.opening(self.forces, self.displacement), self.alpha)
+
 
 def certify(program: Program, forces: Array, alpha: float, displacement: Array) -> Certificate:
     """Recompute from the definitions how far a solution is from one (see Certificate)."""

@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike
 
 from mechanics.assembly import Assembly, Behaviour, State
 from mechanics.block import Array
-from mechanics.equilibrium import Step, check_self_weight, find_step, reaction, rest, rest_size
+from mechanics.equilibrium import check_self_weight, reaction, rest, rest_size
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, require
 from mechanics.program import Certificate
+from mechanics.static_step import Step, find_step
 
 HALVINGS = 5
 MOST_CLOSINGS = 30

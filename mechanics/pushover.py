@@ -10,11 +10,12 @@ from numpy.typing import ArrayLike
 
 from mechanics.assembly import Assembly, Behaviour, Direction, State
 from mechanics.block import Array
-from mechanics.equilibrium import Step, check_self_weight, closed_program, find_step, rest, rest_size
+from mechanics.equilibrium import check_self_weight, closed_program, rest, rest_size
 from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError, UnstableError, require
 from mechanics.limit import limit_analysis
 from mechanics.program import Certificate
 from mechanics.solvers import solve
+from mechanics.static_step import Step, find_step
 
 MOST_STEPS = 5000
 HALVINGS = 5

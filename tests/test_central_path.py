@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from mechanics import limit_analysis, pushdown, pushover
-from mechanics.equilibrium import find_step, programs, rest
+from mechanics.equilibrium import rest
 from mechanics.program import Neighbour, certify
 from mechanics.solvers import central_path, solve
 from mechanics.solvers.band import Band
+from mechanics.static_step import find_step, programs
 from tests.structures import arch_on_piers, running_bond, semicircular_arch
 
 WALL = running_bond(8, 10)
@@ -63,7 +64,7 @@ def test_it_solves_a_program_as_piqp_does(model, behaviour, lateral):
 def test_a_step_followed_and_a_step_of_programs_are_the_same(behaviour, monkeypatch):
     model, control = running_bond(5, 6, friction=3.0), (2.0, 1.05)  # no sliding, no path dependence
     apart = pushover(model, control, contacts=behaviour, increment=0.01)
-    monkeypatch.setattr("mechanics.equilibrium.LARGE", 0)
+    monkeypatch.setattr("mechanics.static_step.LARGE", 0)
     followed = pushover(model, control, contacts=behaviour, increment=0.01)
     assert sum(step.solves == 1 for step in followed.steps) > 0.6 * len(followed.steps)
     assert sum(step.solves > 1 for step in apart.steps) > 0.7 * len(apart.steps)
@@ -73,7 +74,7 @@ def test_a_step_followed_and_a_step_of_programs_are_the_same(behaviour, monkeypa
 
 
 def test_a_followed_step_is_an_equilibrium_of_its_own_geometry(monkeypatch):
-    monkeypatch.setattr("mechanics.equilibrium.LARGE", 0)
+    monkeypatch.setattr("mechanics.static_step.LARGE", 0)
     model = arch_on_piers(stiffness=1e6)
     path = pushdown(model, "right", (0.02, -0.02), increment=0.004, contacts="elastic")
     for before, step in zip(path.states[1:], path.steps[2:], strict=False):
@@ -110,7 +111,7 @@ def test_a_neighbour_saves_iterations(monkeypatch):
         return newton(*arguments)
 
     monkeypatch.setattr(central_path, "_newton", counted)
-    monkeypatch.setattr("mechanics.equilibrium.LARGE", 0)
+    monkeypatch.setattr("mechanics.static_step.LARGE", 0)
     pushed = [
         find_step(
             WALL, "elastic", start.state, start.state.positions,

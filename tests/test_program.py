@@ -19,9 +19,10 @@ from mechanics import (
     limit_analysis,
     solvers,
 )
-from mechanics.equilibrium import assemble, check_self_weight, closed_program, find_step, rest
+from mechanics.equilibrium import check_self_weight, closed_program, rest
 from mechanics.program import certify
 from mechanics.solvers import imbalance, interior_point, linear, solve
+from mechanics.static_step import assemble, find_step
 from tests.structures import arch_on_piers, block_on_base, rectangle, running_bond, semicircular_arch
 
 SLIGHT = 1e-3

@@ -18,9 +18,10 @@ from assessment.project import load_project
 from assessment.project_templates import TEMPLATES
 from mechanics import Assembly, limit_analysis, pushdown, pushover
 from mechanics.assembly import State
-from mechanics.equilibrium import assemble, closed_program, find_step, reaction, rest
+from mechanics.equilibrium import closed_program, reaction, rest
 from mechanics.mechanism import virtual_work_multiplier
 from mechanics.solvers import linear
+from mechanics.static_step import assemble, find_step
 from tests.structures import arch_on_piers, block_on_base, running_bond, semicircular_arch
 
 SIZE = 0.02  # m, of the movement imposed

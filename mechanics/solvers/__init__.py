@@ -11,6 +11,7 @@ from mechanics.block import GRAVITY, Array
 from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.program import Neighbour, Program, Solution, certify
 from mechanics.solvers import interior_point
+from mechanics.solvers.band import Band
 
 Answer = tuple[Array, float, Array]
 
@@ -21,13 +22,16 @@ LARGE = 400  # contact points: smaller programs PIQP solves as fast from nothing
 MARGINAL = 1e-8  # of gravity: one that decides where no solver finds an answer
 
 
-def solve(program: Program) -> Solution:
+def solve(program: Program, near: Neighbour | None = None, layout: Band | None = None) -> Solution:
     """The first certified solution.
 
+    A static program is first sought `near` the solution of another, where one is given, on matrices of that `layout`.
     A poor certificate is met by a tighter and sturdier run, then by another solver; no status is ever trusted. Raises
     NoEquilibriumError where the loads cannot be balanced (decided by a program of its own, see imbalance) and
     ConvergenceError where they can but no solver shows how.
     """
+    if near is not None and (found := _near(program, near, layout, np.zeros_like(program.load))):
+        return found
     best: Solution | None = None
     acceleration = 0.0
     for count, attempt in enumerate(_attempts(program)):
@@ -42,7 +46,7 @@ def solve(program: Program) -> Solution:
             break
     if best is not None and acceleration <= BALANCED:
         if program.mass is None and _worst(program, best) > USABLE:
-            best = _polished(program, best) or best
+            best = _near(program, best.neighbour(program), layout, best.displacement) or best
         if _worst(program, best) <= USABLE:
             return best
     if acceleration > MARGINAL:
@@ -50,17 +54,15 @@ def solve(program: Program) -> Solution:
     raise ConvergenceError("equilibrium exists, but no solver found it to the required accuracy")
 
 
-def _polished(program: Program, poor: Solution) -> Solution | None:
-    """A static program's solution by the banded interior-point method, begun at a poor one."""
+def _near(program: Program, near: Neighbour, layout: Band | None, start: Array) -> Solution | None:
+    """A static program's solution by the banded interior-point method, begun near another and at displacements (m,)."""
     from mechanics.solvers import central_path
-    from mechanics.solvers.band import Band
 
     def pose(x: Array) -> Program:
         done = 0.0 if program.lateral is None else float(program.lateral @ x)
         return replace(program, gap=program.gap + program.relative(x), work=program.work - done)
 
-    near = Neighbour(poor.forces, program.opening(poor.forces, poor.displacement), poor.alpha)
-    found = central_path.follow(pose, Band.of(program.dof), poor.displacement, near, np.inf)
+    found = central_path.follow(pose, layout or Band.of(program.dof), start, near, np.inf)
     if found is None:
         return None
     answer = found[1].forces, found[1].alpha, found[0] + found[1].displacement

@@ -1,0 +1,288 @@
+"""One static step: the program set up in the geometry in which its forces act, and solved until the two agree."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from mechanics.assembly import Assembly, Behaviour, State
+from mechanics.block import Array
+from mechanics.errors import NoEquilibriumError
+from mechanics.joints import Index
+from mechanics.program import LARGEST_MULTIPLIER, Certificate, Neighbour, Program, Solution
+from mechanics.solvers import LARGE, kernels, solve
+from mechanics.solvers.band import Band
+from mechanics.solvers.kernels import fastest
+
+GEOMETRY_TOLERANCE = 1e-3  # of the step: how closely the geometry of forces and of positions must agree
+ALTERNATION = 0.5  # of the step: how far apart alternating mechanisms of rigid blocks may leave the blocks
+MOST_ITERATIONS = 30
+SETTLING = {"rigid": 3, "elastic": 8}  # iterations in which the geometry may go astray first
+JUMP = 30.0  # a step this many times larger than asked is a fall, not a path of equilibrium
+TURN = 0.5  # rad: a step that turns a block by more leaves the range in which its geometry is linear
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """An equilibrium: its state, and the solution of the last program.
+
+    `at` (b, 3): the positions, within the geometry tolerance the state's, in which the `program` is posed and the
+    forces act; `solves`: programs solved to get there; `penetration` m: deepest true interpenetration that no
+    compliance explains.
+    """
+
+    state: State
+    at: Array
+    program: Program
+    solution: Solution
+    penetration: float
+    solves: int
+
+    @property
+    def forces(self) -> Array:
+        """Contact forces (c, 2) kN."""
+        return self.solution.forces
+
+    @property
+    def alpha(self) -> float:
+        """The multiplier of the lateral load."""
+        return self.solution.alpha
+
+    @property
+    def certificate(self) -> Certificate:
+        """The certificate of the last program."""
+        return self.solution.certificate
+
+    @property
+    def opening(self) -> Array:
+        """Gaps and slips (c, 2) left, m."""
+        return self.program.opening(self.forces, self.solution.displacement)
+
+    @property
+    def neighbour(self) -> Neighbour:
+        """What the path's next step is like."""
+        return self.solution.neighbour(self.program)
+
+
+def find_step(
+    model: Assembly,
+    behaviour: Behaviour,
+    start: State,
+    guess: Array,
+    load: Array,
+    size: float,
+    lateral: Array | None = None,
+    work: float = 0.0,
+    last: Step | None = None,
+) -> Step:
+    """The equilibrium reached from `start` under `load` (b, 3), or under load + α·lateral doing the work γ.
+
+    `guess` (b, 3): positions expected; those of the supports are imposed. `size` (m): the displacement expected;
+    `last`: the path's last step, near whose forces and gaps this one's are sought. The geometry (arms, normals, gaps)
+    is that of the guess, then that of each result, until both agree: the sequential solution of the paper (§4),
+    implicit in the geometry. Large models follow it within one run of central_path; where that fails, and in small
+    ones, a program is solved for each geometry. Raises NoEquilibriumError where none lies near, and ConvergenceError
+    where that cannot be decided.
+    """
+    sought = Sought(
+        model, behaviour, start, size, programs(model, behaviour, start, load, size, lateral, work)
+    )
+    near = last.neighbour if last is not None and sought.large else None
+    followed = None if near is None else sought.followed(guess, near)
+    if followed is not None:
+        return sought.step(*followed, solves=1)
+    return _one_by_one(sought, guess, near)
+
+
+@dataclass(frozen=True, eq=False)
+class Sought:
+    """The equilibrium about `size` (m) from `start`, where the program that is `pose`d there is solved by no motion."""
+
+    model: Assembly
+    behaviour: Behaviour
+    start: State
+    size: float
+    pose: Callable[[Array], Program]
+
+    @property
+    def large(self) -> bool:
+        """Whether banded matrices are worth while."""
+        return len(self.model.contacts(self.behaviour)) >= LARGE
+
+    @property
+    def farthest(self) -> float:
+        """The displacement (m) from which on it is a fall: joints in a row may all be compressed by the size."""
+        return max(JUMP, self.model.joints_in_a_row if self.behaviour == "elastic" else 0.0) * self.size
+
+    def checked(self, found: Array) -> Array:
+        """The positions (b, 3) found; NoEquilibriumError where the path does not lead there."""
+        motion = abs(found - self.start.positions)
+        moved = float((motion * (1.0, 1.0, self.model.size)).max())
+        if moved > self.farthest:
+            raise NoEquilibriumError(
+                f"the structure falls: a step of {self.size:.3g} m moves it by {moved:.3g} m"
+            )
+        turned = float(motion[self.model.movable, 2].max())
+        if turned > TURN:
+            raise NoEquilibriumError(f"a step of {self.size:.3g} m turns a block by {turned:.2g} rad")
+        return found
+
+    def followed(self, at: Array, near: Neighbour) -> tuple[Array, Solution] | None:
+        """The positions in which the central path ends, its geometry followed, and the solution; None: not reached."""
+        from mechanics.solvers import central_path
+
+        ended = central_path.follow(
+            lambda x: self.pose(_displaced(self.model, at, x)),
+            _layout(self.model, self.behaviour),
+            np.zeros(3 * int(self.model.movable.sum())),
+            near,
+            self.farthest,
+        )
+        return None if ended is None else (_displaced(self.model, at, ended[0]), ended[1])
+
+    def step(self, at: Array, solution: Solution, solves: int) -> Step:
+        """The step that ends with the solution of the program posed at positions (b, 3)."""
+        program = self.pose(at)
+        found = _displaced(self.model, at, solution.displacement)
+        contacts = self.model.contacts(self.behaviour)
+        has_shear = self.behaviour == "elastic" and np.isfinite(contacts.stiffness[:, 1]).any()
+        return Step(
+            State(found, np.zeros_like(found), solution.forces[:, 1] if has_shear else None),
+            at,
+            program,
+            solution,
+            _penetration(self.model, self.behaviour, found, solution.forces),
+            solves,
+        )
+
+
+def _one_by_one(sought: Sought, guess: Array, near: Neighbour | None) -> Step:
+    """A program is solved for the geometry of the guess, then for that of each result, until both agree."""
+    model, rigid = sought.model, sought.behaviour == "rigid"
+    scale = np.array([1.0, 1.0, model.size])
+    layout = _layout(model, sought.behaviour) if sought.large else None
+    at, earlier, ahead = guess, np.full_like(guess, np.inf), 1.0
+    for count in range(1, MOST_ITERATIONS + 1):
+        program = sought.pose(at)
+        solution = solve(program, near, layout)
+        if program.lateral is not None and abs(solution.alpha) > 0.99 * LARGEST_MULTIPLIER:
+            raise NoEquilibriumError(
+                "no mechanism: the load only wedges the blocks, the multiplier has no bound"
+            )
+        found = sought.checked(_displaced(model, at, solution.displacement))
+        change = (found - at) * scale
+        largest, before = float(abs(change).max()), float(abs(earlier).max())
+        if largest <= GEOMETRY_TOLERANCE * sought.size:
+            break
+        reached = solution.neighbour(program)
+        near = reached if sought.large else None
+        settles = largest < 0.9 * before or count <= SETTLING[sought.behaviour]
+        if not settles or count == MOST_ITERATIONS:
+            followed = sought.followed(at, reached)
+            if followed is not None:
+                return sought.step(*followed, solves=count + 1)
+            if rigid and largest <= ALTERNATION * sought.size:
+                break  # two mechanisms alternate, each the answer in the other's geometry: both are close enough
+            block = int(np.argmax(abs(change).max(axis=1)))
+            raise NoEquilibriumError(
+                f"the geometry of the step does not settle: loss of stability, at block {block} first"
+            )
+        if not rigid and count > 1:
+            # Aitken's extrapolation; never backwards, which would settle on an unstable equilibrium
+            turn = change - earlier
+            ahead = float(np.clip(-ahead * (earlier * turn).sum() / (turn * turn).sum(), 0.1, 10.0))
+        at, earlier = at + ahead * change / scale, change
+    return sought.step(at, solution, solves=count)
+
+
+@lru_cache(maxsize=8)
+def _layout(model: Assembly, behaviour: Behaviour) -> Band:
+    return Band.of(_rows(model, behaviour), model.initial.positions[model.movable, :2])
+
+
+def _rows(model: Assembly, behaviour: Behaviour) -> Index:
+    """Rows of equilibrium (c, 6) of the two blocks of each contact point."""
+    contacts = model.contacts(behaviour)
+    return np.concatenate([model.dof[contacts.a], model.dof[contacts.b]], axis=1)
+
+
+def _displaced(model: Assembly, positions: Array, displacement: Array) -> Array:
+    moved = positions.copy()
+    moved[model.movable] += displacement.reshape(-1, 3)
+    return moved
+
+
+def assemble(
+    model: Assembly,
+    behaviour: Behaviour,
+    start: State,
+    at: Array,
+    load: Array,
+    size: float,
+    lateral: Array | None = None,
+    work: float = 0.0,
+) -> Program:
+    """The static program of a step from `start`, in the geometry of the positions `at` (b, 3) and counted from them."""
+    return programs(model, behaviour, start, load, size, lateral, work)(at)
+
+
+def programs(
+    model: Assembly,
+    behaviour: Behaviour,
+    start: State,
+    load: Array,
+    size: float,
+    lateral: Array | None = None,
+    work: float = 0.0,
+) -> Callable[[Array], Program]:
+    """The static program of a step from `start` as a function of the positions (b, 3) in whose geometry it is posed.
+
+    Its displacements are what is missing from those positions to equilibrium: they vanish as the geometry settles, and
+    with them the rounding in the gaps.
+    """
+    contacts, movable = model.contacts(behaviour), model.movable
+    geometry = (fastest() if len(contacts) >= LARGE else kernels).geometry
+    compliance = np.zeros((len(contacts), 2)) if behaviour == "rigid" else 1.0 / contacts.stiffness
+
+    def kinematics(positions: Array) -> tuple[Array, Array, Array]:
+        gap, normal, tangent = (np.empty((len(contacts), k)) for k in (2, 6, 6))
+        parts = (contacts.a, contacts.b, contacts.p, contacts.q, contacts.n)
+        geometry(*parts, positions, gap, normal, tangent)
+        return gap, normal, tangent
+
+    slid = kinematics(start.positions)[0][:, 1]
+    if start.shear is not None and behaviour == "elastic":
+        slid = slid + compliance[:, 1] * start.shear
+    still = Program(
+        dof=_rows(model, behaviour),
+        normal=np.zeros((0, 6)),
+        tangent=np.zeros((0, 6)),
+        gap=np.zeros((0, 2)),
+        friction=contacts.friction,
+        compliance=compliance,
+        load=load[movable].ravel(),
+        lateral=None if lateral is None else lateral[movable].ravel(),
+        work=work,
+        mass=None,
+        weight=model.weight / movable.sum(),
+        size=model.size,
+        step=size,
+    )
+
+    def pose(at: Array) -> Program:
+        gap, normal, tangent = kinematics(at)
+        gap[:, 1] -= slid
+        done = 0.0 if lateral is None else float((lateral * (at - start.positions))[movable].sum())
+        return replace(still, normal=normal, tangent=tangent, gap=gap, work=work - done)
+
+    return pose
+
+
+def _penetration(model: Assembly, behaviour: Behaviour, positions: Array, forces: Array) -> float:
+    contacts = model.contacts(behaviour)
+    compression = forces[:, 0] / contacts.stiffness[:, 0] if behaviour == "elastic" else 0.0
+    gap = model.kinematics(behaviour, positions).gap + compression
+    return float(max(0.0, -gap.min(initial=0.0)))
