@@ -134,13 +134,14 @@ class Sought:
         """The positions in which the central path ends, its geometry followed, and the solution; None: not reached."""
         from mechanics.solvers import central_path
 
-        ended = central_path.follow(
-            lambda x: self.pose(_displaced(self.model, at, x)),
-            _layout(self.model, self.behaviour),
-            np.zeros(3 * int(self.model.movable.sum())),
-            near,
-            self.farthest,
-        )
+        def pose(x: Array) -> Program:
+            return self.pose(self.checked(_displaced(self.model, at, x)))
+
+        layout = _layout(self.model, self.behaviour)
+        try:
+            ended = central_path.follow(pose, layout, np.zeros(len(layout.order)), near)
+        except NoEquilibriumError:
+            return None
         return None if ended is None else (_displaced(self.model, at, ended[0]), ended[1])
 
     def step(self, at: Array, solution: Solution, solves: int) -> Step:

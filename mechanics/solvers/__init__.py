@@ -62,7 +62,7 @@ def _near(program: Program, near: Neighbour, layout: Band | None, start: Array) 
         done = 0.0 if program.lateral is None else float(program.lateral @ x)
         return replace(program, gap=program.gap + program.relative(x), work=program.work - done)
 
-    found = central_path.follow(pose, layout or Band.of(program.dof), start, near, np.inf)
+    found = central_path.follow(pose, layout or Band.of(program.dof), start, near)
     if found is None:
         return None
     answer = found[1].forces, found[1].alpha, found[0] + found[1].displacement

@@ -35,7 +35,7 @@ def banded(program: Program) -> Solution | None:
     n = len(program.gap)
     carried = np.column_stack([np.full(n, program.weight), np.zeros(n)])
     near = Neighbour(carried, carried * program.step / program.weight, 0.0)
-    found = central_path.follow(frozen, Band.of(program.dof), np.zeros(len(program.load)), near, np.inf)
+    found = central_path.follow(frozen, Band.of(program.dof), np.zeros(len(program.load)), near)
     if found is None:
         return None
     answer = found[1].forces, found[1].alpha, found[0] + found[1].displacement
