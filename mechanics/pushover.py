@@ -106,7 +106,7 @@ def pushover(
     little = 1e-6 * model.size / float(abs(rate[:, :2]).max())
     control_rate = along(states[0].positions + little * rate) / little
     onset, onset_rate = rate, control_rate
-    path, smallest = [0.0], 0.0
+    path, small, smallest = [0.0], shrink, 0.0
     reached, lost, end = False, False, f"{MOST_STEPS} points"
     while len(path) < MOST_STEPS and not reached:
         now = states[-1]
@@ -151,8 +151,8 @@ def pushover(
         if stays and snap:
             # a hinge of the settlement snaps shut: step across it
             shrink *= 2.0
-            if shrink * increment > snap:
-                raise takes_no_part(end)
+            if shrink * increment > snap:  # none is as wide: the curve begins like that of a structure as drawn
+                snap, shrink = 0.0, small
             continue
         states.append(step.state)
         steps.append(step)

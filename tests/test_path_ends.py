@@ -110,3 +110,15 @@ def test_a_path_cut_short_is_neither(monkeypatch):
     cut = pushover(block_on_base(friction=0.1), (0.2, 1.0), increment=0.001)
     assert not cut.reached_zero
     assert not cut.lost
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_an_increment_wider_than_the_settlement_is_no_reason_to_give_up(contacts):
+    """A base turned by θ leaves d_0 = H sin(arctan(B/H) − θ), found whatever the increment."""
+    model = block_on_base(stiffness=1e6)
+    moved = pushdown(model, "base", rotation=-0.002, increment=0.01).final
+    for increment in (0.01, 0.05, 0.1):
+        path = pushover(model, (0.2, 1.0), "+x", contacts, increment, moved)
+        assert path.reached_zero
+        expected = np.hypot(0.2, 1.0) * np.sin(np.arctan(0.2) - 0.002)
+        assert path.displacement[-1] == pytest.approx(expected, rel=2e-2)
