@@ -155,7 +155,9 @@ def pushover(
         if stays and snap:
             # a hinge of the settlement snaps shut: step across it
             shrink *= 2.0
-            if shrink * increment > snap:  # none is as wide: the curve begins like that of a structure as drawn
+            if (
+                shrink * increment > snap
+            ):  # none is as wide: the curve begins like that of a structure as drawn
                 snap, shrink = 0.0, small
             continue
         states.append(step.state)
@@ -173,10 +175,7 @@ def pushover(
         if not smallest:
             shrink = min(1.0, GROWTH * shrink)
     if len(path) == 1 and contacts == "elastic" and state is None and not found:
-        raise UnstableError(
-            f"with elastic joints no equilibrium leads away from rest: {end}; joints too soft to keep the structure "
-            "upright (check normal_stiffness, in kN/m³), or the increment is too large"
-        )
+        raise _no_way_from_rest(end)
     if len(path) == 1 or max(path) < STILL * float(
         abs(states[-1].positions - states[0].positions)[:, :2].max()
     ):
@@ -263,19 +262,24 @@ def _rest(
     except NoEquilibriumError:  # interlocked rigid blocks have no multiplier to go by
         alpha = FIRST
     size = rest_size(model, "elastic")
-    begun = find_step(
-        model,
-        "elastic",
-        start.state,
-        start.state.positions,
-        model.dead_load + alpha * lateral,
-        size,
-        last=start,
-    )
+    load = model.dead_load + alpha * lateral
+    try:
+        begun = find_step(model, "elastic", start.state, start.state.positions, load, size, last=start)
+    except NoEquilibriumError as stop:
+        if state is not None:
+            raise
+        raise _no_way_from_rest(str(stop)) from stop
     moved = begun.state.positions - start.state.positions
     shrink = min(1.0, float(abs(moved[:, :2]).max()) / increment)
     rate = moved / float((lateral * moved).sum())
     return [start.state], [start], [0.0], [start.certificate], rate, start.forces, shrink
+
+
+def _no_way_from_rest(why: str) -> UnstableError:
+    return UnstableError(
+        f"with elastic joints no equilibrium leads away from rest: {why}; joints too soft to keep the structure "
+        "upright (check normal_stiffness, in kN/m³), or the increment is too large"
+    )
 
 
 def settled(model: Assembly, state: State | None) -> Step:
