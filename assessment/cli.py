@@ -9,6 +9,8 @@ from pathlib import Path
 from traceback import walk_tb
 from typing import TYPE_CHECKING
 
+from assessment.interruption import leave, watch
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from typing import NoReturn
@@ -23,6 +25,10 @@ TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return its exit code: 0 done, 2 wrong input, 3 an analysis could not be completed."""
     options = _parser().parse_args(arguments)
+    kept = "; finished analyses are kept: run again to go on" if options.command is _run else ""
+    interrupted = f"interrupted: nothing of an earlier result was changed{kept}"
+    if whole := arguments is None:  # the process is this command
+        watch(interrupted, INCOMPLETE)
     try:
         code: int = options.command(options)
     except (ValueError, OSError) as error:
@@ -39,8 +45,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"error: {error}; nothing was written", file=sys.stderr)
         return INCOMPLETE
     except KeyboardInterrupt:
-        kept = "; finished analyses are kept: run again to go on" if options.command is _run else ""
-        print(f"interrupted: nothing of an earlier result was changed{kept}", file=sys.stderr)
+        if whole:
+            leave(interrupted, INCOMPLETE)
+        print(interrupted, file=sys.stderr)
         return INCOMPLETE
     return code
 

@@ -28,6 +28,8 @@ ZERO = 1e-6  # of the largest multiplier: one that is none
 CHORDS, MOST_CHORDS = 3, 8  # to get there, and nearly there
 NEARLY = 1e-2  # of the largest multiplier: what is left after a few chords of a step of ordinary length
 CARRYING = 1e-6  # of the weight: a contact force that is one
+SOFT = 1e-2  # of the block size: a compression at which shears on the two faces of a joint carry moments
+FLAT = 1e-3  # of the largest multiplier: a change that is none
 LARGEST = 2.0  # a block may move this many increments where the control point moves less
 
 
@@ -107,8 +109,9 @@ def pushover(
     little = 1e-6 * model.size / float(abs(rate[:, :2]).max())
     control_rate = along(states[0].positions + little * rate) / little
     onset, onset_rate = rate, control_rate
-    path, smallest = [0.0], 0.0
-    reached, lost, end = False, False, f"{MOST_STEPS} points"
+    path, small, smallest = [0.0], shrink, 0.0
+    plateau = (0.0, multiplier[0])  # where α last changed, and to what
+    found, reached, lost, end = False, False, False, f"{MOST_STEPS} points"
     while len(path) < MOST_STEPS and not reached:
         now = states[-1]
         fastest = float(abs(rate[:, :2]).max())
@@ -129,6 +132,7 @@ def pushover(
         waits = path[-1] < 0.5 * increment  # the structure has not moved as a whole yet
         try:
             step = advance(work)
+            found = True
             ahead = along(step.state.positions) - path[-1]
             if ahead < 0.0 and not (waits and snap):
                 raise NoEquilibriumError(
@@ -152,8 +156,10 @@ def pushover(
         if stays and snap:
             # a hinge of the settlement snaps shut: step across it
             shrink *= 2.0
-            if shrink * increment > snap:
-                raise takes_no_part(end)
+            if (
+                shrink * increment > snap
+            ):  # none is as wide: the curve begins like that of a structure as drawn
+                snap, shrink = 0.0, small
             continue
         states.append(step.state)
         steps.append(step)
@@ -162,8 +168,15 @@ def pushover(
         path.append(along(step.state.positions))
         rate = (step.state.positions - now.positions) / work
         control_rate = (path[-1] - path[-2]) / work
+        if abs(multiplier[-1] - plateau[1]) > FLAT * max(multiplier):
+            plateau = (path[-1], multiplier[-1])
+        if path[-1] - plateau[0] > model.size:
+            end = f"the structure slides: α stays {multiplier[-1]:.4g} over {model.size:.3g} m, and nothing ends that"
+            break
         if not smallest:
             shrink = min(1.0, GROWTH * shrink)
+    if len(path) == 1 and contacts == "elastic" and state is None and not found:
+        raise _no_way_from_rest(end)
     if len(path) == 1 or max(path) < STILL * float(
         abs(states[-1].positions - states[0].positions)[:, :2].max()
     ):
@@ -250,27 +263,45 @@ def _rest(
     except NoEquilibriumError:  # interlocked rigid blocks have no multiplier to go by
         alpha = FIRST
     size = rest_size(model, "elastic")
-    begun = find_step(
-        model,
-        "elastic",
-        start.state,
-        start.state.positions,
-        model.dead_load + alpha * lateral,
-        size,
-        last=start,
-    )
+    load = model.dead_load + alpha * lateral
+    try:
+        begun = find_step(model, "elastic", start.state, start.state.positions, load, size, last=start)
+    except NoEquilibriumError as stop:
+        if state is not None:
+            raise
+        raise _no_way_from_rest(str(stop)) from stop
     moved = begun.state.positions - start.state.positions
     shrink = min(1.0, float(abs(moved[:, :2]).max()) / increment)
     rate = moved / float((lateral * moved).sum())
     return [start.state], [start], [0.0], [start.certificate], rate, start.forces, shrink
 
 
+def _no_way_from_rest(why: str) -> UnstableError:
+    return UnstableError(
+        f"with elastic joints no equilibrium leads away from rest: {why}; joints too soft to keep the structure "
+        "upright (check normal_stiffness, in kN/m³), or the increment is too large"
+    )
+
+
 def settled(model: Assembly, state: State | None) -> Step:
-    """Elastic rest under gravity from a state (default: as drawn); UnstableError where there is none."""
+    """Elastic rest under gravity from a state (default: as drawn).
+
+    Raises UnstableError where there is none, or where joints as drawn are too soft to be small beside the blocks.
+    """
     check_self_weight(model)
     try:
-        return rest(model, "elastic", model.starting(state))
+        step = rest(model, "elastic", model.starting(state))
     except NoEquilibriumError as fall:
         raise UnstableError(
             f"with elastic joints the structure cannot stand under its own weight: {fall}"
         ) from fall
+    joints = model.elastic_contacts
+    compression = step.forces[:, 0] / joints.stiffness[:, 0]
+    worst = int(np.argmax(compression))
+    if state is None and compression[worst] > SOFT * model.size:
+        first, second = sorted((int(joints.a[worst]), int(joints.b[worst])))
+        raise UnstableError(
+            f"gravity alone presses blocks {first} and {second} {compression[worst]:.3g} m into each other, more than "
+            "a hundredth of a block: their joints are too soft; check normal_stiffness, in kN/m³"
+        )
+    return step

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover
+from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover
 from mechanics.mechanism import overruns
 from mechanics.pushdown import Pushdown
 from tests.structures import arch_on_piers, block_on_base, rectangle
@@ -110,3 +110,35 @@ def test_a_path_cut_short_is_neither(monkeypatch):
     cut = pushover(block_on_base(friction=0.1), (0.2, 1.0), increment=0.001)
     assert not cut.reached_zero
     assert not cut.lost
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_an_increment_wider_than_the_settlement_is_no_reason_to_give_up(contacts):
+    """A base turned by θ leaves d_0 = H sin(arctan(B/H) − θ), found whatever the increment."""
+    model = block_on_base(stiffness=1e6)
+    moved = pushdown(model, "base", rotation=-0.002, increment=0.01).final
+    for increment in (0.01, 0.05, 0.1):
+        path = pushover(model, (0.2, 1.0), "+x", contacts, increment, moved)
+        assert path.reached_zero
+        expected = np.hypot(0.2, 1.0) * np.sin(np.arctan(0.2) - 0.002)
+        assert path.displacement[-1] == pytest.approx(expected, rel=2e-2)
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_a_block_that_only_slides_is_not_followed_for_ever(contacts):
+    model = block_on_base(friction=0.1, stiffness=1e6)
+    path = pushover(model, (0.2, 1.0), "+x", contacts, 0.02)
+    assert "slides: α stays 0.1 over" in path.end
+    assert not path.reached_zero and not path.lost
+    assert path.displacement[-1] == pytest.approx(model.size, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("height", "stiffness", "says"),
+    [(1.0, 1e3, "0.018 m into each other"), (3.0, 1.5e4, "no equilibrium leads away from rest")],
+)
+def test_a_bed_too_soft_is_named_as_such(height, stiffness, says):
+    """It stands where k d l³/12 (1 + 2/m²) exceeds W h/2: for 1 and 3 m above 2.4e3 and 2.2e4 kN/m³, with m = 4."""
+    model = block_on_base(height=height, stiffness=stiffness, segments=4)
+    with pytest.raises(UnstableError, match=says):
+        pushover(model, (0.2, height), contacts="elastic")

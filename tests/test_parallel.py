@@ -1,0 +1,32 @@
+"""Analyses on several processes."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import pytest
+
+from assessment.parallel import Workers
+
+
+def test_as_many_processes_as_asked_for():
+    with Workers(jobs=2) as workers:
+        pids = workers.each("wait", _pid, [(k,) for k in range(6)], [""] * 6, worthwhile=True)
+    assert len({*pids} - {os.getpid()}) == 2
+    with Workers(jobs=1) as workers:
+        assert workers.each("wait", _pid, [(1,), (2,)], ["", ""], worthwhile=False) == [os.getpid()] * 2
+
+
+def _pid(_: int) -> int:
+    time.sleep(0.2)
+    return os.getpid()
+
+
+def test_an_error_in_another_process_is_the_error():
+    with pytest.raises(ZeroDivisionError), Workers(jobs=2) as workers:
+        workers.each("divide", _inverse, [(1,), (0,)], ["", ""], worthwhile=True)
+
+
+def _inverse(number: int) -> float:
+    return 1.0 / number
