@@ -205,6 +205,10 @@ def _push(
             return
         quality.add(path)
         result.warnings += [f"{title}: {text}" for text in overruns(model, behaviour, _points(path.steps))]
+        result.warnings += [
+            f"{title}: between d = {start:.4g} and {end:.4g} m a part moves by itself, until others hold it again"
+            for start, end in path.crossed
+        ]
         rigid = behaviour == "rigid"
         numbers = _rigid(model, control, direction, path) if rigid else _elastic(model, path)
         result.numbers = {

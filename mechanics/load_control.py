@@ -11,7 +11,7 @@ from mechanics.assembly import Assembly, Direction, State
 from mechanics.block import Array
 from mechanics.equilibrium import rest_size
 from mechanics.errors import ConvergenceError, NoEquilibriumError, require
-from mechanics.pushover import settled
+from mechanics.onset import settled
 from mechanics.static_step import Step, find_step
 
 HALVINGS = 6

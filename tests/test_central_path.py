@@ -147,3 +147,16 @@ def test_the_band_holds_every_pair_of_touching_blocks():
     assert np.array_equal(layout.order[layout.back], np.arange(len(program.load)))
     both = layout.row[(layout.row >= 0).all(axis=1)]
     assert abs(both[:, 0] - both[:, 1]).max() + 3 == layout.width < len(program.load) / 2
+
+
+def test_a_program_near_another_takes_no_other_solver(monkeypatch):
+    model = running_bond(8, 10)
+    pose = programs(
+        model, "rigid", model.initial, model.dead_load, 1e-3, model.lateral_load("+x"), 1e-3 * model.weight
+    )
+    program = pose(model.initial.positions)
+    expected = solve(program)
+    monkeypatch.setattr("mechanics.solvers.interior_point.solve", None)
+    found = solve(program, expected.neighbour(program), Band.of(program.dof))
+    assert found.alpha == pytest.approx(expected.alpha, abs=1e-7)
+    assert found.certificate.worst(program.step) <= central_path.FOLLOWED * len(program.load) / 3

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover
+from mechanics.errors import NoEquilibriumError
 from mechanics.mechanism import overruns
 from mechanics.pushdown import Pushdown
 from tests.structures import arch_on_piers, block_on_base, rectangle
@@ -142,3 +143,42 @@ def test_a_bed_too_soft_is_named_as_such(height, stiffness, says):
     model = block_on_base(height=height, stiffness=stiffness, segments=4)
     with pytest.raises(UnstableError, match=says):
         pushover(model, (0.2, height), contacts="elastic")
+
+
+def _without_equilibrium(monkeypatch, between: tuple[float, float]) -> None:
+    """No step of `block_on_base` ends where the control point has moved by what lies between two displacements."""
+    import importlib
+
+    procedure = importlib.import_module("mechanics.pushover")
+    find = procedure.find_step
+
+    def find_step(model, *arguments):
+        step = find(model, *arguments)
+        if between[0] < model.point_displacement(CORNER, 1, step.state.positions)[0] < between[1]:
+            raise NoEquilibriumError("a part falls")
+        return step
+
+    monkeypatch.setattr(procedure, "find_step", find_step)
+
+
+CORNER = (0.2, 1.0)
+
+
+def test_where_a_part_moves_by_itself_the_curve_goes_on_beyond(monkeypatch):
+    whole = pushover(block_on_base(), CORNER, increment=0.01)
+    _without_equilibrium(monkeypatch, between=(0.055, 0.068))
+    curve = pushover(block_on_base(), CORNER, increment=0.01)
+    assert curve.reached_zero
+    assert curve.displacement[-1] == pytest.approx(whole.displacement[-1], rel=1e-3)
+    ((start, end),) = curve.crossed
+    assert 0.045 <= start <= 0.055
+    assert 0.068 <= end <= 0.088
+    assert len(whole.crossed) == 0
+
+
+def test_where_nothing_stands_beyond_the_last_equilibrium_is_located(monkeypatch):
+    _without_equilibrium(monkeypatch, between=(0.055, np.inf))
+    curve = pushover(block_on_base(), CORNER, increment=0.01)
+    assert curve.lost
+    assert curve.end == "a part falls"
+    assert 0.055 - 0.01 / 32 <= curve.displacement[-1] <= 0.055

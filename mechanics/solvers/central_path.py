@@ -2,9 +2,9 @@
 
 Two things make it quicker than a method for one program after another: it begins at the last solution of a path, a
 little off the bounds, and it follows the geometry while it converges, so that a step, which takes PIQP four or five
-programs of a score of iterations each, is one run of a score. The change of arms within an iteration is left out:
-with it (Newton's method, from the start or near the end only) the paths of the triumphal arch took as many iterations and as
-often led nowhere.
+programs of a score of iterations each, is one run of a score. The change of arms within an iteration is left out: with
+it (Newton's method, from the start or near the end only) the paths of the triumphal arch took as many iterations and
+led nowhere as often.
 """
 
 from __future__ import annotations
@@ -80,6 +80,9 @@ def _follow(
         else:
             holding = max(LET_GO * holding, HOLDING)
         change = linearised(program, layout, at, rays, holding)
+        while change is None and holding < FIRM:  # near the bounds rounding may outweigh what holds
+            holding *= FIRMER
+            change = linearised(program, layout, at, rays, holding)
         if change is None or abs(at.alpha) > LARGEST_MULTIPLIER:
             return None
         step = corrected(change, at, product)
