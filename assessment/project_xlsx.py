@@ -210,7 +210,9 @@ def _typed(value: Any, annotation: Any) -> Any:
     takes_text = str in kinds or (words and value in members) or (words and float not in kinds)
     if lists and value not in members:
         member = get_args(lists[0])[0]
-        if {int, float} & {*alternatives(member)}:  # in a list of numbers nothing but a separator has a blank after it
+        if {int, float} & {
+            *alternatives(member)
+        }:  # in a list of numbers nothing but a separator has a blank after it
             parts = re.split(r";|,?\s", _text(value).strip().removeprefix("[").removesuffix("]"))
         else:
             one_line = _text(value).replace("\r", ";").replace("\n", ";")

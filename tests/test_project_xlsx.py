@@ -102,7 +102,9 @@ def test_lists_and_decimal_commas(folder):
     assert project.material.tangential_stiffness_kN_m3 == math.inf
 
 
-@pytest.mark.parametrize("text", ["0.02; -0.035", "0,02; -0,035", "0.02, -0.035", "0,02 -0,035", "[0.02, -0.035]"])
+@pytest.mark.parametrize(
+    "text", ["0.02; -0.035", "0,02; -0,035", "0.02, -0.035", "0,02 -0,035", "[0.02, -0.035]"]
+)
 def test_numbers_of_a_list_are_told_apart_however_they_are_written(folder, text):
     assert changed(folder, ("settlements", "C2", text)).settlements[0].displacement_m == (0.02, -0.035)
 
