@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from pathlib import Path
 from traceback import walk_tb
@@ -31,6 +32,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         watch(interrupted, INCOMPLETE)
     try:
         code: int = options.command(options)
+        sys.stdout.flush()
+    except BrokenPipeError:  # who reads, head for one, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
     except (ValueError, OSError) as error:
         if not _is_input_error(error):
             raise
@@ -82,13 +87,15 @@ def _parser() -> argparse.ArgumentParser:
     check.set_defaults(command=_check)
 
     new = commands.add_parser("new", help="make a new project folder from a template")
-    new.add_argument("folder", type=Path, metavar="DIR")
-    new.add_argument("--template", required=True, metavar="NAME", help=", ".join(TEMPLATES))
+    new.add_argument("folder", type=Path, metavar="DIR", nargs="?", help="the folder to make")
+    new.add_argument("--template", metavar="NAME", help=", ".join(TEMPLATES))
     new.add_argument(
         "--set", action="append", default=[], metavar="KEY=NUMBER", help="a dimension; see --list"
     )
     new.add_argument("--excel", action="store_true", help="write project.xlsx instead of project.toml")
-    new.add_argument("--list", action="store_true", help="print the template's dimensions and stop")
+    new.add_argument(
+        "--list", action="store_true", help="print the dimensions of the template, or of all, and stop"
+    )
     new.set_defaults(command=_new)
 
     convert = commands.add_parser("convert", help="turn project.toml into project.xlsx, or back")
@@ -176,9 +183,17 @@ def _new(options: argparse.Namespace) -> int:
     from assessment.project_source import TOML, XLSX
 
     if options.list:
-        for name, (default, unit, description) in template_options(options.template).items():
-            print(f"{name:28} {default:>8g} {unit:3} {description}")
+        for template in [options.template] if options.template else TEMPLATES:
+            print(f"{template}:")
+            for name, (default, unit, description) in template_options(template).items():
+                print(f"  {name:18} {default:>8g} {unit:6} {description}")
         return DONE
+    if options.template is None:
+        raise ValueError(f"--template: missing; choose from {', '.join(TEMPLATES)}")
+    if options.folder is None:
+        raise ValueError(
+            f"DIR: missing; give the folder to make: assesto new DIR --template {options.template}"
+        )
     given = {}
     for item in options.set:
         key, _, value = item.partition("=")
@@ -235,8 +250,6 @@ def _report(options: argparse.Namespace) -> int:
 
 def _writable(folder: Path) -> Path:
     """The folder, if results can be written there: asked before any analysis."""
-    import os
-
     existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not existing.is_dir():
         raise ValueError(f"{existing}: is a file; give another folder with --out DIR")
@@ -263,7 +276,7 @@ def _is_input_error(error: ValueError | OSError) -> bool:
 
 
 def _message(error: ValueError | OSError) -> str:
-    if isinstance(error, OSError):
+    if isinstance(error, OSError) and error.filename:
         return f"{error.filename}: {error.strerror}; change it or choose another place"
     return str(error)
 

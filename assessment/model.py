@@ -40,11 +40,15 @@ def build_model(project: Project) -> Model:
         geometry.sagitta_m,
     )
     tolerance = geometry.tolerance_m or default_tolerance(drawing.blocks)
-    warnings = drawing.warnings + check_layout(drawing.blocks, tolerance)
     if all(block.support is not None for block in drawing.blocks):
+        noticed = "".join(f" ({warning})" for warning in drawing.warnings)
         raise DrawingError(
-            f"{geometry.drawing}: every block is a support; put the movable ones on other layers"
+            f"{geometry.drawing}: every block is a support; put the movable ones on other layers{noticed}"
         )
+    try:
+        warnings = drawing.warnings + check_layout(drawing.blocks, tolerance)
+    except DrawingError as error:
+        raise DrawingError(f"{geometry.drawing}: {error}") from None
     if not any(block.support for block in drawing.blocks):
         raise ProjectError(f'{project.source}: layers: no layer is a support; give one of them support = "…"')
     lacking = sorted({block.layer for block in drawing.blocks if block.material.normal_stiffness is None})

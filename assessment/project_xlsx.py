@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from io import BytesIO
 from pathlib import Path
@@ -53,11 +54,18 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str]]:
     from openpyxl import load_workbook
 
     try:
-        book = load_workbook(path, read_only=True, data_only=True)
+        book, formulas = (load_workbook(path, read_only=True, data_only=values) for values in (True, False))
     except (BadZipFile, KeyError, ValueError, SyntaxError):
         raise ProjectError(f"{path.name}: file: not an XLSX workbook; save it as .xlsx") from None
     rows = {sheet.title: _rows(sheet) for sheet in book.worksheets}
+    for sheet in formulas.worksheets:
+        if place := _unevaluated(_rows(sheet), rows[sheet.title]):
+            raise ProjectError(
+                f'{path.name}: sheet "{sheet.title}", cell {place}: a formula whose value is not stored; '
+                "open the file in a spreadsheet program and save it, or write the value"
+            )
     book.close()
+    formulas.close()
     for name in rows.keys() - _SHEETS.keys() - {_HELP}:
         if rows[name]:
             raise ProjectError(f'{path.name}: sheet "{name}": unknown sheet; {nearest(name, _SHEETS)}')
@@ -137,13 +145,25 @@ def _rows(sheet: Any) -> _Rows:
     return {number: row for number, row in rows.items() if any(value is not None for value in row)}
 
 
+def _unevaluated(formulas: _Rows, values: _Rows) -> str | None:
+    """Return the first cell that has a formula and no value, which would else pass for an empty one."""
+    from openpyxl.utils import get_column_letter
+
+    for number, row in formulas.items():
+        known = values.get(number, ())
+        for column, text in enumerate(row):
+            if isinstance(text, str) and text.startswith("=") and known[column : column + 1] in {(), (None,)}:
+                return f"{get_column_letter(column + 1)}{number}"
+    return None
+
+
 def _table_entries(name: str, rows: _Rows) -> Iterator[_Entry]:
     table = _SINGLE[name]
     if table:
         yield _Entry(table, {}, "")
-    for number, row in rows.items():
+    for index, (number, row) in enumerate(rows.items()):
         key, value = (*row, None)[:2]
-        if value is None or (number == 1 and str(key).strip().lower() == "key"):
+        if value is None or (index == 0 and str(key).strip().lower() == "key"):
             continue
         path = (*table, *_text(key).strip().split("."))
         yield _Entry(path, _typed(value, annotation_at(path)), f", cell B{number}")
@@ -189,9 +209,15 @@ def _typed(value: Any, annotation: Any) -> Any:
     words = any(isinstance(member, str) for member in members)
     takes_text = str in kinds or (words and value in members) or (words and float not in kinds)
     if lists and value not in members:
-        one_line = _text(value).replace("\r", ";").replace("\n", ";")
-        parts = next(csv.reader([one_line], delimiter=";", skipinitialspace=True))
-        return [_typed(part.strip(), get_args(lists[0])[0]) for part in parts if part.strip()]
+        member = get_args(lists[0])[0]
+        if {int, float} & {
+            *alternatives(member)
+        }:  # in a list of numbers nothing but a separator has a blank after it
+            parts = re.split(r";|,?\s", _text(value).strip().removeprefix("[").removesuffix("]"))
+        else:
+            one_line = _text(value).replace("\r", ";").replace("\n", ";")
+            parts = next(csv.reader([one_line], delimiter=";", skipinitialspace=True))
+        return [_typed(part.strip(), member) for part in parts if part.strip()]
     if isinstance(value, str):
         return value if takes_text else _number(value, kinds)
     if isinstance(value, int | float) and not isinstance(value, bool):

@@ -10,7 +10,7 @@ Results = Mapping[str, Any]
 Row = dict[str, Any]
 # limit states, and beside the nonlinear check at SLV the linear one
 CHECKS = ("SLO", "SLD", "SLV linear", "SLV", "SLC")
-QUOTED = ("SLC", "SLV", "SLD")  # limit states, the farthest first
+QUOTED = ("SLC", "SLV", "SLD", "SLO")  # limit states, the farthest first
 
 
 @dataclass(frozen=True)

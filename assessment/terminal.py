@@ -107,8 +107,14 @@ def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
     """The run in one table, state by direction; warnings last."""
     results = outcome.results
     lines = [model_summary(results), *_table(capacities(results))]
+    turns = {
+        each["name"]
+        for each in results["echo"].get("settlements") or ()
+        if each["rotation_rad"] and not any(each["displacement_m"])
+    }
     lines += [
         f"{row['state']}: ultimate movement, {row['contacts']}: {row['ultimate_movement_m']:.4g} m"
+        + (" (arc at the support's farthest corner)" if row["state"] in turns else "")
         for row in _ultimates(results)
         if row["ultimate_movement_m"] is not None
     ]

@@ -163,7 +163,8 @@ def _name(blocks: Sequence[Block], index: int) -> str:
 
 
 def _at(point: Array) -> str:
-    return f"({point[0]:.6g}, {point[1]:.6g}) m"
+    x, z = np.round(point, 9) + 0.0  # no −0, no rounding's remains
+    return f"({x:.6g}, {z:.6g}) m"
 
 
 def _width(low: float, high: float) -> str:

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import json
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
+from assessment.cli import main
 from assessment.new_project import template_layout, write_drawing
 from assessment.store import FOLDER
+
+ROOT = Path(__file__).parents[1]
 
 
 def block(segments: int = 2, stiffness: str = "1e6") -> str:
@@ -99,3 +104,20 @@ def timeless(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: timeless(item) for key, item in value.items() if key not in {"timing_s", "seconds"}}
     return [timeless(item) for item in value] if isinstance(value, list) else value
+
+
+def run(folder: Path, *options: str) -> int:
+    """Run the project without its report; return the exit code."""
+    return main(["run", str(folder), "--no-report", *options])
+
+
+def command(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
+    """Run the program as a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "assessment.cli", *arguments],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+        **options,  # type: ignore[call-overload]
+    )

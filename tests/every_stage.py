@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from assessment.cli import main
 from assessment.store import FOLDER
-from tests.block_project import ASSESSMENT, PROJECT, write_block
+from tests.block_project import ASSESSMENT, PROJECT, run, write_block
 
 DYNAMICS = """[[history]]
 record = "wave.csv"
@@ -39,8 +38,8 @@ def write_wave(path: Path, peak: float) -> None:
 
 
 def assesto(folder: Path, *options: str) -> int:
-    """Run the project without figures' report and tell of it in JSON; return the exit code."""
-    return main(["run", str(folder), "--no-report", "--json", *options])
+    """Run the project without its report and tell of it in JSON; return the exit code."""
+    return run(folder, "--json", *options)
 
 
 def counts(folder: Path, capsys, *options: str) -> tuple[int, int]:

@@ -19,45 +19,21 @@ from assessment.project import load_project
 from assessment.report_traces import traces
 from assessment.words import words_of
 from assessment.workflow import run
+from tests.block_project import HAZARD, TURNED, block
 from tests.trace_check import from_csv, from_report, printed, recomputed
 
-PROJECT = """title = "Block"
-[geometry]
-drawing = "geometry.dxf"
-unit = "m"
-depth_m = 1.0
-segments_per_joint = 1
-[material]
-unit_weight_kN_m3 = 18.0
-friction = 0.7
-normal_stiffness_kN_m3 = 1e5
-[layers.BASE]
-support = "base"
-[[control]]
-name = "right"
-point_m = [0.3, 4.2]
-[[control]]
-name = "left"
-point_m = [-0.3, 4.2]
-[[settlements]]
-name = "base turned"
-support = "base"
-rotation_rad = -0.02
-increment_rad = 0.01
-[pushover]
+PUSHED = """[pushover]
 contacts = ["rigid", "elastic"]
 increment_m = 0.05
 control = {"+x" = "right", "-x" = "left"}
 [report]
 language = "en"
 """
-TYPED = """[assessment.site]
+PROJECT = block(segments=1, stiffness="1e5") + TURNED + PUSHED
+TYPED = f"""[assessment.site]
 soil = "C"
 topography = "T2"
-SLD = {ag_g = 0.104, F0 = 2.33, Tc_star_s = 0.28}
-SLV = {ag_g = 0.261, F0 = 2.36, Tc_star_s = 0.35}
-SLC = {ag_g = 0.334, F0 = 2.40, Tc_star_s = 0.36}
-"""
+{HAZARD}"""
 SITE = '[assessment.site]\nsoil = "D"\nuse_class = "III"\ngrid = "site.csv"\n'
 GRID = SITE.replace("site.csv", "grid.txt") + "latitude = 42.01\nlongitude = 13.02\n"
 FLOOR = """[assessment.floor]

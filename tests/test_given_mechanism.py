@@ -19,6 +19,7 @@ from assessment.verification import Method
 from assessment.virtual_work import virtual_displacements
 from assessment.workflow import run
 from mechanics import Assembly, Block, Material, limit_analysis
+from tests.block_project import PROJECT
 from tests.structures import arch_on_piers, block_on_base, rectangle, semicircular_arch
 from tests.trace_check import recomputed
 
@@ -190,37 +191,6 @@ def test_every_step_follows_from_its_inputs():
         assert recomputed(line["formula"], line["inputs"]) == pytest.approx(
             line["result"], rel=1e-9, abs=1e-12
         )
-
-
-PROJECT = """title = "Wall"
-[geometry]
-drawing = "geometry.dxf"
-unit = "m"
-depth_m = 1.0
-[material]
-unit_weight_kN_m3 = 18.0
-friction = 0.7
-[layers.BASE]
-support = "base"
-[[control]]
-name = "top"
-point_m = [0.3, 4.2]
-[[settlements]]
-name = "base turned"
-support = "base"
-rotation_rad = -0.02
-increment_rad = 0.01
-[pushover]
-contacts = ["rigid"]
-directions = ["+x"]
-increment_m = 0.2
-"""
-
-
-@pytest.fixture
-def project(tmp_path):
-    assert main(["new", str(tmp_path / "block"), "--template", "block"]) == 0
-    return tmp_path / "block"
 
 
 def written(project, text):

@@ -14,7 +14,7 @@ import pytest
 from assessment import figures
 from assessment.cli import main
 from assessment.store import FOLDER, Store
-from tests.block_project import edit, read_results, timeless
+from tests.block_project import contents, edit, read_results, timeless
 from tests.every_stage import ALL, assesto, counts, entries, write_every_stage
 
 ROOT = Path(__file__).parents[1]
@@ -141,3 +141,32 @@ def test_an_interruption_that_a_library_swallows_ends_the_run_all_the_same(proje
         "interrupted: nothing of an earlier result was changed; finished analyses are kept: run again to go on\n"
     )
     assert len(entries(project)) == 2  # self-weight and the pushdown
+
+
+def test_a_killed_run_leaves_the_earlier_result(project):
+    """SIGKILL wherever it strikes: during the analyses and while files are written."""
+    assert assesto(project) == 0
+    before = contents(project / "output")
+    edit(project, "increment_m = 0.2", "increment_m = 0.001")
+    # the process kills itself after its first figure: tables and one figure are written, results.json is not
+    code = (
+        "import os, signal, sys, assessment.figures as figures\n"
+        "from assessment.cli import main\n"
+        "draw = figures.save_images\n"
+        "figures.save_images = lambda *it: (draw(*it), os.kill(os.getpid(), signal.SIGKILL))\n"
+        "main(['run', sys.argv[1], '--no-report'])"
+    )
+    killed = subprocess.run(
+        [sys.executable, "-c", code, str(project)], cwd=ROOT, capture_output=True, check=False
+    )
+    assert killed.returncode == -signal.SIGKILL
+    left = contents(project / "output")
+    assert any(name.startswith(".assesto-") for name in left)
+    assert {name: value for name, value in left.items() if not name.startswith(".")} == before
+    # what is left over is hidden, is taken for no result, and does not stop the next run
+    seen = {path.name for path in project.iterdir() if not path.name.startswith(".")}
+    assert seen == {"geometry.dxf", "project.toml", "wave.csv", "output"}
+    assert assesto(project) == 0
+    after = contents(project / "output")
+    assert after != before
+    assert not any(name.startswith(".assesto-") for name in after)

@@ -10,39 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mechanics import Assembly, State, time_history
-from mechanics.block import GRAVITY, Array
+from mechanics.block import Array
 from mechanics.program import Program, certify
 from mechanics.solvers import kernels, solve
 from mechanics.solvers.kernels import fastest
 from mechanics.solvers.newton import ACCEPTED, Newton
+from tests.steps import euler_step
 from tests.structures import arch_on_piers, block_on_base, running_bond
 
 MODELS = {"block": block_on_base(), "wall": running_bond(3, 3), "arch": arch_on_piers(voussoirs=7, courses=3)}
-
-
-def a_step(
-    model: Assembly, behaviour: str, state: State, acceleration: float, step: float = 0.005
-) -> Program:
-    """The program of an implicit Euler step (paper, eq. 3)."""
-    contacts, movable = model.contacts(behaviour), model.movable
-    rows = model.kinematics(behaviour, state.positions)
-    load = model.dead_load - acceleration * GRAVITY * model.mass * (1.0, 0.0, 0.0)
-    mass = model.mass[movable].ravel() / step**2
-    return Program(
-        dof=np.concatenate([model.dof[contacts.a], model.dof[contacts.b]], axis=1),
-        normal=rows.normal,
-        tangent=rows.tangent,
-        gap=np.stack([rows.gap, np.zeros(len(contacts))], axis=1),
-        friction=contacts.friction,
-        compliance=np.zeros((len(contacts), 2)) if behaviour == "rigid" else 1.0 / contacts.stiffness,
-        load=load[movable].ravel() + mass * step * state.velocities[movable].ravel(),
-        lateral=None,
-        work=0.0,
-        mass=mass,
-        weight=model.weight / movable.sum(),
-        size=model.size,
-        step=max(GRAVITY * step**2, step * abs(state.velocities[:, :2]).max()),
-    )
 
 
 def newton_for(model: Assembly, program: Program, loops: ModuleType = kernels) -> Newton:
@@ -66,7 +42,7 @@ def shaken(model: Assembly, seed: int) -> State:
 )
 def test_agrees_with_the_reference_solver(name: str, behaviour: str, seed: int, acceleration: float) -> None:
     model = MODELS[name]
-    program = a_step(model, behaviour, shaken(model, seed), acceleration)
+    program = euler_step(model, behaviour, shaken(model, seed), acceleration)
     reference = solve(program)
     found = newton_for(model, program).solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
     assert found is not None
@@ -86,7 +62,7 @@ def test_compiled_loops_give_the_same_results(behaviour: str) -> None:
     compiled = pytest.importorskip("mechanics.solvers.compiled")
     model = MODELS["arch"]
     for seed in range(3):
-        program = a_step(model, behaviour, shaken(model, seed), 0.3)
+        program = euler_step(model, behaviour, shaken(model, seed), 0.3)
         answers = [
             newton_for(model, program, loops).solve(
                 program, np.zeros(len(program.load)), np.zeros_like(program.gap)
@@ -112,7 +88,7 @@ def test_geometry_of_the_loops_is_that_of_the_contacts() -> None:
 
 def test_band_is_narrow_and_known_states_need_one_factorisation() -> None:
     model = running_bond(6, 6)
-    program = a_step(model, "rigid", model.initial, 0.0)
+    program = euler_step(model, "rigid", model.initial, 0.0)
     newton = newton_for(model, program)
     assert newton.band.shape[1] <= 3 * 16, "reverse Cuthill–McKee: courses of at most 7 bricks"
     first = newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
@@ -123,7 +99,9 @@ def test_band_is_narrow_and_known_states_need_one_factorisation() -> None:
 
 
 def test_no_contacts_at_all() -> None:
-    program = a_step(MODELS["block"], "rigid", MODELS["block"].initial, 0.1).take(np.zeros(0, dtype=np.intp))
+    program = euler_step(MODELS["block"], "rigid", MODELS["block"].initial, 0.1).take(
+        np.zeros(0, dtype=np.intp)
+    )
     newton = newton_for(MODELS["block"], program)
     found = newton.solve(program, np.zeros(3), np.zeros((0, 2)))
     assert found.displacement == pytest.approx(program.load / program.mass)
@@ -158,7 +136,7 @@ def test_a_corpus_of_random_assemblies_agrees_with_the_reference_solver(
     rng = np.random.default_rng(8)
     for number, (model, state) in enumerate(random_models(150)):
         for behaviour in ("rigid", "elastic"):
-            program = a_step(model, behaviour, state, rng.uniform(-1.0, 1.0))
+            program = euler_step(model, behaviour, state, rng.uniform(-1.0, 1.0))
             assert program.mass is not None
             reference = solve(program)
             newton = newton_for(model, program, fastest())
@@ -182,7 +160,7 @@ def test_the_line_search_finds_the_minimum_along_a_direction() -> None:
     """The slope is that of the energy, checked by differences; both sets of loops take the same share."""
     compiled = pytest.importorskip("mechanics.solvers.compiled")
     model = MODELS["wall"]
-    program = a_step(model, "elastic", shaken(model, 3), 0.5)
+    program = euler_step(model, "elastic", shaken(model, 3), 0.5)
     assert program.mass is not None
     newton = newton_for(model, program)
     rows = (newton.row, program.normal, program.tangent)

@@ -102,6 +102,18 @@ def test_lists_and_decimal_commas(folder):
     assert project.material.tangential_stiffness_kN_m3 == math.inf
 
 
+@pytest.mark.parametrize(
+    "text", ["0.02; -0.035", "0,02; -0,035", "0.02, -0.035", "0,02 -0,035", "[0.02, -0.035]"]
+)
+def test_numbers_of_a_list_are_told_apart_however_they_are_written(folder, text):
+    assert changed(folder, ("settlements", "C2", text)).settlements[0].displacement_m == (0.02, -0.035)
+
+
+def test_a_formula_without_a_stored_value_is_no_empty_cell(folder):
+    said = message(folder, ("material", "B3", "=0.3+0.4"))
+    assert 'sheet "material", cell B3: a formula whose value is not stored' in said
+
+
 def test_cells_are_read_as_their_keys_ask(folder):
     project = changed(
         folder,
@@ -125,6 +137,7 @@ def test_blank_rows_comments_and_a_blank_sheet_are_no_content(folder):
     book = load_workbook(folder / "project.xlsx")
     book.create_sheet("Sheet1")
     book["geometry"].insert_rows(3, 2)
+    book["material"].insert_rows(1, 2)
     book["geometry"]["C3"] = "a comment"
     book["settlements"].insert_rows(2)
     book["settlements"]["A9"] = "  "

@@ -17,28 +17,11 @@ from assessment.scenarios import part, worst
 from assessment.sensitivity import scatter, with_factor, without_effect
 from assessment.workflow import run, select
 from mechanics import limit_analysis
+from tests.block_project import block
 
 WIDTH, HEIGHT = 0.6, 4.2
 SLENDERNESS = math.atan(WIDTH / HEIGHT)
-BLOCK = """title = "Block"
-[geometry]
-drawing = "geometry.dxf"
-unit = "m"
-depth_m = 1.0
-segments_per_joint = 4
-[material]
-unit_weight_kN_m3 = 18.0
-friction = 0.7
-normal_stiffness_kN_m3 = 2e4
-[layers.BASE]
-support = "base"
-[[control]]
-name = "right"
-point_m = [0.3, 4.2]
-[[control]]
-name = "left"
-point_m = [-0.3, 4.2]
-"""
+BLOCK = block(segments=4, stiffness="2e4")
 TURNS = """
 [[settlements]]
 name = "turned"

@@ -8,11 +8,11 @@ import numpy as np
 
 from mechanics import Assembly, State
 from mechanics.assembly import Behaviour
-from mechanics.block import GRAVITY
 from mechanics.equilibrium import check_self_weight
 from mechanics.errors import UnstableError
 from mechanics.program import Program
 from mechanics.static_step import programs
+from tests.steps import euler_step
 from tests.structures import arch_on_piers, block_on_base, running_bond, semicircular_arch
 
 
@@ -59,23 +59,5 @@ def shaken(model: Assembly, rng: np.random.Generator) -> State:
 
 
 def dynamic(model: Assembly, behaviour: Behaviour, rng: np.random.Generator, step: float = 0.005) -> Program:
-    """One step of implicit Euler under a random base acceleration (eq. 3)."""
-    state, movable, contacts = shaken(model, rng), model.movable, model.contacts(behaviour)
-    rows = model.kinematics(behaviour, state.positions)
-    load = model.dead_load - rng.uniform(-1.0, 1.0) * GRAVITY * model.mass * (1.0, 0.0, 0.0)
-    mass = model.mass[movable].ravel() / step**2
-    return Program(
-        dof=np.concatenate([model.dof[contacts.a], model.dof[contacts.b]], axis=1),
-        normal=rows.normal,
-        tangent=rows.tangent,
-        gap=np.stack([rows.gap, np.zeros(len(contacts))], axis=1),
-        friction=contacts.friction,
-        compliance=np.zeros((len(contacts), 2)) if behaviour == "rigid" else 1.0 / contacts.stiffness,
-        load=load[movable].ravel() + mass * step * state.velocities[movable].ravel(),
-        lateral=None,
-        work=0.0,
-        mass=mass,
-        weight=model.weight / movable.sum(),
-        size=model.size,
-        step=max(GRAVITY * step**2, step * abs(state.velocities[:, :2]).max()),
-    )
+    """One step of implicit Euler under a random base acceleration."""
+    return euler_step(model, behaviour, shaken(model, rng), rng.uniform(-1.0, 1.0), step)

@@ -1,0 +1,37 @@
+"""Fixtures of the tests that run the program: a small project, and products that take no time."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from assessment import figures
+from tests.block_project import write_block
+
+
+@pytest.fixture
+def project(tmp_path):
+    """A project folder whose run takes a tenth of a second."""
+    return write_block(tmp_path / "block")
+
+
+@pytest.fixture
+def drawn():
+    """For tests that want the figures all the same."""
+
+
+@pytest.fixture
+def quick(monkeypatch, request):
+    """One empty figure, and a PDF that only looks like one (the real ones: see test_figures, test_report)."""
+
+    def blank(_: object, folder: Path) -> None:
+        folder.mkdir()
+        (folder / "model.svg").write_text("<?xml?>", encoding="utf-8")
+
+    if "drawn" not in request.fixturenames:
+        monkeypatch.setattr(figures, "write_figures", blank)
+    printed = SimpleNamespace(write_pdf=lambda: b"%PDF-")
+    monkeypatch.setitem(sys.modules, "weasyprint", SimpleNamespace(HTML=lambda string: printed))

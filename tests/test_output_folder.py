@@ -1,0 +1,102 @@
+"""What is left on the disk: each file whole or not at all, and nobody else's touched."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from assessment import output, workflow
+from assessment.cli import main
+from tests.block_project import contents, run
+
+pytestmark = pytest.mark.usefixtures("quick")
+ROOT = Path(__file__).parents[1]
+
+
+def test_out_is_where_results_go(project, tmp_path):
+    assert run(project, "--out", str(tmp_path / "deep" / "there")) == 0
+    assert (tmp_path / "deep" / "there" / "results.json").is_file()
+    assert not (project / "output").exists()
+
+
+def test_without_report_there_is_none(project):
+    assert run(project) == 0
+    assert not list((project / "output").glob("report.*"))
+
+
+def test_check_leaves_earlier_results(project):
+    assert run(project) == 0
+    before = contents(project / "output")
+    assert main(["check", str(project)]) == 0
+    assert before.items() <= contents(project / "output").items()
+
+
+@pytest.mark.parametrize("verb", ["run", "check"])
+@pytest.mark.parametrize("where", ["output", "output/below"])
+def test_a_file_where_the_folder_should_go(project, capsys, verb, where):
+    (project / "output").write_text("a file", encoding="utf-8")
+    assert main([verb, str(project), "--out", str(project / where)]) == 2
+    assert (
+        f"error: {project / 'output'}: is a file; give another folder with --out" in capsys.readouterr().err
+    )
+    assert (project / "output").read_text(encoding="utf-8") == "a file"
+
+
+@pytest.mark.parametrize("verb", ["run", "check"])
+def test_a_folder_without_write_permission_is_said_before_any_analysis(project, capsys, monkeypatch, verb):
+    # root may write anywhere: the system's answer is replaced
+    monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK)
+    monkeypatch.setattr(workflow, "run", lambda *_: pytest.fail("an analysis ran"))
+    before = contents(project)
+    assert main([verb, str(project)]) == 2
+    assert f"error: {project}: no permission to write" in capsys.readouterr().err
+    assert contents(project) == before
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_may_not_be_written(project, capsys):
+    project.chmod(0o500)
+    try:
+        assert run(project) == 2
+    finally:
+        project.chmod(0o700)
+    assert "no permission to write" in capsys.readouterr().err
+
+
+def test_a_disk_that_refuses_leaves_the_earlier_result(project, capsys, monkeypatch):
+    assert run(project) == 0
+    before = contents(project)
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device", str(project / "output"))
+
+    monkeypatch.setattr(output, "write_atomically", full)
+    assert run(project) == 2
+    assert "No space left on device" in capsys.readouterr().err
+    assert contents(project) == before
+    assert sorted(path.name for path in project.iterdir()) == [
+        "geometry.dxf",
+        "output",
+        "project.toml",
+    ]
+
+
+def test_a_stale_figure_goes_and_a_stranger_stays(project):
+    assert run(project) == 0
+    (project / "output" / "figures" / "pushover_of_yesterday.svg").write_text("old", encoding="utf-8")
+    (project / "output" / "notes.txt").write_text("mine", encoding="utf-8")
+    assert run(project) == 0
+    assert [path.name for path in (project / "output" / "figures").iterdir()] == ["model.svg"]
+    assert (project / "output" / "notes.txt").read_text(encoding="utf-8") == "mine"
+
+
+def test_files_that_are_not_ours_stay(project, tmp_path):
+    out = tmp_path / "docs"
+    for name in ("tables/mine.txt", "tables/mine.csv", "figures/sub/mine.svg", "report.pdf"):
+        (out / name).parent.mkdir(parents=True, exist_ok=True)
+        (out / name).write_text("mine", encoding="utf-8")
+    assert run(project, "--out", str(out)) == 0
+    for name in ("tables/mine.txt", "tables/mine.csv", "figures/sub/mine.svg", "report.pdf"):
+        assert (out / name).read_text(encoding="utf-8") == "mine"
