@@ -21,7 +21,8 @@ MOST_STEPS = 5000
 SNAP = 4.0  # of the settlement's largest displacement: across which one of its hinges may snap shut
 STILL = 1e-3  # of the largest displacement: a control point that takes no part
 GROWTH = 1.5  # of steps that begin small
-COARSER = 2.0, 4.0, 8.0  # increments across which a part may move by itself
+COARSER = 3  # doublings of the increment, across which a part may move by itself
+ACROSS = 0.1  # of the block size: at least as far
 HALVINGS = 5
 ZERO = 1e-6  # of the largest multiplier: one that is none
 CHORDS, MOST_CHORDS = 3, 8  # to get there, and nearly there
@@ -89,7 +90,8 @@ def pushover(
     curve = _Curve(model, control, direction, contacts, increment, state)
     settlement = 0.0 if state is None else float(abs(state.positions - model.initial.positions)[:, :2].max())
     snap, share = SNAP * settlement, curve.first.share
-    largest, others = share, _other_shares(share, share)
+    widest = max(2.0**COARSER, ACROSS * model.size / increment)
+    largest, others = share, _other_shares(share, share, widest)
     while not curve.end:
         closing = snap > 0.0 and curve.waits
         try:
@@ -103,7 +105,7 @@ def pushover(
                     snap, share = 0.0, curve.first.share
                 continue
             if not curve.failing:
-                others = _other_shares(share, largest)
+                others = _other_shares(share, largest, widest)
             share = next(others, 0.0)
             curve.fail(stop, last=share == 0.0)
             continue
@@ -113,11 +115,14 @@ def pushover(
     return curve.finished()
 
 
-def _other_shares(share: float, largest: float) -> Iterator[float]:
-    """What is tried of an increment where a share of it fails: not much less than the `largest` that has led on."""
+def _other_shares(share: float, largest: float, widest: float) -> Iterator[float]:
+    """What is tried of an increment where a share of it fails: a half, more, up to the `widest`, then smaller parts.
+
+    These are not much less than the `largest` that has led on.
+    """
     finer = [share * 0.5**k for k in range(1, HALVINGS + 1) if share * 0.5**k >= largest * 0.5**HALVINGS]
     yield from finer[:1]
-    yield from COARSER
+    yield from (2.0**k for k in range(1, int(np.log2(widest)) + 1))
     yield from finer[1:]
 
 

@@ -173,7 +173,7 @@ def test_the_error_of_a_block_is_bounded_by_the_estimate(block):
 
 @pytest.fixture(scope="module")
 def arch(tmp_path_factory):
-    """A semicircular arch of 21 voussoirs whose d_0 is 46 mm with the increment given, 25.7 mm with smaller ones."""
+    """A semicircular arch of 21 voussoirs, of which a part moves by itself at 25.7 mm of the 46 mm of its d_0."""
     folder = tmp_path_factory.mktemp("convergence") / "arch"
     new_project(folder, "arch", {})
     project = load_project(folder)
@@ -190,12 +190,14 @@ def test_the_error_of_an_arch_is_bounded_by_the_estimate(arch):
     found = results_of(arch.model_copy(update={"accuracy": 0.01}))
     right, left = found["convergence"]["rows"]
     values = right["levels"]["d_0_m"]
-    assert abs(values[0] / fine["d_0_m"] - 1.0) > 0.5
+    assert max(values) < 1.02 * min(
+        values
+    )  # with 25.7 mm for small increments before such parts were crossed
     assert abs(values[-1] - fine["d_0_m"]) <= right["d_0_error_m"] + SOLVER * values[-1]
     assert right["d_0_error_m"] <= 0.01 * values[-1]
     assert found["states"]["original"]["pushover"]["+x"]["rigid"]["d_0_m"] == values[-1]
     assert right["alpha_0_error"] == 0.0  # the onset knows no increment
-    assert left["halvings"] == right["halvings"] == 2
+    assert left["halvings"] == right["halvings"] >= 1
     assert left["levels"]["d_0_m"] == pytest.approx(values, rel=1e-6)  # the mirror image
 
 
