@@ -15,11 +15,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from assessment.files import write_atomically
+from assessment.svg import lightened
 from assessment.words import Words
 
 WIDTH_MM = 168.0  # column of an A4 page with 20 mm margins, a little air included
 MM = 1.0 / 25.4  # inches
-SVG_METADATA = {"Date": None, "Creator": "Assesto"}
 PNG_DPI = 200  # sharp enough on paper at the column's width
 STYLE = {
     "font.family": "DejaVu Sans",  # shipped with matplotlib; any sans-serif will do to read the figure
@@ -44,21 +44,19 @@ SCALES = tuple(step * 10.0**power for power in range(5) for step in (1.0, 1.5, 2
 
 def save_svg(draw: Callable[[], Figure], path: Path) -> None:
     """Draw in the common style and write an SVG whose bytes depend on nothing but the drawing."""
+    write_atomically(path, lightened(_drawn(draw, format="svg", metadata={"Date": None})))
+
+
+def save_png(draw: Callable[[], Figure], path: Path) -> None:
+    """Draw in the common style and write a PNG whose bytes depend on nothing but the drawing."""
+    write_atomically(path, _drawn(draw, format="png", dpi=PNG_DPI, metadata={"Software": None}))
+
+
+def _drawn(draw: Callable[[], Figure], **kind: Any) -> bytes:
     buffer = io.BytesIO()
     with mpl.rc_context(STYLE):  # type: ignore[arg-type]
-        draw().savefig(buffer, format="svg", metadata=SVG_METADATA)
-    write_atomically(path, buffer.getvalue())
-
-
-def save_images(draw: Callable[[], Figure], path: Path) -> None:
-    """Draw once and write the SVG at `path` and a PNG beside it, both the same at every run."""
-    vector, raster = io.BytesIO(), io.BytesIO()
-    with mpl.rc_context(STYLE):  # type: ignore[arg-type]
-        figure = draw()
-        figure.savefig(vector, format="svg", metadata=SVG_METADATA)
-        figure.savefig(raster, format="png", dpi=PNG_DPI, metadata={"Software": None})
-    write_atomically(path, vector.getvalue())
-    write_atomically(path.with_suffix(".png"), raster.getvalue())
+        draw().savefig(buffer, **kind)
+    return buffer.getvalue()
 
 
 @dataclass(frozen=True)

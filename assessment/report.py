@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -51,35 +50,31 @@ DYNAMIC = ("history", "incremental")  # chapters before the comparison, where th
 STUDIES = ("scenarios", "sensitivity")  # likewise
 
 
-@dataclass(frozen=True)
-class Report:
-    """What was written: `html` always, `pdf` unless system libraries are missing: a warning says so."""
+def write_page(results: Results, folder: Path, edited: Markup | None = None) -> None:
+    """Write report.html into `folder` from results and the SVG files in folder/figures.
 
-    html: Path
-    pdf: Path | None
-    warnings: tuple[str, ...] = ()
-
-
-def render_report(results: Results, figures: Path, folder: Path, edited: Markup | None = None) -> Report:
-    """Write report.html and report.pdf into `folder` from results and the SVG files of `write_figures`.
-
-    `edited`: the judgement in the engineer's own words, in place of the draft. Both appear whole or not at all and
-    depend on nothing but the arguments: no date is printed. Without WeasyPrint's system libraries only the HTML is
-    written; the warning holds the command that installs them.
+    `edited`: the judgement in the engineer's own words, in place of the draft. The file depends on nothing but the
+    arguments: no date is printed.
     """
     words = words_of(results)
-    page = folder / "report.html"
-    write_atomically(page, render_html(results, figures, words, edited, viewer(results, words)).encode())
+    page = render_html(results, folder / "figures", words, edited, viewer(results, words))
+    write_atomically(folder / "report.html", page.encode())
+
+
+def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> list[str]:
+    """Write report.pdf into `folder` as `write_page` does report.html; return warnings.
+
+    Without WeasyPrint's system libraries nothing is written, and the warning holds the command that installs them.
+    """
+    words = words_of(results)
     try:
         import weasyprint
     except OSError as error:  # a shared library that cannot be loaded
         reason = str(error).partition("\n")[0]
-        return Report(page, None, (words.plain("warning.no_pdf", reason=reason, command=APT_COMMAND),))
-    document = folder / "report.pdf"
-    write_atomically(
-        document, weasyprint.HTML(string=render_html(results, figures, words, edited)).write_pdf()
-    )
-    return Report(page, document)
+        return [words.plain("warning.no_pdf", reason=reason, command=APT_COMMAND)]
+    page = render_html(results, folder / "figures", words, edited)
+    write_atomically(folder / "report.pdf", weasyprint.HTML(string=page).write_pdf())
+    return []
 
 
 def render_html(

@@ -25,18 +25,15 @@ from assessment.study_tables import study_tables
 from assessment.table import Results, Table
 
 
-def write_tables(results: Results, folder: Path) -> list[Path]:
+def write_tables(results: Results, folder: Path) -> None:
     """Write every table of the results that has rows as CSV (comma, point, UTF-8) into the folder."""
     import pandas as pd  # late: the report needs the rows only
 
-    paths = []
     for table in tables(results):
         if table.rows:
             frame = pd.DataFrame(table.rows, columns=list(table.columns))
             path = folder / f"{table.name}.csv"
             write_atomically(path, frame.to_csv(index=False, lineterminator="\n").encode())
-            paths.append(path)
-    return paths
 
 
 def tables(results: Results) -> list[Table]:

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assessment.canvas import MM, SCALES, nice, save_svg, sheet
+from assessment.crew import Crew
 from assessment.figures import pictures, write_figures
 from assessment.outlines import Outlines, outlines
 from assessment.words import slug
@@ -18,7 +19,7 @@ from tests.results_example import SETTLED, results_example
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory):
     folder = tmp_path_factory.mktemp("figures")
-    return write_figures(results_example(), folder)
+    return write_figures(Crew(results_example()), folder)
 
 
 def test_every_figure_of_the_results_is_written(drawn):
@@ -33,14 +34,13 @@ def test_every_figure_of_the_results_is_written(drawn):
 
 
 def test_bytes_depend_on_the_results_only(drawn, tmp_path):
-    write_figures(results_example(), tmp_path)
+    write_figures(Crew(results_example()), tmp_path)
     for first in drawn[0].parent.iterdir():
         assert first.read_bytes() == (tmp_path / first.name).read_bytes()
 
 
 def test_no_temporary_file_is_left(drawn):
-    images = {path.with_suffix(suffix).name for path in drawn for suffix in (".svg", ".png")}
-    assert {path.name for path in drawn[0].parent.iterdir()} == images | {"deformed.dxf"}
+    assert {path.name for path in drawn[0].parent.iterdir()} == {path.name for path in drawn}
 
 
 def test_figures_speak_the_language_of_the_report(drawn, tmp_path):

@@ -76,6 +76,7 @@ ALL = 8  # analyses: self-weight, a pushdown, two pushovers, histories and searc
 @pytest.fixture(autouse=True)
 def _no_figures(monkeypatch):
     monkeypatch.setattr(figures, "write_figures", lambda _, folder: folder.mkdir())
+    monkeypatch.setattr(figures, "write_images", lambda *_: [])
 
 
 @pytest.fixture
