@@ -6,6 +6,7 @@ import json
 import shutil
 import tempfile
 from collections.abc import Mapping
+from concurrent.futures import Future
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -54,7 +55,8 @@ def write(results: Mapping[str, Any], folder: Path, report: bool = True, jobs: i
         warnings += opinion.warnings
         write_figures(crew, new / "figures")
         printed = crew.do(write_pdf, new, opinion.edited) if report else None  # first: it takes longest
-        begun = [*write_animations(crew, new / "figures"), *write_images(crew, new / "figures")]
+        begun: list[Future[Any]] = [*write_animations(crew, new / "figures")]
+        begun += write_images(crew, new / "figures")
         begun.append(crew.do(write_tables, new / "tables"))
         if report:
             begun.append(crew.do(write_page, new, opinion.edited))
