@@ -14,7 +14,7 @@ from markupsafe import Markup
 
 from assessment import capacity_tables, tables
 from assessment.convergence_tables import convergence, history_convergence, reported
-from assessment.display import Grid, exact, flatten, grid, summary_grids
+from assessment.display import Grid, echoed, grid, summary_grids
 from assessment.dynamic_tables import energy, histories, incremental, incremental_states, static_dynamic
 from assessment.figures import pictures
 from assessment.files import write_atomically
@@ -155,7 +155,6 @@ def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[di
 
 def _grids(results: Results, words: Words) -> dict[str, Grid]:
     """Return the tables of the report that have rows, by name."""
-    echo = [{"key": key, "value": exact(value, words)} for key, value in flatten(results["echo"])]
     made = [
         _validation(words),
         tables.layers(results),
@@ -163,8 +162,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         tables.mechanisms(results),
         reactions(results),
         balance(results),
-        _without(capacity_tables.verification(results), "governing", "mechanism", "return_period_years"),
-        _governs(results),
+        _without(capacity_tables.verification(results), "d_star_m", "a_star_g", "T_s"),  # in the summary
         capacity_tables.action(results),
         _without(capacity_tables.chosen_mechanisms(results), "refused"),
         capacity_tables.chosen_checks(results),
@@ -179,7 +177,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         reported(history_convergence(results), words),
         Table("quality", list(results["quality"].get("by_stage") or []), tables.QUALITY),
         hand_check(results),
-        Table("echo", echo, ("key", "value")),
+        Table("echo", list(echoed(results["echo"], words)), ("table", "settings")),
     ]
     return {
         table.name: grid(table, words, words(f"caption.{table.name}"), 4 if table.name == "hand_check" else 3)
@@ -208,15 +206,6 @@ def _without(table: Table, *columns: str) -> Table:
     kept = tuple(column for column in table.columns if column not in columns)
     rows = [{key: value for key, value in row.items() if key in kept} for row in table.rows]
     return Table(table.name, [row for row in rows if len(row) > 2], kept)
-
-
-def _governs(results: Results) -> Table:
-    """Return what governs each check, its mechanism and the return period of the capacity."""
-    table = capacity_tables.verification(results)
-    columns = ("state", "direction", "limit_state", "governing", "mechanism", "return_period_years")
-    kept = tuple(column for column in columns if column in table.columns)
-    rows = [{key: row[key] for key in kept if row.get(key) not in (None, "")} for row in table.rows]
-    return Table("governs", [row for row in rows if len(row) > 3], kept)
 
 
 def _compared(results: Results) -> list[Row]:

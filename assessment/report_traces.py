@@ -6,6 +6,7 @@ in the tables of the seismic action and of the capacity curve, under the name th
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -146,12 +147,12 @@ def _row(line: Line, columns: Iterable[Column], words: Words) -> list[Markup]:
     unit = words.strings["unit"].get(line.unit, line.unit)
     return [
         _signs(line.symbol) + (f" [{unit}]" if unit else ""),
-        _signs(line.formula) or words("value.datum"),
+        _marked(_signs(line.formula), words) or words("value.datum"),
         *(
             Markup.escape(_six_digits(column[line], words)) if line in column else words("value.none")
             for column in columns
         ),
-        Markup.escape(_source(line.paragraph, words)),
+        _source(line.paragraph, words),
     ]
 
 
@@ -165,9 +166,18 @@ def _signs(formula: str) -> Markup:
     return Markup(pretty(str(Markup.escape(formula)), "<sub>{}</sub>".format).replace("_", ","))
 
 
-def _source(paragraph: str, words: Words) -> str:
+def _marked(formula: Markup, words: Words) -> Markup:
+    """Write the numbers of a formula with the language's decimal mark; where that is a comma, arguments stand apart."""
+    mark = words.plain("value.decimal_mark")
+    if mark == ".":
+        return formula
+    return Markup(re.sub(r"(\d)\.(\d)", rf"\1{mark}\2", formula.replace(", ", "; ")))
+
+
+def _source(paragraph: str, words: Words) -> Markup:
     """Write where a number comes from in the language of the report; paragraphs of standards stay as they are."""
     known = words.strings["source"]
-    return "; ".join(
+    text = "; ".join(
         ": ".join(known.get(part, part) for part in phrase.split(": ")) for phrase in paragraph.split("; ")
     )
+    return Markup(re.sub(r"\b([A-Za-zα-ω])_(\w+)", r"\1<sub>\2</sub>", str(Markup.escape(text))))
