@@ -135,8 +135,8 @@ def _name(column: str, value: Any, words: Words) -> str:
         return check_name(value, words)
     if column == "kind":
         return words.plain(f"value.{value}_spectrum")
-    if column == "stage" and value in words.strings["value"]:
-        return words.plain(f"value.{value}")
+    if column == "stage":
+        return ", ".join(words.strings["value"].get(part, part) for part in str(value).split(", "))
     return words.show(value)
 
 

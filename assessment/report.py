@@ -24,6 +24,7 @@ from assessment.reactions import balance, reactions
 from assessment.report_traces import traces
 from assessment.study_tables import reported_studies
 from assessment.table import Row, Table
+from assessment.translation import translated
 from assessment.viewer import Viewer, viewer
 from assessment.words import Words, direction_name, words_of
 
@@ -112,9 +113,13 @@ def render_html(
         worst=list(worst_scenario(results, words)),
         edited=edited,
         macro_blocks=list(_macro_blocks(results, words)),
-        warnings=all_warnings(results),
+        warnings=[translated(warning, words) for warning in all_warnings(results)],
         local=_local_limit(results, words),
-        refused=[given for given in results.get("mechanisms") or [] if "refused" in given],
+        refused=[
+            given | {"refused": translated(given["refused"], words)}
+            for given in results.get("mechanisms") or []
+            if "refused" in given
+        ],
     )
 
 
