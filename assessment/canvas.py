@@ -89,27 +89,28 @@ def sheet(
     rows = math.ceil(count / columns)
     head_mm = 9.0
     room_x = WIDTH_MM / columns - 2.0 * border_mm
-    room_z = min(130.0, (height_mm - foot_mm) / rows - head_mm) - 2.0 * border_mm
+    most = 130.0 if count == 1 else 85.0  # of several, so that two figures stand on a page
+    room_z = min(most, (height_mm - foot_mm) / rows - head_mm) - 2.0 * border_mm
     needed = max(width / room_x, height / room_z) * 1000.0
     scale = next((s for s in SCALES if s >= needed - 1e-9), needed)
-    cell = (width * 1000.0 / scale + 2.0 * border_mm, height * 1000.0 / scale + 2.0 * border_mm)
-    total = (max(cell[0] * columns, WIDTH_MM), (cell[1] + head_mm) * rows + foot_mm)
+    cell = (WIDTH_MM / columns, height * 1000.0 / scale + 2.0 * border_mm)
+    total = (WIDTH_MM, (cell[1] + head_mm) * rows + foot_mm)
     figure = Figure(figsize=(total[0] * MM, total[1] * MM))
+    middle, half = (x0 + x1) / 2.0, cell[0] * scale / 2000.0
     pad = border_mm * scale / 1000.0
-    left = (total[0] - cell[0] * columns) / 2.0
     panels = []
     for index in range(count):
         row, column = divmod(index, columns)
         bottom = total[1] - (row + 1) * (cell[1] + head_mm)
         axes = figure.add_axes(
             (
-                (left + column * cell[0]) / total[0],
+                column * cell[0] / total[0],
                 bottom / total[1],
                 cell[0] / total[0],
                 cell[1] / total[1],
             )
         )
-        axes.set(xlim=(x0 - pad, x1 + pad), ylim=(z0 - pad, z1 + pad))
+        axes.set(xlim=(middle - half, middle + half), ylim=(z0 - pad, z1 + pad))
         axes.set_axis_off()
         panels.append(axes)
     return Sheet(figure, panels, scale)

@@ -35,6 +35,7 @@ TEXT |= {"mechanism", "governing", "kind", "soil", "topography", "refused"}
 TEXT |= {"property", "collapses", "table", "settings", "expected", "computed", "verified"}
 TEXT |= {"case", "source", "test", "record", "contacts", "control", "collapsed", "resurrections"}
 LETTERS = 125.0  # of average width in a row of a table
+ROUNDING = 1e-9  # a reduction no larger is none
 REDUCTIONS = 3  # settled states beside the original in one table
 
 
@@ -172,7 +173,8 @@ def _summary_row(row: Row, names: list[str], words: Words) -> list[Markup]:
     for name in names:
         cells.append(_valued(quantity, row, name, words))
         loss = row.get(f"reduction: {name}")
-        cells.append(words("value.none") if loss is None else Markup.escape(words.number(100.0 * loss)))
+        shown = None if loss is None else loss if abs(loss) > ROUNDING else 0.0
+        cells.append(words("value.none") if shown is None else Markup.escape(words.number(100.0 * shown)))
     return cells
 
 
