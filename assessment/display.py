@@ -35,6 +35,7 @@ TEXT |= {"mechanism", "governing", "kind", "soil", "topography", "refused"}
 TEXT |= {"property", "collapses", "table", "settings", "expected", "computed", "verified"}
 TEXT |= {"case", "source", "test", "record", "contacts", "control", "collapsed", "resurrections"}
 LETTERS = 125.0  # of average width in a row of a table
+CENTRES = {"x_C_m", "z_C_m"}  # a block that does not turn has none
 ROUNDING = 1e-9  # a reduction no larger is none
 REDUCTIONS = 3  # settled states beside the original in one table
 
@@ -89,7 +90,7 @@ def cell(column: str, row: Row, words: Words, significant: int = 3) -> Markup:
     value = row.get(column)
     if isinstance(value, Markup):
         return value
-    if column not in row or (value is None and column in TEXT):
+    if column not in row or (value is None and column in TEXT | CENTRES):
         return words("value.none")
     if column == "governing":
         return governing(str(value), words)

@@ -64,9 +64,8 @@ def write(results: Mapping[str, Any], folder: Path, report: bool = True, jobs: i
             work.result()
         if printed:
             warnings += printed.result()
-        write_atomically(
-            new / "results.json", json.dumps(results, ensure_ascii=False, allow_nan=False).encode()
-        )
+        text = json.dumps(results, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+        write_atomically(new / "results.json", text.encode())
         ours, made_now = (folder / "results.json").exists(), {item.name for item in new.iterdir()}
         for item in sorted(new.iterdir(), key=lambda path: path.name == "results.json"):
             _replace(item, folder / item.name, ours)

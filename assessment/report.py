@@ -18,7 +18,7 @@ from assessment.display import Grid, echoed, grid, summary_grids
 from assessment.dynamic_tables import energy, histories, incremental, incremental_states, static_dynamic
 from assessment.figures import pictures
 from assessment.files import write_atomically
-from assessment.hand_check import figures_of, governing_mechanisms, hand_check
+from assessment.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check
 from assessment.judgement import all_warnings, draft_judgement, worst_scenario
 from assessment.reactions import balance, reactions
 from assessment.report_traces import traces
@@ -113,6 +113,7 @@ def render_html(
         worst=list(worst_scenario(results, words)),
         edited=edited,
         macro_blocks=list(_macro_blocks(results, words)),
+        too_many=list(_too_many(results, words)),
         warnings=[translated(warning, words) for warning in all_warnings(results)],
         local=_local_limit(results, words),
         refused=[
@@ -225,9 +226,20 @@ def _macro_blocks(results: Results, words: Words) -> Iterator[Grid]:
     """Yield the macro-blocks of each state's weakest direction, with the sums of the virtual work."""
     for name, direction in governing_mechanisms(results):
         rows = figures_of(results, name, direction)
+        if len(rows) - 1 > BY_HAND:
+            continue
         caption = words("caption.macro_blocks", state=words.state(name), direction=direction_name(direction))
         columns = tuple(key for key in rows[0] if key not in {"state", "direction"})
         yield grid(Table("macro_blocks", rows, columns), words, caption, 4)
+
+
+def _too_many(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield a sentence for each mechanism of more macro-blocks than a hand works out."""
+    for name, direction in governing_mechanisms(results):
+        count = len(figures_of(results, name, direction)) - 1
+        if count > BY_HAND:
+            where = {"state": words.state(name), "direction": direction_name(direction)}
+            yield words("text.many_macro_blocks", count=count, **where)
 
 
 def _local_limit(results: Results, words: Words) -> Markup:
