@@ -219,10 +219,10 @@ def _sum_up(quality: Results) -> None:
 
 def _without_nan(value: Any) -> Any:
     """JSON has no NaN and no infinity: null in their place."""
-    if isinstance(value, Mapping):
-        return {key: _without_nan(item) for key, item in value.items()}
+    if isinstance(value, float):  # first: they are most
+        return float(value) if math.isfinite(value) else None
     if isinstance(value, list | tuple):
         return [_without_nan(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
+    if isinstance(value, Mapping):
+        return {key: _without_nan(item) for key, item in value.items()}
     return value.item() if hasattr(value, "item") else value
