@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping
+from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.patches import PathPatch
 
 from assessment.canvas import STYLE, sheet
+from assessment.crew import Crew
 from assessment.drawings import GHOST, INK, SUPPORT
 from assessment.dynamic_plots import bounds_of_views, shaken
 from assessment.files import write_atomically
@@ -22,16 +24,20 @@ from assessment.words import slug, words_of
 DOTS_PER_INCH = 110
 
 
-def write_animations(results: Mapping[str, Any], folder: Path) -> list[Path]:
-    """Write `history_N_STATE.gif` into the folder for every history whose project asks for an animation."""
-    paths = []
+def write_animations(crew: Crew, folder: Path) -> list[Future[Path]]:
+    """Begin to write `history_N_STATE.gif` into the folder for every history whose project asks for an animation."""
+    results, begun = crew.results, []
     for index, motion in enumerate(results.get("motions") or []):
         for state, entry in shaken(results, motion["name"]).items():
             if entry.get("frames"):
                 path = folder / f"history_{index + 1}_{slug(results, state)}.gif"
-                write_atomically(path, animation(results, state, entry))
-                paths.append(path)
-    return paths
+                begun.append(crew.do(_write_animation, path, state, motion["name"]))
+    return begun
+
+
+def _write_animation(results: Mapping[str, Any], path: Path, state: str, record: str) -> Path:
+    write_atomically(path, animation(results, state, shaken(results, record)[state]))
+    return path
 
 
 def animation(results: Mapping[str, Any], state: str, entry: Mapping[str, Any]) -> bytes:

@@ -15,11 +15,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from assessment.files import write_atomically
+from assessment.svg import lightened
 from assessment.words import Words
 
 WIDTH_MM = 168.0  # column of an A4 page with 20 mm margins, a little air included
 MM = 1.0 / 25.4  # inches
-SVG_METADATA = {"Date": None, "Creator": "Assesto"}
 PNG_DPI = 200  # sharp enough on paper at the column's width
 STYLE = {
     "font.family": "DejaVu Sans",  # shipped with matplotlib; any sans-serif will do to read the figure
@@ -44,21 +44,19 @@ SCALES = tuple(step * 10.0**power for power in range(5) for step in (1.0, 1.5, 2
 
 def save_svg(draw: Callable[[], Figure], path: Path) -> None:
     """Draw in the common style and write an SVG whose bytes depend on nothing but the drawing."""
+    write_atomically(path, lightened(_drawn(draw, format="svg", metadata={"Date": None})))
+
+
+def save_png(draw: Callable[[], Figure], path: Path) -> None:
+    """Draw in the common style and write a PNG whose bytes depend on nothing but the drawing."""
+    write_atomically(path, _drawn(draw, format="png", dpi=PNG_DPI, metadata={"Software": None}))
+
+
+def _drawn(draw: Callable[[], Figure], **kind: Any) -> bytes:
     buffer = io.BytesIO()
     with mpl.rc_context(STYLE):  # type: ignore[arg-type]
-        draw().savefig(buffer, format="svg", metadata=SVG_METADATA)
-    write_atomically(path, buffer.getvalue())
-
-
-def save_images(draw: Callable[[], Figure], path: Path) -> None:
-    """Draw once and write the SVG at `path` and a PNG beside it, both the same at every run."""
-    vector, raster = io.BytesIO(), io.BytesIO()
-    with mpl.rc_context(STYLE):  # type: ignore[arg-type]
-        figure = draw()
-        figure.savefig(vector, format="svg", metadata=SVG_METADATA)
-        figure.savefig(raster, format="png", dpi=PNG_DPI, metadata={"Software": None})
-    write_atomically(path, vector.getvalue())
-    write_atomically(path.with_suffix(".png"), raster.getvalue())
+        draw().savefig(buffer, **kind)
+    return buffer.getvalue()
 
 
 @dataclass(frozen=True)
@@ -91,27 +89,28 @@ def sheet(
     rows = math.ceil(count / columns)
     head_mm = 9.0
     room_x = WIDTH_MM / columns - 2.0 * border_mm
-    room_z = min(130.0, (height_mm - foot_mm) / rows - head_mm) - 2.0 * border_mm
+    most = 130.0 if count == 1 else 85.0  # of several, so that two figures stand on a page
+    room_z = min(most, (height_mm - foot_mm) / rows - head_mm) - 2.0 * border_mm
     needed = max(width / room_x, height / room_z) * 1000.0
     scale = next((s for s in SCALES if s >= needed - 1e-9), needed)
-    cell = (width * 1000.0 / scale + 2.0 * border_mm, height * 1000.0 / scale + 2.0 * border_mm)
-    total = (max(cell[0] * columns, WIDTH_MM), (cell[1] + head_mm) * rows + foot_mm)
+    cell = (WIDTH_MM / columns, height * 1000.0 / scale + 2.0 * border_mm)
+    total = (WIDTH_MM, (cell[1] + head_mm) * rows + foot_mm)
     figure = Figure(figsize=(total[0] * MM, total[1] * MM))
+    middle, half = (x0 + x1) / 2.0, cell[0] * scale / 2000.0
     pad = border_mm * scale / 1000.0
-    left = (total[0] - cell[0] * columns) / 2.0
     panels = []
     for index in range(count):
         row, column = divmod(index, columns)
         bottom = total[1] - (row + 1) * (cell[1] + head_mm)
         axes = figure.add_axes(
             (
-                (left + column * cell[0]) / total[0],
+                column * cell[0] / total[0],
                 bottom / total[1],
                 cell[0] / total[0],
                 cell[1] / total[1],
             )
         )
-        axes.set(xlim=(x0 - pad, x1 + pad), ylim=(z0 - pad, z1 + pad))
+        axes.set(xlim=(middle - half, middle + half), ylim=(z0 - pad, z1 + pad))
         axes.set_axis_off()
         panels.append(axes)
     return Sheet(figure, panels, scale)

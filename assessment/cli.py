@@ -132,7 +132,7 @@ def _add_project(command: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     from assessment.model import build_model
-    from assessment.output import write
+    from assessment.output import prepare, write
     from assessment.project import load_project
     from assessment.store import FOLDER, Store
     from assessment.terminal import as_json, progress, summary
@@ -142,9 +142,9 @@ def _run(options: argparse.Namespace) -> int:
     folder = _writable(options.out or project.folder / "output")
     model = build_model(project)
     with progress() as show:
-        outcome = run(project, model, options.jobs, Store(folder / FOLDER), options.fresh, show)
+        outcome = run(project, model, options.jobs, Store(folder / FOLDER), options.fresh, show, prepare)
         show.begin("report" if not options.no_report else "figures and tables", 1, 0)
-        warnings = write(outcome.results, folder, report=not options.no_report)
+        warnings = write(outcome.results, folder, not options.no_report, options.jobs)
         show.end()
     print((as_json if options.json else summary)(outcome, folder, warnings))
     return DONE if outcome.complete else INCOMPLETE
@@ -242,7 +242,7 @@ def _report(options: argparse.Namespace) -> int:
         raise ValueError(f"{stored}: {', '.join(missing)} missing: results cut short; run the project again")
     for key in ("client", "engineer", "location", "language"):
         echo[key] = getattr(project.report, key)
-    for warning in write(results, folder):
+    for warning in write(results, folder, jobs=0):
         print(f"warning: {warning}", file=sys.stderr)
     print(f"report: {folder / 'report.html'}")
     return DONE

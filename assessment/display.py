@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 from markupsafe import Markup
@@ -31,8 +32,11 @@ PERCENT = {"damping", "reduction", "static_reduction", "dynamic_reduction"}
 PERCENT |= {"deviation", "hand_deviation", "relative_error"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
 TEXT |= {"mechanism", "governing", "kind", "soil", "topography", "refused"}
-TEXT |= {"property", "collapses"}
+TEXT |= {"property", "collapses", "table", "settings", "expected", "computed", "verified"}
 TEXT |= {"case", "source", "test", "record", "contacts", "control", "collapsed", "resurrections"}
+LETTERS = 125.0  # of average width in a row of a table
+CENTRES = {"x_C_m", "z_C_m"}  # a block that does not turn has none
+ROUNDING = 1e-9  # a reduction no larger is none
 REDUCTIONS = 3  # settled states beside the original in one table
 
 
@@ -47,19 +51,27 @@ class Grid:
 
     @property
     def widths(self) -> list[float]:
-        """Return the widths of the columns in per cent, after the longest text of each, within bounds."""
-        longest = [
-            max(6.0, *(1.2 * len(word) for word in self.head[column].striptags().split()), *map(_room, cells))
-            for column, cells in enumerate(zip(*self.rows, strict=True))
-        ]
-        bounded = [min(length, 36.0) + 2.0 for length in longest]
-        return [round(100.0 * length / sum(bounded), 2) for length in bounded]
+        """Return the widths of the columns in per cent: numbers stay whole, words make room by wrapping."""
+        whole, least = [], []
+        for head, cells, text in zip(self.head, zip(*self.rows, strict=True), self.text, strict=True):
+            title = max(1.2 * _room(word) for word in _parted(head))
+            words = max(_room(word) for cell in cells for word in _parted(cell)) if text else 0.0
+            whole.append(2.0 + min(36.0, max(6.0, title, *(_room(cell.striptags()) for cell in cells))))
+            least.append(2.0 + min(36.0, max(title, words)) if text else whole[-1])
+        spare = sum(whole) - sum(least)
+        give = min(1.0, max(0.0, sum(whole) - LETTERS) / spare) if spare > 0.0 else 0.0
+        kept = [wide - give * (wide - narrow) for wide, narrow in zip(whole, least, strict=True)]
+        return [round(100.0 * wide / sum(kept), 2) for wide in kept]
 
 
-def _room(cell: Markup) -> float:
-    """Return the width of a text in average letters; capitals are wider."""
-    text = cell.striptags()
-    return len(text) + 0.4 * sum(letter.isupper() for letter in text)
+def _parted(cell: Markup) -> list[str]:
+    return cell.striptags().split() or [""]
+
+
+def _room(text: str) -> float:
+    """Return the width of a text in average letters; capitals and digits are wider."""
+    capitals, digits = (sum(map(kind, text)) for kind in (str.isupper, str.isdigit))
+    return len(text) + 0.4 * capitals + 0.15 * digits
 
 
 def grid(table: Table, words: Words, caption: Markup, significant: int = 3) -> Grid:
@@ -78,7 +90,7 @@ def cell(column: str, row: Row, words: Words, significant: int = 3) -> Markup:
     value = row.get(column)
     if isinstance(value, Markup):
         return value
-    if column not in row or (value is None and column in TEXT):
+    if column not in row or (value is None and column in TEXT | CENTRES):
         return words("value.none")
     if column == "governing":
         return governing(str(value), words)
@@ -93,7 +105,10 @@ def cell(column: str, row: Row, words: Words, significant: int = 3) -> Markup:
 def governing(text: str, words: Words) -> Markup:
     """Write what set a capacity: a share of d_0, a local limit, activation."""
     known = words.strings["governing"]
-    parts = [Markup(known.get(part, part).replace("d_0", "d<sub>0</sub>")) for part in text.split(": ")]
+    parts = [
+        Markup(known.get(part, words.comma(part)).replace("d_0", "d<sub>0</sub>"))
+        for part in text.split(": ")
+    ]
     return Markup(": ").join(parts)
 
 
@@ -122,8 +137,8 @@ def _name(column: str, value: Any, words: Words) -> str:
         return check_name(value, words)
     if column == "kind":
         return words.plain(f"value.{value}_spectrum")
-    if column == "stage" and value in words.strings["value"]:
-        return words.plain(f"value.{value}")
+    if column == "stage":
+        return ", ".join(words.strings["value"].get(part, part) for part in str(value).split(", "))
     return words.show(value)
 
 
@@ -140,9 +155,14 @@ def summary_grids(table: Table, results: Mapping[str, Any], words: Words) -> Ite
             yield Grid(
                 words("caption.summary", direction=direction_name(direction)),
                 head,
-                [_summary_row(row, names, words) for row in rows],
+                [_summary_row(row, names, words) for row in rows if not _again(row)],
                 [True] + [False] * (len(head) - 1),
             )
+
+
+def _again(row: Row) -> bool:
+    """Return whether a row says once more what it has above: checks of the onset are at d_y* and T_0."""
+    return row["quantity"] in {"d_star_m", "T_s"} and row["limit_state"] in {"SLD", "SLV linear"}
 
 
 def _summary_row(row: Row, names: list[str], words: Words) -> list[Markup]:
@@ -154,7 +174,8 @@ def _summary_row(row: Row, names: list[str], words: Words) -> list[Markup]:
     for name in names:
         cells.append(_valued(quantity, row, name, words))
         loss = row.get(f"reduction: {name}")
-        cells.append(words("value.none") if loss is None else Markup.escape(words.number(100.0 * loss)))
+        shown = None if loss is None else loss if abs(loss) > ROUNDING else 0.0
+        cells.append(words("value.none") if shown is None else Markup.escape(words.number(100.0 * shown)))
     return cells
 
 
@@ -162,24 +183,35 @@ def _valued(quantity: str, row: Row, state: str, words: Words) -> Markup:
     return cell(quantity, {quantity: row[state]} if state in row else {}, words)
 
 
-def flatten(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield dotted keys and leaves of nested tables; entries of arrays of tables are numbered from 1."""
-    if isinstance(value, Mapping):
-        for name, inner in value.items():
-            yield from flatten(inner, f"{key}.{name}" if key else str(name))
-    elif isinstance(value, list) and any(isinstance(item, Mapping) for item in value):
-        for number, item in enumerate(value, 1):
-            yield from flatten(item, f"{key}[{number}]")
-    else:
-        yield key, value
+def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:
+    """Yield the input table by table: its name and its settings, without those left empty."""
+    for table, settings in groupby(_flat(echo), lambda setting: setting[0]):
+        shown = [f"{key} = {_exact(value, words)}" for _, key, value in settings if value not in ("", [])]
+        if shown:
+            yield {"table": table or words.plain("value.none"), "settings": "; ".join(shown)}
 
 
-def exact(value: Any, words: Words) -> str:
+def _flat(value: Mapping[str, Any], table: str = "") -> Iterator[tuple[str, str, Any]]:
+    """Yield table, key and value, the tables within after; entries of arrays of tables are numbered from 1."""
+    inner = []
+    for key, item in value.items():
+        name = f"{table}.{key}" if table else str(key)
+        if isinstance(item, Mapping):
+            inner.append((name, item))
+        elif isinstance(item, list) and any(isinstance(entry, Mapping) for entry in item):
+            inner += [(f"{name}[{number}]", entry) for number, entry in enumerate(item, 1)]
+        else:
+            yield table, key, item
+    for name, item in inner:
+        yield from _flat(item, name)
+
+
+def _exact(value: Any, words: Words) -> str:
     """Write an input as it was given, in the language's decimal mark."""
     if value is None:
         return words.plain("value.none")
     if isinstance(value, float):
-        return words.comma(f"{value:.12g}").replace("inf", "∞")
+        return words.comma(f"{value:.12g}").replace("inf", "∞").replace("-", "−")
     if isinstance(value, list):
-        return "; ".join(exact(item, words) for item in value)
+        return f"[{'; '.join(_exact(item, words) for item in value)}]"
     return words.show(value)

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 
 from assessment.canvas import MM, Sheet, nice, sheet
-from assessment.hand_check import MacroBlock, macro_blocks, virtual_displacements
+from assessment.hand_check import BY_HAND, MacroBlock, macro_blocks, virtual_displacements
 from assessment.outlines import Array, Outlines, field, outlines, place
 from assessment.words import Words, direction_name
 
@@ -124,9 +124,10 @@ SLIDING: dict[str, Any] = {"color": INK, "linewidth": 2.4, "solid_capstyle": "bu
 
 
 def found_mechanism(results: Results, state: str, direction: str) -> Mechanism:
-    """Return the rigid mechanism of a state in a direction, its macro-blocks numbered."""
+    """Return the rigid mechanism of a state in a direction, its macro-blocks numbered where they are printed."""
     mechanism = results["states"][state]["pushover"][direction]["rigid"]["mechanism"]
-    return Mechanism(results, state, mechanism, direction, macro_blocks(results, state, direction))
+    parts = macro_blocks(results, state, direction)
+    return Mechanism(results, state, mechanism, direction, parts if len(parts) <= BY_HAND else ())
 
 
 class Mechanism:

@@ -82,12 +82,13 @@ class Setting:
 class Response:
     """A motion and the free one after it: time (k,) s from the beginning, control displacement (k,) m from rest.
 
-    `positions` (k, b, 3); `parts`: the runs it is made of.
+    `positions` (k, b, 3); `forces`, k times (c, 2) kN, of the contacts; `parts`: the runs it is made of.
     """
 
     time: Array
     displacement: Array
     positions: Array
+    forces: tuple[Array, ...]
     parts: tuple[TimeHistory, ...]
 
     @property
@@ -137,13 +138,14 @@ def respond(
     assert shaken.displacement is not None
     speed = abs(shaken.final.velocities[:, :2]).max()
     if shaken.collapsed or speed <= STILL * np.sqrt(GRAVITY * model.size):
-        return Response(shaken.time, shaken.displacement, shaken.positions, (shaken,))
+        return Response(shaken.time, shaken.displacement, shaken.positions, shaken.forces, (shaken,))
     free = run(np.zeros(round(TAIL / step) + 2), None, shaken.final, None)
     assert free.displacement is not None
     return Response(
         np.concatenate([shaken.time, shaken.time[-1] + free.time[1:]]),
         np.concatenate([shaken.displacement, shaken.displacement[-1] + free.displacement[1:]]),
         np.concatenate([shaken.positions, free.positions[1:]]),
+        (*shaken.forces, *free.forces[1:]),
         (shaken, free),
     )
 
@@ -248,7 +250,13 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
             "displacement_m": response.displacement[kept].tolist(),
         },
         "snapshots": snapshots(
-            model, motion.start + response.time, response.displacement, response.positions, peak
+            model,
+            setting.table.contacts,
+            motion.start + response.time,
+            response.displacement,
+            response.positions,
+            response.forces,
+            peak,
         ),
         "peak_configuration": (response.positions[peak] - drawn).tolist(),
         "final_configuration": (response.positions[-1] - drawn).tolist(),

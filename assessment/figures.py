@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -10,7 +11,8 @@ from typing import Any, TypeVar
 
 from matplotlib.figure import Figure
 
-from assessment.canvas import save_images
+from assessment.canvas import save_png, save_svg
+from assessment.crew import Crew
 from assessment.drawings import draw_chosen, draw_mechanisms, draw_overturned, draw_settlement
 from assessment.dynamic_plots import (
     draw_fragility,
@@ -45,20 +47,34 @@ class Picture:
     fields: dict[str, object] = field(default_factory=dict)
 
 
-def write_figures(results: Mapping[str, Any], folder: Path) -> list[Path]:
-    """Write every figure as SVG and PNG into the folder, and deformed.dxf: the same bytes for the same results.
+def write_figures(crew: Crew, folder: Path) -> list[Path]:
+    """Write every figure as SVG into the folder, the same bytes for the same results; return paths in their order."""
+    drawn = [crew.do(_write_vector, folder, number) for number in range(len(pictures(crew.results)))]
+    return [path.result() for path in drawn]
 
-    Returns the paths of the SVG files, in the order of the report.
-    """
+
+def write_images(crew: Crew, folder: Path) -> list[Future[None]]:
+    """Begin to write every figure as PNG into the folder, and deformed.dxf; the same bytes for the same results."""
+    begun = [crew.do(_write_raster, folder, number) for number in range(len(pictures(crew.results)))]
+    return [*begun, crew.do(_write_drawing, folder / "deformed.dxf")]
+
+
+def _write_vector(results: Mapping[str, Any], folder: Path, number: int) -> Path:
+    picture = pictures(results)[number]
+    path = folder / f"{picture.name}.svg"
+    save_svg(picture.draw, path)
+    return path
+
+
+def _write_raster(results: Mapping[str, Any], folder: Path, number: int) -> None:
+    picture = pictures(results)[number]
+    save_png(picture.draw, folder / f"{picture.name}.png")
+
+
+def _write_drawing(results: Mapping[str, Any], path: Path) -> None:
     from assessment.deformed_dxf import write_deformed  # late: ezdxf is needed for nothing else here
 
-    paths = []
-    for picture in pictures(results):
-        path = folder / f"{picture.name}.svg"
-        save_images(picture.draw, path)
-        paths.append(path)
-    write_deformed(results, folder / "deformed.dxf")
-    return paths
+    write_deformed(results, path)
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:

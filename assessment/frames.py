@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Numbers = dict[str, Any]
 NUMBERS = 40_000  # kept of one path: what its frames may cost in results.json and in the page
 FEWEST, MOST = 15, 60  # frames of a static path
-MOST_IN_TIME = 150
+FEWEST_IN_TIME, MOST_IN_TIME = 24, 150
 DIGITS = 6  # of the model's size and weight: positions and forces are kept for pictures
 
 
@@ -49,29 +49,54 @@ def frames(
     `index` (f,): which points of the path's curve; `configuration` (f, b, 3): displacements (m) and rotation (rad) of
     the blocks from the drawing; `force_kN` (f, j, 2) and `centre` (f, j): see joint_forces; None where not known.
     """
-    size = 3 * (len(model.blocks) + len(model.joints.a))
-    kept = chosen(len(states), max(FEWEST, min(MOST, NUMBERS // size)), wanted)
+    kept = chosen(len(states), max(FEWEST, min(MOST, NUMBERS // _size(model))), wanted)
+    at = [states[k].positions for k in kept]
+    return {"index": kept, **_pictured(model, behaviour, at, [forces[k] for k in kept])}
+
+
+def _size(model: Assembly) -> int:
+    """Numbers of one frame."""
+    return 3 * (len(model.blocks) + len(model.joints.a))
+
+
+def _pictured(
+    model: Assembly, behaviour: Behaviour, positions: Sequence[Array], forces: Sequence[Array | None]
+) -> Numbers:
     carried = [
-        None if c is None else joint_forces(model, behaviour, states[k].positions, c)
-        for k in kept
-        for c in [forces[k]]
+        None if c is None else joint_forces(model, behaviour, at, c)
+        for at, c in zip(positions, forces, strict=True)
     ]
     return {
-        "index": kept,
-        "configuration": configurations(model, np.array([states[k].positions for k in kept])),
+        "configuration": configurations(model, np.array(positions)),
         "force_kN": [None if c is None else _rounded(c[0], model.weight) for c in carried],
         "centre": [None if c is None else np.round(c[1], 4).tolist() for c in carried],
     }
 
 
-def snapshots(model: Assembly, time: Array, displacement: Array, positions: Array, peak: int) -> Numbers:
-    """Describe some times of a motion, evenly spaced, the peak among them: `time_s`, `displacement_m` (f,) as well."""
-    most = max(FEWEST, min(MOST_IN_TIME, NUMBERS // (3 * len(model.blocks))))
-    kept = chosen(len(time), most, (peak,))
+def snapshots(
+    model: Assembly,
+    behaviour: Behaviour,
+    time: Array,
+    displacement: Array,
+    positions: Array,
+    forces: Sequence[Array],
+    peak: int,
+) -> Numbers:
+    """Describe some times of a motion, evenly spaced, the peak among them: `time_s`, `displacement_m` (f,) as well.
+
+    `configuration`, `force_kN` and `centre` as in `frames`; the forces are those of the step that led there.
+    """
+    kept = chosen(len(time), max(FEWEST_IN_TIME, min(MOST_IN_TIME, NUMBERS // _size(model))), (peak,))
     return {
         "time_s": np.round(time[kept], 6).tolist(),
         "displacement_m": displacement[kept].tolist(),
-        "configuration": configurations(model, positions[kept]),
+        # a motion with rigid joints knows no forces before its first step
+        **_pictured(
+            model,
+            behaviour,
+            [positions[k] for k in kept],
+            [forces[k] if k > 0 or forces[k].any() else None for k in kept],
+        ),
     }
 
 

@@ -12,6 +12,7 @@ from assessment.outlines import Array, field, outlines, place
 from assessment.table import Results, Row, Table
 
 TOGETHER = 0.01  # of the largest velocity: across a joint, what does not part two blocks
+BY_HAND = 15  # macro-blocks that are printed and numbered; more are no check by hand
 STILL = 1e-3  # of the largest velocity: a block that does not take part
 NOTHING = 1e-9  # kN, m or rad: what rounding leaves of zero
 EQUAL = 1e-6  # multipliers that differ by less are one

@@ -61,13 +61,16 @@ def _loads(page: Sheet, axes: Axes, blocks: Sequence[Mapping[str, Any]], words: 
 def _controls(axes: Axes, results: Results, words: Words) -> list[Any]:
     controls = results["geometry"].get("controls", [])
     mark: dict[str, Any] = {"linestyle": "none", "marker": "D", "markersize": 4.0, "color": INK}
+    middle = sum(axes.get_xlim()) / 2.0
     for control in controls:
         axes.plot(*control["point_m"], **mark)
+        left = control["point_m"][0] < middle  # names lie outside, away from one another
         axes.annotate(
             control["name"],
             control["point_m"],
-            (4.0, 4.0),
+            (-4.0 if left else 4.0, 4.0),
             textcoords="offset points",
+            ha="right" if left else "left",
             fontweight="bold",
             bbox={"facecolor": "1.0", "edgecolor": "none", "pad": 0.6},
         )

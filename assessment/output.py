@@ -6,6 +6,8 @@ import json
 import shutil
 import tempfile
 from collections.abc import Mapping
+from concurrent.futures import Future
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -14,16 +16,28 @@ from assessment.files import write_atomically
 SCRATCH = ".assesto-"  # where files are made before they take their place
 
 
-def write(results: Mapping[str, Any], folder: Path, report: bool = True) -> list[str]:
+def prepare() -> None:
+    """Import what `write` needs: a second's work, which may be done while others compute."""
+    import pandas  # noqa: F401
+
+    import assessment.animation
+    import assessment.report  # noqa: F401
+
+    with suppress(OSError):  # said where the PDF is written
+        import weasyprint  # noqa: F401
+
+
+def write(results: Mapping[str, Any], folder: Path, report: bool = True, jobs: int = 1) -> list[str]:
     """Write results.json, tables, figures and report into `folder`; each appears whole or not at all.
 
     A judgement.md that was edited is kept and printed. Returns warnings (a PDF that could not be made). results.json
-    comes last: where it is new, all is.
+    comes last: where it is new, all is. `jobs`: processes, 0: one per core.
     """
     from assessment.animation import write_animations
-    from assessment.figures import write_figures
+    from assessment.crew import Crew
+    from assessment.figures import write_figures, write_images
     from assessment.judgement_file import NAME, judgement
-    from assessment.report import render_report
+    from assessment.report import write_page, write_pdf
     from assessment.tables import write_tables
     from assessment.words import words_of
 
@@ -31,19 +45,27 @@ def write(results: Mapping[str, Any], folder: Path, report: bool = True) -> list
     for left in folder.glob(f"{SCRATCH}*"):  # of a run that was killed
         shutil.rmtree(left)
     warnings: list[str] = []
-    with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=folder) as scratch:
+    with (
+        tempfile.TemporaryDirectory(prefix=SCRATCH, dir=folder) as scratch,
+        Crew(results, jobs) as crew,
+    ):
         new = Path(scratch)
-        write_tables(results, new / "tables")
-        write_figures(results, new / "figures")
         opinion = judgement(results, words_of(results), folder)
         write_atomically(new / NAME, opinion.text.encode())
         warnings += opinion.warnings
-        write_animations(results, new / "figures")
+        write_figures(crew, new / "figures")
+        printed = crew.do(write_pdf, new, opinion.edited) if report else None  # first: it takes longest
+        begun: list[Future[Any]] = [*write_animations(crew, new / "figures")]
+        begun += write_images(crew, new / "figures")
+        begun.append(crew.do(write_tables, new / "tables"))
         if report:
-            warnings += render_report(results, new / "figures", new, opinion.edited).warnings
-        write_atomically(
-            new / "results.json", json.dumps(results, ensure_ascii=False, allow_nan=False).encode()
-        )
+            begun.append(crew.do(write_page, new, opinion.edited))
+        for work in begun:
+            work.result()
+        if printed:
+            warnings += printed.result()
+        text = json.dumps(results, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+        write_atomically(new / "results.json", text.encode())
         ours, made_now = (folder / "results.json").exists(), {item.name for item in new.iterdir()}
         for item in sorted(new.iterdir(), key=lambda path: path.name == "results.json"):
             _replace(item, folder / item.name, ours)

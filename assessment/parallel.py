@@ -66,7 +66,8 @@ class Workers:
     """How analyses are computed, and how many were.
 
     `jobs`: processes, 0: one per core if the work is worth starting them. `store`: where finished analyses are kept and
-    looked for, None: nowhere; `fresh`: they are kept, but not looked for.
+    looked for, None: nowhere; `fresh`: they are kept, but not looked for. `meanwhile`: what this process can do, once,
+    while others compute.
     """
 
     jobs: int = 0
@@ -76,6 +77,7 @@ class Workers:
     computed: int = 0
     taken: int = 0
     pool: ProcessPoolExecutor | None = None
+    meanwhile: Callable[[], None] | None = None
 
     def each(
         self,
@@ -127,6 +129,9 @@ class Workers:
             return
         pool = self._pool()
         pending = {pool.submit(_packed, function, tasks[number]): number for number in numbers}
+        if self.meanwhile:
+            self.meanwhile()
+            self.meanwhile = None
         while pending:
             for future in wait(pending, return_when=FIRST_COMPLETED).done:
                 yield pending.pop(future), future.result()
@@ -134,19 +139,15 @@ class Workers:
     def _pool(self) -> ProcessPoolExecutor:
         """Return the processes, started when first needed and kept for the stages to come."""
         if self.pool is None:
-            self.pool = ProcessPoolExecutor(self.jobs or os.cpu_count() or 1, initializer=_belong_to_parent)
+            self.pool = ProcessPoolExecutor(self.jobs or os.cpu_count() or 1, initializer=belong_to_parent)
         return self.pool
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        """End the processes: at once, with what they are at, where something went wrong."""
         if self.pool is not None:
-            if kind is not None:
-                for worker in multiprocessing.active_children():
-                    worker.terminate()
-            self.pool.shutdown(cancel_futures=True)
+            dismiss(self.pool, at_once=kind is not None)
             self.pool = None
 
 
@@ -155,11 +156,19 @@ def large(*models: Assembly) -> bool:
     return sum(len(model.elastic_contacts) for model in models) > SMALL
 
 
+def dismiss(pool: ProcessPoolExecutor, at_once: bool) -> None:
+    """End the processes: `at_once`, with what they are at, where something went wrong."""
+    if at_once:
+        for worker in multiprocessing.active_children():
+            worker.terminate()
+    pool.shutdown(cancel_futures=True)
+
+
 def _packed(function: Callable[..., Any], task: tuple[Any, ...]) -> str:
     return packed(function(*task))
 
 
-def _belong_to_parent() -> None:
+def belong_to_parent() -> None:
     """Leave interruption to the parent, and end with it however it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()

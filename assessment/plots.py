@@ -32,9 +32,23 @@ def draw_pushdown(results: Results, words: Words, state: str) -> Figure:
                 label=words.plain(f"value.{contacts}"),
             )
         axes.set(xlabel=words.plain("figure.movement"), ylabel=words.plain(f"figure.reaction_{component}"))
+        _keep_rounding_small(axes, content["pushdown"])
         _movement_lines(axes, content, words)
     _legend_below(figure, panels[0])
     return figure
+
+
+def _keep_rounding_small(axes: Axes, pushdown: Mapping[str, Any]) -> None:
+    """Draw a reaction that does not change as a level line, not its rounding."""
+    largest = max(
+        max(map(abs, stage[f"reaction_{component}_kN"]))
+        for stage in pushdown.values()
+        for component in ("x", "z")
+    )
+    low, high = axes.get_ylim()
+    if high - low < 1e-3 * largest:
+        middle = (low + high) / 2.0
+        axes.set_ylim(middle - 0.1 * largest, middle + 0.1 * largest)
 
 
 def draw_pushover(results: Results, words: Words, direction: str) -> Figure:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -15,16 +14,17 @@ from markupsafe import Markup
 
 from assessment import capacity_tables, tables
 from assessment.convergence_tables import convergence, history_convergence, reported
-from assessment.display import Grid, exact, flatten, grid, summary_grids
+from assessment.display import Grid, echoed, grid, summary_grids
 from assessment.dynamic_tables import energy, histories, incremental, incremental_states, static_dynamic
 from assessment.figures import pictures
 from assessment.files import write_atomically
-from assessment.hand_check import figures_of, governing_mechanisms, hand_check
+from assessment.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check
 from assessment.judgement import all_warnings, draft_judgement, worst_scenario
 from assessment.reactions import balance, reactions
 from assessment.report_traces import traces
 from assessment.study_tables import reported_studies
 from assessment.table import Row, Table
+from assessment.translation import translated
 from assessment.viewer import Viewer, viewer
 from assessment.words import Words, direction_name, words_of
 
@@ -51,35 +51,31 @@ DYNAMIC = ("history", "incremental")  # chapters before the comparison, where th
 STUDIES = ("scenarios", "sensitivity")  # likewise
 
 
-@dataclass(frozen=True)
-class Report:
-    """What was written: `html` always, `pdf` unless system libraries are missing: a warning says so."""
+def write_page(results: Results, folder: Path, edited: Markup | None = None) -> None:
+    """Write report.html into `folder` from results and the SVG files in folder/figures.
 
-    html: Path
-    pdf: Path | None
-    warnings: tuple[str, ...] = ()
-
-
-def render_report(results: Results, figures: Path, folder: Path, edited: Markup | None = None) -> Report:
-    """Write report.html and report.pdf into `folder` from results and the SVG files of `write_figures`.
-
-    `edited`: the judgement in the engineer's own words, in place of the draft. Both appear whole or not at all and
-    depend on nothing but the arguments: no date is printed. Without WeasyPrint's system libraries only the HTML is
-    written; the warning holds the command that installs them.
+    `edited`: the judgement in the engineer's own words, in place of the draft. The file depends on nothing but the
+    arguments: no date is printed.
     """
     words = words_of(results)
-    page = folder / "report.html"
-    write_atomically(page, render_html(results, figures, words, edited, viewer(results, words)).encode())
+    page = render_html(results, folder / "figures", words, edited, viewer(results, words))
+    write_atomically(folder / "report.html", page.encode())
+
+
+def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> list[str]:
+    """Write report.pdf into `folder` as `write_page` does report.html; return warnings.
+
+    Without WeasyPrint's system libraries nothing is written, and the warning holds the command that installs them.
+    """
+    words = words_of(results)
     try:
         import weasyprint
     except OSError as error:  # a shared library that cannot be loaded
         reason = str(error).partition("\n")[0]
-        return Report(page, None, (words.plain("warning.no_pdf", reason=reason, command=APT_COMMAND),))
-    document = folder / "report.pdf"
-    write_atomically(
-        document, weasyprint.HTML(string=render_html(results, figures, words, edited)).write_pdf()
-    )
-    return Report(page, document)
+        return [words.plain("warning.no_pdf", reason=reason, command=APT_COMMAND)]
+    page = render_html(results, folder / "figures", words, edited)
+    write_atomically(folder / "report.pdf", weasyprint.HTML(string=page).write_pdf())
+    return []
 
 
 def render_html(
@@ -117,9 +113,14 @@ def render_html(
         worst=list(worst_scenario(results, words)),
         edited=edited,
         macro_blocks=list(_macro_blocks(results, words)),
-        warnings=all_warnings(results),
+        too_many=list(_too_many(results, words)),
+        warnings=[translated(warning, words) for warning in all_warnings(results)],
         local=_local_limit(results, words),
-        refused=[given for given in results.get("mechanisms") or [] if "refused" in given],
+        refused=[
+            given | {"refused": translated(given["refused"], words)}
+            for given in results.get("mechanisms") or []
+            if "refused" in given
+        ],
     )
 
 
@@ -160,7 +161,6 @@ def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[di
 
 def _grids(results: Results, words: Words) -> dict[str, Grid]:
     """Return the tables of the report that have rows, by name."""
-    echo = [{"key": key, "value": exact(value, words)} for key, value in flatten(results["echo"])]
     made = [
         _validation(words),
         tables.layers(results),
@@ -168,8 +168,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         tables.mechanisms(results),
         reactions(results),
         balance(results),
-        _without(capacity_tables.verification(results), "governing", "mechanism", "return_period_years"),
-        _governs(results),
+        _without(capacity_tables.verification(results), "d_star_m", "a_star_g", "T_s"),  # in the summary
         capacity_tables.action(results),
         _without(capacity_tables.chosen_mechanisms(results), "refused"),
         capacity_tables.chosen_checks(results),
@@ -184,7 +183,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         reported(history_convergence(results), words),
         Table("quality", list(results["quality"].get("by_stage") or []), tables.QUALITY),
         hand_check(results),
-        Table("echo", echo, ("key", "value")),
+        Table("echo", list(echoed(results["echo"], words)), ("table", "settings")),
     ]
     return {
         table.name: grid(table, words, words(f"caption.{table.name}"), 4 if table.name == "hand_check" else 3)
@@ -215,15 +214,6 @@ def _without(table: Table, *columns: str) -> Table:
     return Table(table.name, [row for row in rows if len(row) > 2], kept)
 
 
-def _governs(results: Results) -> Table:
-    """Return what governs each check, its mechanism and the return period of the capacity."""
-    table = capacity_tables.verification(results)
-    columns = ("state", "direction", "limit_state", "governing", "mechanism", "return_period_years")
-    kept = tuple(column for column in columns if column in table.columns)
-    rows = [{key: row[key] for key in kept if row.get(key) not in (None, "")} for row in table.rows]
-    return Table("governs", [row for row in rows if len(row) > 3], kept)
-
-
 def _compared(results: Results) -> list[Row]:
     """Return the comparison without its dynamic columns where no dynamic analysis was made."""
     rows = list(results.get("comparison") or [])
@@ -236,9 +226,20 @@ def _macro_blocks(results: Results, words: Words) -> Iterator[Grid]:
     """Yield the macro-blocks of each state's weakest direction, with the sums of the virtual work."""
     for name, direction in governing_mechanisms(results):
         rows = figures_of(results, name, direction)
+        if len(rows) - 1 > BY_HAND:
+            continue
         caption = words("caption.macro_blocks", state=words.state(name), direction=direction_name(direction))
         columns = tuple(key for key in rows[0] if key not in {"state", "direction"})
         yield grid(Table("macro_blocks", rows, columns), words, caption, 4)
+
+
+def _too_many(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield a sentence for each mechanism of more macro-blocks than a hand works out."""
+    for name, direction in governing_mechanisms(results):
+        count = len(figures_of(results, name, direction)) - 1
+        if count > BY_HAND:
+            where = {"state": words.state(name), "direction": direction_name(direction)}
+            yield words("text.many_macro_blocks", count=count, **where)
 
 
 def _local_limit(results: Results, words: Words) -> Markup:

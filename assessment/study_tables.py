@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from assessment.table import Results, Row, Table, static_pga
+from assessment.table import Results, Row, Table, static_pga, taken_to_collapse
 
 SCENARIOS = (
     "state",
@@ -73,15 +73,11 @@ def scenarios(results: Results) -> Table:
     rows: list[Row] = []
     for point in found.get("points") or []:
         row = _judged(point, found) | {"worst": point == found["worst"]}
-        if point["share"] == 1.0 and point["state"] in _taken_to_collapse(results):
+        if point["share"] == 1.0 and point["state"] in taken_to_collapse(results):
             pushdown = results["states"][point["state"]].get("pushdown") or {}
             row |= {f"ultimate_{contacts}_m": s["ultimate_movement_m"] for contacts, s in pushdown.items()}
         rows.append(row)
     return Table("scenarios", rows, SCENARIOS)
-
-
-def _taken_to_collapse(results: Results) -> set[str]:
-    return {each["name"] for each in results["echo"].get("settlements") or () if each.get("to_collapse")}
 
 
 def sensitivity(results: Results) -> Table:

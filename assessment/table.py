@@ -44,3 +44,8 @@ def decisive(capacity: Mapping[str, Any]) -> dict[str, float]:
     if "SLV" in found:
         found.pop("SLV linear", None)
     return found
+
+
+def taken_to_collapse(results: Results) -> set[str]:
+    """Return the settlements whose ultimate movement was sought."""
+    return {each["name"] for each in results["echo"].get("settlements") or () if each.get("to_collapse")}

@@ -22,21 +22,18 @@ from assessment.files import write_atomically
 from assessment.hand_check import hand_check, macro_block_table, outline_area
 from assessment.reactions import balance, joint_table, reactions
 from assessment.study_tables import study_tables
-from assessment.table import Results, Table
+from assessment.table import Results, Table, taken_to_collapse
 
 
-def write_tables(results: Results, folder: Path) -> list[Path]:
+def write_tables(results: Results, folder: Path) -> None:
     """Write every table of the results that has rows as CSV (comma, point, UTF-8) into the folder."""
     import pandas as pd  # late: the report needs the rows only
 
-    paths = []
     for table in tables(results):
         if table.rows:
             frame = pd.DataFrame(table.rows, columns=list(table.columns))
             path = folder / f"{table.name}.csv"
             write_atomically(path, frame.to_csv(index=False, lineterminator="\n").encode())
-            paths.append(path)
-    return paths
 
 
 def tables(results: Results) -> list[Table]:
@@ -139,7 +136,7 @@ MATERIAL = ("unit_weight_kN_m3", "friction", "normal_stiffness_kN_m3", "tangenti
 
 def settlements(results: Results) -> Table:
     """List the movements and how far each may go: the ultimate movement by kind of contact."""
-    rows = []
+    rows, sought = [], taken_to_collapse(results)
     for name, content in results["states"].items():
         settlement = content.get("settlement")
         if settlement:
@@ -151,7 +148,7 @@ def settlements(results: Results) -> Table:
                 "rotation_rad": settlement.get("rotation_rad") or 0.0,
             }
             for contacts, stage in (content.get("pushdown") or {}).items():
-                if "ultimate_movement_m" in stage:
+                if "ultimate_movement_m" in stage and name in sought:
                     row[f"ultimate_{contacts}_m"] = stage["ultimate_movement_m"]
             rows.append(row)
     columns = ("state", "support", "displacement_x_m", "displacement_z_m", "rotation_rad")

@@ -51,6 +51,11 @@ def names(formula: str) -> list[str]:
     return list(dict.fromkeys(_NAME.findall(formula)))
 
 
+def renamed(formula: str, other: Mapping[str, str]) -> str:
+    """Return the formula with other names in the place of some of its own."""
+    return _NAME.sub(lambda match: other.get(match[0], match[0]), formula)
+
+
 def number(value: float, digits: int = 6) -> str:
     """Return a number as it is printed in a trace."""
     return f"{value:.{digits}g}"

@@ -107,20 +107,25 @@ def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                     "frames": {
                         "x": kept["time_s"],
                         "y": [[1000.0 * value for value in kept["displacement_m"]]],
-                        "configuration": _floats(kept["configuration"]),
-                        "force": None,
-                        "centre": None,
+                        **_drawn(kept, len(results["geometry"]["joints"])),
                     },
                 }
 
 
 def _frames(kept: Mapping[str, Any], series: Sequence[Mapping[str, Any]], joints: int) -> dict[str, Any]:
     """Frames of a static path: values on its curves at each, and what the script draws."""
-    force = [np.full((joints, 2), np.nan) if each is None else each for each in kept["force_kN"]]
-    centre = [np.full(joints, np.nan) if each is None else each for each in kept["centre"]]
     return {
         "x": [series[0]["x"][index] for index in kept["index"]],
         "y": [[each["y"][index] for index in kept["index"]] for each in series],
+        **_drawn(kept, joints),
+    }
+
+
+def _drawn(kept: Mapping[str, Any], joints: int) -> dict[str, str]:
+    """Where the blocks are and what the joints carry at each frame, NaN where that is not known."""
+    force = [np.full((joints, 2), np.nan) if each is None else each for each in kept["force_kN"]]
+    centre = [np.full(joints, np.nan) if each is None else each for each in kept["centre"]]
+    return {
         "configuration": _floats(kept["configuration"]),
         "force": _floats(force),
         "centre": _floats(centre),

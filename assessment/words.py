@@ -8,6 +8,7 @@ import tomllib
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib.resources import files
 from typing import Any
 
@@ -78,8 +79,12 @@ def words_of(results: Mapping[str, Any]) -> Words:
     language = (results["echo"].get("report") or {}).get("language", "it")
     if language not in LANGUAGES:
         raise ValueError(f"report.language = {language!r}: must be one of {', '.join(LANGUAGES)}")
-    text = (files("templates") / f"strings_{language}.toml").read_text(encoding="utf-8")
-    return Words(language, tomllib.loads(text))
+    return Words(language, _strings(language))
+
+
+@cache
+def _strings(language: str) -> Mapping[str, Any]:
+    return tomllib.loads((files("templates") / f"strings_{language}.toml").read_text(encoding="utf-8"))
 
 
 def direction_name(direction: str) -> str:

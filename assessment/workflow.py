@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -93,12 +93,14 @@ def run(
     store: Store | None = None,
     fresh: bool = False,
     show: Show = SILENCE,
+    meanwhile: Callable[[], None] | None = None,
 ) -> Outcome:
     """Carry out every stage that the project asks for.
 
-    `jobs`: processes, 0: as many as help; `store`: where finished analyses are kept, and taken from unless `fresh`.
+    `jobs`: processes, 0: as many as help; `store`: where finished analyses are kept, and taken from unless `fresh`;
+    `meanwhile`: what this process can do while others compute.
     """
-    with Workers(jobs, store, fresh, show) as workers:
+    with Workers(jobs, store, fresh, show, meanwhile=meanwhile) as workers:
         results, complete = _stages(project, model, workers)
     if store:
         store.prune()
@@ -217,10 +219,10 @@ def _sum_up(quality: Results) -> None:
 
 def _without_nan(value: Any) -> Any:
     """JSON has no NaN and no infinity: null in their place."""
-    if isinstance(value, Mapping):
-        return {key: _without_nan(item) for key, item in value.items()}
+    if isinstance(value, float):  # first: they are most
+        return float(value) if math.isfinite(value) else None
     if isinstance(value, list | tuple):
         return [_without_nan(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
+    if isinstance(value, Mapping):
+        return {key: _without_nan(item) for key, item in value.items()}
     return value.item() if hasattr(value, "item") else value

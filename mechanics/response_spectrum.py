@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.signal import lfilter
 
 from mechanics.block import GRAVITY, Array
 from mechanics.errors import require
@@ -51,6 +50,8 @@ def response_spectrum(
 
 def _peaks(a: Array, time_step: float, parts: int, omega: Array, damping: float) -> Array:
     """Largest |u| (m,), m, under base acceleration `a` (n,), m/s², with each interval cut in `parts`."""
+    from scipy.signal import lfilter  # late: it takes as long to import as all else that a static run needs
+
     h = time_step / parts
     rest = int(np.ceil(np.pi / omega.min() / time_step)) + 2  # half a period: the first swing is the largest
     a = np.concatenate([a, np.zeros(rest)])

@@ -32,7 +32,8 @@ WATCHED = 20  # steps between configurations looked at for blocks past an edge
 class TimeHistory:
     """The motion of b blocks at k times, in the frame of the ground: supports rest, the base motion is inertia.
 
-    `time` (k,) s; `positions` (k, b, 3): x, z, ω as in State, `velocities` (k, b, 3); `start` the state at rest the
+    `time` (k,) s; `positions` (k, b, 3): x, z, ω as in State, `velocities` (k, b, 3); `forces`, k times (c, 2) kN: of
+    the contacts, in the step that led to each time; `start` the state at rest the
     motion began from; `final` its last one. `displacement` (k,) m: of the control point along x from `start`, None
     without a control point. `collapsed`, `time_of_collapse` (s) and `collapse_reason`: see time_history; the arrays end
     there. `energy`: its balance at each time. `certificate`: worst residuals of every program; `worst`: the largest of
@@ -44,6 +45,7 @@ class TimeHistory:
     time: Array
     positions: Array
     velocities: Array
+    forces: tuple[Array, ...]
     start: State
     final: State
     displacement: Array | None
@@ -122,6 +124,7 @@ def time_history(
         time=time,
         positions=np.stack([m.x for m in motions]),
         velocities=np.stack([m.v for m in motions]),
+        forces=tuple(m.forces for m in motions),
         start=start,
         final=State(motion.x, motion.v, motion.shear if contacts == "elastic" else None),
         displacement=None

@@ -45,7 +45,7 @@
     const opening = gaps.map((gap) => dot(gap, n)), nearer = opening[1] < opening[0] ? 1 : 0;
     const state = { ends, opening, slip: dot(gaps[nearer], t) };
     const at = frame * data.joints.length + index;
-    if (!force || Number.isNaN(force[2 * at])) return state;
+    if (Number.isNaN(force[2 * at])) return state;
     const F = [force[2 * at], force[2 * at + 1]], share = Number.isNaN(centre[at]) ? 0.5 : centre[at];
     const [N, T] = [dot(F, n), dot(F, t)], off = Math.abs(share - 0.5);
     const condition = N < limits.idle * data.weight ? "idle"
@@ -160,8 +160,8 @@
   const select = (index) => {
     path = data.paths[index];
     configuration = floats(path.frames.configuration);
-    force = path.frames.force && floats(path.frames.force);
-    centre = path.frames.centre && floats(path.frames.centre);
+    force = floats(path.frames.force);
+    centre = floats(path.frames.centre);
     slider.max = path.frames.x.length - 1;
     frame = 0;
     magnify();

@@ -27,11 +27,12 @@ def drawn():
 def quick(monkeypatch, request):
     """One empty figure, and a PDF that only looks like one (the real ones: see test_figures, test_report)."""
 
-    def blank(_: object, folder: Path) -> None:
+    def blank(_crew: object, folder: Path) -> None:
         folder.mkdir()
         (folder / "model.svg").write_text("<?xml?>", encoding="utf-8")
 
     if "drawn" not in request.fixturenames:
         monkeypatch.setattr(figures, "write_figures", blank)
+        monkeypatch.setattr(figures, "write_images", lambda *_: [])
     printed = SimpleNamespace(write_pdf=lambda: b"%PDF-")
     monkeypatch.setitem(sys.modules, "weasyprint", SimpleNamespace(HTML=lambda string: printed))

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from assessment import histories
 from assessment.base_motion import BaseMotion
 from assessment.convergence import Accuracy, Levels, accuracy_of, converge, estimated_error, refined
+from assessment.crew import Crew
 from assessment.dynamics import Setting, StageResult, history
 from assessment.figures import write_figures
 from assessment.histories import converged_history
@@ -398,7 +399,7 @@ def test_what_is_no_accuracy_is_told(block, written):
 @pytest.mark.parametrize("language", ["it", "en"])
 def test_the_report_states_the_error_or_that_there_is_no_estimate(language, tmp_path):
     results = results_example(language)
-    write_figures(results, tmp_path)
+    write_figures(Crew(results), tmp_path)
     words = words_of(results)
 
     def chapter(content: dict) -> str:

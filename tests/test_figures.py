@@ -9,16 +9,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assessment.canvas import MM, SCALES, nice, save_svg, sheet
+from assessment.crew import Crew
 from assessment.figures import pictures, write_figures
 from assessment.outlines import Outlines, outlines
-from assessment.words import slug
+from assessment.plots import draw_pushdown
+from assessment.words import slug, words_of
 from tests.results_example import SETTLED, results_example
 
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory):
     folder = tmp_path_factory.mktemp("figures")
-    return write_figures(results_example(), folder)
+    return write_figures(Crew(results_example()), folder)
 
 
 def test_every_figure_of_the_results_is_written(drawn):
@@ -33,14 +35,13 @@ def test_every_figure_of_the_results_is_written(drawn):
 
 
 def test_bytes_depend_on_the_results_only(drawn, tmp_path):
-    write_figures(results_example(), tmp_path)
+    write_figures(Crew(results_example()), tmp_path)
     for first in drawn[0].parent.iterdir():
         assert first.read_bytes() == (tmp_path / first.name).read_bytes()
 
 
 def test_no_temporary_file_is_left(drawn):
-    images = {path.with_suffix(suffix).name for path in drawn for suffix in (".svg", ".png")}
-    assert {path.name for path in drawn[0].parent.iterdir()} == images | {"deformed.dxf"}
+    assert {path.name for path in drawn[0].parent.iterdir()} == {path.name for path in drawn}
 
 
 def test_figures_speak_the_language_of_the_report(drawn, tmp_path):
@@ -71,11 +72,31 @@ def test_slugs_are_file_names_and_differ():
 
 
 def test_sheet_is_to_scale():
-    page = sheet((0.0, 0.0, 2.7, 1.6), border_mm=14.0)
-    axes, figure = page.panels[0], page.figure
-    width_mm = axes.get_position().width * figure.get_size_inches()[0] / MM
-    assert page.scale in SCALES
-    assert width_mm == pytest.approx(2.7e3 / page.scale + 28.0)
+    for count in (1, 2, 4):
+        page = sheet((0.0, 0.0, 2.7, 1.6), count, border_mm=14.0)
+        assert page.scale in SCALES
+        for axes in page.panels:
+            paper_mm = axes.get_position().size * page.figure.get_size_inches() / MM
+            model_mm = 1000.0 * np.ptp([axes.get_xlim(), axes.get_ylim()], axis=1)
+            assert paper_mm == pytest.approx(model_mm / page.scale)
+            assert paper_mm[1] == pytest.approx(1.6e3 / page.scale + 28.0)
+
+
+def test_panels_of_slender_models_leave_room_for_their_titles():
+    page = sheet((0.0, 0.0, 0.5, 8.0), 2)
+    assert [axes.get_position().width for axes in page.panels] == pytest.approx([0.5, 0.5])
+
+
+def test_a_constant_reaction_is_a_level_line():
+    results = results_example()
+    stage = results["states"][SETTLED]["pushdown"]["rigid"]
+    count = len(stage["movement_m"])
+    stage["reaction_x_kN"] = [1e-9 * (-1) ** k for k in range(count)]
+    stage["reaction_z_kN"] = [45.0 + k for k in range(count)]
+    results["states"][SETTLED]["pushdown"] = {"rigid": stage}
+    level, rising = draw_pushdown(results, words_of(results), SETTLED).axes
+    assert np.ptp(level.get_ylim()) > 1.0
+    assert np.ptp(rising.get_ylim()) < 1.2 * count
 
 
 def test_panels_stay_on_the_page():

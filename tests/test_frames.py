@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.frames import MOST, chosen, joint_forces, pushdown_frames, pushover_frames
+from assessment.frames import MOST, chosen, joint_forces, pushdown_frames, pushover_frames, snapshots
 from assessment.joint_states import Situation, joint_states, situations, thrust_lines
 from assessment.outlines import outlines
 from assessment.reactions import balance, joint_table, reactions
-from mechanics import pushdown, pushover
+from mechanics import pushdown, pushover, time_history
 from mechanics.equilibrium import reaction
 from tests.analysed import SETTLED, analysed
 from tests.structures import block_on_base, semicircular_arch
@@ -123,3 +123,25 @@ def test_four_hinges_at_the_onset_of_an_arch_and_open_joints_there():
     gaping = [row for row in settled if max(row["opening_1_m"], row["opening_2_m"]) > 1e-3]
     assert gaping
     assert {row["condition"] for row in gaping if row["direction"] == "+x"} <= {"edge", "sliding"}
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_frames_of_a_motion_hold_what_the_joints_carry(contacts):
+    """The weight at mid-joint at rest; under a steady push below the threshold both of them, off the middle."""
+    model = block_on_base()
+    for push in (0.0, 0.1):  # g; the block of 0.2 × 1 m rocks at 0.2 g
+        motion = time_history(
+            model, np.full(400, push), 0.01, contacts, damping_ratio=0.5 * (contacts == "elastic")
+        )
+        seen = snapshots(
+            model, contacts, motion.time, np.zeros(len(motion.time)), motion.positions, motion.forces, 3
+        )
+        first = seen["force_kN"][0]
+        assert (first is None) == (contacts == "rigid")
+        [force], [centre] = seen["force_kN"][-1], seen["centre"][-1]
+        sign = 1.0 if model.joints.a[0] == 1 else -1.0
+        assert sign * np.array(force) == pytest.approx(
+            [push * model.weight, model.weight], rel=0.02, abs=1e-3
+        )
+        assert abs(centre - 0.5) == pytest.approx(0.5 * push / 0.2, abs=0.02)
+        assert len(seen["force_kN"]) == len(seen["centre"]) == len(seen["time_s"])

@@ -14,7 +14,10 @@ from assessment.hand_check import (
     multiplier,
     weights,
 )
+from assessment.report import render_html
+from assessment.words import words_of
 from tests.analysed import SETTLED, analysed
+from tests.results_example import results_example
 
 
 def test_the_four_hinges_of_an_arch_leave_three_macro_blocks():
@@ -114,3 +117,14 @@ def overlap(shape):
     """Area in which neighbouring blocks lie one over the other, m²."""
     rings = [shapely.Polygon(ring) for ring in shape.rings(range(13))]
     return sum(a.intersection(b).area for i, a in enumerate(rings) for b in rings[:i])
+
+
+def test_a_mechanism_of_many_macro_blocks_is_left_to_the_table(tmp_path, monkeypatch):
+    results = results_example("en")
+    monkeypatch.setattr("assessment.report.pictures", lambda _: [])
+    printed = render_html(results, tmp_path, words_of(results))
+    monkeypatch.setattr("assessment.report.BY_HAND", 0)
+    left_out = render_html(results, tmp_path, words_of(results))
+    assert "Macro-blocks of the mechanism" in printed and "too many" not in printed
+    assert "Macro-blocks of the mechanism" not in left_out and "too many for a check by hand" in left_out
+    assert "Multiplier at onset from the program" in left_out

@@ -148,13 +148,13 @@ def test_a_killed_run_leaves_the_earlier_result(project):
     assert assesto(project) == 0
     before = contents(project / "output")
     edit(project, "increment_m = 0.2", "increment_m = 0.001")
-    # the process kills itself after its first figure: tables and one figure are written, results.json is not
+    # the process kills itself after its first figure: that is written, results.json is not
     code = (
         "import os, signal, sys, assessment.figures as figures\n"
         "from assessment.cli import main\n"
-        "draw = figures.save_images\n"
-        "figures.save_images = lambda *it: (draw(*it), os.kill(os.getpid(), signal.SIGKILL))\n"
-        "main(['run', sys.argv[1], '--no-report'])"
+        "draw = figures.save_svg\n"
+        "figures.save_svg = lambda *it: (draw(*it), os.kill(os.getpid(), signal.SIGKILL))\n"
+        "main(['run', sys.argv[1], '--no-report', '--jobs', '1'])"
     )
     killed = subprocess.run(
         [sys.executable, "-c", code, str(project)], cwd=ROOT, capture_output=True, check=False

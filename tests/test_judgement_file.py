@@ -2,6 +2,7 @@
 
 import pytest
 
+from assessment.crew import Crew
 from assessment.figures import write_figures
 from assessment.judgement_file import NAME, judgement, to_html
 from assessment.output import write
@@ -61,7 +62,7 @@ def test_a_run_prints_the_edited_judgement_and_leaves_the_file(results, tmp_path
     monkeypatch.setattr("assessment.figures.pictures", lambda _: [])
     monkeypatch.setattr("assessment.report.pictures", lambda _: [])
     monkeypatch.setattr("assessment.deformed_dxf.write_deformed", lambda *_: None)
-    write_figures(results, tmp_path / "figures")
+    write_figures(Crew(results), tmp_path / "figures")
     write(results, tmp_path, report=False)
     path = tmp_path / NAME
     path.write_text(path.read_text(encoding="utf-8") + "\nStrut the right pier.\n", encoding="utf-8")

@@ -87,7 +87,7 @@ def test_long_tables_are_files(products):
 
 
 def test_the_same_results_leave_the_same_bytes(products, tmp_path):
-    write(analysed("it"), tmp_path)
+    write(analysed("it"), tmp_path, jobs=2)  # in two processes what was made in one
     before, after = (
         {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
         for folder in (products, tmp_path)

@@ -11,9 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from assessment.crew import Crew
 from assessment.figures import write_figures
 from assessment.judgement import draft_judgement
-from assessment.report import APT_COMMAND, CHAPTERS, render_html, render_report
+from assessment.report import APT_COMMAND, CHAPTERS, render_html, write_page, write_pdf
 from assessment.words import LANGUAGES, words_of
 from tests.results_example import SETTLED, results_example
 
@@ -42,10 +43,11 @@ def report(request, tmp_path_factory):
     results = results_example(request.param)
     if request.param == "en":
         one_direction(results)  # half the time, and a form of its own
-    write_figures(results, folder / "figures")
-    made = render_report(results, folder / "figures", folder)
-    pages = [page.extract_text() for page in pypdf.PdfReader(made.pdf).pages]
-    return request.param, results, made, pages
+    write_figures(Crew(results), folder / "figures")
+    write_page(results, folder)
+    assert write_pdf(results, folder) == []
+    pages = [page.extract_text() for page in pypdf.PdfReader(folder / "report.pdf").pages]
+    return request.param, results, folder, pages
 
 
 def squeezed(text):
@@ -91,7 +93,7 @@ def test_numbers_of_the_results_are_in_the_document(report):
     assert ("0,153" if language == "it" else "0.153") in text
     assert results["model"]["warnings"][0].replace(" ", "") in text
     assert "Comune<A&B>" in squeezed(pages[0])
-    assert f"<td>{words.number(1000 * 0.192)}</td>" in made.html.read_text()
+    assert f"<td>{words.number(1000 * 0.192)}</td>" in (made / "report.html").read_text()
 
 
 def test_figures_and_tables_are_numbered_without_gaps(report):
@@ -102,13 +104,15 @@ def test_figures_and_tables_are_numbered_without_gaps(report):
         numbers = [int(found) for found in re.findall(rf"{word}\s+(\d+)\.", text)]
         assert numbers == list(range(1, len(numbers) + 1))
         assert len(numbers) > 6
-    assert made.html.read_text().count("<figure>") == made.html.read_text().count("<figcaption>")
+    assert (made / "report.html").read_text().count("<figure>") == (made / "report.html").read_text().count(
+        "<figcaption>"
+    )
 
 
 def test_no_page_is_empty_and_nothing_is_left_unfilled(report):
     _, _, made, pages = report
     assert min(len(page) for page in pages) > 100
-    html = made.html.read_text()
+    html = (made / "report.html").read_text()
     assert not re.search(
         r"\bNone\b|\bnan\b|\{\w+\}|http", re.sub(r"base64,[^\"]*|<style>.*?</style>", "", html, flags=re.S)
     )
@@ -118,10 +122,12 @@ def test_no_page_is_empty_and_nothing_is_left_unfilled(report):
 def test_same_inputs_same_bytes(report, tmp_path):
     language, _, made, _ = report
     results = results_example(language)
-    again = render_report(results, made.html.parent / "figures", tmp_path)
-    assert again.html.read_bytes() == made.html.read_bytes()
-    assert again.pdf.read_bytes() == made.pdf.read_bytes()
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "report.pdf"]
+    (tmp_path / "figures").symlink_to(made / "figures")
+    write_page(results, tmp_path)
+    write_pdf(results, tmp_path)
+    for name in ("report.html", "report.pdf"):
+        assert (tmp_path / name).read_bytes() == (made / name).read_bytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["figures", "report.html", "report.pdf"]
 
 
 def without_settlement(results):
@@ -220,7 +226,7 @@ def test_degraded_forms_render(form, tmp_path):
     results = results_example("en")
     one_direction(results)
     form(results)
-    write_figures(results, tmp_path)
+    write_figures(Crew(results), tmp_path)
     html = render_html(results, tmp_path, words_of(results))
     for chapter in CHAPTERS:
         assert f'<h2 id="{chapter}">' in html
@@ -269,12 +275,10 @@ def test_without_system_libraries_the_html_is_written_and_the_command_given(tmp_
     monkeypatch.setattr(sys, "meta_path", [Broken(), *sys.meta_path])
     results = results_example("en")
     only_the_model(results)
-    write_figures(results, tmp_path)
-    made = render_report(results, tmp_path, tmp_path)
-    assert made.pdf is None
-    assert made.html.exists()
-    assert APT_COMMAND in made.warnings[0]
-    assert "libpango-1.0-0" in made.warnings[0]
+    [warning] = write_pdf(results, tmp_path)
+    assert APT_COMMAND in warning
+    assert "libpango-1.0-0" in warning
+    assert not list(tmp_path.iterdir())
 
 
 def test_an_unknown_language_is_refused():

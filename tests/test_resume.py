@@ -19,6 +19,7 @@ from tests.every_stage import ALL, assesto, counts, entries, write_every_stage, 
 @pytest.fixture(autouse=True)
 def _no_figures(monkeypatch):
     monkeypatch.setattr(figures, "write_figures", lambda _, folder: folder.mkdir())
+    monkeypatch.setattr(figures, "write_images", lambda *_: [])
 
 
 @pytest.fixture

@@ -23,12 +23,8 @@ def from_csv(text: str) -> dict[str, float]:
     return {name: float(value) for name, value in pairs}
 
 
-def from_report(formula: str, inputs: str) -> float:
-    """Evaluate a formula as the annex prints it, in English: signs, subscripts, 1.05·10⁻⁵."""
-    values = {}
-    for pair in inputs.split("; ") if inputs else ():
-        name, _, value = pair.partition(" = ")
-        values[name] = printed(value)
+def from_report(formula: str, values: Mapping[str, float]) -> float:
+    """Evaluate a formula as the annex prints it, in English: signs, subscripts; the values by printed symbol."""
 
     def value(match: re.Match[str]) -> str:
         return repr(values[match[0]]) if match[0] in values else match[0]
