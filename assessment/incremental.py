@@ -181,7 +181,8 @@ def summarise(records: Sequence[Mapping[str, Any]], warnings: list[str], state: 
     rule = "mean" if len(records) >= MEAN_FROM else "lowest"
     if len(records) < ENOUGH:
         warnings.append(
-            f"{state}: incremental analysis with {len(records)} records; NTC 2018 §7.3.5 asks for at least {ENOUGH}"
+            f"{state}: incremental analysis with {len(records)} record{'s' * (len(records) > 1)}; "
+            f"NTC 2018 §7.3.5 asks for at least {ENOUGH}"
         )
     return {
         "records": list(records),

@@ -147,7 +147,7 @@ def test_a_killed_run_leaves_the_earlier_result(project):
     """SIGKILL wherever it strikes: during the analyses and while files are written."""
     assert assesto(project) == 0
     before = contents(project / "output")
-    edit(project, "increment_m = 0.2", "increment_m = 0.001")
+    edit(project, "increment_m = 0.2", "increment_m = 0.1")
     # the process kills itself after its first figure: that is written, results.json is not
     code = (
         "import os, signal, sys, assessment.figures as figures\n"
