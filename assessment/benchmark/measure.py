@@ -6,10 +6,12 @@ ratio carries over to other machines, and to a busy one, where seconds do not.
 
 from __future__ import annotations
 
+import resource
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, TypeVar
 from unittest.mock import patch
 
@@ -91,3 +93,13 @@ def piqp_beside(every: int) -> Iterator[Beside]:
 def exponent(rows: Sequence[Row], column: str) -> float:
     """Of what a column holds, as a power of the number of blocks: the slope of a straight line in logarithms."""
     return float(np.polyfit(np.log([r["blocks"] for r in rows]), np.log([r[column] for r in rows]), 1)[0])
+
+
+def peak_memory() -> float:
+    """The most memory (MB) that this process has come to hold, Python and its libraries included."""
+    status = Path("/proc/self/status")
+    if status.is_file():  # getrusage also counts what the parent held as this process was made
+        for line in status.read_text(encoding="ascii").splitlines():
+            if line.startswith("VmHWM"):
+                return float(line.split()[1]) / 1024.0
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0

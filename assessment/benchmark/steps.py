@@ -14,7 +14,6 @@ compiled by numba, 0.68 ms where LAPACK takes 0.44.
 
 from __future__ import annotations
 
-import resource
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -25,7 +24,7 @@ from unittest.mock import patch
 
 from assessment.artificial_record import RECORD
 from assessment.benchmark.dynamics import INTEGRATORS, Integrator
-from assessment.benchmark.measure import Row, exponent, piqp_beside, seconds_of
+from assessment.benchmark.measure import Row, exponent, peak_memory, piqp_beside, seconds_of
 from assessment.benchmark.structures import assembly, block_on_base, running_bond, template
 from mechanics import Assembly, TimeHistory, time_history
 from mechanics.assembly import Behaviour
@@ -126,7 +125,7 @@ def measured(case: str, model: Assembly, record: Array, contacts: Behaviour, int
         "piqp_ms": each,
         "ratio": step / each,
         **_watched(run, record),
-        "peak_memory_MB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+        "peak_memory_MB": peak_memory(),
     }
 
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import resource
 import subprocess
 import sys
 from collections.abc import Iterator
 
-from assessment.benchmark.measure import Row, best, exponent, piqp, seconds_of
+from assessment.benchmark.measure import Row, best, exponent, peak_memory, piqp, seconds_of
 from assessment.benchmark.structures import running_bond
 from mechanics import Assembly, limit_analysis
 from mechanics.equilibrium import closed_program
@@ -48,13 +47,12 @@ def apart(columns: int, courses: int) -> Row:
 def measured(columns: int, courses: int) -> Row:
     """Processor time of building the model and of limit analysis, its check under self-weight included.
 
-    `memory_MB`: the most that the process came to hold, Python and its libraries included. HiGHS is the reference of
-    walls that it solves in seconds.
+    HiGHS is the reference of walls that it solves in seconds.
     """
     limit_analysis(running_bond(8, 8))  # what is imported and compiled once
     building, model = seconds_of(lambda: running_bond(columns, courses))
     seconds, limit = seconds_of(lambda: limit_analysis(model))
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    memory = peak_memory()
     blocks = int(model.movable.sum())
     program = closed_program(model, model.initial, model.lateral_load("+x"))[0]
     if seconds < 1.0:
