@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from assessment.benchmark.measure import Row
 from assessment.canvas import DASHES, MM, WIDTH_MM
@@ -38,6 +39,18 @@ def _panel(axes: Axes, case: str, rows: Sequence[Row], series: str) -> None:
             axes.annotate(f"{row['value']:g}", (x, y), (3, 2), textcoords="offset points", fontsize=5)
     where, _, what = case.partition(", ")
     axes.set(xscale="log", yscale="log", title=f"{where}\n{what}")
+    axes.set(
+        xlim=_decades([row["seconds"] for row in rows]), ylim=_decades([max(r["error"], EXACT) for r in rows])
+    )
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("processor time, s")
     axes.set_ylabel("relative error")
     axes.legend(fontsize=5.5)
+
+
+def _decades(values: Sequence[float]) -> tuple[float, float]:
+    """The powers of ten about some values."""
+    return 10.0 ** math.floor(math.log10(0.8 * min(values))), 10.0 ** math.ceil(
+        math.log10(1.25 * max(values))
+    )
