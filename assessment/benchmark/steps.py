@@ -18,7 +18,6 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from types import ModuleType
 from typing import Any
 from unittest.mock import patch
 
@@ -37,9 +36,10 @@ STEP, WINDOW = 0.005, (4.0, 11.0)  # s: of the artificial record that comes with
 QUICK_WINDOW = (4.0, 5.0)
 WALLS = ((9, 10), (18, 19), (31, 32), (54, 55))
 QUICK_WALLS = ((6, 6), (9, 10), (14, 14))
-SHARE = 0.25  # of the record, for the walls
+SHARE = 0.07  # of the record, for the walls
 PIQP_EVERY = 20
 ROUNDS = 2  # of which the quicker counts
+PARTS = 4  # of the record in the first of which the parts of a step are watched
 
 
 @dataclass
@@ -73,7 +73,7 @@ def steps(quick: bool) -> Iterator[Row]:
 
 def growth(quick: bool) -> Iterator[Row]:
     """A row for every wall, implicit Euler; last, the exponent of the time of a step over the number of blocks."""
-    record = strong_record(QUICK_WINDOW if quick else WINDOW)
+    record = strong_record(WINDOW)
     record = 0.55 * record[: round(SHARE * len(record))]
     for contacts in ("elastic", "rigid"):
         rows = [
@@ -113,37 +113,26 @@ def measured(case: str, model: Assembly, record: Array, contacts: Behaviour, int
         return time_history(model, acceleration, STEP, contacts, integrator=integrator)
 
     run(record[:4])  # what is compiled and laid out once
-    plain = [_plain(run, record) for _ in range(ROUNDS)]
-    step, each = (min(values) for values in zip(*plain, strict=True))
+    rounds = [_round(run, record) for _ in range(ROUNDS)]
+    step, each = (min(row[key] for row in rounds) for key in ("step_ms", "piqp_ms"))
     return {
         "case": case,
         "blocks": int(model.movable.sum()),
         "points": len(model.contacts(contacts)),
         "contacts": contacts,
         "integrator": integrator,
+        **rounds[0],
         "step_ms": step,
         "piqp_ms": each,
         "ratio": step / each,
-        **_watched(run, record),
+        **_parts(run, record[: len(record) // PARTS]),
         "peak_memory_MB": peak_memory(),
     }
 
 
-def _plain(run: Callable[[Array], TimeHistory], record: Array) -> tuple[float, float]:
-    """Milliseconds of a step, and of PIQP on one of its programs."""
+def _round(run: Callable[[Array], TimeHistory], record: Array) -> Row:
+    """Milliseconds of a step, and of PIQP on one of its programs; and what was counted."""
     settling = Watch()
-    with piqp_beside(PIQP_EVERY) as beside, settling.of(_histories(), "_settled"):
-        seconds, motion = seconds_of(lambda: run(record))
-    return 1e3 * (seconds - beside.spent - settling.spent) / (len(motion.time) - 1), 1e3 * beside.each
-
-
-def _histories() -> ModuleType:
-    return sys.modules["mechanics.time_history"]  # its name in the package is the function's
-
-
-def _watched(run: Callable[[Array], TimeHistory], record: Array) -> Row:
-    """What the parts of a step take, which costs a little itself, and the counts."""
-    geometry, factor, solving = Watch(), Watch(), Watch()
     newtons: list[Newton] = []
     lay_out = Newton.__post_init__
 
@@ -151,18 +140,17 @@ def _watched(run: Callable[[Array], TimeHistory], record: Array) -> Row:
         lay_out(newton)
         newtons.append(newton)
 
+    histories = sys.modules["mechanics.time_history"]  # its name in the package is the function's
     with (
-        geometry.of(Scene, "geometry"),
-        factor.of(Newton, "_factor"),
-        solving.of(Newton, "solve"),
+        piqp_beside(PIQP_EVERY) as beside,
+        settling.of(histories, "_settled"),
         patch.object(Newton, "__post_init__", laid_out),
     ):
-        motion = run(record)
+        seconds, motion = seconds_of(lambda: run(record))
     n, newton = len(motion.time) - 1, newtons[-1]
     return {
-        "geometry_ms": 1e3 * geometry.spent / n,
-        "factor_ms": 1e3 * factor.spent / n,
-        "solve_ms": 1e3 * (solving.spent - factor.spent) / n,
+        "step_ms": 1e3 * (seconds - beside.spent - settling.spent) / n,
+        "piqp_ms": 1e3 * beside.each,
         "steps": n,
         "solves_per_step": motion.solves / n,
         "factorisations_per_step": newton.factorisations / n,
@@ -170,4 +158,20 @@ def _watched(run: Callable[[Array], TimeHistory], record: Array) -> Row:
         "resolved": motion.resolved,
         "fallbacks": motion.fallbacks,
         "collapsed": motion.collapsed,
+    }
+
+
+def _parts(run: Callable[[Array], TimeHistory], record: Array) -> Row:
+    """What the parts of a step take; to watch them costs a little itself."""
+    geometry, factor, solving = Watch(), Watch(), Watch()
+    with (
+        geometry.of(Scene, "geometry"),
+        factor.of(Newton, "_factor"),
+        solving.of(Newton, "solve"),
+    ):
+        n = len(run(record).time) - 1
+    return {
+        "geometry_ms": 1e3 * geometry.spent / n,
+        "factor_ms": 1e3 * factor.spent / n,
+        "solve_ms": 1e3 * (solving.spent - factor.spent) / n,
     }
