@@ -83,7 +83,7 @@ def by_parameter(index: Sequence[str]) -> Callable[[Sequence[Row]], str]:
 
 
 def _value(row: Row) -> str:
-    times = "× " if row["parameter"] in {"increment", "segments"} else ""
+    times = "× " if row["parameter"] == "increment" else ""
     text = f"{times}{row['value']:g}"
     return f"**{text}**" if row["default"] else text
 
@@ -135,8 +135,9 @@ STEP_COLUMNS: tuple[Column, ...] = (
 
 BENCHMARKS = {
     "statics": Benchmark(
-        "relative error; and processor time as a ratio to PIQP once a step. Increments and segments are "
-        "multiples of the template's; tolerances those of PIQP.",
+        "relative error; and processor time as a ratio to PIQP once a step. Increments are "
+        "multiples of the template's, segments those of a joint (of the arch's ring; twice as many in its piers), "
+        "tolerances those of PIQP.",
         statics.statics,
         by_parameter(("case", "quantity")),
         "quantity",

@@ -114,9 +114,9 @@ def cases(quick: bool) -> list[Case]:
         *some,
         Case("buttressed arch, shaken, rigid", arch, "rigid", springing, 3.0, shaking(0.12)),
         Case(
-            "Ferris and Tin-Loi's wall 1, shaken, elastic", wall, "elastic", top, 3.0, shaking(0.6), DAMPING
+            "Ferris and Tin-Loi's wall 1, shaken, elastic", wall, "elastic", top, 3.0, shaking(0.5), DAMPING
         ),
-        Case("Ferris and Tin-Loi's wall 1, shaken, rigid", wall, "rigid", top, 3.0, shaking(0.6)),
+        Case("Ferris and Tin-Loi's wall 1, shaken, rigid", wall, "rigid", top, 3.0, shaking(0.5)),
     ]
 
 
