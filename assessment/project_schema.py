@@ -70,7 +70,8 @@ class GeometryTable(Table):
     depth_m: Positive = Field(description="out-of-plane depth, m; default of every layer")
     segments_per_joint: Segments = Field(
         default=8,
-        description="contact interfaces along each joint, four contact points each; 1 is exact where rigid, elastic needs 8 to 16",
+        description="contact interfaces along each joint, four contact points each; 1 is exact where rigid, "
+        "elastic needs 8 to 16",
     )
     tolerance_m: Positive | None = Field(
         default=None, description="edges closer than this, m, form a joint; default from the drawing's size"

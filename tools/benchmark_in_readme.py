@@ -1,4 +1,4 @@
-"""Put the summary of `assesto benchmark` into the README: python tools/benchmark_in_readme.py benchmark/summary.md"""
+"""Put the summary of `assesto benchmark` into the README: give its path, benchmark/summary.md."""
 
 import sys
 from pathlib import Path
