@@ -90,6 +90,20 @@ def piqp_beside(every: int) -> Iterator[Beside]:
         yield beside
 
 
+@contextmanager
+def newtons_laid_out() -> Iterator[list[Newton]]:
+    """The solvers of the time histories within, which count their factorisations."""
+    newtons: list[Newton] = []
+    lay_out = Newton.__post_init__
+
+    def noted(newton: Newton) -> None:
+        lay_out(newton)
+        newtons.append(newton)
+
+    with patch.object(Newton, "__post_init__", noted):
+        yield newtons
+
+
 def exponent(rows: Sequence[Row], column: str) -> float:
     """Of what a column holds, as a power of the number of blocks: the slope of a straight line in logarithms."""
     return float(np.polyfit(np.log([r["blocks"] for r in rows]), np.log([r[column] for r in rows]), 1)[0])

@@ -18,7 +18,7 @@ import numpy as np
 
 from assessment.artificial_record import RECORD
 from assessment.benchmark.dynamics import DAMPING, EXACT, certified_to, pulse, shaking
-from assessment.benchmark.measure import Row, seconds_of
+from assessment.benchmark.measure import Row, newtons_laid_out, seconds_of
 from assessment.benchmark.structures import assembly, block_on_base, template
 from assessment.incremental import find_collapse
 from mechanics import TimeHistory, pushover, time_history
@@ -267,18 +267,11 @@ def forgotten() -> tuple[Array, int]:
 
 
 def _shaken() -> tuple[Array, int]:
-    factor = Newton._factor
-    done: list[None] = []
-
-    def counted(newton: Newton) -> Any:
-        done.append(None)
-        return factor(newton)
-
     record = shaking(0.12)(_times(200))
-    with certified_to(EXACT), patch.object(Newton, "_factor", counted):
+    with certified_to(EXACT), newtons_laid_out() as newtons:
         model = assembly("buttressed-arch")
         motion = time_history(model, record, STEP, "rigid", integrator="implicit-euler")
-    return (motion.positions - motion.positions[0])[::10].ravel(), len(done)
+    return (motion.positions - motion.positions[0])[::10].ravel(), newtons[-1].factorisations
 
 
 def _times(count: int) -> Array:

@@ -1,8 +1,7 @@
 """Time of a dynamic step, elastic and rigid, and how it grows with the number of blocks.
 
-The state at rest from which a motion begins is not counted. `geometry_ms`, `factor_ms` (Cholesky of the band)
-and `solve_ms` (the rest of the Newton solver) are milliseconds a step; `repeated` is the share of the solves
-that repeated the last contact states.
+The state at rest from which a motion begins is not counted. `geometry_ms` and `solve_ms` (the Newton solver) are
+milliseconds a step; `repeated` is the share of the solves that repeated the last contact states.
 
 Tried, and not kept (wall 18 x 19, elastic, strong motion; an iteration of the interior point method costs 0.9 ms):
 semismooth Newton alone, with augmented Lagrangian rounds and an exact line search, 38 to 50 factorisations a step where
@@ -23,7 +22,7 @@ from unittest.mock import patch
 
 from assessment.artificial_record import RECORD
 from assessment.benchmark.dynamics import INTEGRATORS, Integrator
-from assessment.benchmark.measure import Row, exponent, peak_memory, piqp_beside, seconds_of
+from assessment.benchmark.measure import Row, exponent, newtons_laid_out, peak_memory, piqp_beside, seconds_of
 from assessment.benchmark.structures import assembly, block_on_base, running_bond, template
 from mechanics import Assembly, TimeHistory, time_history
 from mechanics.assembly import Behaviour
@@ -133,18 +132,11 @@ def measured(case: str, model: Assembly, record: Array, contacts: Behaviour, int
 def _round(run: Callable[[Array], TimeHistory], record: Array) -> Row:
     """Milliseconds of a step, and of PIQP on one of its programs; and what was counted."""
     settling = Watch()
-    newtons: list[Newton] = []
-    lay_out = Newton.__post_init__
-
-    def laid_out(newton: Newton) -> None:
-        lay_out(newton)
-        newtons.append(newton)
-
     histories = sys.modules["mechanics.time_history"]  # its name in the package is the function's
     with (
         piqp_beside(PIQP_EVERY) as beside,
         settling.of(histories, "_settled"),
-        patch.object(Newton, "__post_init__", laid_out),
+        newtons_laid_out() as newtons,
     ):
         seconds, motion = seconds_of(lambda: run(record))
     n, newton = len(motion.time) - 1, newtons[-1]
@@ -163,15 +155,7 @@ def _round(run: Callable[[Array], TimeHistory], record: Array) -> Row:
 
 def _parts(run: Callable[[Array], TimeHistory], record: Array) -> Row:
     """What the parts of a step take; to watch them costs a little itself."""
-    geometry, factor, solving = Watch(), Watch(), Watch()
-    with (
-        geometry.of(Scene, "geometry"),
-        factor.of(Newton, "_factor"),
-        solving.of(Newton, "solve"),
-    ):
+    geometry, solving = Watch(), Watch()
+    with geometry.of(Scene, "geometry"), solving.of(Newton, "solve"):
         n = len(run(record).time) - 1
-    return {
-        "geometry_ms": 1e3 * geometry.spent / n,
-        "factor_ms": 1e3 * factor.spent / n,
-        "solve_ms": 1e3 * (solving.spent - factor.spent) / n,
-    }
+    return {"geometry_ms": 1e3 * geometry.spent / n, "solve_ms": 1e3 * solving.spent / n}
