@@ -24,11 +24,11 @@ from assessment.incremental import find_collapse
 from mechanics import TimeHistory, pushover, time_history
 from mechanics.block import Array
 from mechanics.collapse import TURNED
-from mechanics.equilibrium import find_step
 from mechanics.errors import NoEquilibriumError
 from mechanics.ground_motion import read_record
 from mechanics.pushover import Pushover
 from mechanics.solvers.newton import Newton
+from mechanics.static_step import find_step
 
 if TYPE_CHECKING:
     from assessment.project import Project
