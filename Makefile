@@ -11,11 +11,11 @@ test: setup
 	.venv/bin/python -m pytest -n 2
 
 benchmark: setup
-	.venv/bin/python -m tests.benchmarks.bench_statics
+	.venv/bin/assesto benchmark
 
 setup:
 	@sh tools/setup.sh
 
 clean:
-	rm -rf .venv build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis projects/*/output
+	rm -rf .venv build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis projects/*/output benchmark
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,4 +1,4 @@
-"""The command line: assesto run, check, new, convert, schema, report."""
+"""The command line: assesto run, check, new, convert, schema, report, benchmark."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
 NEEDED = ("title", "model", "geometry", "states", "quality")  # of stored results, for a report
+BENCHMARKS = ("statics", "dynamics", "dissipation", "collapse", "steps", "growth", "walls", "chain", "skips")
 TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
 
 
@@ -111,6 +112,18 @@ def _parser() -> argparse.ArgumentParser:
         "--out", type=Path, metavar="DIR", help="folder of the results (default: PROJECT/output)"
     )
     report.set_defaults(command=_report)
+
+    benchmark = commands.add_parser("benchmark", help="measure run time against error on this machine")
+    benchmark.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(BENCHMARKS)} (default: all)")
+    benchmark.add_argument("--quick", action="store_true", help="fewer and smaller cases: a minute or so")
+    benchmark.add_argument(
+        "--out",
+        type=Path,
+        default=Path("benchmark"),
+        metavar="DIR",
+        help="folder of tables, plots and summary.md (default: benchmark)",
+    )
+    benchmark.set_defaults(command=_benchmark)
     return parser
 
 
@@ -245,6 +258,15 @@ def _report(options: argparse.Namespace) -> int:
     for warning in write(results, folder, jobs=0):
         print(f"warning: {warning}", file=sys.stderr)
     print(f"report: {folder / 'report.html'}")
+    return DONE
+
+
+def _benchmark(options: argparse.Namespace) -> int:
+    from assessment.benchmark.command import benchmark
+
+    folder = _writable(options.out)
+    benchmark(options.names, options.quick, folder)
+    print(f"\ntables and plots: {folder}")
     return DONE
 
 

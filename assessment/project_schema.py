@@ -69,7 +69,9 @@ class GeometryTable(Table):
     unit: Literal["mm", "cm", "m"] = Field(description="unit of the drawing: mm, cm or m")
     depth_m: Positive = Field(description="out-of-plane depth, m; default of every layer")
     segments_per_joint: Segments = Field(
-        default=4, description="contact interfaces along each joint, four contact points each"
+        default=8,
+        description="contact interfaces along each joint, four contact points each; 1 is exact where rigid, "
+        "elastic needs 8 to 16",
     )
     tolerance_m: Positive | None = Field(
         default=None, description="edges closer than this, m, form a joint; default from the drawing's size"

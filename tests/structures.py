@@ -6,45 +6,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from assessment.benchmark.structures import block_on_base, rectangle, running_bond
 from mechanics import Assembly, Block, Material
 
-
-def rectangle(x0: float, z0: float, x1: float, z1: float) -> list[list[float]]:
-    return [[x0, z0], [x1, z0], [x1, z1], [x0, z1]]
-
-
-def block_on_base(
-    width: float = 0.2, height: float = 1.0, friction: float = 0.7, stiffness: float = 5e5, segments: int = 1
-) -> Assembly:
-    stone = Material(18.0, friction, stiffness)
-    base = Block(rectangle(-5 * width, -0.1 * height, 5 * width, 0.0), 1.0, stone, support="base")
-    return Assembly([base, Block(rectangle(0.0, 0.0, width, height), 1.0, stone)], segments)
-
-
-def running_bond(
-    columns: int = 5,
-    courses: int = 6,
-    length: float = 0.4,
-    height: float = 0.175,
-    friction: float = 0.65,
-    stiffness: float = 1e6,
-    full_on_top: bool = True,
-) -> Assembly:
-    """Courses of whole bricks alternating with courses that begin and end with a half brick."""
-    stone = Material(18.0, friction, stiffness)
-    width = columns * length
-    blocks = [Block(rectangle(-length, -height, width + length, 0.0), 0.1, stone, support="base")]
-    for j in range(courses):
-        whole = ((courses - 1 - j) % 2 == 0) == full_on_top
-        edges = (
-            np.arange(columns + 1) * length
-            if whole
-            else np.r_[0.0, (np.arange(columns) + 0.5) * length, width]
-        )
-        blocks += [
-            Block(rectangle(a, j * height, b, (j + 1) * height), 0.1, stone) for a, b in pairwise(edges)
-        ]
-    return Assembly(blocks)
+__all__ = ["arch_on_piers", "block_on_base", "rectangle", "running_bond", "semicircular_arch"]
 
 
 def semicircular_arch(

@@ -97,6 +97,11 @@ def test_the_command_runs_from_the_wheel(installed, tmp_path):
     assert "stands under its own weight: yes" in assesto("check", "wall")
 
 
+def test_the_benchmark_runs_from_the_wheel(installed, tmp_path):
+    wall = execute("-m", "assessment.benchmark.walls", "3", "3", cwd=tmp_path, PYTHONPATH=str(installed))
+    assert '"blocks": 10' in wall
+
+
 def test_help_imports_no_package():
     """What keeps `assesto --help` quick: none of the dependencies, nor the lookup of a version."""
     code = (

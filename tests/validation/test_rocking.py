@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from assessment.benchmark.dynamics import dissipation
 from mechanics import Assembly, State, time_history
 from mechanics.block import GRAVITY
-from tests.benchmarks.work_precision import dissipation
 from tests.structures import block_on_base
 
 

@@ -1,0 +1,104 @@
+"""Whole analyses: the static chain of the triumphal arch, and commands from the shell and back."""
+
+from __future__ import annotations
+
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from assessment.benchmark.measure import Row, once_a_step, seconds_of
+from assessment.benchmark.structures import assembly, template
+from mechanics import pushdown, pushover
+from mechanics.assembly import Behaviour, Direction
+from mechanics.program import Program
+
+WAYS: tuple[Direction, ...] = ("+x", "-x")
+CONTACTS: tuple[Behaviour, ...] = ("rigid", "elastic")
+
+
+def chain(quick: bool) -> Iterator[Row]:
+    """Pushdown, rigid and elastic pushover of both states in both directions; then whole commands."""
+    names = ("buttressed-arch",) if quick else ("buttressed-arch", "triumphal-arch")
+    for name in names:
+        yield from analyses(name)
+    yield from commands(quick)
+
+
+def analyses(name: str) -> Iterator[Row]:
+    """Processor time of every analysis of a template on one processor; last, of all together."""
+    project, model = template(name), assembly(name)
+    (table,) = project.settlements
+    assert project.pushover is not None
+    assert table.increment_m is not None
+    increment, spoken = project.pushover.increment_m, name.replace("-", " ")
+    rows = []
+    for contacts in CONTACTS:
+        seconds, path = seconds_of(
+            partial(pushdown, model, table.support, table.displacement_m, 0.0, table.increment_m, contacts)
+        )
+        rows.append(_row(f"{spoken}, pushdown, {contacts}", seconds, [s.program for s in path.steps]))
+        yield rows[-1]
+        for title, state in (("original", None), ("settled", path.final)):
+            for way in WAYS:
+                control = project.pushover_control(way).point_m
+                seconds, curve = seconds_of(
+                    partial(pushover, model, control, way, contacts, increment, state)
+                )
+                row = _row(
+                    f"{spoken}, {title}, pushover {way}, {contacts}",
+                    seconds,
+                    [s.program for s in curve.steps],
+                )
+                rows.append(row)
+                yield row
+    total = sum(row["seconds"] for row in rows)
+    baseline = sum(row["seconds"] / row["ratio"] for row in rows)
+    yield {
+        "case": f"{spoken}, static chain",
+        "whole": True,
+        "steps": sum(row["steps"] for row in rows),
+        "seconds": total,
+        "ratio": total / baseline,
+    }
+
+
+def _row(case: str, seconds: float, programs: list[Program]) -> Row:
+    return {
+        "case": case,
+        "steps": len(programs),
+        "seconds": seconds,
+        "ratio": seconds / once_a_step(programs),
+    }
+
+
+def commands(quick: bool) -> Iterator[Row]:
+    """Processor time and time elapsed of whole commands."""
+    yield _command("assesto --help", "--help")
+    if not quick:
+        folder = template("buttressed-arch").folder
+        with TemporaryDirectory() as out:
+            yield _command("assesto run, buttressed arch, to the PDF", "run", str(folder), "--out", out)
+            yield _command("assesto run again, nothing changed", "run", str(folder), "--out", out)
+            assert (Path(out) / "report.html").is_file()
+
+
+def _command(case: str, *arguments: str) -> Row:
+    before, began = _children(), time.perf_counter()
+    subprocess.run([sys.executable, "-m", "assessment.cli", *arguments], check=True, capture_output=True)
+    return {
+        "case": case,
+        "whole": True,
+        "seconds": _children() - before,
+        "elapsed_s": time.perf_counter() - began,
+    }
+
+
+def _children() -> float:
+    """Processor time (s) of finished child processes."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime

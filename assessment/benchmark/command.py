@@ -1,0 +1,213 @@
+"""`assesto benchmark`: measures, and writes tables (CSV), plots (SVG) and the summary that the README holds."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from assessment.benchmark import chain, dynamics, skips, statics, steps, walls
+from assessment.benchmark.machine import machine
+from assessment.benchmark.measure import Row
+from assessment.benchmark.plots import work_precision
+from assessment.benchmark.table import Column, as_csv, listed, number, percent, pivoted
+from assessment.canvas import save_images
+from assessment.files import write_atomically
+
+SUMMARY = "summary.md"
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """What is measured, `about` in a sentence, the `rows`, and how they are shown in the summary.
+
+    `series`: what the lines of its plots stand for; empty: no plots.
+    """
+
+    about: str
+    rows: Callable[[bool], Iterator[Row]]
+    show: Callable[[Sequence[Row]], str]
+    series: str = ""
+
+
+def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
+    """Measure what is named (nothing: everything), print each table as soon as it is there, and write the files.
+
+    Raises ValueError for a name that there is none of.
+    """
+    for name in names:
+        if name not in BENCHMARKS:
+            raise ValueError(f"benchmark: {name}: no such benchmark; choose from {', '.join(BENCHMARKS)}")
+    summary = [machine()]
+    print(summary[0], flush=True)
+    for name in names or BENCHMARKS:
+        chosen = BENCHMARKS[name]
+        rows = list(_told(name, chosen.rows(quick)))
+        write_atomically(folder / f"{name}.csv", as_csv(rows))
+        for parameter in dict.fromkeys(row["parameter"] for row in rows) if chosen.series else ():
+            some = [row for row in rows if row["parameter"] == parameter]
+            save_images(
+                partial(work_precision, some, chosen.series),
+                folder / f"{name}-{parameter.split()[0]}.svg",
+            )
+        summary.append(f"**{name}**: {chosen.about}\n\n{chosen.show(rows)}")
+        print(f"\n{summary[-1]}", flush=True)
+    summary.append(f"Load {os.getloadavg()[0]:.1f} at the end.")
+    write_atomically(folder / SUMMARY, ("\n\n".join(summary) + "\n").encode())
+
+
+def _told(name: str, rows: Iterator[Row]) -> Iterator[Row]:
+    """The rows, each named on a terminal as soon as it is measured."""
+    for row in rows:
+        if sys.stderr.isatty():
+            print(f"\r\033[K{name}: {row['case']}", end="", file=sys.stderr, flush=True)
+        yield row
+    if sys.stderr.isatty():
+        print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+
+def by_parameter(index: Sequence[str]) -> Callable[[Sequence[Row]], str]:
+    """A table for each parameter: error and ratio to PIQP once a step, over its values; the program's own in bold."""
+
+    def show(rows: Sequence[Row]) -> str:
+        tables = []
+        for parameter in dict.fromkeys(row["parameter"] for row in rows):
+            some = [row for row in rows if row["parameter"] == parameter]
+            tables.append(f"{parameter}:\n\n" + pivoted(some, index, ["value"], _value, _error_and_ratio))
+        return "\n\n".join(tables)
+
+    return show
+
+
+def _value(row: Row) -> str:
+    times = "× " if row["parameter"] == "increment" else ""
+    text = f"{times}{row['value']:g}"
+    return f"**{text}**" if row["default"] else text
+
+
+def _error_and_ratio(row: Row) -> str:
+    return f"{percent(row['error'])}; {number(row['ratio'])}"
+
+
+def plain(*columns: Column) -> Callable[[Sequence[Row]], str]:
+    """A line for each row."""
+    return lambda rows: listed(rows, columns)
+
+
+def _dissipation(rows: Sequence[Row]) -> str:
+    return pivoted(
+        rows,
+        ["case"],
+        ["integrator", "step_s"],
+        lambda row: f"{row['integrator']}, {1e3 * row['step_s']:g} ms",
+        lambda row: f"{100 * row['dissipated']:.3g} ({100 * row['by_integrator']:.3g})",
+    )
+
+
+def _collapse(rows: Sequence[Row]) -> str:
+    return pivoted(
+        rows,
+        ["integrator"],
+        ["step_s"],
+        lambda row: f"{1e3 * row['step_s']:g} ms",
+        lambda row: f"{row['collapse_g']:.3f} g",
+    )
+
+
+CASE: Column = ("case", "case", str)
+RATIO: Column = ("ratio", "ratio", number)
+SECONDS: Column = ("seconds", "processor time, s", number)
+CHAIN_COLUMNS: tuple[Column, ...] = (
+    CASE,
+    ("steps", "steps", str),
+    SECONDS,
+    RATIO,
+    ("elapsed_s", "elapsed, s", number),
+)
+STEP_COLUMNS: tuple[Column, ...] = (
+    CASE,
+    ("blocks", "blocks", str),
+    ("points", "points", str),
+    ("contacts", "contacts", str),
+    ("integrator", "integrator", str),
+    ("step_ms", "step, ms", number),
+    ("piqp_ms", "PIQP, ms", number),
+    RATIO,
+    ("factorisations_per_step", "factorisations", number),
+    ("repeated", "states repeated", percent),
+)
+
+BENCHMARKS = {
+    "statics": Benchmark(
+        "relative error; and processor time as a ratio to PIQP once a step. Increments are "
+        "multiples of the template's, segments those of a joint (of the arch's ring; twice as many in its piers), "
+        "tolerances those of PIQP.",
+        statics.statics,
+        by_parameter(("case", "quantity")),
+        "quantity",
+    ),
+    "dynamics": Benchmark(
+        "relative error of the largest displacement; and processor time as a ratio to PIQP once a step.",
+        dynamics.dynamics,
+        by_parameter(("case", "integrator")),
+        "integrator",
+    ),
+    "dissipation": Benchmark(
+        "energy that a cycle of rocking takes, per cent of that at release, and of it by the integrator "
+        "(block 0.17 × 1.0 m released at 0.64 of its slenderness; Housner's impacts take 15.8).",
+        lambda quick: dynamics.dissipation((0.005, 0.002)) if quick else dynamics.dissipation(),
+        _dissipation,
+    ),
+    "collapse": Benchmark(
+        "least amplitude that collapses the buttressed arch with elastic joints, to 2 %.",
+        lambda quick: dynamics.collapse((0.01,)) if quick else dynamics.collapse(),
+        _collapse,
+    ),
+    "steps": Benchmark(
+        "a step of 5 ms of a time history, in the mean over 7 s of strong motion.",
+        steps.steps,
+        plain(*STEP_COLUMNS),
+    ),
+    "growth": Benchmark(
+        "the same as walls grow, and the exponent of its time over the number of blocks.",
+        steps.growth,
+        plain(*STEP_COLUMNS),
+    ),
+    "walls": Benchmark(
+        "limit analysis of running-bond walls, self-weight check included; the ratio is to one PIQP solve.",
+        walls.walls,
+        plain(
+            CASE,
+            ("blocks", "blocks", str),
+            ("points", "points", str),
+            SECONDS,
+            RATIO,
+            ("memory_MB", "memory, MB", number),
+            ("alpha", "α_0", lambda value: f"{value:.6f}"),
+            ("certificate", "residual", number),
+            ("error", "from HiGHS", number),
+            ("highs_s", "HiGHS, s", number),
+        ),
+    ),
+    "chain": Benchmark(
+        "pushdown and pushover, rigid and elastic, both states and directions, on one processor; whole commands on "
+        "all. Each analysis is in the CSV.",
+        chain.chain,
+        lambda rows: listed([row for row in rows if row["whole"]], CHAIN_COLUMNS),
+    ),
+    "skips": Benchmark(
+        "what is not computed, and how far the answer is from that without the skip.",
+        skips.skips,
+        plain(
+            CASE,
+            ("counted", "counted", str),
+            ("count", "done", str),
+            ("count_without", "without", str),
+            ("saves", "time saved", percent),
+            ("difference", "difference", number),
+        ),
+    ),
+}

@@ -1,0 +1,279 @@
+"""What is not computed because a scene does not need it: the same answer with and without, and what it saves.
+
+Each skip is done twice, as the program does it and as it would without: the difference of the answers is zero where
+the skip is exact, and otherwise of the size that the skip is held to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+from unittest.mock import patch
+
+import numpy as np
+
+from assessment.artificial_record import RECORD
+from assessment.benchmark.dynamics import DAMPING, EXACT, certified_to, pulse, shaking
+from assessment.benchmark.measure import Row, newtons_laid_out, seconds_of
+from assessment.benchmark.structures import assembly, block_on_base, template
+from assessment.incremental import find_collapse
+from mechanics import TimeHistory, pushover, time_history
+from mechanics.block import Array
+from mechanics.collapse import TURNED
+from mechanics.errors import NoEquilibriumError
+from mechanics.ground_motion import read_record
+from mechanics.pushover import Pushover
+from mechanics.solvers.newton import Newton
+from mechanics.static_step import find_step
+
+if TYPE_CHECKING:
+    from assessment.project import Project
+    from assessment.store import Store
+    from mechanics.program import Solution
+
+STEP, LONG_STEP = 0.005, 0.02  # s
+CLOSE = 1e-4  # of the size of an answer: what a skip that is not exact is held to
+WINDOWED = 0.02  # and a part of a record in place of the whole
+ARCH_PGA, BLOCK_PGA = 0.06, 0.17  # g
+LOWEST, HIGHEST, RESOLVED = 0.3, 1.2, 0.05  # g: of the search for a collapse
+
+
+@dataclass(frozen=True, eq=False)
+class Skip:
+    """`done` and `without` give the same numbers, within `tolerance` of the largest, and count what they do, `of`.
+
+    Tolerance 0: to the last bit; infinite: the skip is not exact, and made only where the user asks for it.
+    """
+
+    name: str
+    of: str
+    done: Callable[[], tuple[Array, int]]
+    without: Callable[[], tuple[Array, int]]
+    tolerance: float = 0.0
+
+
+def skips(quick: bool) -> Iterator[Row]:
+    """A row for every skip; quick: the same, since all of it takes seconds."""
+    for skip in all_skips():
+        skip.done()  # what is imported and compiled once
+        seconds, (answer, count) = seconds_of(skip.done)
+        seconds_without, (whole, count_without) = seconds_of(skip.without)
+        yield {
+            "case": skip.name,
+            "counted": skip.of,
+            "count": count,
+            "count_without": count_without,
+            "seconds": seconds,
+            "seconds_without": seconds_without,
+            "saves": 1.0 - seconds / seconds_without,
+            "difference": difference(answer, whole),
+            "tolerance": skip.tolerance,
+        }
+
+
+def difference(answer: Array, whole: Array) -> float:
+    """The largest difference of two answers, relative to the largest number of the second."""
+    return float(abs(answer - whole).max() / abs(whole).max())
+
+
+def all_skips() -> list[Skip]:
+    """One for every item of what a scene may not need."""
+    return [
+        Skip(
+            "a stage that no key asks for", "analyses", partial(stages, ("pushover",)), partial(stages, None)
+        ),
+        unchanged(),
+        Skip("a rigid curve once α = 0", "points", curve_to_zero, curve_beyond, CLOSE),
+        Skip("a history once collapse is certain", "steps", fallen, fallen_on),
+        Skip("a record outside its Arias window, arch", "steps", *window_of(ARCH_PGA), WINDOWED),
+        Skip("a record outside its Arias window, rocking block", "steps", *window_of(BLOCK_PGA), np.inf),
+        Skip(
+            "scale factors that bisection rules out",
+            "histories",
+            bisection,
+            every_level,
+            1.01 * RESOLVED / LOWEST,
+        ),
+        Skip(
+            "a factorisation while no contact changes state", "factorisations", remembered, forgotten, CLOSE
+        ),
+    ]
+
+
+def stages(only: tuple[str, ...] | None, store: Store | None = None) -> tuple[Array, int]:
+    """Multiplier and displacement capacity of the block template as drawn, from some of its stages or all."""
+    from assessment.model import build_model
+    from assessment.workflow import run, select
+
+    project = select(_with_history(template("block")), only)
+    outcome = run(project, build_model(project), 1, store)
+    pushed = outcome.results["states"]["original"]["pushover"]
+    return np.array([[p["rigid"]["alpha_0"], p["rigid"]["d_0_m"]] for p in pushed.values()]), outcome.computed
+
+
+def _with_history(project: Project) -> Project:
+    from assessment.project_schema import HistoryTable
+
+    history = HistoryTable(
+        record=RECORD, contacts="elastic", damping_ratio=0.05, window_s=(4.0, 6.0), time_step_s=STEP
+    )
+    assert project.pushover is not None
+    coarse = project.pushover.model_copy(update={"increment_m": 5.0 * project.pushover.increment_m})
+    return project.model_copy(update={"history": (history,), "settlements": (), "pushover": coarse})
+
+
+def unchanged() -> Skip:
+    """A second run over the store of a first one."""
+    from assessment.store import Store
+
+    folder = TemporaryDirectory(prefix="assesto-benchmark-")
+
+    def done() -> tuple[Array, int]:
+        return stages(None, Store(Path(folder.name)))
+
+    return Skip("a stage whose inputs have not changed", "analyses", done, partial(stages, None))
+
+
+def curve_to_zero() -> tuple[Array, int]:
+    """α_0 and d_0 of the buttressed arch, whose curve ends at α = 0."""
+    curve = _curve()
+    return np.array([curve.multiplier[0], curve.displacement[-1]]), len(curve.displacement)
+
+
+def curve_beyond() -> tuple[Array, int]:
+    """The same from a curve that goes on, to twice the displacement if it can: where it crosses zero for good."""
+    curve, model = _curve(), assembly("buttressed-arch")
+    lateral, control = model.lateral_load("+x"), template("buttressed-arch").pushover_control("+x").point_m
+    block = model.block_at(control)
+    displacement, multiplier, step = [*curve.displacement[:-1]], [*curve.multiplier[:-1]], curve.steps[-2]
+    moved = step.state.positions - curve.states[-3].positions
+    while displacement[-1] < 2.0 * curve.displacement[-1]:
+        work, size = float((lateral * moved).sum()), float(abs(moved[:, :2]).max())
+        last, guess = step.state, step.state.positions + moved
+        try:
+            step = find_step(model, "rigid", last, guess, model.dead_load, size, lateral, work, step)
+        except NoEquilibriumError:
+            break
+        moved = step.state.positions - last.positions
+        displacement.append(float(model.point_displacement(control, block, step.state.positions)[0]))
+        multiplier.append(step.alpha)
+    down = int(np.argmax(np.array(multiplier) < 0.0))
+    crossing = np.interp(0.0, multiplier[down - 1 : down + 1][::-1], displacement[down - 1 : down + 1][::-1])
+    rises_again = max(multiplier[down:]) > 0.0
+    return np.array([multiplier[0], np.inf if rises_again else crossing]), len(displacement)
+
+
+def _curve() -> Pushover:
+    project = template("buttressed-arch")
+    assert project.pushover is not None
+    control, increment = project.pushover_control("+x").point_m, project.pushover.increment_m
+    return pushover(assembly("buttressed-arch"), control, increment=increment)
+
+
+def fallen() -> tuple[Array, int]:
+    """The motion of a block up to its collapse, and that it collapses."""
+    motion = _overturning()
+    return np.append(motion.positions[:, 1].ravel(), motion.collapsed), len(motion.time) - 1
+
+
+def fallen_on() -> tuple[Array, int]:
+    """The same of the whole record: up to where the block has turned by 1 rad, and that it lies at the end."""
+    with patch("mechanics.time_history.collapse", lambda *_: ""):
+        motion = _overturning()
+    turned = abs(motion.positions[:, 1, 2])
+    lies = float(turned[-1] > TURNED)
+    upto = int(np.argmax(turned > TURNED)) + 1
+    return np.append(motion.positions[:upto, 1].ravel(), lies), len(motion.time) - 1
+
+
+def _overturning() -> TimeHistory:
+    record = 0.4 * pulse(1.0, 1.0)(_times(2000))
+    return time_history(block_on_base(), record, STEP, "rigid")
+
+
+def window_of(pga: float) -> tuple[Callable[[], tuple[Array, int]], Callable[[], tuple[Array, int]]]:
+    """The largest displacement of the arch, or the rocking block, in the Arias window of a record, and in all of it.
+
+    What rocks is sensitive to all that shakes it, the weak beginning too.
+    """
+
+    def peak(windowed: bool) -> tuple[Array, int]:
+        record = read_record(template("triumphal-arch").folder / RECORD).resampled(LONG_STEP)
+        record = record.scaled(pga / record.pga)
+        if windowed:
+            record = record.windowed(*record.arias_window())
+        model, control = block_on_base(0.6, 4.2, stiffness=1e5, segments=4), (0.6, 4.2)
+        if pga == ARCH_PGA:
+            model, control = (
+                assembly("buttressed-arch", 0.25),
+                template("buttressed-arch").pushover_control("+x").point_m,
+            )
+        motion = time_history(
+            model, record.acceleration, LONG_STEP, "elastic", control=control, damping_ratio=DAMPING
+        )
+        assert motion.displacement is not None
+        return abs(motion.displacement).max(keepdims=True), len(motion.time) - 1
+
+    return partial(peak, True), partial(peak, False)
+
+
+def bisection() -> tuple[Array, int]:
+    """The least PGA at which a pulse overturns a block, by bisection."""
+    runs: list[float] = []
+
+    def collapses(level: float) -> bool:
+        runs.append(level)
+        return _overturns(level)
+
+    collapse = find_collapse(collapses, 0.3, HIGHEST, RESOLVED).collapse
+    assert collapse is not None
+    return np.array([collapse]), len(runs)
+
+
+def every_level() -> tuple[Array, int]:
+    """The same by running every level up to the highest, as far apart as bisection resolves."""
+    levels = np.arange(LOWEST, HIGHEST + 0.5 * RESOLVED, RESOLVED)
+    fall = [level for level in levels if _overturns(level)]
+    return np.array([min(fall)]), len(levels)
+
+
+def _overturns(level: float) -> bool:
+    record = level * pulse(1.0, 0.5)(_times(200))
+    return time_history(block_on_base(), record, STEP, "rigid").collapsed
+
+
+def remembered() -> tuple[Array, int]:
+    """A motion of the buttressed arch whose solver tries the last contact states first.
+
+    Certified to 1e-9: at the program's own tolerance the two motions part, by solver errors, to 1e-3 within a second.
+    """
+    return _shaken()
+
+
+def forgotten() -> tuple[Array, int]:
+    """The same of a solver that forgets them."""
+    solve = Newton.solve
+
+    def forgetful(newton: Newton, *step: Any) -> Solution | None:
+        newton.state = None
+        return solve(newton, *step)
+
+    with patch.object(Newton, "solve", forgetful):
+        return _shaken()
+
+
+def _shaken() -> tuple[Array, int]:
+    record = shaking(0.12)(_times(200))
+    with certified_to(EXACT), newtons_laid_out() as newtons:
+        model = assembly("buttressed-arch")
+        motion = time_history(model, record, STEP, "rigid", integrator="implicit-euler")
+    return (motion.positions - motion.positions[0])[::10].ravel(), newtons[-1].factorisations
+
+
+def _times(count: int) -> Array:
+    times: Array = STEP * np.arange(count, dtype=float)
+    return times

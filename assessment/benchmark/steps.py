@@ -1,0 +1,161 @@
+"""Time of a dynamic step, elastic and rigid, and how it grows with the number of blocks.
+
+The state at rest from which a motion begins is not counted. `geometry_ms` and `solve_ms` (the Newton solver) are
+milliseconds a step; `repeated` is the share of the solves that repeated the last contact states.
+
+Tried, and not kept (wall 18 x 19, elastic, strong motion; an iteration of the interior point method costs 0.9 ms):
+semismooth Newton alone, with augmented Lagrangian rounds and an exact line search, 38 to 50 factorisations a step where
+the interior point method takes 8 (line searches end at the next contact that slips); Gondzio's correctors, one, two,
+three, for 8.0 iterations 6.9, 6.8, 6.1, at 0.2 ms each no gain; a start nearer to the last solution, by how much the
+program has changed, 7.7 to 11.8; gaps predicted from the velocities, 8.2 to 8.4; a Cholesky factorisation of the band
+compiled by numba, 0.68 ms where LAPACK takes 0.44.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+from unittest.mock import patch
+
+from assessment.artificial_record import RECORD
+from assessment.benchmark.dynamics import INTEGRATORS, Integrator
+from assessment.benchmark.measure import Row, exponent, newtons_laid_out, peak_memory, piqp_beside, seconds_of
+from assessment.benchmark.structures import assembly, block_on_base, running_bond, template
+from mechanics import Assembly, TimeHistory, time_history
+from mechanics.assembly import Behaviour
+from mechanics.block import Array
+from mechanics.ground_motion import read_record
+from mechanics.scene import Scene
+from mechanics.solvers.newton import Newton
+
+STEP, WINDOW = 0.005, (4.0, 11.0)  # s: of the artificial record that comes with every template
+QUICK_WINDOW = (4.0, 5.0)
+WALLS = ((9, 10), (18, 19), (31, 32), (54, 55))
+QUICK_WALLS = ((6, 6), (9, 10), (14, 14))
+SHARE = 0.07  # of the record, for the walls
+PIQP_EVERY = 20
+ROUNDS = 2  # of which the quicker counts
+PARTS = 4  # of the record in the first of which the parts of a step are watched
+
+
+@dataclass
+class Watch:
+    """Processor time spent in a function."""
+
+    spent: float = 0.0
+
+    @contextmanager
+    def of(self, owner: object, name: str) -> Iterator[None]:
+        """Watch a method or function of that name."""
+        function = getattr(owner, name)
+
+        def watched(*arguments: Any) -> Any:
+            seconds, result = seconds_of(lambda: function(*arguments))
+            self.spent += seconds
+            return result
+
+        with patch.object(owner, name, watched):
+            yield
+
+
+def steps(quick: bool) -> Iterator[Row]:
+    """A row for every case, contact behaviour and integrator."""
+    record = strong_record(QUICK_WINDOW if quick else WINDOW)
+    for name, model, pga in cases(quick):
+        for contacts in ("elastic", "rigid"):
+            for integrator in INTEGRATORS:
+                yield measured(name, model, pga * record, contacts, integrator)
+
+
+def growth(quick: bool) -> Iterator[Row]:
+    """A row for every wall, implicit Euler; last, the exponent of the time of a step over the number of blocks."""
+    record = strong_record(WINDOW)
+    record = 0.55 * record[: round(SHARE * len(record))]
+    for contacts in ("elastic", "rigid"):
+        rows = [
+            measured(f"wall {columns} × {courses}", running_bond(columns, courses, stiffness=1e7), record, contacts,
+                     "implicit-euler")
+            for columns, courses in (QUICK_WALLS if quick else WALLS)
+        ]  # fmt: skip
+        yield from rows
+        yield {"case": "exponent", "contacts": contacts, "step_ms": exponent(rows, "step_ms")}
+
+
+def strong_record(window: tuple[float, float]) -> Array:
+    """Accelerations (k,) of unit peak, STEP apart: a part of the artificial record of the templates, in s."""
+    record = read_record(template("triumphal-arch").folder / RECORD).resampled(STEP).windowed(*window)
+    return record.acceleration / record.pga
+
+
+def cases(quick: bool) -> list[tuple[str, Assembly, float]]:
+    """Name, structure and PGA in g."""
+    some = [
+        ("2 blocks", block_on_base(0.6, 4.2, stiffness=1e6), 0.3),
+        ("buttressed arch", assembly("buttressed-arch", 0.5), 0.05),
+    ]
+    if quick:
+        return some
+    return [
+        *some,
+        ("wall 18 × 19", running_bond(18, 19, stiffness=1e7), 0.55),
+        ("triumphal arch", assembly("triumphal-arch"), 0.2),
+    ]
+
+
+def measured(case: str, model: Assembly, record: Array, contacts: Behaviour, integrator: Integrator) -> Row:
+    """Milliseconds a step, their ratio to PIQP once a step, and the counts that do not depend on the clock."""
+
+    def run(acceleration: Array) -> TimeHistory:
+        return time_history(model, acceleration, STEP, contacts, integrator=integrator)
+
+    run(record[:4])  # what is compiled and laid out once
+    rounds = [_round(run, record) for _ in range(ROUNDS)]
+    step, each = (min(row[key] for row in rounds) for key in ("step_ms", "piqp_ms"))
+    return {
+        "case": case,
+        "blocks": int(model.movable.sum()),
+        "points": len(model.contacts(contacts)),
+        "contacts": contacts,
+        "integrator": integrator,
+        **rounds[0],
+        "step_ms": step,
+        "piqp_ms": each,
+        "ratio": step / each,
+        **_parts(run, record[: len(record) // PARTS]),
+        "peak_memory_MB": peak_memory(),
+    }
+
+
+def _round(run: Callable[[Array], TimeHistory], record: Array) -> Row:
+    """Milliseconds of a step, and of PIQP on one of its programs; and what was counted."""
+    settling = Watch()
+    histories = sys.modules["mechanics.time_history"]  # its name in the package is the function's
+    with (
+        piqp_beside(PIQP_EVERY) as beside,
+        settling.of(histories, "_settled"),
+        newtons_laid_out() as newtons,
+    ):
+        seconds, motion = seconds_of(lambda: run(record))
+    n, newton = len(motion.time) - 1, newtons[-1]
+    return {
+        "step_ms": 1e3 * (seconds - beside.spent - settling.spent) / n,
+        "piqp_ms": 1e3 * beside.each,
+        "steps": n,
+        "solves_per_step": motion.solves / n,
+        "factorisations_per_step": newton.factorisations / n,
+        "repeated": newton.repeated / max(newton.solved, 1),
+        "resolved": motion.resolved,
+        "fallbacks": motion.fallbacks,
+        "collapsed": motion.collapsed,
+    }
+
+
+def _parts(run: Callable[[Array], TimeHistory], record: Array) -> Row:
+    """What the parts of a step take; to watch them costs a little itself."""
+    geometry, solving = Watch(), Watch()
+    with geometry.of(Scene, "geometry"), solving.of(Newton, "solve"):
+        n = len(run(record).time) - 1
+    return {"geometry_ms": 1e3 * geometry.spent / n, "solve_ms": 1e3 * solving.spent / n}

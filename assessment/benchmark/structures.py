@@ -1,0 +1,94 @@
+"""The structures that are measured: some built here, the others from the built-in templates."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mechanics import Assembly, Block, Material
+
+if TYPE_CHECKING:
+    from assessment.project import Project
+
+
+def rectangle(x0: float, z0: float, x1: float, z1: float) -> list[list[float]]:
+    """Corners (4, 2) of a rectangle between two of them, m."""
+    return [[x0, z0], [x1, z0], [x1, z1], [x0, z1]]
+
+
+def block_on_base(
+    width: float = 0.2, height: float = 1.0, friction: float = 0.7, stiffness: float = 5e5, segments: int = 1
+) -> Assembly:
+    """A block 1 m deep, its lower left corner at the origin, on a wide support."""
+    stone = Material(18.0, friction, stiffness)
+    base = Block(rectangle(-5 * width, -0.1 * height, 5 * width, 0.0), 1.0, stone, support="base")
+    return Assembly([base, Block(rectangle(0.0, 0.0, width, height), 1.0, stone)], segments)
+
+
+def running_bond(
+    columns: int = 5,
+    courses: int = 6,
+    length: float = 0.4,
+    height: float = 0.175,
+    friction: float = 0.65,
+    stiffness: float = 1e6,
+    full_on_top: bool = True,
+) -> Assembly:
+    """Courses of whole bricks alternating with courses that begin and end with a half brick.
+
+    The default is wall 1 of Ferris and Tin-Loi.
+    """
+    stone = Material(18.0, friction, stiffness)
+    width = columns * length
+    blocks = [Block(rectangle(-length, -height, width + length, 0.0), 0.1, stone, support="base")]
+    for j in range(courses):
+        whole = ((courses - 1 - j) % 2 == 0) == full_on_top
+        edges = (
+            np.arange(columns + 1) * length
+            if whole
+            else np.r_[0.0, (np.arange(columns) + 0.5) * length, width]
+        )
+        blocks += [
+            Block(rectangle(a, j * height, b, (j + 1) * height), 0.1, stone) for a, b in pairwise(edges)
+        ]
+    return Assembly(blocks)
+
+
+@cache
+def template(name: str) -> Project:
+    """A new project from a built-in template, in a folder that lasts as long as the process."""
+    from assessment.new_project import new_project
+    from assessment.project import load_project
+
+    folder = Path(_scratch().name) / name
+    new_project(folder, name, {})
+    return load_project(folder)
+
+
+@cache
+def assembly(name: str, finer: float = 1.0) -> Assembly:
+    """The assembly of a template, its joints with `finer` times the segments."""
+    from assessment.model import build_model
+
+    project = template(name)
+
+    def times(segments: int | None) -> int | None:
+        return None if segments is None else max(1, round(finer * segments))
+
+    layers = {
+        key: table.model_copy(update={"segments_per_joint": times(table.segments_per_joint)})
+        for key, table in project.layers.items()
+    }
+    geometry = project.geometry
+    geometry = geometry.model_copy(update={"segments_per_joint": times(geometry.segments_per_joint)})
+    return build_model(project.model_copy(update={"geometry": geometry, "layers": layers})).assembly
+
+
+@cache
+def _scratch() -> TemporaryDirectory[str]:
+    return TemporaryDirectory(prefix="assesto-benchmark-")
