@@ -16,6 +16,7 @@ import numpy as np
 from mechanics.block import Array
 from mechanics.contacts import Contacts, kinematics
 from mechanics.joints import Index
+from mechanics.program import Certificate, Program
 
 NAME = "numpy"
 OPEN, STICKING, SLIDING_ON, SLIDING_BACK = 0, 1, 2, 3  # the slip of a sliding contact: w_t < 0, w_t > 0
@@ -29,6 +30,28 @@ def fastest() -> ModuleType:
         return importlib.import_module("mechanics.solvers.compiled")
     except ImportError:
         return sys.modules[__name__]
+
+
+def certificate(
+    loops: ModuleType,
+    row: Index,
+    program: Program,
+    mass: Array,
+    load: Array,
+    x: Array,
+    forces: Array,
+    work: float = 0.0,
+) -> Certificate:
+    """The certificate of displacements x in the order of the band, like `mass` and `load`, and contact forces (c, 2).
+
+    `work`: as in Certificate, known beforehand.
+    """
+    unbalanced, cone, power, penetration = loops.residuals(
+        row, program.normal, program.tangent, program.gap, program.friction, program.compliance,
+        mass, load, x, forces, program.size,
+    )  # fmt: skip
+    weight = program.weight
+    return Certificate(unbalanced / weight, cone / weight, power / (weight * program.step), penetration, work)
 
 
 def geometry(

@@ -17,9 +17,10 @@ from scipy.linalg import lapack
 
 from mechanics.block import Array
 from mechanics.joints import Index
-from mechanics.program import Certificate, Program, Solution
+from mechanics.program import Program, Solution
 from mechanics.solvers.band import Band
 from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, fastest
+from mechanics.solvers.kernels import certificate as certified
 
 ACCEPTED = 1e-6  # certificate; worse ones are left to the interior point method of PIQP
 PROXIMAL = 1e6  # stiffness that stands for a rigid contact, per scaled mass: one or two rounds make it exact
@@ -111,7 +112,7 @@ class Newton:
                 dx *= kernels.line_search(*rows, gap, friction, compliance, mass, load, x, dx)
             x = x + dx
             changes = kernels.contact_law(*rows, gap, friction, compliance, x, state, found, total)
-            certificate = self._certify(program, mass, load, x, found)
+            certificate = certified(kernels, self.row, program, mass, load, x, found)
             if certificate.worst(program.step) <= ACCEPTED:
                 self.state = state.copy()
                 if accepted is not None or changes:
@@ -158,7 +159,7 @@ class Newton:
             share = min(1.0, TO_THE_BOUND * min(reach))
             x = x + share * dx
             kernels.interior_advance(share, ray, u, s, z, du, ds, dz, product, found)
-            certificate = self._certify(program, mass, load, x, found)
+            certificate = certified(kernels, self.row, program, mass, load, x, found)
             if best is None or certificate.worst(program.step) < best.certificate.worst(program.step):
                 best = Solution(found.copy(), 0.0, x[self.back], certificate)
             if certificate.worst(program.step) <= ACCEPTED:
@@ -195,16 +196,3 @@ class Newton:
         self.factorisations += 1
         factor, failed = lapack.dpbtrf(self.band.T, lower=1, overwrite_ab=1)
         return None if failed else factor
-
-    def _certify(self, program: Program, mass: Array, load: Array, x: Array, forces: Array) -> Certificate:
-        unbalanced, cone, power, penetration = self.kernels.residuals(
-            self.row, program.normal, program.tangent, program.gap, program.friction, program.compliance,
-            mass, load, x, forces, program.size,
-        )  # fmt: skip
-        return Certificate(
-            unbalanced / program.weight,
-            cone / program.weight,
-            power / (program.weight * program.step),
-            penetration,
-            0.0,
-        )
