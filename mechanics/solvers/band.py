@@ -56,3 +56,10 @@ def narrowest_order(linked: Index, blocks: int, centres: Array | None) -> Index:
 def _half_band(linked: Index, order: Index) -> int:
     rank = np.argsort(order)
     return int(abs(rank[linked[:, 0]] - rank[linked[:, 1]]).max(initial=0))
+
+
+def runs(row: Index) -> Index:
+    """Where contact points (c, 2) between the same two blocks, seen from either, begin and end, (r + 1,)."""
+    pairs = np.sort(row, axis=1)
+    starts = 1 + np.flatnonzero((pairs[1:] != pairs[:-1]).any(axis=1))
+    return np.concatenate([[0], starts, [len(row)]]).astype(np.intp) if len(row) else np.zeros(1, np.intp)

@@ -116,7 +116,11 @@ def _quality(program: Program, layout: Band, at: Point, forces: Array) -> Certif
         lateral = program.lateral[layout.order]
         load = load + at.alpha * lateral
         work = abs(float(lateral @ at.x) - program.work) / (program.weight * program.step)
-    return certificate(fastest(), layout.row, program, np.zeros_like(load), load, at.x, forces, work)
+    residuals = fastest().residuals(
+        layout.row, program.normal, program.tangent, program.gap, program.friction, program.compliance,
+        np.zeros_like(load), load, at.x, forces, program.size,
+    )  # fmt: skip
+    return certificate(residuals, program, work)
 
 
 def _restored(program: Program, layout: Band, at: Point, rays: Rays) -> Solution:

@@ -21,6 +21,7 @@ from mechanics.program import Certificate, Program
 NAME = "numpy"
 OPEN, STICKING, SLIDING_ON, SLIDING_BACK = 0, 1, 2, 3  # the slip of a sliding contact: w_t < 0, w_t > 0
 SEARCHES = 12  # slopes that a line search looks at, at most
+Residuals = tuple[float, float, float, float]
 FLAT = 0.1  # of the slope at its start: one that is none
 
 
@@ -32,24 +33,9 @@ def fastest() -> ModuleType:
         return sys.modules[__name__]
 
 
-def certificate(
-    loops: ModuleType,
-    row: Index,
-    program: Program,
-    mass: Array,
-    load: Array,
-    x: Array,
-    forces: Array,
-    work: float = 0.0,
-) -> Certificate:
-    """The certificate of displacements x in the order of the band, like `mass` and `load`, and contact forces (c, 2).
-
-    `work`: as in Certificate, known beforehand.
-    """
-    unbalanced, cone, power, penetration = loops.residuals(
-        row, program.normal, program.tangent, program.gap, program.friction, program.compliance,
-        mass, load, x, forces, program.size,
-    )  # fmt: skip
+def certificate(residuals: Residuals, program: Program, work: float = 0.0) -> Certificate:
+    """The certificate of a solution with these residuals (see residuals); `work`: as in Certificate."""
+    unbalanced, cone, power, penetration = residuals
     weight = program.weight
     return Certificate(unbalanced / weight, cone / weight, power / (weight * program.step), penetration, work)
 
@@ -304,7 +290,7 @@ def residuals(
     x: Array,
     forces: Array,
     size: float,
-) -> tuple[float, float, float, float]:
+) -> Residuals:
     """The definitions of program.Certificate, with their units: unbalanced force, cone, |cᵀw|, penetration."""
     w = compliance * forces + _opening(row, x, normal, tangent, gap)
     residual = load - mass * x + _resultant(row, normal, tangent, forces, len(x))
