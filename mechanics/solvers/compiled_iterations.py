@@ -145,8 +145,8 @@ def _packed(
 ) -> tuple[Any, Array, Array, Array]:
     """What the loops need of the runs and of their contact points.
 
-    Rows of a run's first block, movable where one is, and of the other, (j, 2); the lever (j, 2) from the other to it; of
-    a point the normal and the moments of n and t about the first block, (c, 4); n and t of its unit rays and the
+    Rows of a run's first block, movable where one is, and of the other, (j, 2); the lever (j, 2) from the other to it;
+    of a point the normal and the moments of n and t about the first block, (c, 4); n and t of its unit rays and the
     compliances along them, (c, 4).
     """
     pairs, c = len(runs) - 1, len(row)
@@ -174,7 +174,7 @@ def _packed(
 @compiled
 def _relative(j: int, ends: Any, lever: Array, x: Array) -> tuple[float, float, float]:
     """The motion of a run's first block as seen from the other, at the first one's centre."""
-    i, o = ends[j]
+    i, o = ends[j, 0], ends[j, 1]
     if i < 0:
         return 0.0, 0.0, 0.0
     if o < 0:
@@ -186,7 +186,7 @@ def _relative(j: int, ends: Any, lever: Array, x: Array) -> tuple[float, float, 
 @compiled
 def _act(j: int, ends: Any, lever: Array, fx: float, fz: float, moment: float, total: Array) -> None:
     """Forces of a run on its first block, about its centre, and their reactions on the other, added to `total`."""
-    i, o = ends[j]
+    i, o = ends[j, 0], ends[j, 1]
     if i >= 0:
         total[i] += fx
         total[i + 1] += fz
@@ -207,8 +207,8 @@ def _lacking(
         dx, dz, turn = _relative(j, ends, lever, x)
         fx, fz, moment = 0.0, 0.0, 0.0
         for k in range(runs[j], runs[j + 1]):
-            nx, nz, mn, mt = arm[k]
-            n, t, cn, ct = law[k]
+            nx, nz, mn, mt = arm[k, 0], arm[k, 1], arm[k, 2], arm[k, 3]
+            n, t, cn, ct = law[k, 0], law[k, 1], law[k, 2], law[k, 3]
             together, apart = s[k, 0] + s[k, 1], s[k, 0] - s[k, 1]
             along = n * (gap[k, 0] + nx * dx + nz * dz + mn * turn) + cn * together
             across = t * (gap[k, 1] + nz * dx - nx * dz + mt * turn) + ct * apart
@@ -232,8 +232,8 @@ def _matrix(
     for j in range(len(ends)):
         xx, xz, zz, xm, zm, mm = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for k in range(runs[j], runs[j + 1]):
-            nx, nz, mn, mt = arm[k]
-            n, t, cn, ct = law[k]
+            nx, nz, mn, mt = arm[k, 0], arm[k, 1], arm[k, 2], arm[k, 3]
+            n, t, cn, ct = law[k, 0], law[k, 1], law[k, 2], law[k, 3]
             first, second = z[k, 0] / s[k, 0], z[k, 1] / s[k, 1]
             det = 1.0 / (4.0 * cn * ct + (cn + ct) * (first + second) + first * second)
             a, b, c = (cn + ct + second) * det, (cn + ct + first) * det, (ct - cn) * det
@@ -253,7 +253,7 @@ def _matrix(
 @compiled
 def _stiffen(j: int, ends: Any, lever: Array, stiffness: Any, band: Array) -> None:
     """A run's stiffness against motions of its first block, seen from the other, into the band."""
-    i, o = ends[j]
+    i, o = ends[j, 0], ends[j, 1]
     xx, xz, zz, xm, zm, mm = stiffness
     if i < 0:
         return
@@ -265,7 +265,7 @@ def _stiffen(j: int, ends: Any, lever: Array, stiffness: Any, band: Array) -> No
     band[i + 2, 0] += mm
     if o < 0:
         return
-    lx, lz = lever[j]
+    lx, lz = lever[j, 0], lever[j, 1]
     # the last column of the stiffness against motions of the other block, which turns about its own centre
     tx, tz, tm = xm + lx * xz - lz * xx, zm + lx * zz - lz * xz, mm + lx * zm - lz * xm
     band[o, 0] += xx
@@ -293,8 +293,8 @@ def _right_hand_side(
     for j in range(len(ends)):
         fx, fz, moment = 0.0, 0.0, 0.0
         for k in range(runs[j], runs[j + 1]):
-            nx, nz, mn, mt = arm[k]
-            a, b, c = inverse[k]
+            nx, nz, mn, mt = arm[k, 0], arm[k, 1], arm[k, 2], arm[k, 3]
+            a, b, c = inverse[k, 0], inverse[k, 1], inverse[k, 2]
             first, second = r[k, 0] - p[k, 0] / s[k, 0], r[k, 1] - p[k, 1] / s[k, 1]
             v[k, 0], v[k, 1] = first, second
             one, two = a * first + c * second, c * first + b * second
@@ -315,11 +315,11 @@ def _step(
     for j in range(len(ends)):
         mx, mz, turn = _relative(j, ends, lever, dx)
         for k in range(runs[j], runs[j + 1]):
-            nx, nz, mn, mt = arm[k]
+            nx, nz, mn, mt = arm[k, 0], arm[k, 1], arm[k, 2], arm[k, 3]
             along = law[k, 0] * (nx * mx + nz * mz + mn * turn)
             across = law[k, 1] * (nz * mx - nx * mz + mt * turn)
             first, second = v[k, 0] - along - across, v[k, 1] - along + across
-            a, b, c = inverse[k]
+            a, b, c = inverse[k, 0], inverse[k, 1], inverse[k, 2]
             ds[k, 0], ds[k, 1] = a * first + c * second, c * first + b * second
             for e in range(2):
                 force, away = ds[k, e], -(p[k, e] + z[k, e] * ds[k, e]) / s[k, e]
