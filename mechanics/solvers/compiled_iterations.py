@@ -94,7 +94,7 @@ def interior(
     weight, size, step, accepted = scale
     c = len(row)
     ends, lever, arm, law = _packed(row, normal, tangent, friction, compliance, runs)
-    r, v, p, inverse = np.empty((c, 2)), np.empty((c, 2)), s * z, np.empty((c, 3))
+    r, v, p, inverse = np.empty((c, 2)), np.empty((c, 2)), s * z, np.empty((c, 5))
     ds, dz, dx = np.empty((c, 2)), np.empty((c, 2)), np.empty_like(x)
     short = load - mass * x
     _lacking(runs, ends, lever, arm, law, gap, x, s, z, r, short)
@@ -104,7 +104,7 @@ def interior(
         _matrix(runs, ends, lever, arm, law, mass, s, z, inverse, band)
         if not factorise(band):
             break
-        _right_hand_side(runs, ends, lever, arm, law, s, r, p, inverse, short, v, dx)
+        _right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, dx)
         substitute(band, dx)
         force, apart, zds, sdz, both = _step(runs, ends, lever, arm, law, s, z, v, p, inverse, dx, ds, dz)
         now = p.sum()
@@ -113,7 +113,7 @@ def interior(
         for k in range(c):
             for e in range(2):
                 p[k, e] += ds[k, e] * dz[k, e] - centre
-        _right_hand_side(runs, ends, lever, arm, law, s, r, p, inverse, short, v, dx)
+        _right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, dx)
         substitute(band, dx)
         reach = _step(runs, ends, lever, arm, law, s, z, v, p, inverse, dx, ds, dz)
         share = min(1.0, TO_THE_BOUND * min(reach[0], reach[1]))
@@ -225,7 +225,7 @@ def _matrix(
     runs: Any, ends: Any, lever: Array, arm: Array, law: Array, mass: Array, s: Array, z: Array, inverse: Array,
     band: Array,
 ) -> None:  # fmt: skip
-    """As kernels.interior_matrix."""
+    """As kernels.interior_matrix; 1/s, too, into `inverse` (c, 5)."""
     band[:] = 0.0
     for i in range(len(mass)):
         band[i, 0] = mass[i]
@@ -234,10 +234,13 @@ def _matrix(
         for k in range(runs[j], runs[j + 1]):
             nx, nz, mn, mt = arm[k, 0], arm[k, 1], arm[k, 2], arm[k, 3]
             n, t, cn, ct = law[k, 0], law[k, 1], law[k, 2], law[k, 3]
-            first, second = z[k, 0] / s[k, 0], z[k, 1] / s[k, 1]
-            det = 1.0 / (4.0 * cn * ct + (cn + ct) * (first + second) + first * second)
-            a, b, c = (cn + ct + second) * det, (cn + ct + first) * det, (ct - cn) * det
+            # divisions are slow: both sides times s s
+            first, second, both = z[k, 0] * s[k, 1], z[k, 1] * s[k, 0], s[k, 0] * s[k, 1]
+            det = 1.0 / (4.0 * cn * ct * both + (cn + ct) * (first + second) + z[k, 0] * z[k, 1])
+            a, b = ((cn + ct) * both + second) * det, ((cn + ct) * both + first) * det
+            c, both = (ct - cn) * both * det, 1.0 / both
             inverse[k, 0], inverse[k, 1], inverse[k, 2] = a, b, c
+            inverse[k, 3], inverse[k, 4] = s[k, 1] * both, s[k, 0] * both
             knn, knt, ktt = n * n * (a + b + 2.0 * c), n * t * (a - b), t * t * (a + b - 2.0 * c)
             px, pz, pm = knn * nx + knt * nz, knn * nz - knt * nx, knn * mn + knt * mt
             qx, qz, qm = knt * nx + ktt * nz, knt * nz - ktt * nx, knt * mn + ktt * mt
@@ -285,7 +288,7 @@ def _stiffen(j: int, ends: Any, lever: Array, stiffness: Any, band: Array) -> No
 
 @compiled
 def _right_hand_side(
-    runs: Any, ends: Any, lever: Array, arm: Array, law: Array, s: Array, r: Array, p: Array, inverse: Array,
+    runs: Any, ends: Any, lever: Array, arm: Array, law: Array, r: Array, p: Array, inverse: Array,
     short: Array, v: Array, rhs: Array,
 ) -> None:  # fmt: skip
     """As kernels.interior_rhs; what z and s z lack together, r − p/s, into `v`."""
@@ -295,7 +298,7 @@ def _right_hand_side(
         for k in range(runs[j], runs[j + 1]):
             nx, nz, mn, mt = arm[k, 0], arm[k, 1], arm[k, 2], arm[k, 3]
             a, b, c = inverse[k, 0], inverse[k, 1], inverse[k, 2]
-            first, second = r[k, 0] - p[k, 0] / s[k, 0], r[k, 1] - p[k, 1] / s[k, 1]
+            first, second = r[k, 0] - p[k, 0] * inverse[k, 3], r[k, 1] - p[k, 1] * inverse[k, 4]
             v[k, 0], v[k, 1] = first, second
             one, two = a * first + c * second, c * first + b * second
             fn, ft = law[k, 0] * (one + two), law[k, 1] * (one - two)
@@ -322,7 +325,7 @@ def _step(
             a, b, c = inverse[k, 0], inverse[k, 1], inverse[k, 2]
             ds[k, 0], ds[k, 1] = a * first + c * second, c * first + b * second
             for e in range(2):
-                force, away = ds[k, e], -(p[k, e] + z[k, e] * ds[k, e]) / s[k, e]
+                force, away = ds[k, e], -(p[k, e] + z[k, e] * ds[k, e]) * inverse[k, 3 + e]
                 dz[k, e] = away
                 if s[k, e] + to_force * force < 0.0:
                     to_force = -s[k, e] / force

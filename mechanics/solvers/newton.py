@@ -25,7 +25,7 @@ from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, 
 
 ACCEPTED = 1e-6  # certificate; worse ones are left to the interior point method of PIQP
 PROXIMAL = 1e6  # stiffness that stands for a rigid contact, per scaled mass: one or two rounds make it exact
-FEW, MANY = 40, 0.04  # contacts, and share of them: where more change state, it takes over at once
+FEW, MANY = 40, 0.015  # contacts, and share of them: where more change state, it takes over at once
 FINISHING = 8  # contacts: the same after it, where its solution is to be made exact
 LONGEST_PAUSE = 7  # solves left to it at once, the other having failed again and again
 START = 0.01  # least distance from the cone at which it starts, per weight and step
@@ -81,7 +81,7 @@ class Newton:
             self.pause = min(2 * self.pause + 1, LONGEST_PAUSE)
             self.next_try = self.solved + 1 + self.pause
         inner = self._interior(program, mass, load, near)
-        if inner is None or self.state is None or paused:
+        if inner is None or self.state is None or paused or program.compliance[:, 0].any():
             return inner
         # the states are known now: with them, forces that vanish are exactly zero
         near = inner.displacement[self.order]
