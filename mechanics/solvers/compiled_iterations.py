@@ -25,6 +25,7 @@ from mechanics.solvers.iterations import (
     LIKELY,
     MOST_ITERATIONS,
     NONE,
+    PROXIMAL,
     TO_THE_BOUND,
     worst,
 )
@@ -38,11 +39,21 @@ _worst: Any = compiled(worst)
 @compiled
 def semismooth(
     row: Any, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, state: Any, extra: Array, runs: Any, band: Array, scale: Any, many: int,
+    load: Array, x: Array, forces: Array, state: Any, runs: Any, band: Array, scale: Any, many: int,
 ) -> tuple[int, Residuals]:  # fmt: skip
     """See iterations.semismooth."""
     weight, size, step, accepted = scale
-    soft, centred = compliance + extra, gap - extra * forces
+    soft, centred, extra = np.empty_like(gap), np.empty_like(gap), np.zeros_like(gap)
+    for k in range(len(row)):
+        mobility = 0.0
+        for side in range(2):
+            if row[k, side] >= 0:
+                mobility += 1.0 / mass[row[k, side]]
+        for e in range(2):
+            if compliance[k, e] == 0.0:
+                extra[k, e] = mobility / PROXIMAL
+            soft[k, e] = compliance[k, e] + extra[k, e]
+            centred[k, e] = gap[k, e] - extra[k, e] * forces[k, e]
     found, total, kept, at = np.empty_like(forces), np.empty_like(load), state.copy(), x.copy()
     contact_law(row, normal, tangent, centred, friction, soft, at, kept, found, total)
     for k in range(len(row)):

@@ -20,6 +20,7 @@ PADDING = 0  # columns beyond the band
 CORRECTIONS = 7  # of the contact states
 MOST_ITERATIONS = 40  # from the inside
 TO_THE_BOUND = 0.995  # share of the way to the cone that a step goes
+PROXIMAL = 1e6  # stiffness that stands for a rigid contact, per scaled mass: one or two rounds make it exact
 LIKELY = 1e3  # accepted complementarities: products s z beyond them are not worth the look
 
 NONE = (np.inf, np.inf, np.inf, np.inf)
@@ -48,15 +49,15 @@ def substitute(band: Array, x: Array) -> None:
 
 def semismooth(
     row: Index, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, state: Index, extra: Array, runs: Index, band: Array,
+    load: Array, x: Array, forces: Array, state: Index, runs: Index, band: Array,
     scale: tuple[float, float, float, float], many: int,
 ) -> tuple[int, Residuals]:  # fmt: skip
-    """From known contact states (c,), corrected in place; nothing found where a step changes more than `many` of them.
-
-    `extra` (c, 2): compliances that stand for none.
-    """
+    """From known contact states (c,), corrected in place; nothing where a step changes more than `many` of them."""
     weight, size, step, accepted = scale
-    rows, soft, centred = (row, normal, tangent), compliance + extra, gap - extra * forces
+    rows = (row, normal, tangent)
+    mobility = np.where(row >= 0, 1.0 / mass[row], 0.0).sum(axis=1)
+    extra = np.where(compliance > 0.0, 0.0, mobility[:, None] / PROXIMAL)
+    soft, centred = compliance + extra, gap - extra * forces
     found, total, kept, at = np.empty_like(forces), np.empty_like(load), state.copy(), x.copy()
     kernels.contact_law(*rows, centred, friction, soft, at, kept, found, total)
     # where joints are elastic the last states tell more than a guess of the slip; rigid ones need the forces

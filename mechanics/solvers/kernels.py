@@ -162,6 +162,49 @@ def relative(a: Index, b: Index, rows: Array, moved: Array, change: Array) -> No
     change[:] = np.einsum("ij,ij->i", rows, np.concatenate([moved[a], moved[b]], axis=1))
 
 
+def springs(
+    a: Index,
+    b: Index,
+    normal: Array,
+    tangent: Array,
+    moved: Array,
+    forces: Array,
+    start: Array,
+    gap: Array,
+    compliance: Array,
+    stiffness: Array,
+    friction: Array,
+    before: Array,
+    shear: Array,
+    stretch: float,
+    dashpot: float,
+) -> tuple[float, float, float]:
+    """Shear of the springs at the end, into `shear` (c,); what friction and dashpots took, and what the stepping did.
+
+    For a step with displacements (b, 3): from contact forces (c, 2), the gaps at its start (c,), what counted as slide
+    then (c,), compliances (c, 2) and stiffness (c,), and the shear `before`; `stretch` and `dashpot` as in integrators.
+    What the stepping did is the work of the contact forces, less that of friction and dashpots, less what the springs
+    store. Where sliding dilates, that work comes back when the gap closes. Of rigid contacts `stiffness` is infinite.
+    """
+    moves = np.concatenate([moved[a], moved[b]], axis=1)
+    opening, slide = (np.einsum("ij,ij->i", rows, moves) for rows in (normal, tangent))
+    n, t = forces.T
+    slip = compliance[:, 1] * t + gap + slide
+    rubbed = -float(t @ slip)
+    work = -float(n @ opening) - float(t @ (slide - slip))
+    if np.isinf(stiffness).all():
+        shear[:] = before
+        return rubbed, 0.0, work
+    flexible = compliance[:, 1] * stretch
+    pressed, after = stiffness * np.maximum(-start, 0.0), stiffness * np.maximum(-start - opening, 0.0)
+    limit = friction * np.where(n > 0.0, np.maximum(n, after), 0.0)
+    shear[:] = np.clip(before + (t - before) / stretch, -limit, limit)
+    grown = np.where(n > 0.0, n - pressed, 0.0), t - before
+    viscous = dashpot / stretch * float((grown[0] ** 2 / stiffness).sum() + flexible @ grown[1] ** 2)
+    stored = 0.5 * float(((after**2 - pressed**2) / stiffness).sum() + flexible @ (shear**2 - before**2))
+    return rubbed, viscous, work - viscous - stored
+
+
 def opening(row: Index, normal: Array, tangent: Array, gap: Array, x: Array, u: Array) -> None:
     """Gaps and slides after displacements, g + A₀ᵀx, into `u` (c, 2)."""
     u[:] = gap + _change(row, x, normal, tangent)

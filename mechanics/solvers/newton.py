@@ -20,11 +20,10 @@ from mechanics.joints import Index
 from mechanics.program import Program, Solution
 from mechanics.solvers import kernels
 from mechanics.solvers.band import Band, runs
-from mechanics.solvers.iterations import worst
+from mechanics.solvers.iterations import PROXIMAL, worst
 from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, certificate, fastest
 
 ACCEPTED = 1e-6  # certificate; worse ones are left to the interior point method of PIQP
-PROXIMAL = 1e6  # stiffness that stands for a rigid contact, per scaled mass: one or two rounds make it exact
 FEW, MANY = 40, 0.015  # contacts, and share of them: where more change state, it takes over at once
 FINISHING = 8  # contacts: the same after it, where its solution is to be made exact
 LONGEST_PAUSE = 7  # solves left to it at once, the other having failed again and again
@@ -70,9 +69,10 @@ class Newton:
         self.solved += 1
         mass, load, near = program.mass[self.order], program.load[self.order], guess[self.order]
         paused = self.solved < self.next_try
-        if self.state is not None and not paused:
+        last = None if paused else self._last_states()
+        if last is not None:
             found = self._semismooth(
-                program, mass, load, near, forces, self.state, max(FEW, int(MANY * len(forces)))
+                program, mass, load, near, forces, last, max(FEW, int(MANY * len(forces)))
             )
             if found is not None:
                 self.repeated += 1
@@ -81,22 +81,21 @@ class Newton:
             self.pause = min(2 * self.pause + 1, LONGEST_PAUSE)
             self.next_try = self.solved + 1 + self.pause
         inner = self._interior(program, mass, load, near)
-        if inner is None or self.state is None or paused or program.compliance[:, 0].any():
+        if inner is None or paused or program.compliance[:, 0].any():
             return inner
         # the states are known now: with them, forces that vanish are exactly zero
-        near = inner.displacement[self.order]
-        exact = self._semismooth(program, mass, load, near, inner.forces, self.state, FINISHING)
+        near, last = inner.displacement[self.order], self._last_states()
+        assert last is not None
+        exact = self._semismooth(program, mass, load, near, inner.forces, last, FINISHING)
         return inner if exact is None else exact
 
     def _semismooth(
         self, program: Program, mass: Array, load: Array, x: Array, forces: Array, state: Index, many: int
     ) -> Solution | None:
         """From known contact states, none where a step changes more than `many` of them."""
-        mobility = np.where(self.row >= 0, 1.0 / mass[self.row], 0.0).sum(axis=1)
-        extra = np.where(program.compliance > 0.0, 0.0, mobility[:, None] / PROXIMAL)
         x, forces, state = x.copy(), forces.copy(), state.copy()
         count, residuals = self.iterations.semismooth(
-            *self._posed(program, mass, load), x, forces, state, extra, self.runs, self.band, _scale(program), many
+            *self._posed(program, mass, load), x, forces, state, self.runs, self.band, _scale(program), many
         )  # fmt: skip
         self.factorisations += count
         if worst(residuals, program.weight, program.step) > ACCEPTED:
@@ -114,12 +113,18 @@ class Newton:
             *self._posed(program, mass, load), x, forces, s, z, self.runs, self.band, _scale(program)
         )
         self.factorisations += count
-        self.along, self.apart = s, z
-        active = s * program.step > z * program.weight
-        self.state = STATES[active[:, 0].astype(np.intp), active[:, 1].astype(np.intp)]
         if not np.isfinite(worst(residuals, program.weight, program.step)):
+            self.along, self.apart = None, None
             return None
+        self.along, self.apart, self.unit, self.state = s, z, program.step / program.weight, None
         return Solution(forces, 0.0, x[self.back], certificate(residuals, program))
+
+    def _last_states(self) -> Index | None:
+        """Contact states (c,) of the last solution; of one from the inside, by rays that bear more than are apart."""
+        if self.state is None and self.along is not None and self.apart is not None:
+            bears = self.along * self.unit > self.apart
+            self.state = STATES[bears[:, 0].astype(np.intp), bears[:, 1].astype(np.intp)]
+        return self.state
 
     def _posed(self, program: Program, mass: Array, load: Array) -> tuple[Any, ...]:
         p = program
