@@ -26,6 +26,7 @@ from mechanics.solvers.iterations import (
     MOST_ITERATIONS,
     NONE,
     PROXIMAL,
+    STATES,
     TO_THE_BOUND,
     worst,
 )
@@ -95,7 +96,7 @@ def semismooth(
 @compiled
 def interior(
     row: Any, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, s: Array, z: Array, runs: Any, band: Array, scale: Any,
+    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Any, runs: Any, band: Array, scale: Any,
 ) -> tuple[int, Residuals]:  # fmt: skip
     """See iterations.interior.
 
@@ -147,6 +148,8 @@ def interior(
                 x[:], forces[:], best = at, found, here
             if _worst(best, weight, step) <= accepted:
                 break
+    for k in range(c):
+        state[k] = STATES[int(s[k, 0] * step > z[k, 0] * weight), int(s[k, 1] * step > z[k, 1] * weight)]
     return iteration, best
 
 

@@ -14,13 +14,14 @@ from scipy.linalg import lapack
 from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.solvers import kernels
-from mechanics.solvers.kernels import Residuals
+from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, Residuals
 
 PADDING = 0  # columns beyond the band
 CORRECTIONS = 7  # of the contact states
 MOST_ITERATIONS = 40  # from the inside
 TO_THE_BOUND = 0.995  # share of the way to the cone that a step goes
 PROXIMAL = 1e6  # stiffness that stands for a rigid contact, per scaled mass: one or two rounds make it exact
+STATES = np.array([[OPEN, SLIDING_BACK], [SLIDING_ON, STICKING]])  # by which of its rays bear
 LIKELY = 1e3  # accepted complementarities: products s z beyond them are not worth the look
 
 NONE = (np.inf, np.inf, np.inf, np.inf)
@@ -96,10 +97,12 @@ def semismooth(
 
 def interior(
     row: Index, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, s: Array, z: Array, runs: Index, band: Array,
+    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Index, runs: Index, band: Array,
     scale: tuple[float, float, float, float],
 ) -> tuple[int, Residuals]:  # fmt: skip
     """From forces s and gaps z (c, 2) along the rays of the friction cones, all positive, left at those found.
+
+    The contact states (c,) are told by the rays that bear more than they are apart, per weight and step.
 
     A primal-dual interior point method (Mehrotra): the best certificate met is returned, at the first that is accepted.
     """
@@ -133,4 +136,5 @@ def interior(
                 x[:], forces[:], best = at, found, here
             if worst(best, weight, step) <= accepted:
                 break
+    state[:] = STATES[tuple((s * step > z * weight).T.astype(np.intp))]
     return iteration, best

@@ -21,14 +21,13 @@ from mechanics.program import Program, Solution
 from mechanics.solvers import kernels
 from mechanics.solvers.band import Band, runs
 from mechanics.solvers.iterations import PROXIMAL, worst
-from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, certificate, fastest
+from mechanics.solvers.kernels import OPEN, SLIDING_ON, STICKING, certificate, fastest
 
 ACCEPTED = 1e-6  # certificate; worse ones are left to the interior point method of PIQP
 FEW, MANY = 40, 0.015  # contacts, and share of them: where more change state, it takes over at once
 FINISHING = 8  # contacts: the same after it, where its solution is to be made exact
 LONGEST_PAUSE = 7  # solves left to it at once, the other having failed again and again
 START = 0.01  # least distance from the cone at which it starts, per weight and step
-STATES = np.array([[OPEN, SLIDING_BACK], [SLIDING_ON, STICKING]])  # by which rays of the cone bear
 
 
 @dataclass(eq=False)
@@ -69,10 +68,9 @@ class Newton:
         self.solved += 1
         mass, load, near = program.mass[self.order], program.load[self.order], guess[self.order]
         paused = self.solved < self.next_try
-        last = None if paused else self._last_states()
-        if last is not None:
+        if self.state is not None and not paused:
             found = self._semismooth(
-                program, mass, load, near, forces, last, max(FEW, int(MANY * len(forces)))
+                program, mass, load, near, forces, self.state, max(FEW, int(MANY * len(forces)))
             )
             if found is not None:
                 self.repeated += 1
@@ -81,12 +79,11 @@ class Newton:
             self.pause = min(2 * self.pause + 1, LONGEST_PAUSE)
             self.next_try = self.solved + 1 + self.pause
         inner = self._interior(program, mass, load, near)
-        if inner is None or paused or program.compliance[:, 0].any():
+        if inner is None or self.state is None or paused or program.compliance[:, 0].any():
             return inner
         # the states are known now: with them, forces that vanish are exactly zero
-        near, last = inner.displacement[self.order], self._last_states()
-        assert last is not None
-        exact = self._semismooth(program, mass, load, near, inner.forces, last, FINISHING)
+        near = inner.displacement[self.order]
+        exact = self._semismooth(program, mass, load, near, inner.forces, self.state, FINISHING)
         return inner if exact is None else exact
 
     def _semismooth(
@@ -108,23 +105,16 @@ class Newton:
         s = np.zeros((c, 2)) if self.along is None else self.along
         z = np.zeros((c, 2)) if self.apart is None else self.apart
         s, z = np.maximum(s, START * program.weight), np.maximum(z, START * program.step)
-        x, forces = x.copy(), np.empty((c, 2))
+        x, forces, state = x.copy(), np.empty((c, 2)), np.empty(c, np.intp)
         count, residuals = self.iterations.interior(
-            *self._posed(program, mass, load), x, forces, s, z, self.runs, self.band, _scale(program)
+            *self._posed(program, mass, load), x, forces, s, z, state, self.runs, self.band, _scale(program)
         )
         self.factorisations += count
         if not np.isfinite(worst(residuals, program.weight, program.step)):
             self.along, self.apart = None, None
             return None
-        self.along, self.apart, self.unit, self.state = s, z, program.step / program.weight, None
+        self.along, self.apart, self.state = s, z, state
         return Solution(forces, 0.0, x[self.back], certificate(residuals, program))
-
-    def _last_states(self) -> Index | None:
-        """Contact states (c,) of the last solution; of one from the inside, by rays that bear more than are apart."""
-        if self.state is None and self.along is not None and self.apart is not None:
-            bears = self.along * self.unit > self.apart
-            self.state = STATES[bears[:, 0].astype(np.intp), bears[:, 1].astype(np.intp)]
-        return self.state
 
     def _posed(self, program: Program, mass: Array, load: Array) -> tuple[Any, ...]:
         p = program
@@ -143,7 +133,8 @@ class Newton:
         rows = (self.row, normal, tangent)
         self.kernels.repeat_matrix(*rows, frictionless, compliance, scaled, state, self.band)
         self.factorisations += 1
-        assert self.iterations.factorise(self.band)
+        definite = self.iterations.factorise(self.band)
+        assert definite
         forces, total, still = np.empty((len(gap), 2)), np.empty_like(mass), np.zeros_like(mass)
         self.kernels.repeat_forces(*rows, gap, frictionless, compliance, still, state, forces, total)
         self.iterations.substitute(self.band, total)
