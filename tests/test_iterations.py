@@ -1,0 +1,159 @@
+"""The compiled loops of a time step against the plain ones and against LAPACK."""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+import numpy as np
+import pytest
+from scipy.linalg import lapack
+
+from mechanics.block import Array
+from mechanics.solvers import iterations, kernels
+from mechanics.solvers.band import runs
+from mechanics.solvers.iterations import worst
+from mechanics.solvers.threads import _libraries, one_thread
+from tests.structures import arch_on_piers, running_bond
+from tests.test_newton import a_step, newton_for, shaken
+
+MODELS = {"wall": running_bond(4, 5, stiffness=1e6), "arch": arch_on_piers(voussoirs=7, courses=3)}
+
+
+def banded(blocks: int, reach: int, padding: int) -> Array:
+    """A positive definite matrix of blocks of three rows, each linked to the `reach` following ones."""
+    rng = np.random.default_rng(blocks)
+    n, width = 3 * blocks, 3 * reach + 3
+    band = np.zeros((n, width + padding))
+    band[:, :width] = rng.uniform(-1.0, 1.0, (n, width))
+    band[:, 0] = 2.0 * width
+    for k in range(n):
+        band[k, width - k % 3 :] = 0.0
+        band[k, n - k :] = 0.0
+    return band
+
+
+@pytest.mark.parametrize(("blocks", "reach"), [(1, 0), (2, 1), (3, 2), (5, 3), (22, 1), (40, 9), (61, 20)])
+def test_compiled_factorisation_is_that_of_lapack(blocks: int, reach: int) -> None:
+    """Bands narrower and wider than a tile, and than the matrix; factor and solution to rounding."""
+    cholesky = pytest.importorskip("mechanics.solvers.cholesky")
+    band, width = banded(blocks, reach, cholesky.PADDING), 3 * reach + 3
+    factor, failed = lapack.dpbtrf(band[:, :width].T.copy(), lower=1)
+    assert not failed
+    b = np.random.default_rng(1).uniform(-1.0, 1.0, len(band))
+    x = b.copy()
+    assert cholesky.factorise(band)
+    cholesky.substitute(band, x)
+    assert x == pytest.approx(lapack.dpbtrs(factor, b, lower=1)[0], rel=1e-12, abs=1e-14)
+    for k in range(len(band)):
+        inside = min(width - k % 3, len(band) - k)
+        assert band[k, :inside] == pytest.approx(factor.T[k, :inside], rel=1e-12, abs=1e-13)
+        assert not band[k, inside:].any(), "what is beyond the band stays zero"
+
+
+@pytest.mark.parametrize("row", [0, 4, 11])
+def test_a_matrix_that_is_not_positive_definite_is_told(row: int) -> None:
+    cholesky = pytest.importorskip("mechanics.solvers.cholesky")
+    for value in (0.0, -1.0, np.nan):
+        band = banded(4, 1, cholesky.PADDING)
+        band[row, 0] = value
+        assert not cholesky.factorise(band)
+
+
+@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
+@pytest.mark.parametrize("name", sorted(MODELS))
+def test_both_sets_of_iterations_do_the_same(name: str, behaviour: str) -> None:
+    """As many factorisations, the same contact states and forces, from the inside and from states."""
+    compiled = pytest.importorskip("mechanics.solvers.compiled")
+    model = MODELS[name]
+    for seed in range(4):
+        program = a_step(model, behaviour, shaken(model, seed), 0.3)
+        next_one = a_step(model, behaviour, shaken(model, seed), 0.32)
+        solvers = [newton_for(model, program, loops) for loops in (kernels, compiled)]
+        still, none = np.zeros(len(program.load)), np.zeros_like(program.gap)
+        for step in (program, next_one):
+            plain, quick = (solver.solve(step, still, none) for solver in solvers)
+            assert plain is not None and quick is not None
+            assert plain.forces == pytest.approx(quick.forces, abs=1e-6 * step.weight)
+            assert solvers[0].factorisations == solvers[1].factorisations
+            assert solvers[0].repeated == solvers[1].repeated
+            assert (solvers[0].state == solvers[1].state).all()
+
+
+@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
+def test_springs_of_a_step_are_the_same_in_both_loops(behaviour: str) -> None:
+    compiled = pytest.importorskip("mechanics.solvers.compiled")
+    model = MODELS["arch"]
+    contacts = model.contacts(behaviour)
+    rows = model.kinematics(behaviour, shaken(model, 1).positions)
+    rng, c = np.random.default_rng(2), len(contacts)
+    moved, forces = rng.standard_normal((len(model.blocks), 3)), rng.standard_normal((c, 2))
+    stiffness = np.full(c, np.inf) if behaviour == "rigid" else contacts.stiffness[:, 0].copy()
+    compliance, before = rng.uniform(0.0, 1.0, (c, 2)), rng.standard_normal(c)
+    if behaviour == "rigid":
+        compliance[:] = 0.0
+    start, results = rng.standard_normal(c), []
+    for loops in (kernels, compiled):
+        shear = np.empty(c)
+        sums = loops.springs(
+            contacts.a, contacts.b, rows.normal, rows.tangent, moved, forces, start,
+            rows.slide, compliance, stiffness, contacts.friction, before, shear, 0.7, 0.2,
+        )  # fmt: skip
+        results.append((sums, shear))
+    assert results[0][0] == pytest.approx(results[1][0], rel=1e-12)
+    assert results[0][1] == pytest.approx(results[1][1], rel=1e-12)
+    if behaviour == "rigid":
+        assert (results[0][1] == before).all() and results[0][0][1] == 0.0
+
+
+def test_contacts_of_two_blocks_form_one_run() -> None:
+    """Points seen from either block belong together; a run ends where another pair of blocks begins."""
+    row = np.array([[0, 3], [3, 0], [0, 3], [-1, 3], [3, -1], [6, 0]])
+    assert runs(row).tolist() == [0, 3, 5, 6]
+    assert runs(row[:0]).tolist() == [0]
+
+
+def test_what_is_no_number_is_no_solution() -> None:
+    """A maximum passes over nan: the sum of the complementarities does not."""
+    assert worst((0.0, 0.0, np.nan, 0.0), 1.0, 1.0) == np.inf
+    assert worst((1e-9, 2e-9, 1e-9, 1e-9), 1.0, 1.0) == 2e-9
+    model = MODELS["arch"]
+    for loops in _every_loop():
+        program = a_step(model, "elastic", shaken(model, 1), 0.3)
+        program.load[4] = np.nan
+        newton = newton_for(model, program, loops)
+        for _ in range(2):
+            assert newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap)) is None
+        program.load[4] = 0.0
+        found = newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
+        assert found is not None, "what went wrong is not begun from again"
+
+
+def _every_loop() -> list[ModuleType]:
+    try:
+        from mechanics.solvers import compiled
+    except ImportError:
+        return [kernels]
+    return [kernels, compiled]
+
+
+def test_one_thread_within_and_as_many_as_before_afterwards() -> None:
+    before = [ask() for ask, _ in _libraries()]
+    with one_thread():
+        assert all(ask() == 1 for ask, _ in _libraries())
+    assert [ask() for ask, _ in _libraries()] == before
+
+
+def test_corrections_end_where_they_are_many() -> None:
+    """States far from those of the solution are given up after one factorisation."""
+    model = MODELS["wall"]
+    program = a_step(model, "elastic", shaken(model, 2), 0.5)
+    newton = newton_for(model, program)
+    assert program.mass is not None
+    x, forces = np.zeros(len(program.load)), np.zeros_like(program.gap)
+    state = np.full(len(forces), kernels.STICKING)
+    scale = (program.weight, program.size, program.step, 1e-6)
+    posed = newton._posed(program, program.mass[newton.order], program.load[newton.order])
+    count, residuals = iterations.semismooth(*posed, x, forces, state, newton.runs, newton.band, scale, 3)
+    assert count == 1
+    assert worst(residuals, program.weight, program.step) == np.inf
+    assert not x.any() and not forces.any()
