@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
+import scipy
 from scipy.linalg import lapack
 
 from mechanics.block import Array
@@ -137,6 +139,12 @@ def _every_loop() -> list[ModuleType]:
 
 
 def test_one_thread_within_and_as_many_as_before_afterwards() -> None:
+    """Of the BLAS that each of the two wheels brings."""
+    wheels = [path.parent for path in (Path(np.__file__).parent, Path(scipy.__file__).parent)]
+    names = ("numpy", "scipy")
+    assert len(_libraries()) == sum(
+        any(wheel.glob(f"{name}.libs/*openblas*")) for wheel, name in zip(wheels, names, strict=True)
+    )
     before = [ask() for ask, _ in _libraries()]
     with one_thread():
         assert all(ask() == 1 for ask, _ in _libraries())
