@@ -11,8 +11,9 @@ import scipy
 from scipy.linalg import lapack
 
 from mechanics.block import Array
+from mechanics.joints import Index
 from mechanics.solvers import iterations, kernels
-from mechanics.solvers.band import runs
+from mechanics.solvers.band import envelope, runs
 from mechanics.solvers.iterations import worst
 from mechanics.solvers.threads import _libraries, one_thread
 from tests.structures import arch_on_piers, running_bond
@@ -21,44 +22,62 @@ from tests.test_newton import a_step, newton_for, shaken
 MODELS = {"wall": running_bond(4, 5, stiffness=1e6), "arch": arch_on_piers(voussoirs=7, courses=3)}
 
 
-def banded(blocks: int, reach: int, padding: int) -> Array:
-    """A positive definite matrix of blocks of three rows, each linked to the `reach` following ones."""
+def linked(blocks: int, reach: int, share: float) -> Index:
+    """Rows of pairs of blocks, some `share` of all those that lie not further apart than `reach`."""
     rng = np.random.default_rng(blocks)
-    n, width = 3 * blocks, 3 * reach + 3
-    band = np.zeros((n, width + padding))
-    band[:, :width] = rng.uniform(-1.0, 1.0, (n, width))
-    band[:, 0] = 2.0 * width
-    for k in range(n):
-        band[k, width - k % 3 :] = 0.0
-        band[k, n - k :] = 0.0
+    pairs = [(i, i + k) for i in range(blocks) for k in range(1, reach + 1) if i + k < blocks]
+    chosen = [pair for pair in pairs if rng.uniform() < share]
+    return 3 * np.array(chosen, dtype=np.intp).reshape(-1, 2)
+
+
+def banded(row: Index, blocks: int, places: int) -> Array:
+    """A positive definite matrix of blocks of three rows, linked as told."""
+    rng = np.random.default_rng(blocks)
+    band = np.zeros((3 * blocks, places))
+    for i, j in [*row.tolist(), *((i, i) for i in range(0, 3 * blocks, 3))]:
+        for c in range(3):
+            for r in range(c if i == j else 0, 3):
+                band[i + c, j + r - i - c] = rng.uniform(-1.0, 1.0)
+    band[:, 0] = 2.0 * places
     return band
 
 
+@pytest.mark.parametrize("share", [1.0, 0.3])
 @pytest.mark.parametrize(("blocks", "reach"), [(1, 0), (2, 1), (3, 2), (5, 3), (22, 1), (40, 9), (61, 20)])
-def test_compiled_factorisation_is_that_of_lapack(blocks: int, reach: int) -> None:
-    """Bands narrower and wider than a tile, and than the matrix; factor and solution to rounding."""
+def test_compiled_factorisation_is_that_of_lapack(blocks: int, reach: int, share: float) -> None:
+    """Bands narrower and wider than a tile and than the matrix, full and ragged; factor and solution to rounding."""
     cholesky = pytest.importorskip("mechanics.solvers.cholesky")
-    band, width = banded(blocks, reach, cholesky.PADDING), 3 * reach + 3
+    row, width = linked(blocks, reach, share), 3 * reach + 3
+    band, reached = banded(row, blocks, width + cholesky.PADDING), envelope(row, 3 * blocks)
     factor, failed = lapack.dpbtrf(band[:, :width].T.copy(), lower=1)
     assert not failed
     b = np.random.default_rng(1).uniform(-1.0, 1.0, len(band))
     x = b.copy()
-    assert cholesky.factorise(band)
-    cholesky.substitute(band, x)
+    assert cholesky.factorise(band, reached)
+    cholesky.substitute(band, reached, x)
     assert x == pytest.approx(lapack.dpbtrs(factor, b, lower=1)[0], rel=1e-12, abs=1e-14)
     for k in range(len(band)):
-        inside = min(width - k % 3, len(band) - k)
+        inside = min(width, len(band) - k)
         assert band[k, :inside] == pytest.approx(factor.T[k, :inside], rel=1e-12, abs=1e-13)
         assert not band[k, inside:].any(), "what is beyond the band stays zero"
+        assert not band[k, reached[k, 1] + 1 - k :].any()
 
 
 @pytest.mark.parametrize("row", [0, 4, 11])
 def test_a_matrix_that_is_not_positive_definite_is_told(row: int) -> None:
     cholesky = pytest.importorskip("mechanics.solvers.cholesky")
+    pairs = linked(4, 1, 1.0)
     for value in (0.0, -1.0, np.nan):
-        band = banded(4, 1, cholesky.PADDING)
+        band = banded(pairs, 4, 6 + cholesky.PADDING)
         band[row, 0] = value
-        assert not cholesky.factorise(band)
+        assert not cholesky.factorise(band, envelope(pairs, 12))
+
+
+def test_envelope_of_a_few_links() -> None:
+    """Five blocks, the first linked with the third, the second with the fourth; the last stands alone."""
+    reached = envelope(np.array([[0, 6], [9, 3], [-1, 12]]), 15)
+    assert reached[:, 0].tolist() == [0] * 3 + [3] * 3 + [0] * 3 + [3] * 3 + [12] * 3
+    assert reached[:, 1].tolist() == [8] * 3 + [11] * 9 + [14] * 3
 
 
 @pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
@@ -161,7 +180,9 @@ def test_corrections_end_where_they_are_many() -> None:
     state = np.full(len(forces), kernels.STICKING)
     scale = (program.weight, program.size, program.step, 1e-6)
     posed = newton._posed(program, program.mass[newton.order], program.load[newton.order])
-    count, residuals = iterations.semismooth(*posed, x, forces, state, newton.runs, newton.band, scale, 3)
+    count, residuals = iterations.semismooth(
+        *posed, x, forces, state, newton.runs, newton.band, newton.envelope, scale, 3
+    )
     assert count == 1
     assert worst(residuals, program.weight, program.step) == np.inf
     assert not x.any() and not forces.any()

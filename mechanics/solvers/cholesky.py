@@ -72,53 +72,54 @@ def _tile(typing_context: Any, column: Any, count: Any, stride: Any, rows: Any, 
 
 
 @compiled
-def factorise(band: Array) -> bool:
-    """The factor L of LLᵀ in place of a positive definite matrix; False where it is none."""
+def factorise(band: Array, envelope: Any) -> bool:
+    """The factor L of LLᵀ in place of a positive definite matrix of that envelope (see band); False where it is none."""
     n, places = band.shape
-    width = places - PADDING
     tile = np.empty((COLUMNS, ROWS))
     base, out, stride = band.ctypes.data, tile.ctypes.data, BYTES * (places - 1)
     for j in range(0, n, COLUMNS):
         columns = min(COLUMNS, n - j)
-        for i in range(j, min(n, j + width + COLUMNS - 1), ROWS):
-            first = max(0, i - width + 1)
+        end = envelope[j + columns - 1, 1] + 1
+        for i in range(j, end, ROWS):
+            first = j
+            for r in range(i, min(i + ROWS, end)):
+                first = min(first, envelope[r, 0])
             if first < j:
                 _tile(base + BYTES * (first * places + j - first), j - first, stride, BYTES * (i - j), out)
                 for c in range(columns):
                     for r in range(c if i == j else 0, ROWS):
                         band[j + c, i - j - c + r] -= tile[c, r]
         for c in range(columns):
-            column = band[j + c]
+            column = band[j + c, : end - j - c]
             if not column[0] > 0.0:
                 return False
             inverse = 1.0 / np.sqrt(column[0])
-            for e in range(width):
+            for e in range(len(column)):
                 column[e] *= inverse
             for d in range(c + 1, columns):
-                other, share = band[j + d], column[d - c]
-                for e in range(width - d + c):
-                    other[e] -= share * column[e + d - c]
+                other, below, share = band[j + d, : end - j - d], column[d - c :], column[d - c]
+                for e in range(len(other)):
+                    other[e] -= share * below[e]
     return True
 
 
 @compiled
-def substitute(band: Array, x: Array) -> None:
+def substitute(band: Array, envelope: Any, x: Array) -> None:
     """The solution of LLᵀx = b in place of b (m,), three rows a block."""
-    n, places = band.shape
-    width = places - PADDING
+    n = len(x)
     for j in range(0, n, 3):
         p, q, r = band[j], band[j + 1], band[j + 2]
         a = x[j] / p[0]
         b = (x[j + 1] - p[1] * a) / q[0]
         c = (x[j + 2] - p[2] * a - q[1] * b) / r[0]
         x[j], x[j + 1], x[j + 2] = a, b, c
-        below = x[j + 3 : min(j + 2 + width, n)]
+        below = x[j + 3 : envelope[j + 2, 1] + 1]
         p, q, r = p[3 : 3 + len(below)], q[2 : 2 + len(below)], r[1 : 1 + len(below)]
         for e in range(len(below)):
             below[e] -= a * p[e] + b * q[e] + c * r[e]
     for j in range(n - 3, -1, -3):
         p, q, r = band[j], band[j + 1], band[j + 2]
-        below = x[j + 3 : min(j + 2 + width, n)]
+        below = x[j + 3 : envelope[j + 2, 1] + 1]
         u, v, w = p[3 : 3 + len(below)], q[2 : 2 + len(below)], r[1 : 1 + len(below)]
         a, b, c = 0.0, 0.0, 0.0
         for e in range(len(below)):

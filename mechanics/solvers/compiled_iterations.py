@@ -40,7 +40,7 @@ _worst: Any = compiled(worst)
 @compiled
 def semismooth(
     row: Any, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, state: Any, runs: Any, band: Array, scale: Any, many: int,
+    load: Array, x: Array, forces: Array, state: Any, runs: Any, band: Array, envelope: Any, scale: Any, many: int,
 ) -> tuple[int, Residuals]:  # fmt: skip
     """See iterations.semismooth."""
     weight, size, step, accepted = scale
@@ -67,11 +67,11 @@ def semismooth(
         if changes:
             repeat_matrix(row, normal, tangent, friction, soft, mass, state, band)
             factorisations += 1
-            if not factorise(band):
+            if not factorise(band, envelope):
                 return factorisations, NONE
         for i in range(len(x)):
             dx[i] = load[i] + total[i] - mass[i] * at[i]
-        substitute(band, dx)
+        substitute(band, envelope, dx)
         if changes and correction:
             dx *= line_search(row, normal, tangent, centred, friction, soft, mass, load, at, dx)
         at += dx
@@ -96,7 +96,7 @@ def semismooth(
 @compiled
 def interior(
     row: Any, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Any, runs: Any, band: Array, scale: Any,
+    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Any, runs: Any, band: Array, envelope: Any, scale: Any,
 ) -> tuple[int, Residuals]:  # fmt: skip
     """See iterations.interior.
 
@@ -114,10 +114,10 @@ def interior(
     while iteration < MOST_ITERATIONS:
         iteration += 1
         _matrix(runs, ends, lever, arm, law, mass, s, z, inverse, band)
-        if not factorise(band):
+        if not factorise(band, envelope):
             break
         _right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, dx)
-        substitute(band, dx)
+        substitute(band, envelope, dx)
         force, apart, zds, sdz, both = _step(runs, ends, lever, arm, law, s, z, v, p, inverse, dx, ds, dz)
         now = p.sum()
         ahead = now + force * zds + apart * sdz + force * apart * both
@@ -126,7 +126,7 @@ def interior(
             for e in range(2):
                 p[k, e] += ds[k, e] * dz[k, e] - centre
         _right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, dx)
-        substitute(band, dx)
+        substitute(band, envelope, dx)
         reach = _step(runs, ends, lever, arm, law, s, z, v, p, inverse, dx, ds, dz)
         share = min(1.0, TO_THE_BOUND * min(reach[0], reach[1]))
         product = 0.0

@@ -1,9 +1,10 @@
 """The two iterations of the Newton solver (see newton) in plain NumPy: from contact states, and from the inside.
 
 `compiled_iterations` has the same ones for numba. Arguments as in kernels, rows in the order of the band; `runs`
-(j + 1,): where contact points between the same two blocks begin and end; `scale`: weight, size and step of the program,
-and the certificate that is accepted. Both write the displacements x (m,) and contact forces (c, 2) that they find, and
-return the number of factorisations and the residuals (as kernels.residuals), infinite where nothing is found.
+(j + 1,): where contact points between the same two blocks begin and end; `band` is work space for a matrix of that
+`envelope` (see band); `scale`: weight, size and step of the program, and the certificate that is accepted. Both write
+the displacements x (m,) and contact forces (c, 2) that they find, and return the number of factorisations and the
+residuals (as kernels.residuals), infinite where nothing is found.
 """
 
 from __future__ import annotations
@@ -37,20 +38,20 @@ def worst(residuals: Residuals, weight: float, step: float) -> float:
     )
 
 
-def factorise(band: Array) -> bool:
+def factorise(band: Array, _: Index) -> bool:
     """The factor L of LLᵀ in place of a positive definite matrix; False where it is none."""
     _, failed = lapack.dpbtrf(band.T, lower=1, overwrite_ab=1)
     return not failed
 
 
-def substitute(band: Array, x: Array) -> None:
+def substitute(band: Array, _: Index, x: Array) -> None:
     """The solution of LLᵀx = b in place of b (m,)."""
     x[:] = lapack.dpbtrs(band.T, x, lower=1)[0]
 
 
 def semismooth(
     row: Index, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, state: Index, runs: Index, band: Array,
+    load: Array, x: Array, forces: Array, state: Index, runs: Index, band: Array, envelope: Index,
     scale: tuple[float, float, float, float], many: int,
 ) -> tuple[int, Residuals]:  # fmt: skip
     """From known contact states (c,), corrected in place; nothing where a step changes more than `many` of them."""
@@ -69,10 +70,10 @@ def semismooth(
         if changes:
             kernels.repeat_matrix(*rows, friction, soft, mass, state, band)
             factorisations += 1
-            if not factorise(band):
+            if not factorise(band, envelope):
                 return factorisations, NONE
         dx = load + total - mass * at
-        substitute(band, dx)
+        substitute(band, envelope, dx)
         if changes and correction:
             dx *= kernels.line_search(*rows, centred, friction, soft, mass, load, at, dx)
         at += dx
@@ -97,7 +98,7 @@ def semismooth(
 
 def interior(
     row: Index, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Index, runs: Index, band: Array,
+    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Index, runs: Index, band: Array, envelope: Index,
     scale: tuple[float, float, float, float],
 ) -> tuple[int, Residuals]:  # fmt: skip
     """From forces s and gaps z (c, 2) along the rays of the friction cones, all positive, left at those found.
@@ -118,12 +119,12 @@ def interior(
     while iteration < MOST_ITERATIONS:
         iteration += 1
         kernels.interior_matrix(*rows, *law, mass, s, z, inverse, band)
-        if not factorise(band):
+        if not factorise(band, envelope):
             break
         point = (u, s, z, product, inverse)
         for corrects in (False, True):
             kernels.interior_rhs(*rows, *law, mass, load, at, *point, dx)
-            substitute(band, dx)
+            substitute(band, envelope, dx)
             reach = kernels.interior_step(*rows, *law, *point, dx, du, ds, dz)
             if not corrects:
                 kernels.interior_centre(s, z, ds, dz, *reach, product)

@@ -19,7 +19,7 @@ from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.program import Program, Solution
 from mechanics.solvers import kernels
-from mechanics.solvers.band import Band, runs
+from mechanics.solvers.band import Band, envelope, runs
 from mechanics.solvers.iterations import PROXIMAL, worst
 from mechanics.solvers.kernels import OPEN, SLIDING_ON, STICKING, certificate, fastest
 
@@ -48,7 +48,7 @@ class Newton:
     def __post_init__(self) -> None:
         layout = Band.of(self.dof, self.centres)
         self.order, self.back, self.row = layout.order, layout.back, layout.row
-        self.runs = runs(self.row)
+        self.runs, self.envelope = runs(self.row), envelope(self.row, len(self.order))
         self.iterations: Any = import_module(
             "mechanics.solvers." + ("iterations" if self.kernels is kernels else "compiled_iterations")
         )
@@ -92,7 +92,7 @@ class Newton:
         """From known contact states, none where a step changes more than `many` of them."""
         x, forces, state = x.copy(), forces.copy(), state.copy()
         count, residuals = self.iterations.semismooth(
-            *self._posed(program, mass, load), x, forces, state, self.runs, self.band, _scale(program), many
+            *self._posed(program, mass, load), x, forces, state, self.runs, self.band, self.envelope, _scale(program), many
         )  # fmt: skip
         self.factorisations += count
         if worst(residuals, program.weight, program.step) > ACCEPTED:
@@ -107,7 +107,16 @@ class Newton:
         s, z = np.maximum(s, START * program.weight), np.maximum(z, START * program.step)
         x, forces, state = x.copy(), np.empty((c, 2)), np.empty(c, np.intp)
         count, residuals = self.iterations.interior(
-            *self._posed(program, mass, load), x, forces, s, z, state, self.runs, self.band, _scale(program)
+            *self._posed(program, mass, load),
+            x,
+            forces,
+            s,
+            z,
+            state,
+            self.runs,
+            self.band,
+            self.envelope,
+            _scale(program),
         )
         self.factorisations += count
         if not np.isfinite(worst(residuals, program.weight, program.step)):
@@ -133,11 +142,11 @@ class Newton:
         rows = (self.row, normal, tangent)
         self.kernels.repeat_matrix(*rows, frictionless, compliance, scaled, state, self.band)
         self.factorisations += 1
-        definite = self.iterations.factorise(self.band)
+        definite = self.iterations.factorise(self.band, self.envelope)
         assert definite
         forces, total, still = np.empty((len(gap), 2)), np.empty_like(mass), np.zeros_like(mass)
         self.kernels.repeat_forces(*rows, gap, frictionless, compliance, still, state, forces, total)
-        self.iterations.substitute(self.band, total)
+        self.iterations.substitute(self.band, self.envelope, total)
         moved: Array = total[self.back]
         return moved
 
