@@ -157,6 +157,25 @@ def _every_loop() -> list[ModuleType]:
     return [kernels, compiled]
 
 
+def test_compiled_code_goes_by_the_sources_of_all_that_it_uses(tmp_path: Path) -> None:
+    """A cache by the file of each function alone would keep the code of what has changed in another file."""
+    compiler = pytest.importorskip("mechanics.solvers.compiler")
+    from mechanics.solvers import cholesky, compiled, compiled_iterations
+
+    name = compiler.digest(Path(compiler.__file__).with_name(f"{source}.py") for source in compiler.SOURCES)
+    for module in (cholesky, compiled, compiled_iterations):
+        assert Path(module.__file__).stem in compiler.SOURCES
+        for value in vars(module).values():
+            if hasattr(value, "py_func"):
+                assert value.py_func.__qualname__.endswith(name)
+    files = tmp_path / "a.py", tmp_path / "b.py"
+    for file in files:
+        file.write_text("x = 1\n")
+    before = compiler.digest(files)
+    files[1].write_text("x = 2\n")
+    assert compiler.digest(files) != before
+
+
 def test_one_thread_within_and_as_many_as_before_afterwards() -> None:
     """Of the BLAS that each of the two wheels brings."""
     wheels = [path.parent for path in (Path(np.__file__).parent, Path(scipy.__file__).parent)]

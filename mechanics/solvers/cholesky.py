@@ -8,19 +8,19 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 from llvmlite import ir
 from numba.core import types
 from numba.extending import intrinsic
 
 from mechanics.block import Array
+from mechanics.solvers.compiler import compiler
 
 ROWS, COLUMNS = 8, 6  # of a tile
 PADDING = ROWS + COLUMNS - 1
 BYTES = 8  # of a number
 _intrinsic: Any = intrinsic
-compiled: Any = numba.njit(cache=True, fastmath={"contract", "reassoc"}, error_model="numpy")
+compiled = compiler("contract", "reassoc")
 
 
 @_intrinsic
@@ -73,7 +73,7 @@ def _tile(typing_context: Any, column: Any, count: Any, stride: Any, rows: Any, 
 
 @compiled
 def factorise(band: Array, envelope: Any) -> bool:
-    """The factor L of LLᵀ in place of a positive definite matrix of that envelope (see band); False where it is none."""
+    """The factor L of LLᵀ in place of a positive definite matrix of that envelope (see band); False if it is none."""
     n, places = band.shape
     tile = np.empty((COLUMNS, ROWS))
     base, out, stride = band.ctypes.data, tile.ctypes.data, BYTES * (places - 1)

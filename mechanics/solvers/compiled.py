@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 
 from mechanics.block import Array
+from mechanics.solvers.compiler import compiler
 from mechanics.solvers.kernels import FLAT, OPEN, SEARCHES, SLIDING_BACK, SLIDING_ON, STICKING
 
 NAME = "numba"
-compiled: Any = numba.njit(cache=True, fastmath=False, error_model="numpy")
+compiled = compiler()
 
 
 @compiled

@@ -96,7 +96,8 @@ def semismooth(
 @compiled
 def interior(
     row: Any, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Any, runs: Any, band: Array, envelope: Any, scale: Any,
+    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Any, runs: Any, band: Array, envelope: Any,
+    scale: Any,
 ) -> tuple[int, Residuals]:  # fmt: skip
     """See iterations.interior.
 

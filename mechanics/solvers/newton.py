@@ -92,8 +92,8 @@ class Newton:
         """From known contact states, none where a step changes more than `many` of them."""
         x, forces, state = x.copy(), forces.copy(), state.copy()
         count, residuals = self.iterations.semismooth(
-            *self._posed(program, mass, load), x, forces, state, self.runs, self.band, self.envelope, _scale(program), many
-        )  # fmt: skip
+            *self._posed(program, mass, load), x, forces, state, *self._work_space(program), many
+        )
         self.factorisations += count
         if worst(residuals, program.weight, program.step) > ACCEPTED:
             return None
@@ -107,16 +107,7 @@ class Newton:
         s, z = np.maximum(s, START * program.weight), np.maximum(z, START * program.step)
         x, forces, state = x.copy(), np.empty((c, 2)), np.empty(c, np.intp)
         count, residuals = self.iterations.interior(
-            *self._posed(program, mass, load),
-            x,
-            forces,
-            s,
-            z,
-            state,
-            self.runs,
-            self.band,
-            self.envelope,
-            _scale(program),
+            *self._posed(program, mass, load), x, forces, s, z, state, *self._work_space(program)
         )
         self.factorisations += count
         if not np.isfinite(worst(residuals, program.weight, program.step)):
@@ -128,6 +119,10 @@ class Newton:
     def _posed(self, program: Program, mass: Array, load: Array) -> tuple[Any, ...]:
         p = program
         return self.row, p.normal, p.tangent, p.gap, p.friction, p.compliance, mass, load
+
+    def _work_space(self, program: Program) -> tuple[Any, ...]:
+        scale = program.weight, program.size, program.step, ACCEPTED
+        return self.runs, self.band, self.envelope, scale
 
     def close(self, mass: Array, normal: Array, tangent: Array, gap: Array, held: Index) -> Array:
         """The smallest displacements (m,), in the norm of the mass (m,), that close gaps and slides (c, 2).
@@ -149,7 +144,3 @@ class Newton:
         self.iterations.substitute(self.band, self.envelope, total)
         moved: Array = total[self.back]
         return moved
-
-
-def _scale(program: Program) -> tuple[float, float, float, float]:
-    return program.weight, program.size, program.step, ACCEPTED
