@@ -68,7 +68,8 @@ class Newton:
         self.solved += 1
         mass, load, near = program.mass[self.order], program.load[self.order], guess[self.order]
         paused = self.solved < self.next_try
-        if self.state is not None and not paused:
+        tried = self.state is not None and not paused
+        if self.state is not None and tried:
             found = self._semismooth(
                 program, mass, load, near, forces, self.state, max(FEW, int(MANY * len(forces)))
             )
@@ -79,9 +80,10 @@ class Newton:
             self.pause = min(2 * self.pause + 1, LONGEST_PAUSE)
             self.next_try = self.solved + 1 + self.pause
         inner = self._interior(program, mass, load, near)
-        if inner is None or self.state is None or paused or program.compliance[:, 0].any():
+        if inner is None or self.state is None or paused or (tried and program.compliance[:, 0].any()):
             return inner
-        # the states are known now: with them, forces that vanish are exactly zero
+        # the states are known now: with them, forces that vanish are exactly zero (elastic joints whose states were
+        # not found before are not found so either)
         near = inner.displacement[self.order]
         exact = self._semismooth(program, mass, load, near, inner.forces, self.state, FINISHING)
         return inner if exact is None else exact
