@@ -16,8 +16,9 @@ from mechanics.solvers import iterations, kernels
 from mechanics.solvers.band import envelope, runs
 from mechanics.solvers.iterations import worst
 from mechanics.solvers.threads import _libraries, one_thread
+from tests.steps import euler_step
 from tests.structures import arch_on_piers, running_bond
-from tests.test_newton import a_step, newton_for, shaken
+from tests.test_newton import newton_for, shaken
 
 MODELS = {"wall": running_bond(4, 5, stiffness=1e6), "arch": arch_on_piers(voussoirs=7, courses=3)}
 
@@ -87,8 +88,8 @@ def test_both_sets_of_iterations_do_the_same(name: str, behaviour: str) -> None:
     compiled = pytest.importorskip("mechanics.solvers.compiled")
     model = MODELS[name]
     for seed in range(4):
-        program = a_step(model, behaviour, shaken(model, seed), 0.3)
-        next_one = a_step(model, behaviour, shaken(model, seed), 0.32)
+        program = euler_step(model, behaviour, shaken(model, seed), 0.3)
+        next_one = euler_step(model, behaviour, shaken(model, seed), 0.32)
         solvers = [newton_for(model, program, loops) for loops in (kernels, compiled)]
         still, none = np.zeros(len(program.load)), np.zeros_like(program.gap)
         for step in (program, next_one):
@@ -139,7 +140,7 @@ def test_what_is_no_number_is_no_solution() -> None:
     assert worst((1e-9, 2e-9, 1e-9, 1e-9), 1.0, 1.0) == 2e-9
     model = MODELS["arch"]
     for loops in _every_loop():
-        program = a_step(model, "elastic", shaken(model, 1), 0.3)
+        program = euler_step(model, "elastic", shaken(model, 1), 0.3)
         program.load[4] = np.nan
         newton = newton_for(model, program, loops)
         for _ in range(2):
@@ -192,7 +193,7 @@ def test_one_thread_within_and_as_many_as_before_afterwards() -> None:
 def test_corrections_end_where_they_are_many() -> None:
     """States far from those of the solution are given up after one factorisation."""
     model = MODELS["wall"]
-    program = a_step(model, "elastic", shaken(model, 2), 0.5)
+    program = euler_step(model, "elastic", shaken(model, 2), 0.5)
     newton = newton_for(model, program)
     assert program.mass is not None
     x, forces = np.zeros(len(program.load)), np.zeros_like(program.gap)
