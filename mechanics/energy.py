@@ -91,7 +91,7 @@ def first_frequency(scene: Scene) -> float:
     _, normal, tangent = scene.geometry(scene.model.initial.positions)
     compliance = 1.0 / np.stack([k[:, 0], np.minimum(k[:, 1], RIGID_SHEAR * k[:, 0])], axis=1)
     state = np.full(len(k), STICKING)
-    band = np.zeros_like(newton.band)
+    band = np.zeros((len(newton.order), newton.width))
     newton.kernels.repeat_matrix(
         newton.row,
         normal,

@@ -55,43 +55,21 @@ def theta_step(scene: Scene, motion: Motion, load: Array, step: float, share: fl
     )  # fmt: skip
     dx, forces = scene.spread(solution.displacement), solution.forces
     v = motion.v + (dx / step - motion.v) / share
-    change = np.stack([scene.relative(normal, dx), scene.relative(tangent, dx)], axis=1)
-    slip = compliance[:, 1] * forces[:, 1] + gap[:, 1] + change[:, 1]
-    shear, viscous, stepping = _springs(scene, motion, forces, start[:, 0], change, slip, stretch, step)
+    shear = np.empty_like(motion.shear)
+    rubbed, viscous, stepping = scene.newton.kernels.springs(
+        scene.contacts.a, scene.contacts.b, normal, tangent, dx, forces, start[:, 0], gap[:, 1], compliance,
+        scene.stiffness, scene.contacts.friction, motion.shear, shear, stretch, scene.damping / step / stretch,
+    )  # fmt: skip
     return replace(
         motion,
         x=motion.x + dx,
         v=v,
         forces=forces,
         shear=shear,
-        friction=motion.friction - float(forces[:, 1] @ slip),
+        friction=motion.friction + rubbed,
         viscous=motion.viscous + viscous,
         integrator=motion.integrator
         + stepping
         + (share - 0.5) * float((scene.model.mass * (v - motion.v) ** 2).sum()),
         input=motion.input + scene.work_of_loads(load, dx),
     )
-
-
-def _springs(
-    scene: Scene, motion: Motion, forces: Array, gap: Array, change: Array, slip: Array, stretch: float, step: float
-) -> tuple[Array, float, float]:  # fmt: skip
-    """Shear (c,) kN of the springs at the end; what dashpots took in the step, and what the time stepping did (kNm).
-
-    From `gap` (c,) at the start, the `change` (c, 2) of gaps and slides and the `slip` (c,) of the step: work of the
-    contact forces, less that of friction and dashpots, less what the springs store. Where sliding dilates, that work
-    comes back when the gap closes.
-    """
-    n, t = forces.T
-    work = -float(n @ change[:, 0]) - float(t @ (change[:, 1] - slip))
-    if scene.behaviour == "rigid":
-        return motion.shear, 0.0, work
-    k, flexible = scene.contacts.stiffness[:, 0], scene.compliance[:, 1]
-    dashpot = scene.damping / step / stretch
-    before, after = k * np.maximum(-gap, 0.0), k * np.maximum(-gap - change[:, 0], 0.0)
-    limit = scene.contacts.friction * np.where(n > 0.0, np.maximum(n, after), 0.0)
-    shear = np.clip(motion.shear + (t - motion.shear) / stretch, -limit, limit)
-    grown = np.where(n > 0.0, n - before, 0.0), t - motion.shear
-    viscous = dashpot / stretch * float((grown[0] ** 2 / k).sum() + flexible @ grown[1] ** 2)
-    stored = 0.5 * float(((after**2 - before**2) / k).sum() + flexible @ (shear**2 - motion.shear**2))
-    return shear, viscous, work - viscous - stored

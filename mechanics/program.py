@@ -10,7 +10,7 @@ lies in the dual cone w_n ≥ μ|w_t| and does no work on the forces.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,7 +96,13 @@ class Certificate:
 
     def joined(self, other: Certificate) -> Certificate:
         """The worse of two, residual by residual."""
-        return Certificate(*(max(getattr(self, f.name), getattr(other, f.name)) for f in fields(self)))
+        return Certificate(
+            max(self.equilibrium, other.equilibrium),
+            max(self.cone, other.cone),
+            max(self.complementarity, other.complementarity),
+            max(self.penetration, other.penetration),
+            max(self.work, other.work),
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -71,9 +71,9 @@ class Scene:
         self.movable = np.flatnonzero(model.movable)
         self.newton = Newton(self.dof, model.initial.positions[self.movable, :2])
         self.mass = model.mass[self.movable].ravel()
-        self.compliance = np.zeros((len(contacts), 2))
+        self.compliance, self.stiffness = np.zeros((len(contacts), 2)), np.full(len(contacts), np.inf)
         if self.behaviour == "elastic":
-            self.compliance = 1.0 / contacts.stiffness
+            self.compliance, self.stiffness = 1.0 / contacts.stiffness, contacts.stiffness[:, 0].copy()
         self.block_size = np.sqrt([b.area for b in model.blocks])
         self.weight = model.weight / len(self.movable)
         # s: velocities stand for displacements, impulses for forces

@@ -62,6 +62,7 @@ class TimeHistory:
     notes: tuple[str, ...]
 
 
+@one_thread()
 def time_history(
     model: Assembly,
     acceleration: ArrayLike,
@@ -111,13 +112,12 @@ def time_history(
 
     motion = Motion(start.positions, start.velocities, forces, shear)
     motions, reason = [motion], ""
-    with one_thread():
-        for k in range(1, len(base)):
-            motion = advance(scene, motion, _load(model, base, k - 1, time_step), 0.0, time_step)
-            motions.append(motion)
-            reason = collapse(scene, start, motion, point, ultimate)
-            if reason:
-                break
+    for k in range(1, len(base)):
+        motion = advance(scene, motion, _load(model, base, k - 1, time_step), 0.0, time_step)
+        motions.append(motion)
+        reason = collapse(scene, start, motion, point, ultimate)
+        if reason:
+            break
     energy = Energy.of(motions, *stored(scene, motions))
     time: Array = time_step * np.arange(len(motions), dtype=float)
     return TimeHistory(

@@ -90,7 +90,7 @@ def test_band_is_narrow_and_known_states_need_one_factorisation() -> None:
     model = running_bond(6, 6)
     program = euler_step(model, "rigid", model.initial, 0.0)
     newton = newton_for(model, program)
-    assert newton.band.shape[1] <= 3 * 16, "reverse Cuthill–McKee: courses of at most 7 bricks"
+    assert newton.width <= 3 * 16, "reverse Cuthill–McKee: courses of at most 7 bricks"
     first = newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
     before = newton.factorisations
     newton.solve(program, np.zeros(len(program.load)), first.forces)
@@ -195,7 +195,7 @@ def test_sweeps_order_a_wall_by_its_courses() -> None:
         np.concatenate([model.dof[contacts.a], model.dof[contacts.b]], axis=1),
         model.initial.positions[model.movable, :2],
     )
-    assert newton.band.shape[1] <= 3 * 20, "reverse Cuthill–McKee has 3 · 28"
+    assert newton.width <= 3 * 20, "reverse Cuthill–McKee has 3 · 28"
 
 
 def counted(model: Assembly, amplitude: float, behaviour: str, steps: int = 120) -> tuple[float, float]:
@@ -220,12 +220,12 @@ def counted(model: Assembly, amplitude: float, behaviour: str, steps: int = 120)
 @pytest.mark.parametrize(
     ("model", "amplitude", "behaviour", "most", "repeated"),
     [
-        (block_on_base(0.6, 4.2, stiffness=1e6), 0.25, "elastic", 2.5, 0.8),
-        (block_on_base(0.6, 4.2, stiffness=1e6), 0.25, "rigid", 3.5, 0.95),
-        (arch_on_piers(), 0.04, "rigid", 2.5, 0.95),
-        (arch_on_piers(), 0.04, "elastic", 10.0, 0.0),
-        (running_bond(6, 6, stiffness=1e7), 0.5, "elastic", 9.0, 0.0),
-        (running_bond(6, 6, stiffness=1e7), 0.5, "rigid", 7.0, 0.3),
+        (block_on_base(0.6, 4.2, stiffness=1e6), 0.25, "elastic", 2.2, 0.8),
+        (block_on_base(0.6, 4.2, stiffness=1e6), 0.25, "rigid", 2.5, 0.95),
+        (arch_on_piers(), 0.04, "rigid", 1.3, 0.95),
+        (arch_on_piers(), 0.04, "elastic", 7.0, 0.15),
+        (running_bond(6, 6, stiffness=1e7), 0.5, "elastic", 5.0, 0.3),
+        (running_bond(6, 6, stiffness=1e7), 0.5, "rigid", 3.0, 0.8),
     ],
     ids=lambda value: f"{len(value.blocks)} blocks" if isinstance(value, Assembly) else str(value),
 )

@@ -56,3 +56,24 @@ def narrowest_order(linked: Index, blocks: int, centres: Array | None) -> Index:
 def _half_band(linked: Index, order: Index) -> int:
     rank = np.argsort(order)
     return int(abs(rank[linked[:, 0]] - rank[linked[:, 1]]).max(initial=0))
+
+
+def envelope(row: Index, size: int) -> Index:
+    """First column and last row that rows and columns of the factor reach, (size, 2); contact points as in Band.row.
+
+    No row of a Cholesky factor begins before that of its matrix; a column ends with the last row that has begun.
+    """
+    first = 3 * (np.arange(size) // 3)
+    pairs = np.sort(row[(row >= 0).all(axis=1)], axis=1)
+    for e in range(3):
+        np.minimum.at(first, pairs[:, 1] + e, pairs[:, 0])
+    last = np.arange(size)
+    np.maximum.at(last, first, np.arange(size))
+    return np.stack([first, np.maximum.accumulate(last)], axis=1).astype(np.intp)
+
+
+def runs(row: Index) -> Index:
+    """Where contact points (c, 2) between the same two blocks, seen from either, begin and end, (r + 1,)."""
+    pairs = np.sort(row, axis=1)
+    starts = 1 + np.flatnonzero((pairs[1:] != pairs[:-1]).any(axis=1))
+    return np.concatenate([[0], starts, [len(row)]]).astype(np.intp) if len(row) else np.zeros(1, np.intp)

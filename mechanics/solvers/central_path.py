@@ -20,7 +20,7 @@ from mechanics.program import LARGEST_MULTIPLIER, Certificate, Neighbour, Progra
 from mechanics.solvers import GOOD
 from mechanics.solvers.band import Band
 from mechanics.solvers.interior_step import Point, Rays, begin, corrected, linearised
-from mechanics.solvers.kernels import fastest
+from mechanics.solvers.kernels import certificate, fastest
 from mechanics.solvers.threads import one_thread
 
 HOLDING = 1e-9  # stiffness that holds blocks, per weight and step
@@ -116,17 +116,11 @@ def _quality(program: Program, layout: Band, at: Point, forces: Array) -> Certif
         lateral = program.lateral[layout.order]
         load = load + at.alpha * lateral
         work = abs(float(lateral @ at.x) - program.work) / (program.weight * program.step)
-    unbalanced, cone, power, penetration = fastest().residuals(
+    residuals = fastest().residuals(
         layout.row, program.normal, program.tangent, program.gap, program.friction, program.compliance,
         np.zeros_like(load), load, at.x, forces, program.size,
     )  # fmt: skip
-    return Certificate(
-        unbalanced / program.weight,
-        cone / program.weight,
-        power / (program.weight * program.step),
-        penetration,
-        work,
-    )
+    return certificate(residuals, program, work)
 
 
 def _restored(program: Program, layout: Band, at: Point, rays: Rays) -> Solution:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 
 from mechanics.block import Array
+from mechanics.solvers.compiler import compiler
 from mechanics.solvers.kernels import FLAT, OPEN, SEARCHES, SLIDING_BACK, SLIDING_ON, STICKING
 
 NAME = "numba"
-compiled: Any = numba.njit(cache=True, fastmath=False, error_model="numpy")
+compiled = compiler()
 
 
 @compiled
@@ -49,6 +49,49 @@ def relative(a: Any, b: Any, rows: Array, moved: Array, change: Array) -> None:
         for e in range(3):
             total += rows[k, e] * moved[a[k], e] + rows[k, 3 + e] * moved[b[k], e]
         change[k] = total
+
+
+@compiled
+def springs(
+    a: Any,
+    b: Any,
+    normal: Array,
+    tangent: Array,
+    moved: Array,
+    forces: Array,
+    start: Array,
+    gap: Array,
+    compliance: Array,
+    stiffness: Array,
+    friction: Array,
+    before: Array,
+    shear: Array,
+    stretch: float,
+    dashpot: float,
+) -> tuple[float, float, float]:
+    """See kernels.springs."""
+    rubbed, work, viscous, stored = 0.0, 0.0, 0.0, 0.0
+    for k in range(len(a)):
+        opening, slide = 0.0, 0.0
+        for e in range(3):
+            opening += normal[k, e] * moved[a[k], e] + normal[k, 3 + e] * moved[b[k], e]
+            slide += tangent[k, e] * moved[a[k], e] + tangent[k, 3 + e] * moved[b[k], e]
+        n, t = forces[k, 0], forces[k, 1]
+        slip = compliance[k, 1] * t + gap[k] + slide
+        rubbed -= t * slip
+        work -= n * opening + t * (slide - slip)
+        stiff = stiffness[k]
+        if np.isinf(stiff):
+            shear[k] = before[k]
+            continue
+        flexible = compliance[k, 1] * stretch
+        pressed, after = stiff * max(-start[k], 0.0), stiff * max(-start[k] - opening, 0.0)
+        limit = friction[k] * max(n, after) if n > 0.0 else 0.0
+        shear[k] = min(max(before[k] + (t - before[k]) / stretch, -limit), limit)
+        grown = n - pressed if n > 0.0 else 0.0
+        viscous += dashpot / stretch * (grown**2 / stiff + flexible * (t - before[k]) ** 2)
+        stored += 0.5 * ((after**2 - pressed**2) / stiff + flexible * (shear[k] ** 2 - before[k] ** 2))
+    return rubbed, viscous, work - viscous - stored
 
 
 @compiled

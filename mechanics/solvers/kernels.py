@@ -16,10 +16,12 @@ import numpy as np
 from mechanics.block import Array
 from mechanics.contacts import Contacts, kinematics
 from mechanics.joints import Index
+from mechanics.program import Certificate, Program
 
 NAME = "numpy"
 OPEN, STICKING, SLIDING_ON, SLIDING_BACK = 0, 1, 2, 3  # the slip of a sliding contact: w_t < 0, w_t > 0
 SEARCHES = 12  # slopes that a line search looks at, at most
+Residuals = tuple[float, float, float, float]
 FLAT = 0.1  # of the slope at its start: one that is none
 
 
@@ -29,6 +31,13 @@ def fastest() -> ModuleType:
         return importlib.import_module("mechanics.solvers.compiled")
     except ImportError:
         return sys.modules[__name__]
+
+
+def certificate(residuals: Residuals, program: Program, work: float = 0.0) -> Certificate:
+    """The certificate of a solution with these residuals (see residuals); `work`: as in Certificate."""
+    unbalanced, cone, power, penetration = residuals
+    weight = program.weight
+    return Certificate(unbalanced / weight, cone / weight, power / (weight * program.step), penetration, work)
 
 
 def geometry(
@@ -151,6 +160,49 @@ def line_search(
 def relative(a: Index, b: Index, rows: Array, moved: Array, change: Array) -> None:
     """Change of gaps or slides that displacements (b, 3) cause, `rows` (c, 6) times those of blocks a and b."""
     change[:] = np.einsum("ij,ij->i", rows, np.concatenate([moved[a], moved[b]], axis=1))
+
+
+def springs(
+    a: Index,
+    b: Index,
+    normal: Array,
+    tangent: Array,
+    moved: Array,
+    forces: Array,
+    start: Array,
+    gap: Array,
+    compliance: Array,
+    stiffness: Array,
+    friction: Array,
+    before: Array,
+    shear: Array,
+    stretch: float,
+    dashpot: float,
+) -> tuple[float, float, float]:
+    """Shear of the springs at the end, into `shear` (c,); what friction and dashpots took, and what the stepping did.
+
+    For a step with displacements (b, 3): from contact forces (c, 2), the gaps at its start (c,), what counted as slide
+    then (c,), compliances (c, 2) and stiffness (c,), and the shear `before`; `stretch` and `dashpot` as in integrators.
+    What the stepping did is the work of the contact forces, less that of friction and dashpots, less what the springs
+    store. Where sliding dilates, that work comes back when the gap closes. Of rigid contacts `stiffness` is infinite.
+    """
+    moves = np.concatenate([moved[a], moved[b]], axis=1)
+    opening, slide = (np.einsum("ij,ij->i", rows, moves) for rows in (normal, tangent))
+    n, t = forces.T
+    slip = compliance[:, 1] * t + gap + slide
+    rubbed = -float(t @ slip)
+    work = -float(n @ opening) - float(t @ (slide - slip))
+    if np.isinf(stiffness).all():
+        shear[:] = before
+        return rubbed, 0.0, work
+    flexible = compliance[:, 1] * stretch
+    pressed, after = stiffness * np.maximum(-start, 0.0), stiffness * np.maximum(-start - opening, 0.0)
+    limit = friction * np.where(n > 0.0, np.maximum(n, after), 0.0)
+    shear[:] = np.clip(before + (t - before) / stretch, -limit, limit)
+    grown = np.where(n > 0.0, n - pressed, 0.0), t - before
+    viscous = dashpot / stretch * float((grown[0] ** 2 / stiffness).sum() + flexible @ grown[1] ** 2)
+    stored = 0.5 * float(((after**2 - pressed**2) / stiffness).sum() + flexible @ (shear**2 - before**2))
+    return rubbed, viscous, work - viscous - stored
 
 
 def opening(row: Index, normal: Array, tangent: Array, gap: Array, x: Array, u: Array) -> None:
@@ -281,7 +333,7 @@ def residuals(
     x: Array,
     forces: Array,
     size: float,
-) -> tuple[float, float, float, float]:
+) -> Residuals:
     """The definitions of program.Certificate, with their units: unbalanced force, cone, |cᵀw|, penetration."""
     w = compliance * forces + _opening(row, x, normal, tangent, gap)
     residual = load - mass * x + _resultant(row, normal, tangent, forces, len(x))

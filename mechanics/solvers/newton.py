@@ -10,25 +10,23 @@ factorisation where they are right. The second is a primal-dual interior point m
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from importlib import import_module
 from typing import Any
 
 import numpy as np
-from scipy.linalg import lapack
 
 from mechanics.block import Array
 from mechanics.joints import Index
-from mechanics.program import Certificate, Program, Solution
-from mechanics.solvers.band import Band
-from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, fastest
+from mechanics.program import Program, Solution
+from mechanics.solvers import kernels
+from mechanics.solvers.band import Band, envelope, runs
+from mechanics.solvers.iterations import PROXIMAL, worst
+from mechanics.solvers.kernels import OPEN, SLIDING_ON, STICKING, certificate, fastest
 
 ACCEPTED = 1e-6  # certificate; worse ones are left to the interior point method of PIQP
-PROXIMAL = 1e6  # stiffness that stands for a rigid contact, per scaled mass: one or two rounds make it exact
-CORRECTIONS = 7  # of the contact states, before the interior point method takes over
-FEW, MANY = 40, 0.04  # contacts, and share of them: where more change state, it takes over at once
+FEW, MANY = 40, 0.015  # contacts, and share of them: where more change state, it takes over at once
 FINISHING = 8  # contacts: the same after it, where its solution is to be made exact
 LONGEST_PAUSE = 7  # solves left to it at once, the other having failed again and again
-MOST_ITERATIONS = 40
-TO_THE_BOUND = 0.995  # share of the way to the cone that a step of the interior point method goes
 START = 0.01  # least distance from the cone at which it starts, per weight and step
 
 
@@ -50,7 +48,12 @@ class Newton:
     def __post_init__(self) -> None:
         layout = Band.of(self.dof, self.centres)
         self.order, self.back, self.row = layout.order, layout.back, layout.row
-        self.band: Array = np.zeros((len(layout.order), layout.width))
+        self.runs, self.envelope = runs(self.row), envelope(self.row, len(self.order))
+        self.iterations: Any = import_module(
+            "mechanics.solvers." + ("iterations" if self.kernels is kernels else "compiled_iterations")
+        )
+        self.width = layout.width
+        self.band: Array = np.zeros((len(layout.order), layout.width + self.iterations.PADDING))
         self.state: Index | None = None
         self.pause, self.next_try = 0, 0
         self.along: Array | None = None
@@ -65,7 +68,8 @@ class Newton:
         self.solved += 1
         mass, load, near = program.mass[self.order], program.load[self.order], guess[self.order]
         paused = self.solved < self.next_try
-        if self.state is not None and not paused:
+        tried = self.state is not None and not paused
+        if self.state is not None and tried:
             found = self._semismooth(
                 program, mass, load, near, forces, self.state, max(FEW, int(MANY * len(forces)))
             )
@@ -75,10 +79,11 @@ class Newton:
                 return found
             self.pause = min(2 * self.pause + 1, LONGEST_PAUSE)
             self.next_try = self.solved + 1 + self.pause
-        inner = self._interior(program, mass, load, near, forces)
-        if inner is None or self.state is None or paused:
+        inner = self._interior(program, mass, load, near)
+        if inner is None or self.state is None or paused or (tried and program.compliance[:, 0].any()):
             return inner
-        # the states are known now: with them, forces that vanish are exactly zero
+        # the states are known now: with them, forces that vanish are exactly zero (elastic joints whose states were
+        # not found before are not found so either)
         near = inner.displacement[self.order]
         exact = self._semismooth(program, mass, load, near, inner.forces, self.state, FINISHING)
         return inner if exact is None else exact
@@ -87,90 +92,39 @@ class Newton:
         self, program: Program, mass: Array, load: Array, x: Array, forces: Array, state: Index, many: int
     ) -> Solution | None:
         """From known contact states, none where a step changes more than `many` of them."""
-        kernels, friction = self.kernels, program.friction
-        rows = (self.row, program.normal, program.tangent)
-        mobility = np.where(self.row >= 0, 1.0 / mass[self.row], 0.0).sum(axis=1)
-        extra = np.where(program.compliance > 0.0, 0.0, mobility[:, None] / PROXIMAL)
-        compliance = program.compliance + extra
-        gap = program.gap - extra * forces
-        found, total, guessed = np.empty_like(forces), np.empty_like(load), state.copy()
-        kernels.contact_law(*rows, gap, friction, compliance, x, guessed, found, total)
-        # where joints are elastic the last states tell more than a guess of the slip; rigid ones need the forces
-        state = np.where(program.compliance[:, 0] > 0.0, state, guessed)
-        kernels.repeat_forces(*rows, gap, friction, compliance, x, state, found, total)
-        changes, factor = 1, None
-        accepted: Solution | None = None
-        for correction in range(CORRECTIONS):
-            if changes:
-                kernels.repeat_matrix(*rows, friction, compliance, mass, state, self.band)
-                factor = self._factor()
-                if factor is None:
-                    return None
-            dx = lapack.dpbtrs(factor, load + total - mass * x, lower=1)[0]
-            if changes and correction:
-                dx *= kernels.line_search(*rows, gap, friction, compliance, mass, load, x, dx)
-            x = x + dx
-            changes = kernels.contact_law(*rows, gap, friction, compliance, x, state, found, total)
-            certificate = self._certify(program, mass, load, x, found)
-            if certificate.worst(program.step) <= ACCEPTED:
-                self.state = state.copy()
-                if accepted is not None or changes:
-                    return Solution(found, 0.0, x[self.back], certificate)
-                accepted = Solution(found.copy(), 0.0, x[self.back], certificate)
-            if changes > many:
-                return None
-            if not changes:
-                # right but for the compliance that stands for none: with its centre in the forces found, exact
-                gap = program.gap - extra * found
-                changes = kernels.contact_law(*rows, gap, friction, compliance, x, state, found, total)
-                if accepted is not None and changes:
-                    break
-        return accepted
+        x, forces, state = x.copy(), forces.copy(), state.copy()
+        count, residuals = self.iterations.semismooth(
+            *self._posed(program, mass, load), x, forces, state, *self._work_space(program), many
+        )
+        self.factorisations += count
+        if worst(residuals, program.weight, program.step) > ACCEPTED:
+            return None
+        self.state = state
+        return Solution(forces, 0.0, x[self.back], certificate(residuals, program))
 
-    def _interior(
-        self, program: Program, mass: Array, load: Array, x: Array, forces: Array
-    ) -> Solution | None:
-        kernels, c = self.kernels, len(forces)
-        rows = (self.row, program.normal, program.tangent)
-        n = 1.0 / np.hypot(1.0, program.friction)
-        ray = np.stack([n, program.friction * n], axis=1)
-        law = (ray, program.compliance)
-        s = self.along if self.along is not None else np.zeros((c, 2))
-        z = self.apart if self.apart is not None else np.zeros((c, 2))
-        s = np.clip(s, START * program.weight, None)
-        z = np.clip(z, START * program.step, None)
-        u, du, ds, dz, found = (np.empty((c, 2)) for _ in range(5))
-        inverse, rhs, product = np.empty((c, 3)), np.empty_like(load), s * z
-        kernels.opening(*rows, program.gap, x, u)
-        best: Solution | None = None
-        for _ in range(MOST_ITERATIONS):
-            kernels.interior_matrix(*rows, *law, mass, s, z, inverse, self.band)
-            factor = self._factor()
-            if factor is None:
-                break
-            point = (u, s, z, product, inverse)
-            for corrects in (False, True):
-                kernels.interior_rhs(*rows, *law, mass, load, x, *point, rhs)
-                dx = lapack.dpbtrs(factor, rhs, lower=1)[0]
-                reach = kernels.interior_step(*rows, *law, *point, dx, du, ds, dz)
-                if not corrects:
-                    kernels.interior_centre(s, z, ds, dz, *reach, product)
-            share = min(1.0, TO_THE_BOUND * min(reach))
-            x = x + share * dx
-            kernels.interior_advance(share, ray, u, s, z, du, ds, dz, product, found)
-            certificate = self._certify(program, mass, load, x, found)
-            if best is None or certificate.worst(program.step) < best.certificate.worst(program.step):
-                best = Solution(found.copy(), 0.0, x[self.back], certificate)
-            if certificate.worst(program.step) <= ACCEPTED:
-                break
-        self.along, self.apart = s, z
-        active = s * program.step > z * program.weight
-        self.state = np.where(
-            active.all(axis=1),
-            STICKING,
-            np.where(active[:, 0], SLIDING_ON, np.where(active[:, 1], SLIDING_BACK, OPEN)),
-        ).astype(np.intp)
-        return best
+    def _interior(self, program: Program, mass: Array, load: Array, x: Array) -> Solution | None:
+        c = len(program.gap)
+        s = np.zeros((c, 2)) if self.along is None else self.along
+        z = np.zeros((c, 2)) if self.apart is None else self.apart
+        s, z = np.maximum(s, START * program.weight), np.maximum(z, START * program.step)
+        x, forces, state = x.copy(), np.empty((c, 2)), np.empty(c, np.intp)
+        count, residuals = self.iterations.interior(
+            *self._posed(program, mass, load), x, forces, s, z, state, *self._work_space(program)
+        )
+        self.factorisations += count
+        if not np.isfinite(worst(residuals, program.weight, program.step)):
+            self.along, self.apart = None, None
+            return None
+        self.along, self.apart, self.state = s, z, state
+        return Solution(forces, 0.0, x[self.back], certificate(residuals, program))
+
+    def _posed(self, program: Program, mass: Array, load: Array) -> tuple[Any, ...]:
+        p = program
+        return self.row, p.normal, p.tangent, p.gap, p.friction, p.compliance, mass, load
+
+    def _work_space(self, program: Program) -> tuple[Any, ...]:
+        scale = program.weight, program.size, program.step, ACCEPTED
+        return self.runs, self.band, self.envelope, scale
 
     def close(self, mass: Array, normal: Array, tangent: Array, gap: Array, held: Index) -> Array:
         """The smallest displacements (m,), in the norm of the mass (m,), that close gaps and slides (c, 2).
@@ -184,27 +138,11 @@ class Newton:
         frictionless = np.zeros(len(gap))
         rows = (self.row, normal, tangent)
         self.kernels.repeat_matrix(*rows, frictionless, compliance, scaled, state, self.band)
-        factor = self._factor()
-        assert factor is not None
+        self.factorisations += 1
+        definite = self.iterations.factorise(self.band, self.envelope)
+        assert definite
         forces, total, still = np.empty((len(gap), 2)), np.empty_like(mass), np.zeros_like(mass)
         self.kernels.repeat_forces(*rows, gap, frictionless, compliance, still, state, forces, total)
-        moved: Array = lapack.dpbtrs(factor, total, lower=1)[0][self.back]
+        self.iterations.substitute(self.band, self.envelope, total)
+        moved: Array = total[self.back]
         return moved
-
-    def _factor(self) -> Array | None:
-        self.factorisations += 1
-        factor, failed = lapack.dpbtrf(self.band.T, lower=1, overwrite_ab=1)
-        return None if failed else factor
-
-    def _certify(self, program: Program, mass: Array, load: Array, x: Array, forces: Array) -> Certificate:
-        unbalanced, cone, power, penetration = self.kernels.residuals(
-            self.row, program.normal, program.tangent, program.gap, program.friction, program.compliance,
-            mass, load, x, forces, program.size,
-        )  # fmt: skip
-        return Certificate(
-            unbalanced / program.weight,
-            cone / program.weight,
-            power / (program.weight * program.step),
-            penetration,
-            0.0,
-        )

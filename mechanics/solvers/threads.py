@@ -1,4 +1,4 @@
-"""One thread for SciPy's LAPACK while narrow bands are factored."""
+"""One thread for the BLAS of NumPy and SciPy while many small systems are solved."""
 
 from __future__ import annotations
 
@@ -7,34 +7,44 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import scipy
 
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Keep the OpenBLAS of SciPy's wheels to one thread; without effect where SciPy brings another LAPACK.
+    """Keep the OpenBLAS of NumPy's and SciPy's wheels to one thread; without effect where they bring another one.
 
-    A band of a hundred rows is factored in half a millisecond: threads that wait for each other make it ten times as
-    long, a hundred times where other programs want the processor too.
+    A band of a hundred rows is factored in half a millisecond, an inner product of ten thousand numbers takes a
+    hundredth of that: threads that wait for each other make them ten times as long, a hundred times where other
+    programs want the processor too.
     """
-    library = _library()
-    if library is None:
-        yield
-        return
-    before = library.scipy_openblas_get_num_threads()
-    library.scipy_openblas_set_num_threads(1)
+    before = [(give, ask()) for ask, give in _libraries()]
+    for give, _ in before:
+        give(1)
     try:
         yield
     finally:
-        library.scipy_openblas_set_num_threads(before)
+        for give, threads in before:
+            give(threads)
 
 
 @cache
-def _library() -> ctypes.CDLL | None:
-    package = Path(scipy.__file__).parent
-    for path in (*package.parent.glob("scipy.libs/*openblas*"), *package.glob(".dylibs/*openblas*")):
-        library = ctypes.CDLL(str(path))
-        if hasattr(library, "scipy_openblas_set_num_threads"):
-            return library
-    return None
+def _libraries() -> tuple[tuple[Any, Any], ...]:
+    """How many threads each library has, and how to give it another number."""
+    found = []
+    for package, suffix in ((np, "64_"), (scipy, "")):
+        folder = Path(str(package.__file__)).parent
+        for path in (
+            *folder.parent.glob(f"{folder.name}.libs/*openblas*"),
+            *folder.glob(".dylibs/*openblas*"),
+        ):
+            library = ctypes.CDLL(str(path))
+            if hasattr(library, f"scipy_openblas_set_num_threads{suffix}"):
+                ask, give = (
+                    getattr(library, f"scipy_openblas_{verb}_num_threads{suffix}") for verb in ("get", "set")
+                )
+                found.append((ask, give))
+    return tuple(found)
