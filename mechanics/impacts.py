@@ -96,27 +96,35 @@ def _midpoint(scene: Scene, motion: Motion, gap: Array, load: Load, time: float,
 
     One that closes in the step stays closed, without bounce; what that takes counts as impact.
     """
-    start = scene.geometry(motion.x)[0][:, 0]
+    start, normal, tangent = scene.geometry(motion.x)
+    force = load(time + 0.5 * step)
+    acceleration = scene.spread(
+        (force[scene.movable].ravel() + scene.resultant(normal, tangent, motion.forces)) / scene.mass
+    )
+    guess = step * motion.v + 0.5 * step**2 * acceleration
 
     def rows(dx: Array) -> tuple[Array, Array]:
         return scene.geometry(motion.x + 0.5 * dx)[1:]
 
     def opened(dx: Array, _: Array) -> Array:
-        change: Array = scene.geometry(motion.x + dx)[0][:, 0] - start
+        change: Array = scene.geometry(motion.x + dx)[0][:, 0] - start[:, 0]
         return change
 
     mass, span = 2.0 * scene.mass / step**2, scene.span(motion.v, step)
-    force = load(time + 0.5 * step)
+    momentum = force + 2.0 * scene.model.mass * motion.v / step
     dx, forces, (opening, slip) = _without_dilation(
-        scene, mass, force + 2.0 * scene.model.mass * motion.v / step, rows, opened, gap, motion, step * motion.v, span
-    )  # fmt: skip
+        scene, mass, momentum, rows, opened, gap, motion, guess, span
+    )
     x, v, taken = motion.x + dx, 2.0 * dx / step - motion.v, 0.0
     left = gap + opened(dx, opening)
     carrying = (forces[:, 0] > CARRYING * scene.weight) & (left <= CLOSED * scene.model.size)
+    carrying &= _harder_pressed(np.where(carrying, forces[:, 0], 0.0))
     if carrying.any():
         v, taken = _kept_together(scene, x, v, carrying, slip, STUCK * span)
     approach = scene.relative(rows(dx)[0], motion.v)
-    closes = carrying & ((gap > CLOSED * scene.model.size) | (approach < -RESTING * np.sqrt(GRAVITY * scene.model.size)))
+    closes = carrying & (
+        (gap > CLOSED * scene.model.size) | (approach < -RESTING * np.sqrt(GRAVITY * scene.model.size))
+    )
     # what contacts take: friction on their slip, and of normal forces where gaps close, or rows turn with the blocks
     taken -= float(forces[:, 0] @ opening)
     return replace(
@@ -129,6 +137,15 @@ def _midpoint(scene: Scene, motion: Motion, gap: Array, load: Load, time: float,
         integrator=motion.integrator + (0.0 if closes.any() else taken),
         input=motion.input + scene.work_of_loads(force, dx),
     )
+
+
+def _harder_pressed(normal: Array) -> Mask:
+    """Which contacts (c,) press harder, of the two that see an end of a joint from either side, by normal forces (c,).
+
+    Where the blocks have slid a little, both of them together would hold the rotation of the hinge that they are.
+    """
+    one, other = np.moveaxis(normal.reshape(-1, 2, 2), 1, 0)
+    return np.stack([one >= other, one < other], axis=1).ravel()
 
 
 def _kept_together(
