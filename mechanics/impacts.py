@@ -14,12 +14,13 @@ from mechanics.integrators import implicit_euler
 from mechanics.scene import Load, Motion, Scene
 
 CLOSED = 1e-6  # of the block size: a gap that is none
-RESTING = 1e-6  # of √(g·size): an approach that is none
+RESTING = 1e-5  # of √(g·size): an approach that is none
 CARRYING = 1e-5  # of a block's weight: a contact force that is one
 FAINT = 0.01  # of the energy scale: what impacts in a step may take without being located
 MOST_EVENTS = 6  # impacts located in one step; where more come, contacts chatter
 FAR = 30  # displacements of a step: a gap that cannot close in it
-SETTLED = 1e-4  # of a displacement: dilation, and curvature, that is no longer corrected
+SETTLED = 1e-4  # of a displacement: dilation that is no longer corrected
+STRAIGHT = 1e-6  # of a displacement: the same of what the gaps open beyond linear rows
 LEAST, MOST = 0.3, 10.0  # of a correction: how far an extrapolated one goes
 STUCK = 1e-4  # of a displacement: a slip that is none
 MOST_TRIALS = 12  # of the time of one impact, or of the slip that dilates
@@ -200,7 +201,7 @@ def _without_dilation(
     where they carry. The shift is found by repetition, each correction extrapolated from the last two (Irons and Tuck,
     Int. J. Numer. Methods Eng. 1 (1969) 275). `rows` normal and tangential, (c, 6), follow the displacements.
     """
-    shift, share, last = np.zeros_like(gap), 1.0, np.zeros_like(gap)
+    shift, bend, last, share = np.zeros_like(gap), np.zeros_like(gap), np.zeros_like(gap), 1.0
     moved, near = guess, guess[scene.movable].ravel()
     for trial in range(MOST_TRIALS):
         normal, tangent = rows(moved)
@@ -213,7 +214,11 @@ def _without_dilation(
         change = opened(moved, opening)
         off = scene.contacts.friction * abs(slip) + change - opening - shift
         matters = (solution.forces[:, 0] > CARRYING * scene.weight) | (gap + change <= abs(off))
-        if abs(off[matters]).max(initial=0.0) <= SETTLED * span:
+        bends, bend = abs(change - opening - bend), change - opening
+        if (
+            abs(off[matters]).max(initial=0.0) <= SETTLED * span
+            and bends[matters].max(initial=0.0) <= STRAIGHT * span
+        ):
             break
         if trial:
             turn = (off - last)[matters]
