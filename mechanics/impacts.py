@@ -223,8 +223,8 @@ def _without_dilation(
             and bends[matters].max(initial=0.0) <= STRAIGHT * span
         ):
             break
-        if trial:
-            turn = (off - last)[matters]
+        turn = (off - last)[matters]
+        if trial and turn.any():
             share = float(np.clip(-share * (last[matters] @ turn) / (turn @ turn), LEAST, MOST))
         shift, last = shift + share * off, off
     return moved, solution.forces, (opening, slip)
