@@ -114,16 +114,15 @@ def _midpoint(scene: Scene, motion: Motion, gap: Array, load: Load, time: float,
 
     mass, span = 2.0 * scene.mass / step**2, scene.span(motion.v, step)
     momentum = force + 2.0 * scene.model.mass * motion.v / step
-    dx, forces, (opening, slip) = _without_dilation(
+    dx, forces, opening, slip, change = _without_dilation(
         scene, mass, momentum, rows, opened, gap, motion, guess, span
     )
     x, v, taken = motion.x + dx, 2.0 * dx / step - motion.v, 0.0
-    left = gap + opened(dx, opening)
-    carrying = (forces[:, 0] > CARRYING * scene.weight) & (left <= CLOSED * scene.model.size)
+    carrying = (forces[:, 0] > CARRYING * scene.weight) & (gap + change <= CLOSED * scene.model.size)
     carrying &= _harder_pressed(np.where(carrying, forces[:, 0], 0.0))
     if carrying.any():
         v, taken = _kept_together(scene, x, v, carrying, slip, STUCK * span)
-    approach = scene.relative(rows(dx)[0], motion.v)
+    approach = scene.relative(normal, motion.v)
     closes = carrying & (
         (gap > CLOSED * scene.model.size) | (approach < -RESTING * np.sqrt(GRAVITY * scene.model.size))
     )
@@ -180,7 +179,7 @@ def _impact(scene: Scene, motion: Motion) -> Motion:
     scene.impacts += 1
     span = max(float(abs(motion.v[:, :2]).max()), RESTING * unit)
     bounce = scene.restitution * np.minimum(approach, 0.0)
-    after, impulses, _ = _without_dilation(
+    after, impulses, *_ = _without_dilation(
         scene, scene.mass / scene.impulse, scene.model.mass * motion.v / scene.impulse, lambda _: (normal, tangent),
         lambda _, opening: opening, np.where(closed, bounce, FAR * span), motion, motion.v, span,
     )  # fmt: skip
@@ -194,8 +193,8 @@ def _impact(scene: Scene, motion: Motion) -> Motion:
 def _without_dilation(
     scene: Scene, mass: Array, load: Array, rows: Callable[[Array], tuple[Array, Array]],
     opened: Callable[[Array, Array], Array], gap: Array, motion: Motion, guess: Array, span: float,
-) -> tuple[Array, Array, tuple[Array, Array]]:  # fmt: skip
-    """Displacements (b, 3), forces (c, 2), openings and slips (c,) by linear rows: friction that does not dilate.
+) -> tuple[Array, Array, Array, Array, Array]:  # fmt: skip
+    """Displacements (b, 3), forces (c, 2); of each contact (c,) opening and slip by its rows, true opening of its gap.
 
     The program opens a contact that slides by μ times its slip, and knows the opening by the rows of A₀ᵀ only. Gaps
     shifted by the first, and by what the gap has `opened` (c,) beyond the second, are left as they should be: closed
@@ -207,7 +206,6 @@ def _without_dilation(
     opening = scene.relative(normal, moved)
     shift = bend = opened(moved, opening) - opening
     for trial in range(MOST_TRIALS):
-        normal, tangent = rows(moved)
         both = np.stack([gap + shift, np.zeros_like(gap)], axis=1)
         solution = scene.solve(
             mass, load[scene.movable].ravel(), (normal, tangent), both, scene.compliance, motion, near, span
@@ -227,4 +225,5 @@ def _without_dilation(
         if trial and turn.any():
             share = float(np.clip(-share * (last[matters] @ turn) / (turn @ turn), LEAST, MOST))
         shift, last = shift + share * off, off
-    return moved, solution.forces, (opening, slip)
+        normal, tangent = rows(moved)
+    return moved, solution.forces, opening, slip, change
