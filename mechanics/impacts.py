@@ -99,10 +99,7 @@ def _midpoint(scene: Scene, motion: Motion, gap: Array, load: Load, time: float,
     """
     start, normal, tangent = scene.geometry(motion.x)
     force = load(time + 0.5 * step)
-    acceleration = scene.spread(
-        (force[scene.movable].ravel() + scene.resultant(normal, tangent, motion.forces)) / scene.mass
-    )
-    guess = step * motion.v + 0.5 * step**2 * acceleration
+    guess = step * motion.v + 0.5 * step**2 * _acceleration(scene, force, (normal, tangent), motion.forces)
 
     def rows(dx: Array) -> tuple[Array, Array]:
         # at half the time, not half the way: the phase is the better for it
@@ -138,6 +135,18 @@ def _midpoint(scene: Scene, motion: Motion, gap: Array, load: Load, time: float,
         integrator=motion.integrator + (0.0 if closes.any() else taken),
         input=motion.input + scene.work_of_loads(force, dx),
     )
+
+
+def _acceleration(scene: Scene, load: Array, rows: tuple[Array, Array], forces: Array) -> Array:
+    """Accelerations (b, 3) under loads (b, 3) and the last contact forces (c, 2): none where these are not known yet.
+
+    None either where the solver's tolerance is all that sets blocks at rest in motion.
+    """
+    total = load[scene.movable].ravel() + scene.resultant(*rows, forces)
+    found = scene.spread(total / scene.mass)
+    if not forces.any() or abs(found[:, :2]).max() <= RESTING * GRAVITY:
+        return np.zeros_like(found)
+    return found
 
 
 def _harder_pressed(normal: Array) -> Mask:
