@@ -23,8 +23,10 @@ class Energy:
     `input` by the base motion and dissipated by `friction`, located `impact`s, `viscous` contact forces and the
     `integrator` are summed since the start, each from forces and displacements of its own kind. What `integrator`
     takes is what the scheme is known to: of implicit Euler ½ΔvᵀMΔv a step, impacts in it, and what springs lose where
-    forces are not the mean ones; less the dilation of sliding, which comes back when the gap closes. So the balance is
-    a check: its `residual` is what the geometry linearised in a step and the solver's tolerance leave open.
+    forces are not the mean ones; less the dilation of sliding, which comes back when the gap closes; of the midpoint
+    rule with rigid contacts what their forces do while rows turn with the blocks, and sliding that stops in a step. So
+    the balance is a check: its `residual` is what the solver's tolerance leaves open, and with elastic contacts the
+    geometry linearised in a step.
     """
 
     kinetic: Array

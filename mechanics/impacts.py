@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,12 +14,14 @@ from mechanics.integrators import implicit_euler
 from mechanics.scene import Load, Motion, Scene
 
 CLOSED = 1e-6  # of the block size: a gap that is none
-RESTING = 1e-6  # of √(g·size): an approach that is none
+RESTING = 1e-5  # of √(g·size): an approach that is none
 CARRYING = 1e-5  # of a block's weight: a contact force that is one
 FAINT = 0.01  # of the energy scale: what impacts in a step may take without being located
 MOST_EVENTS = 6  # impacts located in one step; where more come, contacts chatter
-FAR = 1e3  # displacements of a step: a gap that cannot close in it
+FAR = 30  # displacements of a step: a gap that cannot close in it
 SETTLED = 1e-4  # of a displacement: dilation that is no longer corrected
+STRAIGHT = 1e-6  # of a displacement: the same of what the gaps open beyond linear rows
+LEAST, MOST = 0.3, 10.0  # of a correction: how far an extrapolated one goes
 STUCK = 1e-4  # of a displacement: a slip that is none
 MOST_TRIALS = 12  # of the time of one impact, or of the slip that dilates
 
@@ -55,17 +58,16 @@ def _energy_scale(scene: Scene, motion: Motion, step: float) -> float:
 
 
 def _gaps(scene: Scene, motion: Motion) -> Array:
-    """Gaps (c,) m, zero where closed."""
-    gap = scene.geometry(motion.x)[0][:, 0]
-    return np.where(gap > CLOSED * scene.model.size, gap, 0.0)
+    """Gaps (c,) m, zero where blocks lie in each other: by a solver's tolerance, which is left as it is."""
+    return np.maximum(scene.geometry(motion.x)[0][:, 0], 0.0)
 
 
 def _until_impact(scene: Scene, motion: Motion, load: Load, time: float, step: float) -> tuple[Motion, float]:
     """The motion after the step, or after the part of it at whose end the first open contact closes (Illinois)."""
     tolerance = CLOSED * scene.model.size
     start = _gaps(scene, motion)
-    is_open = start > 0.0
-    apart = np.where(is_open, FAR * scene.span(motion.v, step), 0.0)
+    is_open = start > tolerance
+    apart = np.where(is_open, FAR * scene.span(motion.v, step), start)
     new = _midpoint(scene, motion, apart, load, time, step)
 
     def closest(to: Motion) -> float:
@@ -95,42 +97,65 @@ def _midpoint(scene: Scene, motion: Motion, gap: Array, load: Load, time: float,
 
     One that closes in the step stays closed, without bounce; what that takes counts as impact.
     """
-    _, normal, tangent = scene.geometry(motion.x + 0.5 * step * motion.v)
-    mass = 2.0 * scene.mass / step**2
-    inertia, span = step * motion.v[scene.movable].ravel(), scene.span(motion.v, step)
+    start, normal, tangent = scene.geometry(motion.x)
     force = load(time + 0.5 * step)
-    moved, forces, slip, dilation = _without_dilation(
-        scene, mass, force[scene.movable].ravel() + mass * inertia, (normal, tangent), gap, motion, inertia, span
-    )  # fmt: skip
-    dx = scene.spread(moved)
+    guess = step * motion.v + 0.5 * step**2 * _acceleration(scene, force, (normal, tangent), motion.forces)
+
+    def rows(dx: Array) -> tuple[Array, Array]:
+        # at half the time, not half the way: the phase is the better for it
+        return scene.geometry(motion.x + 0.25 * (dx + step * motion.v))[1:]
+
+    def opened(dx: Array, _: Array) -> Array:
+        change: Array = scene.geometry(motion.x + dx)[0][:, 0] - start[:, 0]
+        return change
+
+    mass, span = 2.0 * scene.mass / step**2, scene.span(motion.v, step)
+    momentum = force + 2.0 * scene.model.mass * motion.v / step
+    dx, forces, opening, slip, change = _without_dilation(
+        scene, mass, momentum, rows, opened, gap, motion, guess, span
+    )
     x, v, taken = motion.x + dx, 2.0 * dx / step - motion.v, 0.0
-    carrying = forces[:, 0] > CARRYING * scene.weight
+    carrying = (forces[:, 0] > CARRYING * scene.weight) & (gap + change <= CLOSED * scene.model.size)
+    carrying &= _harder_pressed(np.where(carrying, forces[:, 0], 0.0))
     if carrying.any():
-        x = _kept_closed(scene, x, carrying)
         v, taken = _kept_together(scene, x, v, carrying, slip, STUCK * span)
-    # contacts do the work −n(g + dilation); what is not friction's is of those that close, or of the dilation left over
-    friction = -float(forces[:, 1] @ slip)
-    taken += float(forces[carrying, 0] @ (gap + dilation)[carrying]) - friction
-    closes = bool((carrying & (gap > 0.0)).any())
+    approach = scene.relative(normal, motion.v)
+    closes = carrying & (
+        (gap > CLOSED * scene.model.size) | (approach < -RESTING * np.sqrt(GRAVITY * scene.model.size))
+    )
+    # what contacts take: friction on their slip, and of normal forces where gaps close, or rows turn with the blocks
+    taken -= float(forces[:, 0] @ opening)
     return replace(
         motion,
         x=x,
         v=v,
         forces=forces,
-        friction=motion.friction + friction,
-        impact=motion.impact + closes * taken,
-        integrator=motion.integrator + (not closes) * taken,
+        friction=motion.friction - float(forces[:, 1] @ slip),
+        impact=motion.impact + (taken if closes.any() else 0.0),
+        integrator=motion.integrator + (0.0 if closes.any() else taken),
         input=motion.input + scene.work_of_loads(force, dx),
     )
 
 
-def _kept_closed(scene: Scene, x: Array, carrying: Mask) -> Array:
-    """Positions with the contacts that carry closed: constraints on mean velocities drift."""
-    gap, normal, tangent = scene.geometry(x)
-    if abs(gap[carrying, 0]).max() <= 1e-3 * CLOSED * scene.model.size:
-        return x
-    gap[:, 1] = 0.0
-    return x + scene.spread(scene.newton.close(scene.mass, normal, tangent, gap, carrying.astype(np.intp)))
+def _acceleration(scene: Scene, load: Array, rows: tuple[Array, Array], forces: Array) -> Array:
+    """Accelerations (b, 3) under loads (b, 3) and the last contact forces (c, 2): none where these are not known yet.
+
+    None either where the solver's tolerance is all that sets blocks at rest in motion.
+    """
+    total = load[scene.movable].ravel() + scene.resultant(*rows, forces)
+    found = scene.spread(total / scene.mass)
+    if not forces.any() or abs(found[:, :2]).max() <= RESTING * GRAVITY:
+        return np.zeros_like(found)
+    return found
+
+
+def _harder_pressed(normal: Array) -> Mask:
+    """Which contacts (c,) press harder, of the two that see an end of a joint from either side, by normal forces (c,).
+
+    Where the blocks have slid a little, both of them together would hold the rotation of the hinge that they are.
+    """
+    one, other = np.moveaxis(normal.reshape(-1, 2, 2), 1, 0)
+    return np.stack([one >= other, one < other], axis=1).ravel()
 
 
 def _kept_together(
@@ -145,12 +170,11 @@ def _kept_together(
     # without friction nothing stops
     stopped = (scene.contacts.friction > 0.0) & ((abs(slip) <= least) | (slip * rate[:, 1] < 0.0))
     held = carrying.astype(np.intp) + (carrying & stopped)
-    off = np.where(held > [[0], [1]], abs(rate).T, 0.0).max()
-    if off <= RESTING * np.sqrt(GRAVITY * scene.model.size):
+    if np.where(held > [[0], [1]], abs(rate).T, 0.0).max() <= RESTING * np.sqrt(GRAVITY * scene.model.size):
         return v, 0.0
-    change = scene.spread(scene.newton.close(scene.mass, normal, tangent, rate, held))
-    # a projection in the norm of the mass
-    return v + change, 0.5 * float((scene.model.mass * change**2).sum())
+    new = v + scene.spread(scene.newton.close(scene.mass, normal, tangent, rate, held))
+    # the impulses that hold do work at the mean velocity
+    return new, -0.5 * float((scene.model.mass * (new - v) * (new + v)).sum())
 
 
 def _impact(scene: Scene, motion: Motion) -> Motion:
@@ -162,14 +186,12 @@ def _impact(scene: Scene, motion: Motion) -> Motion:
     if approach[closed].min(initial=0.0) >= -RESTING * unit:
         return motion
     scene.impacts += 1
-    v = motion.v[scene.movable].ravel()
     span = max(float(abs(motion.v[:, :2]).max()), RESTING * unit)
     bounce = scene.restitution * np.minimum(approach, 0.0)
-    moved, impulses, _, _ = _without_dilation(
-        scene, scene.mass / scene.impulse, scene.mass / scene.impulse * v, (normal, tangent),
-        np.where(closed, bounce, FAR * span), motion, v, span,
+    after, impulses, *_ = _without_dilation(
+        scene, scene.mass / scene.impulse, scene.model.mass * motion.v / scene.impulse, lambda _: (normal, tangent),
+        lambda _, opening: opening, np.where(closed, bounce, FAR * span), motion, motion.v, span,
     )  # fmt: skip
-    after = scene.spread(moved)
     # impulses do work at the mean velocity of the impact
     mean = 0.5 * (motion.v + after)
     rates = np.stack([scene.relative(normal, mean), scene.relative(tangent, mean)], axis=1)
@@ -178,23 +200,39 @@ def _impact(scene: Scene, motion: Motion) -> Motion:
 
 
 def _without_dilation(
-    scene: Scene, mass: Array, load: Array, rows: tuple[Array, Array], gap: Array, motion: Motion, guess: Array,
-    span: float,
-) -> tuple[Array, Array, Array, Array]:  # fmt: skip
-    """Displacements (m,), forces (c, 2), slips and dilations (c,) of the program with friction that does not dilate.
+    scene: Scene, mass: Array, load: Array, rows: Callable[[Array], tuple[Array, Array]],
+    opened: Callable[[Array, Array], Array], gap: Array, motion: Motion, guess: Array, span: float,
+) -> tuple[Array, Array, Array, Array, Array]:  # fmt: skip
+    """Displacements (b, 3), forces (c, 2); of each contact (c,) opening and slip by its rows, true opening of its gap.
 
-    The program's sliding opens the contact by μ times the slip: a gap of as much, found by repetition, undoes it. A
-    contact that has ceased to carry keeps of it what cannot let blocks into each other: dropped, it would carry again.
-    What is left of it after the last trial is a gap in the next step.
+    The program opens a contact that slides by μ times its slip, and knows the opening by the rows of A₀ᵀ only. Gaps
+    shifted by the first, and by what the gap has `opened` (c,) beyond the second, are left as they should be: closed
+    where they carry. The shift is found by repetition, each correction extrapolated from the last two (Irons and Tuck,
+    Int. J. Numer. Methods Eng. 1 (1969) 275). `rows` normal and tangential, (c, 6), follow the displacements.
     """
-    found = np.zeros_like(gap)
-    for _ in range(MOST_TRIALS):
-        dilation = found
-        both = np.stack([gap + dilation, np.zeros_like(gap)], axis=1)
-        solution = scene.solve(mass, load, rows, both, scene.compliance, motion, guess, span)
-        slip = scene.relative(rows[1], scene.spread(solution.displacement))
-        slid = scene.contacts.friction * abs(slip)
-        found = np.where(solution.forces[:, 0] > CARRYING * scene.weight, slid, np.minimum(slid, dilation))
-        if abs(found - dilation).max(initial=0.0) <= SETTLED * span:
+    moved, near, share, last = guess, guess[scene.movable].ravel(), 1.0, np.zeros_like(gap)
+    normal, tangent = rows(moved)
+    opening = scene.relative(normal, moved)
+    shift = bend = opened(moved, opening) - opening
+    for trial in range(MOST_TRIALS):
+        both = np.stack([gap + shift, np.zeros_like(gap)], axis=1)
+        solution = scene.solve(
+            mass, load[scene.movable].ravel(), (normal, tangent), both, scene.compliance, motion, near, span
+        )  # fmt: skip
+        moved = scene.spread(solution.displacement)
+        opening, slip = scene.relative(normal, moved), scene.relative(tangent, moved)
+        change = opened(moved, opening)
+        off = scene.contacts.friction * abs(slip) + change - opening - shift
+        matters = (solution.forces[:, 0] > CARRYING * scene.weight) | (gap + change <= abs(off))
+        bends, bend = abs(change - opening - bend), change - opening
+        if (
+            abs(off[matters]).max(initial=0.0) <= SETTLED * span
+            and bends[matters].max(initial=0.0) <= STRAIGHT * span
+        ):
             break
-    return solution.displacement, solution.forces, slip, dilation
+        turn = (off - last)[matters]
+        if trial and turn.any():
+            share = float(np.clip(-share * (last[matters] @ turn) / (turn @ turn), LEAST, MOST))
+        shift, last = shift + share * off, off
+        normal, tangent = rows(moved)
+    return moved, solution.forces, opening, slip, change

@@ -92,6 +92,13 @@ class Scene:
         self.newton.kernels.relative(self.contacts.a, self.contacts.b, rows, moved, change)
         return change
 
+    def resultant(self, normal: Array, tangent: Array, forces: Array) -> Array:
+        """A₀c (m,): forces and moments, kN and kNm, that contact forces (c, 2) exert on the movable blocks."""
+        entries = forces[:, :1] * normal + forces[:, 1:] * tangent
+        moving = self.dof >= 0
+        total = np.bincount(self.dof[moving], entries[moving], minlength=len(self.mass))
+        return np.asarray(total, dtype=float)
+
     def span(self, v: Array, step: float) -> float:
         """The size (m) of a displacement in a step with velocities (b, 3)."""
         return max(GRAVITY * step**2, float(abs(v[:, :2]).max()) * step)

@@ -14,7 +14,7 @@ from assessment.benchmark.machine import machine
 from assessment.benchmark.measure import Row
 from assessment.benchmark.plots import work_precision
 from assessment.benchmark.table import Column, as_csv, listed, number, percent, pivoted
-from assessment.canvas import save_images
+from assessment.canvas import save_png, save_svg
 from assessment.files import write_atomically
 
 SUMMARY = "summary.md"
@@ -49,10 +49,9 @@ def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
         write_atomically(folder / f"{name}.csv", as_csv(rows))
         for parameter in dict.fromkeys(row["parameter"] for row in rows) if chosen.series else ():
             some = [row for row in rows if row["parameter"] == parameter]
-            save_images(
-                partial(work_precision, some, chosen.series),
-                folder / f"{name}-{parameter.split()[0]}.svg",
-            )
+            plot = partial(work_precision, some, chosen.series)
+            save_svg(plot, folder / f"{name}-{parameter.split()[0]}.svg")
+            save_png(plot, folder / f"{name}-{parameter.split()[0]}.png")
         summary.append(f"**{name}**: {chosen.about}\n\n{chosen.show(rows)}")
         print(f"\n{summary[-1]}", flush=True)
     summary.append(f"Load {os.getloadavg()[0]:.1f} at the end.")

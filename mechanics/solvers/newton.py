@@ -80,6 +80,10 @@ class Newton:
             self.pause = min(2 * self.pause + 1, LONGEST_PAUSE)
             self.next_try = self.solved + 1 + self.pause
         inner = self._interior(program, mass, load, near)
+        if inner is None or inner.certificate.worst(program.step) > ACCEPTED:
+            # the last solution was no start for this one
+            self.along = self.apart = None
+            inner = self._interior(program, mass, load, near)
         if inner is None or self.state is None or paused or (tried and program.compliance[:, 0].any()):
             return inner
         # the states are known now: with them, forces that vanish are exactly zero (elastic joints whose states were
