@@ -181,7 +181,7 @@ def summarise(records: Sequence[Mapping[str, Any]], warnings: list[str], state: 
     rule = "mean" if len(records) >= MEAN_FROM else "lowest"
     if len(records) < ENOUGH:
         warnings.append(
-            f"{state}: incremental analysis with {len(records)} record{'s' * (len(records) > 1)}; "
+            f"{state}: records of the incremental analysis: {len(records)}; "
             f"NTC 2018 §7.3.5 asks for at least {ENOUGH}"
         )
     return {

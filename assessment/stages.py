@@ -206,8 +206,8 @@ def _push(
         quality.add(path)
         result.warnings += [f"{title}: {text}" for text in overruns(model, behaviour, _points(path.steps))]
         result.warnings += [
-            f"{title}: between d = {start:.4g} and {end:.4g} m a part moves by itself, until others hold it again"
-            for start, end in path.crossed
+            f"{title}: between d = {left:.4g} and {held:.4g} m a part moves by itself, until others hold it again"
+            for left, held in path.crossed
         ]
         rigid = behaviour == "rigid"
         numbers = _rigid(model, control, direction, path) if rigid else _elastic(model, path)

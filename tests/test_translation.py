@@ -14,12 +14,12 @@ ROOT = Path(__file__).parents[1]
 RAISED = {"UnstableError", "NoEquilibriumError", "CollapseError", "ConvergenceError", "ControlError"}
 RAISED |= {"CapacityError", "MechanismError"}
 LISTS = {"warnings", "notes", "failures", "findings"}
-ELSEWHERE = {"mechanics/synthetic_motion.py"}  # records are made before any run
+ELSEWHERE = {"mechanics/synthetic_motion.py", "assessment/benchmark/dynamics.py"}  # no part of a run
 NAMED = {"_SHAPES", "_COLLAPSE_FIRST", "end"}
 SAYING = {"not_met", "missed", "collapse", "overruns", "passing_through", "_notes", "_gaps", "scatter"}
 MESSAGE = "another part falls"  # in the place of a message within a message
 WITHIN = {"error", "collapse", "stop", "fall", "refusal", "note", "text", "why", "start", "end", "said"}
-WITHIN |= {"unstable", "path.end", "last.collapse_reason", "failed[state]", "warnings[0]"}
+WITHIN |= {"self.end", "unstable", "path.end", "last.collapse_reason", "failed[state]", "warnings[0]"}
 WITHIN |= {"'; '.join(finer.failures)", "what", "names"}
 ITALIAN = {"echo": {"report": {"language": "it"}}}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -38,6 +39,11 @@ class Band:
         rows = (3 * order[:, None] + np.arange(3)).ravel()
         row = np.where(pairs >= 0, 3 * rank[pairs], -1).astype(np.intp)
         return cls(rows, np.argsort(rows), row, 3 * _half_band(linked, order) + 3)
+
+    @cached_property
+    def envelope(self) -> Index:
+        """What of the band its factors fill, see `envelope`."""
+        return envelope(self.row, len(self.order))
 
 
 def narrowest_order(linked: Index, blocks: int, centres: Array | None) -> Index:

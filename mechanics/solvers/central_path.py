@@ -13,12 +13,12 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy.linalg import lapack
 
 from mechanics.block import Array
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Neighbour, Program, Solution, certify
 from mechanics.solvers import GOOD
 from mechanics.solvers.band import Band
+from mechanics.solvers.factor import Factor, blank
 from mechanics.solvers.interior_step import Point, Rays, begin, corrected, linearised
 from mechanics.solvers.kernels import certificate, fastest
 from mechanics.solvers.threads import one_thread
@@ -128,17 +128,19 @@ def _restored(program: Program, layout: Band, at: Point, rays: Rays) -> Solution
     kernels = fastest()
     rows = (layout.row, program.normal, program.tangent)
     s, alpha, order, m = at.s / program.weight, at.alpha, layout.order, len(program.load)
-    matrix, free = np.zeros((m, layout.width)), np.zeros_like(program.gap)
+    matrix, free = blank(layout), np.zeros_like(program.gap)
     held = np.full(m, HOLDING)
     held[2::3] *= program.size**2
     kernels.interior_matrix(*rows, rays.components, free, held, s, 1.0 / s, np.empty((len(s), 3)), matrix)
-    factor, failed = lapack.dpbtrf(matrix.T, lower=1, overwrite_ab=1)
-    lateral = np.zeros(m) if program.lateral is None else program.lateral[order] / program.weight
-    swayed = lapack.dpbtrs(factor, lateral, lower=1)[0]
-    for _ in range(0 if failed else RESTORATIONS):
-        carried = (program.resultant(program.weight * rays.forces(s)) + program.load)[order]
-        y = lapack.dpbtrs(factor, carried / program.weight + alpha * lateral, lower=1)[0]
-        if program.lateral is not None:
+    factor = Factor.of(matrix, layout)
+    for _ in range(RESTORATIONS if factor else 0):
+        assert factor is not None
+        carried = (program.resultant(program.weight * rays.forces(s)) + program.load)[order] / program.weight
+        if program.lateral is None:
+            y = factor.solve(carried)
+        else:
+            lateral = program.lateral[order] / program.weight
+            y, swayed = factor.solve(carried + alpha * lateral), factor.solve(lateral)
             change = -float(lateral @ y) / float(lateral @ swayed)
             alpha, y = alpha + change, y + change * swayed
         s = s * np.maximum(1.0 - s * rays.gaps(program.relative(y[layout.back])), 0.5)

@@ -12,11 +12,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import lapack
 
 from mechanics.block import Array
 from mechanics.program import Neighbour, Program
 from mechanics.solvers.band import Band
+from mechanics.solvers.factor import Factor, blank
 from mechanics.solvers.kernels import fastest
 
 STIFFEST = 1e8  # of closed contacts, per weight and step
@@ -126,10 +126,10 @@ def linearised(
     rows = (layout.row, program.normal, program.tangent)
     held = np.full(m, holding / unit)
     held[2::3] *= program.size**2
-    matrix, inverse = np.zeros((m, layout.width)), np.empty((len(at.s), 3))
+    matrix, inverse = blank(layout), np.empty((len(at.s), 3))
     kernels.interior_matrix(*rows, *law, held, at.s, at.z, inverse, matrix)
-    factor, failed = lapack.dpbtrf(matrix.T, lower=1, overwrite_ab=1)
-    if failed:
+    factor = Factor.of(matrix, layout)
+    if factor is None:
         return None
     lateral = None if program.lateral is None else program.lateral[layout.order]
     opening = np.empty_like(program.gap)
@@ -139,13 +139,13 @@ def linearised(
     together = program.compliance.any()
     if lateral is not None:
         load = load + at.alpha * lateral
-        swayed = lapack.dpbtrs(factor, lateral, lower=1)[0]
+        swayed = factor.solve(lateral)
 
     def direction(decrease: Array) -> Direction:
         rhs, du, ds, dz = np.empty(m), np.empty_like(at.s), np.empty_like(at.s), np.empty_like(at.z)
         point = (opening, at.s, at.z, decrease, inverse)
         kernels.interior_rhs(*rows, *law, still, load, at.x, *point, rhs)
-        dx, dalpha = lapack.dpbtrs(factor, rhs, lower=1)[0], 0.0
+        dx, dalpha = factor.solve(rhs), 0.0
         if lateral is not None:
             dalpha = float((program.work - lateral @ (at.x + dx)) / (lateral @ swayed))
             dx = dx + dalpha * swayed

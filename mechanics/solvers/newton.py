@@ -19,7 +19,7 @@ from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.program import Program, Solution
 from mechanics.solvers import kernels
-from mechanics.solvers.band import Band, envelope, runs
+from mechanics.solvers.band import Band, runs
 from mechanics.solvers.iterations import PROXIMAL, worst
 from mechanics.solvers.kernels import OPEN, SLIDING_ON, STICKING, certificate, fastest
 
@@ -48,7 +48,7 @@ class Newton:
     def __post_init__(self) -> None:
         layout = Band.of(self.dof, self.centres)
         self.order, self.back, self.row = layout.order, layout.back, layout.row
-        self.runs, self.envelope = runs(self.row), envelope(self.row, len(self.order))
+        self.runs, self.envelope = runs(self.row), layout.envelope
         self.iterations: Any = import_module(
             "mechanics.solvers." + ("iterations" if self.kernels is kernels else "compiled_iterations")
         )
