@@ -255,7 +255,13 @@ def _report(options: argparse.Namespace) -> int:
         raise ValueError(f"{stored}: {', '.join(missing)} missing: results cut short; run the project again")
     for key in ("client", "engineer", "location", "language"):
         echo[key] = getattr(project.report, key)
-    for warning in write(results, folder, jobs=0):
+    try:
+        warnings = write(results, folder, jobs=0)
+    except KeyError as error:  # what this version prints and another did not keep
+        raise ValueError(
+            f"{stored}: {error} missing: written by another version of assesto; run the project again"
+        ) from error
+    for warning in warnings:
         print(f"warning: {warning}", file=sys.stderr)
     print(f"report: {folder / 'report.html'}")
     return DONE

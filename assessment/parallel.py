@@ -21,7 +21,7 @@ from assessment.store import Store, packed, unpacked
 if TYPE_CHECKING:
     from mechanics import Assembly
 
-SMALL = 2000  # contact points times static analyses: below it a second process costs more than it saves
+SMALL = 1000  # contact points times static analyses: below it a second process costs more than it saves
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
 

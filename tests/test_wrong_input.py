@@ -102,6 +102,20 @@ def test_results_cut_short(project, capsys):
     assert "results.json: geometry missing: results cut short; run the project again" in said
 
 
+def test_results_of_another_version(project, capsys):
+    assert main(["run", str(project), "--no-report"]) == 0
+    stored = project / "output" / "results.json"
+    content = json.loads(stored.read_text(encoding="utf-8"))
+    del content["model"]["weight_kN"]
+    stored.write_text(json.dumps(content), encoding="utf-8")
+    assert main(["report", str(project)]) == 2
+    assert (
+        "'weight_kN' missing: written by another version of assesto; run the project again"
+        in capsys.readouterr().err
+    )
+    assert json.loads(stored.read_text(encoding="utf-8")) == content
+
+
 def test_the_report_needs_results(project, capsys):
     assert main(["report", str(project)]) == 2
     assert "no stored results; run the project first" in capsys.readouterr().err
