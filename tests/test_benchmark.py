@@ -125,3 +125,15 @@ def test_a_value_that_a_row_lacks_is_empty():
     assert table.as_csv(rows).decode().splitlines() == ["case,x,y", "a,1.0,", "b,,2.0"]
     columns = (("case", "case", str), ("y", "y", table.number))
     assert table.listed(rows, columns).splitlines()[2:] == ["| a |  |", "| b | 2.0 |"]
+
+
+def test_the_table_of_the_chain_shows_what_is_whole():
+    rows = [
+        {"case": "arch, pushdown, rigid", "steps": 28, "seconds": 0.1, "ratio": 3.7},
+        {"case": "arch, static chain", "whole": True, "steps": 497, "seconds": 5.8, "ratio": 4.3},
+        {"case": "assesto --help", "whole": True, "seconds": 0.06, "elapsed_s": 0.07},
+    ]
+    text = BENCHMARKS["chain"].show(rows)
+    assert "static chain" in text
+    assert "--help" in text
+    assert "pushdown" not in text

@@ -195,7 +195,7 @@ BENCHMARKS = {
         "pushdown and pushover, rigid and elastic, both states and directions, on one processor; whole commands on "
         "all. Each analysis is in the CSV.",
         chain.chain,
-        lambda rows: listed([row for row in rows if row["whole"]], CHAIN_COLUMNS),
+        lambda rows: listed([row for row in rows if row.get("whole")], CHAIN_COLUMNS),
     ),
     "skips": Benchmark(
         "what is not computed, and how far the answer is from that without the skip.",
