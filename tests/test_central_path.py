@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from mechanics import limit_analysis, pushdown, pushover
 from mechanics.equilibrium import rest
 from mechanics.program import Neighbour, certify
-from mechanics.solvers import central_path, solve
+from mechanics.solvers import central_path, interior_step, solve
 from mechanics.solvers.band import Band
 from mechanics.static_step import find_step, programs
 from tests.structures import arch_on_piers, running_bond, semicircular_arch
@@ -40,11 +41,9 @@ def test_it_solves_a_program_as_piqp_does(model, behaviour, lateral):
     pose = programs(model, behaviour, model.initial, model.dead_load, size, load, 0.2 * size * model.weight)
     there = pose(model.initial.positions)
 
-    def frozen(x):
-        done = 0.0 if there.lateral is None else float(there.lateral @ x)
-        return replace(there, gap=there.gap + there.relative(x), work=there.work - done)
-
-    found = central_path.follow(frozen, Band.of(there.dof), np.zeros(len(there.load)), neighbour(there))
+    found = central_path.follow(
+        lambda x: moved(there, x), Band.of(there.dof), np.zeros(len(there.load)), neighbour(there)
+    )
     assert found is not None
     x, solution = found
     expected = solve(there)
@@ -83,6 +82,45 @@ def test_a_followed_step_is_an_equilibrium_of_its_own_geometry(monkeypatch):
         assert certify(there, step.forces, step.alpha, still).equilibrium <= 2e-5
 
 
+@pytest.mark.parametrize("lateral", [False, True])
+@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
+@pytest.mark.parametrize("model", [WALL, ARCH], ids=["wall", "arch"])
+def test_compiled_iterations_are_the_plain_ones(model, behaviour, lateral, monkeypatch):
+    """Measures, step, and restoration from the same iterates, a few iterations on."""
+    quick = pytest.importorskip("mechanics.solvers.compiled_interior_step")
+    load = model.lateral_load("+x") if lateral else None
+    size = 1e-3
+    pose = programs(model, behaviour, model.initial, model.dead_load, size, load, 0.2 * size * model.weight)
+    program = pose(model.initial.positions)
+    layout, near = Band.of(program.dof), neighbour(program)
+    results = []
+    for loops in (interior_step, quick):
+        seen = []
+
+        def noted(*arguments, loops=loops, seen=seen):
+            seen.append(loops.measured(*arguments)[0])
+            return loops.measured(*arguments)
+
+        watched = SimpleNamespace(
+            PADDING=loops.PADDING, measured=noted, advance=loops.advance, restore=loops.restore
+        )
+        monkeypatch.setattr(central_path, "_loops", lambda watched=watched: watched)
+        found = central_path.follow(lambda x: moved(program, x), layout, np.zeros(len(program.load)), near)
+        assert found is not None
+        results.append((seen, found[1]))
+    (plain, by_plain), (fast, by_fast) = results
+    for before, after in zip(plain[:6], fast[:6], strict=True):
+        assert after == pytest.approx(before, rel=1e-6, abs=1e-7 * program.weight)
+    assert by_fast.alpha == pytest.approx(by_plain.alpha, abs=1e-7)
+    assert by_fast.certificate.equilibrium <= 1e-8 >= by_plain.certificate.equilibrium
+
+
+def moved(program, x):
+    """The program counted from displacements, its geometry frozen."""
+    done = 0.0 if program.lateral is None else float(program.lateral @ x)
+    return replace(program, gap=program.gap + program.relative(x), work=program.work - done)
+
+
 def test_where_nothing_stands_no_step_is_followed():
     model = semicircular_arch(21, 0.05)  # thinner than 0.1075: no thrust line fits in
     size = 1e-3
@@ -100,13 +138,14 @@ def test_a_neighbour_saves_iterations(monkeypatch):
     size = 0.002
     start = rest(WALL, "elastic", WALL.initial)
     counts = []
-    newton = central_path.linearised
+    loops = central_path._loops()
+    advance = loops.advance
 
     def counted(*arguments):
         counts.append(1)
-        return newton(*arguments)
+        return advance(*arguments)
 
-    monkeypatch.setattr(central_path, "linearised", counted)
+    monkeypatch.setattr(loops, "advance", counted)
     monkeypatch.setattr("mechanics.static_step.LARGE", 0)
     pushed = [
         find_step(

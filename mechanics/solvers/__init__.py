@@ -12,6 +12,7 @@ from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.program import Neighbour, Program, Solution, certify
 from mechanics.solvers import interior_point
 from mechanics.solvers.band import Band
+from mechanics.solvers.kernels import fastest
 
 Answer = tuple[Array, float, Array]
 
@@ -58,11 +59,16 @@ def _near(program: Program, near: Neighbour, layout: Band | None, start: Array) 
     """A static program's solution by the banded interior-point method, begun near another and at displacements (m,)."""
     from mechanics.solvers import central_path
 
-    def pose(x: Array) -> Program:
-        done = 0.0 if program.lateral is None else float(program.lateral @ x)
-        return replace(program, gap=program.gap + program.relative(x), work=program.work - done)
+    layout = layout or Band.of(program.dof)
 
-    found = central_path.follow(pose, layout or Band.of(program.dof), start, near)
+    def pose(x: Array) -> Program:
+        gap, done = np.empty_like(program.gap), 0.0
+        fastest().opening(layout.row, program.normal, program.tangent, program.gap, x[layout.order], gap)
+        if program.lateral is not None:
+            done = float(program.lateral @ x)
+        return replace(program, gap=gap, work=program.work - done)
+
+    found = central_path.follow(pose, layout, start, near)
     if found is None:
         return None
     answer = found[1].forces, found[1].alpha, found[0] + found[1].displacement

@@ -45,6 +45,11 @@ class Band:
         """What of the band its factors fill, see `envelope`."""
         return envelope(self.row, len(self.order))
 
+    @cached_property
+    def runs(self) -> Index:
+        """Where the contact points of the same two blocks begin and end, see `runs`."""
+        return runs(self.row)
+
 
 def narrowest_order(linked: Index, blocks: int, centres: Array | None) -> Index:
     """The order of the blocks (b,) in which linked pairs (l, 2) lie closest: reverse Cuthill–McKee's, or a sweep's.

@@ -1,8 +1,4 @@
-"""The iterations of `iterations`, compiled by numba: same names, arguments and results.
-
-The contact points of two blocks lie side by side, from `runs[j]` to `runs[j + 1]`: their motion is that of one block
-seen from the other, and their forces act on both alike. So blocks are looked up, and matrices written, once a run.
-"""
+"""The iterations of `iterations`, compiled by numba: same names, arguments and results."""
 
 from __future__ import annotations
 
@@ -20,6 +16,7 @@ from mechanics.solvers.compiled import (
     repeat_matrix,
     residuals,
 )
+from mechanics.solvers.compiled_runs import changes_with, lacking, matrix, packed, right_hand_side
 from mechanics.solvers.iterations import (
     CORRECTIONS,
     LIKELY,
@@ -106,29 +103,31 @@ def interior(
     """
     weight, size, step, accepted = scale
     c = len(row)
-    ends, lever, arm, law = _packed(row, normal, tangent, friction, compliance, runs)
+    ends, lever, arm, law = packed(row, normal, tangent, friction, compliance, runs)
     r, v, p, inverse = np.empty((c, 2)), np.empty((c, 2)), s * z, np.empty((c, 5))
     ds, dz, dx = np.empty((c, 2)), np.empty((c, 2)), np.empty_like(x)
     short = load - mass * x
-    _lacking(runs, ends, lever, arm, law, gap, x, s, z, r, short)
+    lacking(runs, ends, lever, arm, law, gap, x, s, z, r, short)
     at, found, best, iteration = x.copy(), np.empty_like(forces), NONE, 0
     while iteration < MOST_ITERATIONS:
         iteration += 1
-        _matrix(runs, ends, lever, arm, law, mass, s, z, inverse, band)
+        matrix(runs, ends, lever, arm, law, mass, s, z, inverse, band)
         if not factorise(band, envelope):
             break
-        _right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, dx)
+        right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, dx)
         substitute(band, envelope, dx)
-        force, apart, zds, sdz, both = _step(runs, ends, lever, arm, law, s, z, v, p, inverse, dx, ds, dz)
+        force, apart, zds, sdz, both = changes_with(
+            runs, ends, lever, arm, law, s, z, v, p, inverse, dx, ds, dz
+        )
         now = p.sum()
         ahead = now + force * zds + apart * sdz + force * apart * both
         centre = (ahead / now) ** 3 * now / (2 * c)
         for k in range(c):
             for e in range(2):
                 p[k, e] += ds[k, e] * dz[k, e] - centre
-        _right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, dx)
+        right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, dx)
         substitute(band, envelope, dx)
-        reach = _step(runs, ends, lever, arm, law, s, z, v, p, inverse, dx, ds, dz)
+        reach = changes_with(runs, ends, lever, arm, law, s, z, v, p, inverse, dx, ds, dz)
         share = min(1.0, TO_THE_BOUND * min(reach[0], reach[1]))
         product = 0.0
         for k in range(c):
@@ -152,201 +151,3 @@ def interior(
     for k in range(c):
         state[k] = STATES[int(s[k, 0] * step > z[k, 0] * weight), int(s[k, 1] * step > z[k, 1] * weight)]
     return iteration, best
-
-
-@compiled
-def _packed(
-    row: Any, normal: Array, tangent: Array, friction: Array, compliance: Array, runs: Any
-) -> tuple[Any, Array, Array, Array]:
-    """What the loops need of the runs and of their contact points.
-
-    Rows of a run's first block, movable where one is, and of the other, (j, 2); the lever (j, 2) from the other to it;
-    of a point the normal and the moments of n and t about the first block, (c, 4); n and t of its unit rays and the
-    compliances along them, (c, 4).
-    """
-    pairs, c = len(runs) - 1, len(row)
-    ends, lever = np.empty((pairs, 2), np.intp), np.empty((pairs, 2))
-    arm, law = np.empty((c, 4)), np.empty((c, 4))
-    for j in range(pairs):
-        start = runs[j]
-        first = row[start, 0] if row[start, 0] >= 0 else row[start, 1]
-        ends[j, 0], ends[j, 1] = first, row[start, 0] + row[start, 1] - first
-        for k in range(start, runs[j + 1]):
-            own = 0 if row[k, 0] == first else 3
-            arm[k, 0], arm[k, 1] = normal[k, own], normal[k, own + 1]
-            arm[k, 2], arm[k, 3] = normal[k, own + 2], tangent[k, own + 2]
-            n = 1.0 / np.sqrt(1.0 + friction[k] ** 2)
-            t = friction[k] * n
-            law[k, 0], law[k, 1] = n, t
-            law[k, 2], law[k, 3] = n * n * compliance[k, 0], t * t * compliance[k, 1]
-        other = 5 if row[start, 0] == first else 2
-        n, t = -normal[start, other] - arm[start, 2], -tangent[start, other] - arm[start, 3]
-        nx, nz = arm[start, 0], arm[start, 1]
-        lever[j, 0], lever[j, 1] = n * nz - t * nx, -n * nx - t * nz
-    return ends, lever, arm, law
-
-
-@compiled
-def _relative(j: int, ends: Any, lever: Array, x: Array) -> tuple[float, float, float]:
-    """The motion of a run's first block as seen from the other, at the first one's centre."""
-    i, o = ends[j, 0], ends[j, 1]
-    if i < 0:
-        return 0.0, 0.0, 0.0
-    if o < 0:
-        return x[i], x[i + 1], x[i + 2]
-    turn = x[o + 2]
-    return x[i] - x[o] + lever[j, 1] * turn, x[i + 1] - x[o + 1] - lever[j, 0] * turn, x[i + 2] - turn
-
-
-@compiled
-def _act(j: int, ends: Any, lever: Array, fx: float, fz: float, moment: float, total: Array) -> None:
-    """Forces of a run on its first block, about its centre, and their reactions on the other, added to `total`."""
-    i, o = ends[j, 0], ends[j, 1]
-    if i >= 0:
-        total[i] += fx
-        total[i + 1] += fz
-        total[i + 2] += moment
-    if o >= 0:
-        total[o] -= fx
-        total[o + 1] -= fz
-        total[o + 2] -= lever[j, 0] * fz - lever[j, 1] * fx + moment
-
-
-@compiled
-def _lacking(
-    runs: Any, ends: Any, lever: Array, arm: Array, law: Array, gap: Array, x: Array, s: Array, z: Array, r: Array,
-    short: Array,
-) -> None:  # fmt: skip
-    """What z lacks of the rays' gaps, z − Rᵀ(g + A₀ᵀx + CRs), into `r`; A₀Rs is added to `short`."""
-    for j in range(len(ends)):
-        dx, dz, turn = _relative(j, ends, lever, x)
-        fx, fz, moment = 0.0, 0.0, 0.0
-        for k in range(runs[j], runs[j + 1]):
-            nx, nz, mn, mt = arm[k, 0], arm[k, 1], arm[k, 2], arm[k, 3]
-            n, t, cn, ct = law[k, 0], law[k, 1], law[k, 2], law[k, 3]
-            together, apart = s[k, 0] + s[k, 1], s[k, 0] - s[k, 1]
-            along = n * (gap[k, 0] + nx * dx + nz * dz + mn * turn) + cn * together
-            across = t * (gap[k, 1] + nz * dx - nx * dz + mt * turn) + ct * apart
-            r[k, 0], r[k, 1] = z[k, 0] - along - across, z[k, 1] - along + across
-            fn, ft = n * together, t * apart
-            fx += fn * nx + ft * nz
-            fz += fn * nz - ft * nx
-            moment += fn * mn + ft * mt
-        _act(j, ends, lever, fx, fz, moment, short)
-
-
-@compiled
-def _matrix(
-    runs: Any, ends: Any, lever: Array, arm: Array, law: Array, mass: Array, s: Array, z: Array, inverse: Array,
-    band: Array,
-) -> None:  # fmt: skip
-    """As kernels.interior_matrix; 1/s, too, into `inverse` (c, 5)."""
-    band[:] = 0.0
-    for i in range(len(mass)):
-        band[i, 0] = mass[i]
-    for j in range(len(ends)):
-        xx, xz, zz, xm, zm, mm = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for k in range(runs[j], runs[j + 1]):
-            nx, nz, mn, mt = arm[k, 0], arm[k, 1], arm[k, 2], arm[k, 3]
-            n, t, cn, ct = law[k, 0], law[k, 1], law[k, 2], law[k, 3]
-            # divisions are slow: both sides times s s
-            first, second, both = z[k, 0] * s[k, 1], z[k, 1] * s[k, 0], s[k, 0] * s[k, 1]
-            det = 1.0 / (4.0 * cn * ct * both + (cn + ct) * (first + second) + z[k, 0] * z[k, 1])
-            a, b = ((cn + ct) * both + second) * det, ((cn + ct) * both + first) * det
-            c, both = (ct - cn) * both * det, 1.0 / both
-            inverse[k, 0], inverse[k, 1], inverse[k, 2] = a, b, c
-            inverse[k, 3], inverse[k, 4] = s[k, 1] * both, s[k, 0] * both
-            knn, knt, ktt = n * n * (a + b + 2.0 * c), n * t * (a - b), t * t * (a + b - 2.0 * c)
-            px, pz, pm = knn * nx + knt * nz, knn * nz - knt * nx, knn * mn + knt * mt
-            qx, qz, qm = knt * nx + ktt * nz, knt * nz - ktt * nx, knt * mn + ktt * mt
-            xx += nx * px + nz * qx
-            xz += nx * pz + nz * qz
-            zz += nz * pz - nx * qz
-            xm += nx * pm + nz * qm
-            zm += nz * pm - nx * qm
-            mm += mn * pm + mt * qm
-        _stiffen(j, ends, lever, (xx, xz, zz, xm, zm, mm), band)
-
-
-@compiled
-def _stiffen(j: int, ends: Any, lever: Array, stiffness: Any, band: Array) -> None:
-    """A run's stiffness against motions of its first block, seen from the other, into the band."""
-    i, o = ends[j, 0], ends[j, 1]
-    xx, xz, zz, xm, zm, mm = stiffness
-    if i < 0:
-        return
-    band[i, 0] += xx
-    band[i, 1] += xz
-    band[i, 2] += xm
-    band[i + 1, 0] += zz
-    band[i + 1, 1] += zm
-    band[i + 2, 0] += mm
-    if o < 0:
-        return
-    lx, lz = lever[j, 0], lever[j, 1]
-    # the last column of the stiffness against motions of the other block, which turns about its own centre
-    tx, tz, tm = xm + lx * xz - lz * xx, zm + lx * zz - lz * xz, mm + lx * zm - lz * xm
-    band[o, 0] += xx
-    band[o, 1] += xz
-    band[o, 2] += tx
-    band[o + 1, 0] += zz
-    band[o + 1, 1] += tz
-    band[o + 2, 0] += tm + lx * tz - lz * tx
-    between = ((xx, xz, tx), (xz, zz, tz), (xm, zm, tm))
-    for h in range(3):
-        for e in range(3):
-            if i > o:
-                band[o + e, i + h - o - e] -= between[h][e]
-            else:
-                band[i + h, o + e - i - h] -= between[h][e]
-
-
-@compiled
-def _right_hand_side(
-    runs: Any, ends: Any, lever: Array, arm: Array, law: Array, r: Array, p: Array, inverse: Array,
-    short: Array, v: Array, rhs: Array,
-) -> None:  # fmt: skip
-    """As kernels.interior_rhs; what z and s z lack together, r − p/s, into `v`."""
-    rhs[:] = short
-    for j in range(len(ends)):
-        fx, fz, moment = 0.0, 0.0, 0.0
-        for k in range(runs[j], runs[j + 1]):
-            nx, nz, mn, mt = arm[k, 0], arm[k, 1], arm[k, 2], arm[k, 3]
-            a, b, c = inverse[k, 0], inverse[k, 1], inverse[k, 2]
-            first, second = r[k, 0] - p[k, 0] * inverse[k, 3], r[k, 1] - p[k, 1] * inverse[k, 4]
-            v[k, 0], v[k, 1] = first, second
-            one, two = a * first + c * second, c * first + b * second
-            fn, ft = law[k, 0] * (one + two), law[k, 1] * (one - two)
-            fx += fn * nx + ft * nz
-            fz += fn * nz - ft * nx
-            moment += fn * mn + ft * mt
-        _act(j, ends, lever, fx, fz, moment, rhs)
-
-
-@compiled
-def _step(
-    runs: Any, ends: Any, lever: Array, arm: Array, law: Array, s: Array, z: Array, v: Array, p: Array, inverse: Array,
-    dx: Array, ds: Array, dz: Array,
-) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """As kernels.interior_step, and the sums of z ds, s dz and ds dz."""
-    to_force, to_gap, zds, sdz, both = 1.0, 1.0, 0.0, 0.0, 0.0
-    for j in range(len(ends)):
-        mx, mz, turn = _relative(j, ends, lever, dx)
-        for k in range(runs[j], runs[j + 1]):
-            nx, nz, mn, mt = arm[k, 0], arm[k, 1], arm[k, 2], arm[k, 3]
-            along = law[k, 0] * (nx * mx + nz * mz + mn * turn)
-            across = law[k, 1] * (nz * mx - nx * mz + mt * turn)
-            first, second = v[k, 0] - along - across, v[k, 1] - along + across
-            a, b, c = inverse[k, 0], inverse[k, 1], inverse[k, 2]
-            ds[k, 0], ds[k, 1] = a * first + c * second, c * first + b * second
-            for e in range(2):
-                force, away = ds[k, e], -(p[k, e] + z[k, e] * ds[k, e]) * inverse[k, 3 + e]
-                dz[k, e] = away
-                if s[k, e] + to_force * force < 0.0:
-                    to_force = -s[k, e] / force
-                if z[k, e] + to_gap * away < 0.0:
-                    to_gap = -z[k, e] / away
-                zds += z[k, e] * force
-                sdz += s[k, e] * away
-                both += force * away
-    return to_force, to_gap, zds, sdz, both

@@ -10,7 +10,10 @@ from typing import Any
 
 import numba
 
-SOURCES = ("cholesky", "compiled", "compiled_iterations", "compiler", "iterations", "kernels")
+SOURCES = (
+    "cholesky", "compiled", "compiled_interior_step", "compiled_iterations", "compiled_runs", "compiler",
+    "interior_step", "iterations", "kernels",
+)  # fmt: skip
 
 
 def compiler(*fastmath: str) -> Callable[[Callable[..., Any]], Any]:

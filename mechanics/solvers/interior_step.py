@@ -1,157 +1,176 @@
-"""One iteration of the interior-point method: the linear system on banded matrices, and how far its step goes.
+"""An iteration of the static interior-point method in plain NumPy: what an iterate lacks, and the step from it.
 
 The unknowns are Δx, α, the forces s ≥ 0 along the rays of the friction cones and their gaps z ≥ 0; s and z are
 eliminated, which leaves three rows a block in a narrow band, bordered by α. Proximal terms, whose centre is the
 iterate itself, bound the stiffness of closed contacts and hold blocks that nothing holds, without a trace in the
-solution.
+solution. `compiled_interior_step` has the same functions for numba. `posed`: row, normal, tangent, gap, friction and
+compliance of the contact points, as in kernels, and their runs (see band); `scale`: weight, size and step of the
+program; `band`: work space for a matrix of that `envelope`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-
 import numpy as np
 
 from mechanics.block import Array
-from mechanics.program import Neighbour, Program
-from mechanics.solvers.band import Band
-from mechanics.solvers.factor import Factor, blank
-from mechanics.solvers.kernels import fastest
+from mechanics.joints import Index
+from mechanics.solvers import kernels
+from mechanics.solvers.iterations import PADDING, factorise, substitute
+from mechanics.solvers.kernels import Residuals
 
 STIFFEST = 1e8  # of closed contacts, per weight and step
+HOLDING, FIRMER, FIRM = (
+    1e-9,
+    10.0,
+    1.0,
+)  # stiffness that holds blocks, per weight and step; its growth, and its most
 OUTLIERS = 0.1, 10.0  # products s z outside this range about their target are corrected once
-DISTANCE = 0.03  # from the bounds, per weight and step, at which the method begins
+TO_THE_BOUND = 0.995  # share of the way to the bounds that an iteration goes
+TO_AND_FRO = -0.3  # of a step: its return that asks for a shorter one
+TINY = 1e-300
+RESTORATIONS = 2
+LEAST = 0.5  # share of a force that a restoration leaves
+
+Posed = tuple[Index, Array, Array, Array, Array, Array, Index]
+Lack = tuple[Array, Array]
+Direction = tuple[Array, float, Array, Array, float, float]
+
+__all__ = ["PADDING", "advance", "measured", "restore"]
 
 
-@dataclass(frozen=True, eq=False)
-class Point:
-    """An iterate: displacements (m,) in the order of the band, multiplier, ray forces (c, 2) kN, ray gaps (c, 2) m."""
+def measured(posed: Posed, load: Array, x: Array, s: Array, z: Array, size: float) -> tuple[Residuals, Lack]:
+    """What an iterate lacks: unbalanced force, |cᵀw|, penetration and the mean of s z; and what `advance` needs of it.
 
-    x: Array
-    alpha: float
-    s: Array
-    z: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Direction:
-    """A change of all unknowns, and how far it can be gone in the forces (with α) and in the gaps (with x)."""
-
-    dx: Array
-    dalpha: float
-    ds: Array
-    dz: Array
-    to_force: float
-    to_gap: float
-
-    def products(self, at: Point, force: float, gap: float) -> Array:
-        """The products s z (c, 2) after a step."""
-        ahead: Array = (at.s + force * self.ds) * (at.z + gap * self.dz)
-        return ahead
-
-
-@dataclass(frozen=True, eq=False)
-class Rays:
-    """Normal and tangential components `n`, `t` (c, 1) of the unit rays (1, ±μ) that span the friction cones."""
-
-    n: Array
-    t: Array
-
-    @classmethod
-    def of(cls, friction: Array) -> Rays:
-        """The rays of contact points of a friction (c,)."""
-        n = 1.0 / np.hypot(1.0, friction)[:, None]
-        return cls(n, friction[:, None] * n)
-
-    @property
-    def components(self) -> Array:
-        """Both components side by side (c, 2)."""
-        return np.concatenate([self.n, self.t], axis=1)
-
-    def forces(self, s: Array) -> Array:
-        """Contact forces (c, 2) of forces (c, 2) along the rays."""
-        return np.concatenate([self.n * (s[:, :1] + s[:, 1:]), self.t * (s[:, :1] - s[:, 1:])], axis=1)
-
-    def along(self, forces: Array) -> Array:
-        """The forces (c, 2) along the rays that make contact forces."""
-        half_n = 0.5 * forces[:, :1] / self.n
-        half_t = np.divide(0.5 * forces[:, 1:], self.t, out=np.zeros_like(half_n), where=self.t > 0.0)
-        return np.concatenate([half_n + half_t, half_n - half_t], axis=1)
-
-    def gaps(self, opening: Array) -> Array:
-        """Gaps (c, 2) along the rays of gaps and slips."""
-        across = self.t * opening[:, 1:]
-        return np.concatenate([self.n * opening[:, :1] + across, self.n * opening[:, :1] - across], axis=1)
-
-
-def begin(program: Program, near: Neighbour, rays: Rays) -> Point:
-    """The earlier solution, moved off the bounds."""
-    s, z = rays.along(near.forces), rays.gaps(near.opening)
-    return Point(
-        np.zeros(len(program.load)),
-        near.alpha,
-        np.maximum(s, DISTANCE * program.weight),
-        np.maximum(z, DISTANCE * program.step),
-    )
-
-
-def corrected(change: Callable[[Array], Direction], at: Point, product: float) -> Direction:
-    """Predictor and corrector (Mehrotra), and once more for the products that would stray (Gondzio)."""
-    towards = at.s * at.z
-    ahead = change(towards)
-    left = float(ahead.products(at, ahead.to_force, ahead.to_gap).mean())
-    target = (left / product) ** 3 * product
-    towards = towards + ahead.ds * ahead.dz - target
-    step = change(towards)
-    reach = [min(1.0, 1.5 * r + 0.1) for r in (step.to_force, step.to_gap)]
-    strayed = step.products(at, *reach)
-    low, high = (o * target for o in OUTLIERS)
-    again = change(towards - np.maximum(np.clip(strayed, low, high) - strayed, -high))
-    return again if min(again.to_force, again.to_gap) > min(step.to_force, step.to_gap) else step
-
-
-def linearised(
-    program: Program, layout: Band, at: Point, rays: Rays, holding: float
-) -> Callable[[Array], Direction] | None:
-    """The step from an iterate that decreases the products s z as told; None where the matrix is not definite.
-
-    `holding`: stiffness that holds the blocks, per weight and step.
+    The latter: of the gaps along the rays, z − Rᵀw (c, 2), and of equilibrium (m,).
     """
-    kernels = fastest()
-    m = len(program.load)
-    unit = program.step / program.weight
-    soft = unit / STIFFEST
-    law = (rays.components, program.compliance + soft)
-    rows = (layout.row, program.normal, program.tangent)
-    held = np.full(m, holding / unit)
-    held[2::3] *= program.size**2
-    matrix, inverse = blank(layout), np.empty((len(at.s), 3))
-    kernels.interior_matrix(*rows, *law, held, at.s, at.z, inverse, matrix)
-    factor = Factor.of(matrix, layout)
-    if factor is None:
-        return None
-    lateral = None if program.lateral is None else program.lateral[layout.order]
-    opening = np.empty_like(program.gap)
-    # the proximal terms vanish at the iterate
-    kernels.opening(*rows, program.gap - soft * rays.forces(at.s), at.x, opening)
-    load, still = program.load[layout.order], np.zeros(m)
-    together = program.compliance.any()
-    if lateral is not None:
-        load = load + at.alpha * lateral
-        swayed = factor.solve(lateral)
+    row, normal, tangent, gap, friction, compliance, _ = posed
+    forces = _forces(friction, s)
+    apart = _gaps(friction, kernels._opening(row, x, normal, tangent, gap) + compliance * forces)
+    short = load + kernels._resultant(row, normal, tangent, forces, len(load))
+    unbalanced = abs(short)
+    unbalanced[2::3] /= size
+    residuals = (
+        float(unbalanced.max(initial=0.0)),
+        float(abs((s * apart).sum(axis=1)).sum()),
+        float((-apart * np.hypot(1.0, friction)[:, None]).max(initial=0.0)),
+        float((s * z).mean()),
+    )
+    return residuals, (z - apart, short)
 
-    def direction(decrease: Array) -> Direction:
-        rhs, du, ds, dz = np.empty(m), np.empty_like(at.s), np.empty_like(at.s), np.empty_like(at.z)
-        point = (opening, at.s, at.z, decrease, inverse)
-        kernels.interior_rhs(*rows, *law, still, load, at.x, *point, rhs)
-        dx, dalpha = factor.solve(rhs), 0.0
-        if lateral is not None:
-            dalpha = float((program.work - lateral @ (at.x + dx)) / (lateral @ swayed))
+
+def advance(
+    posed: Posed, lack: Lack, lateral: Array, work: float, scale: tuple[float, float, float], holding: float,
+    x: Array, alpha: float, s: Array, z: Array, last: Array, band: Array, envelope: Index,
+) -> tuple[bool, float, float]:  # fmt: skip
+    """One step of the iterate, x, s, z and `last`, the step in x (m,), in place; whether there is one, α and holding.
+
+    `lateral` (m,): none where it is empty; `work`: what it has to do. Predictor and corrector (Mehrotra), and once more
+    for the products that would stray (Gondzio). There is no step where rounding outweighs even a firm hold.
+    """
+    row, normal, tangent, _, friction, compliance, _ = posed
+    lacking, short = lack
+    weight, size, step = scale
+    unit = step / weight
+    n = 1.0 / np.hypot(1.0, friction)
+    rays, soft = np.stack([n, friction * n], axis=1), compliance + unit / STIFFEST
+    inverse = np.empty((len(s), 3))
+    while True:
+        held = np.full(len(x), holding / unit)
+        held[2::3] *= size**2
+        kernels.interior_matrix(row, normal, tangent, rays, soft, held, s, z, inverse, band)
+        if factorise(band, envelope):
+            break
+        if holding >= FIRM:
+            return False, alpha, holding
+        holding *= FIRMER
+    swayed = lateral.copy()
+    substitute(band, envelope, swayed)
+    elastic = compliance.any()
+
+    def change(decrease: Array) -> Direction:
+        v = lacking - decrease / s
+        carried = _forces(friction, kernels._apply(inverse, v))
+        dx, dalpha = short + kernels._resultant(row, normal, tangent, carried, len(x)), 0.0
+        substitute(band, envelope, dx)
+        if len(lateral):
+            dalpha = float((work - lateral @ (x + dx)) / (lateral @ swayed))
             dx = dx + dalpha * swayed
-        force, gap = kernels.interior_step(*rows, *law, *point, dx, du, ds, dz)
-        if together:  # compliance ties gaps to forces
+        ds = kernels._apply(inverse, v - _gaps(friction, kernels._change(row, dx, normal, tangent)))
+        dz = -(decrease + z * ds) / s
+        force, gap = _reach(s, ds), _reach(z, dz)
+        if elastic:  # compliance ties gaps to forces
             force = gap = min(force, gap)
-        return Direction(dx, dalpha, ds, dz, force, gap)
+        return dx, dalpha, ds, dz, force, gap
 
-    return direction
+    products = s * z
+    _, _, ds, dz, force, gap = change(products)
+    left = float(((s + force * ds) * (z + gap * dz)).mean())
+    target = (left / float(products.mean())) ** 3 * float(products.mean())
+    products = products + ds * dz - target
+    chosen = change(products)
+    *_, ds, dz, force, gap = chosen
+    if min(force, gap) < 1.0:
+        force, gap = (min(1.0, 1.5 * reach + 0.1) for reach in (force, gap))
+        strayed = (s + force * ds) * (z + gap * dz)
+        low, high = (o * target for o in OUTLIERS)
+        again = change(products - np.maximum(np.clip(strayed, low, high) - strayed, -high))
+        chosen = again if min(again[4:]) > min(chosen[4:]) else chosen
+    dx, dalpha, ds, dz, force, gap = chosen
+    force, gap = min(1.0, TO_THE_BOUND * force), min(1.0, TO_THE_BOUND * gap)
+    # where the geometry of one iteration and the next send the blocks to and fro, they meet in between
+    returns = float(dx @ last) / max(float(last @ last), TINY)
+    if returns < TO_AND_FRO:
+        gap /= 1.0 - max(returns, -1.0)
+    last[:] = gap * dx
+    x += last
+    s += force * ds
+    z += gap * dz
+    return True, alpha + force * dalpha, holding
+
+
+def restore(
+    posed: Posed, load: Array, lateral: Array, scale: tuple[float, float, float], s: Array, alpha: float,
+    band: Array, envelope: Index,
+) -> float:  # fmt: skip
+    """Change forces s in place, and the multiplier returned, by the least shares of themselves into equilibrium."""
+    row, normal, tangent, _, friction, compliance, _ = posed
+    weight, size, _ = scale
+    n = 1.0 / np.hypot(1.0, friction)
+    rays = np.stack([n, friction * n], axis=1)
+    held = np.full(len(load), HOLDING * weight)
+    held[2::3] *= size**2
+    free, inverse = np.zeros_like(compliance), np.empty((len(s), 3))
+    kernels.interior_matrix(row, normal, tangent, rays, free, held, s, weight / s, inverse, band)
+    if not factorise(band, envelope):
+        return alpha
+    swayed = lateral.copy()
+    substitute(band, envelope, swayed)
+    for _ in range(RESTORATIONS):
+        y = load + kernels._resultant(row, normal, tangent, _forces(friction, s), len(load))
+        if len(lateral):
+            y += alpha * lateral
+        substitute(band, envelope, y)
+        if len(lateral):
+            more = -float(lateral @ y) / float(lateral @ swayed)
+            alpha, y = alpha + more, y + more * swayed
+        share = s / weight * _gaps(friction, kernels._change(row, y, normal, tangent))
+        s *= np.maximum(1.0 - share, LEAST)
+    return alpha
+
+
+def _forces(friction: Array, s: Array) -> Array:
+    """Contact forces (c, 2) of forces along the rays."""
+    n = 1.0 / np.hypot(1.0, friction)
+    return np.stack([n * (s[:, 0] + s[:, 1]), friction * n * (s[:, 0] - s[:, 1])], axis=1)
+
+
+def _gaps(friction: Array, opening: Array) -> Array:
+    """Gaps (c, 2) along the rays of gaps and slips."""
+    n = 1.0 / np.hypot(1.0, friction)
+    along, across = n * opening[:, 0], friction * n * opening[:, 1]
+    return np.stack([along + across, along - across], axis=1)
+
+
+def _reach(value: Array, change: Array) -> float:
+    falls = change < 0.0
+    return float((-value[falls] / change[falls]).min(initial=1.0))

@@ -1,0 +1,182 @@
+"""The iteration of `interior_step`, compiled by numba: same names, arguments and results.
+
+What an iterate lacks comes with the contact points packed into runs (see compiled_runs), from which its step goes on.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mechanics.block import Array
+from mechanics.solvers.cholesky import PADDING, factorise, substitute
+from mechanics.solvers.compiled import compiled
+from mechanics.solvers.compiled_runs import changes_with, lacking, matrix, packed, right_hand_side
+from mechanics.solvers.interior_step import (
+    FIRM,
+    FIRMER,
+    HOLDING,
+    LEAST,
+    OUTLIERS,
+    RESTORATIONS,
+    STIFFEST,
+    TINY,
+    TO_AND_FRO,
+    TO_THE_BOUND,
+)
+
+__all__ = ["PADDING", "advance", "measured", "restore"]
+LOW, HIGH = OUTLIERS
+
+
+@compiled
+def measured(posed: Any, load: Array, x: Array, s: Array, z: Array, size: float) -> Any:
+    """See interior_step.measured."""
+    row, normal, tangent, gap, friction, compliance, runs = posed
+    ends, lever, arm, law = packed(row, normal, tangent, friction, compliance, runs)
+    r, short = np.empty_like(s), load.copy()
+    lacking(runs, ends, lever, arm, law, gap, x, s, z, r, short)
+    unbalanced, power, penetration, product = 0.0, 0.0, 0.0, 0.0
+    for i in range(len(short)):
+        unbalanced = max(unbalanced, abs(short[i]) / (size if i % 3 == 2 else 1.0))
+    for k in range(len(s)):
+        first, second = z[k, 0] - r[k, 0], z[k, 1] - r[k, 1]
+        power += abs(s[k, 0] * first + s[k, 1] * second)
+        penetration = max(penetration, -min(first, second) / law[k, 0])
+        product += s[k, 0] * z[k, 0] + s[k, 1] * z[k, 1]
+    return (unbalanced, power, penetration, product / max(2 * len(s), 1)), (ends, lever, arm, law, r, short)
+
+
+@compiled
+def advance(
+    posed: Any, lack: Any, lateral: Array, work: float, scale: Any, holding: float, x: Array, alpha: float, s: Array,
+    z: Array, last: Array, band: Array, envelope: Any,
+) -> tuple[bool, float, float]:  # fmt: skip
+    """See interior_step.advance."""
+    ends, lever, arm, law, r, short = lack
+    runs, c = posed[6], len(s)
+    weight, size, step = scale
+    unit = step / weight
+    elastic = False
+    for k in range(c):
+        elastic = elastic or law[k, 2] > 0.0 or law[k, 3] > 0.0
+        law[k, 2] += law[k, 0] ** 2 * unit / STIFFEST
+        law[k, 3] += law[k, 1] ** 2 * unit / STIFFEST
+    inverse, held = np.empty((c, 5)), np.empty_like(x)
+    while True:
+        held[:] = holding / unit
+        held[2::3] *= size**2
+        matrix(runs, ends, lever, arm, law, held, s, z, inverse, band)
+        if factorise(band, envelope):
+            break
+        if holding >= FIRM:
+            return False, alpha, holding
+        holding *= FIRMER
+    swayed = lateral.copy()
+    substitute(band, envelope, swayed)
+    gives = _dot(lateral, swayed)
+    p, v = s * z, np.empty_like(s)
+    dx, ds, dz = np.empty_like(x), np.empty_like(s), np.empty_like(s)
+    dx2, ds2, dz2 = np.empty_like(x), np.empty_like(s), np.empty_like(s)
+    system = (runs, ends, lever, arm, law, r, p, inverse, short, v, s, z)
+    border = (lateral, swayed, gives, work, x)
+    _, force, gap, left = _change(system, border, elastic, band, envelope, dx, ds, dz)
+    now = p.sum()
+    target = (left / now) ** 3 * now / (2 * c)
+    for k in range(c):
+        for e in range(2):
+            p[k, e] += ds[k, e] * dz[k, e] - target
+    dalpha, force, gap, _ = _change(system, border, elastic, band, envelope, dx, ds, dz)
+    if min(force, gap) < 1.0:
+        to_force, to_gap = min(1.0, 1.5 * force + 0.1), min(1.0, 1.5 * gap + 0.1)
+        for k in range(c):
+            for e in range(2):
+                strayed = (s[k, e] + to_force * ds[k, e]) * (z[k, e] + to_gap * dz[k, e])
+                wanted = min(max(strayed, LOW * target), HIGH * target)
+                p[k, e] -= max(wanted - strayed, -HIGH * target)
+        dalpha2, force2, gap2, _ = _change(system, border, elastic, band, envelope, dx2, ds2, dz2)
+        if min(force2, gap2) > min(force, gap):
+            dalpha, force, gap = dalpha2, force2, gap2
+            dx, ds, dz = dx2, ds2, dz2
+    force, gap = min(1.0, TO_THE_BOUND * force), min(1.0, TO_THE_BOUND * gap)
+    returns = _dot(dx, last) / max(_dot(last, last), TINY)
+    if returns < TO_AND_FRO:
+        gap /= 1.0 - max(returns, -1.0)
+    for i in range(len(x)):
+        last[i] = gap * dx[i]
+        x[i] += last[i]
+    for k in range(c):
+        for e in range(2):
+            s[k, e] += force * ds[k, e]
+            z[k, e] += gap * dz[k, e]
+    return True, alpha + force * dalpha, holding
+
+
+@compiled
+def _dot(a: Array, b: Array) -> float:
+    total = 0.0
+    for i in range(len(a)):
+        total += a[i] * b[i]
+    return total
+
+
+@compiled
+def _change(
+    system: Any, border: Any, elastic: bool, band: Array, envelope: Any, dx: Array, ds: Array, dz: Array
+) -> tuple[float, float, float, float]:
+    """The step that takes the products s z to s z − p: that of α, how far it leads, and the sum of s z there."""
+    runs, ends, lever, arm, law, r, p, inverse, short, v, s, z = system
+    lateral, swayed, gives, work, x = border
+    right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, dx)
+    substitute(band, envelope, dx)
+    dalpha = 0.0
+    if len(lateral):
+        dalpha = (work - _dot(lateral, x) - _dot(lateral, dx)) / gives
+        dx += dalpha * swayed
+    force, gap, zds, sdz, both = changes_with(runs, ends, lever, arm, law, s, z, v, p, inverse, dx, ds, dz)
+    if elastic:
+        force = gap = min(force, gap)
+    now = 0.0
+    for k in range(len(s)):
+        now += s[k, 0] * z[k, 0] + s[k, 1] * z[k, 1]
+    return dalpha, force, gap, now + force * zds + gap * sdz + force * gap * both
+
+
+@compiled
+def restore(
+    posed: Any, load: Array, lateral: Array, scale: Any, s: Array, alpha: float, band: Array, envelope: Any
+) -> float:
+    """See interior_step.restore."""
+    row, normal, tangent, gap, friction, compliance, runs = posed
+    ends, lever, arm, law = packed(row, normal, tangent, friction, np.zeros_like(compliance), runs)
+    weight, size, _ = scale
+    inverse, held = np.empty((len(s), 5)), np.full(len(load), HOLDING * weight)
+    held[2::3] *= size**2
+    matrix(runs, ends, lever, arm, law, held, s, weight / s, inverse, band)
+    if not factorise(band, envelope):
+        return alpha
+    swayed = lateral.copy()
+    substitute(band, envelope, swayed)
+    gives, still, nothing, y = (
+        _dot(lateral, swayed),
+        np.zeros_like(gap),
+        np.zeros_like(load),
+        np.empty_like(load),
+    )
+    share = np.empty_like(s)
+    for _ in range(RESTORATIONS):
+        y[:] = load
+        if len(lateral):
+            y += alpha * lateral
+        lacking(runs, ends, lever, arm, law, still, nothing, s, still, share, y)
+        substitute(band, envelope, y)
+        if len(lateral):
+            more = -_dot(lateral, y) / gives
+            alpha += more
+            y += more * swayed
+        lacking(runs, ends, lever, arm, law, still, y, still, still, share, nothing)
+        for k in range(len(s)):
+            for e in range(2):
+                s[k, e] *= max(1.0 + s[k, e] / weight * share[k, e], LEAST)
+    return alpha
