@@ -78,7 +78,7 @@ def _digest(key: str, text: str) -> str:
 def _plain(value: Any) -> Any:
     """Return what JSON has no form for as an object that `_restored` knows."""
     if isinstance(value, np.ndarray):
-        return {ARRAY: value.tolist(), "shape": value.shape}
+        return {ARRAY: value.tolist(), "shape": value.shape, "type": value.dtype.str}
     if isinstance(value, np.generic):
         return value.item()
     if is_dataclass(value) and type(value).__name__ in KINDS:
@@ -89,7 +89,7 @@ def _plain(value: Any) -> Any:
 
 def _restored(content: dict[str, Any]) -> Any:
     if ARRAY in content:
-        return np.array(content[ARRAY], dtype=float).reshape(content["shape"])
+        return np.array(content[ARRAY], dtype=content["type"]).reshape(content["shape"])
     if KIND in content:
         return KINDS[content.pop(KIND)](**content)
     return content

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from mechanics.assembly import Assembly, Behaviour, Mask, State
+from mechanics.assembly import Assembly, Behaviour, State
 from mechanics.block import Array
 from mechanics.errors import UnstableError
 from mechanics.joints import Index
 from mechanics.program import Program
 from mechanics.solvers import BALANCED, imbalance
-from mechanics.static_step import Step, assemble, find_step
+from mechanics.static_step import Step, assemble, band_of, find_step
 
 CLOSED = 1e-3  # of the block size: a gap that is none (dilatant sliding leaves some in a settled state)
 
@@ -23,26 +23,22 @@ def local(rows: Array, a: Index, b: Index, displacement: Array) -> Array:
     return change
 
 
-def closed_program(
-    model: Assembly, state: State, lateral: Array | None = None, carrying: Mask | None = None
-) -> tuple[Program, Index]:
-    """The rigid program over the contacts closed in a state, and their indices; γ moves the blocks by about a step.
-
-    `carrying` (c,) bool: contacts that are closed whatever gap dilatant sliding has left them.
-    """
+def closed_program(model: Assembly, state: State, lateral: Array | None = None) -> tuple[Program, Index]:
+    """The rigid program over the contacts closed in a state, and their indices; γ moves the blocks by about a step."""
     size = 1e-3 * model.size
     program = assemble(
         model, "rigid", state, state.positions, model.dead_load, size, lateral, size * model.weight
     )
     touching = program.gap[:, 0] <= CLOSED * model.size
-    closed = np.flatnonzero(touching if carrying is None else touching | carrying)
+    closed = np.flatnonzero(touching if state.carrying is None else touching | state.carrying)
     taken = program.take(closed)
     return replace(taken, gap=np.zeros_like(taken.gap)), closed
 
 
 def check_self_weight(model: Assembly, state: State | None = None) -> None:
     """Raise UnstableError where gravity alone cannot be carried in a state (default: as drawn)."""
-    acceleration = imbalance(closed_program(model, state or model.initial)[0])
+    program, closed = closed_program(model, state or model.initial)
+    acceleration = imbalance(program, band_of(model, "rigid").take(closed))
     if acceleration > BALANCED:
         raise UnstableError(
             "the structure cannot stand under its own weight: some block would start to move with "

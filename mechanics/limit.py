@@ -12,6 +12,7 @@ from mechanics.equilibrium import check_self_weight, closed_program
 from mechanics.errors import NoEquilibriumError
 from mechanics.program import LARGEST_MULTIPLIER, Certificate
 from mechanics.solvers import solve
+from mechanics.static_step import band_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,7 @@ def limit_analysis(model: Assembly, direction: Direction = "+x", state: State | 
     state = model.starting(state)
     check_self_weight(model, state)
     onset, closed = closed_program(model, state, model.lateral_load(direction))
-    solution = solve(onset)
+    solution = solve(onset, layout=band_of(model, "rigid").take(closed))
     if solution.alpha > 0.99 * LARGEST_MULTIPLIER:
         raise NoEquilibriumError(
             f"{direction}: no mechanism, the load only wedges the blocks (α > {LARGEST_MULTIPLIER:g})"

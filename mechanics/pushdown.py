@@ -81,7 +81,9 @@ def pushdown(
     def advance(state: State, past: Array, movement: float, by: float, last: Step, size: float = 0.0) -> Step:
         guess = moved(State(state.positions + past * by, state.velocities), movement + by)
         expected = max(swing * max(by, size), smallest)
-        return find_step(model, contacts, state, guess, model.dead_load, expected, last=last)
+        # a structure at rest is no neighbour of one that begins to move: which hinges open is open
+        near = last if past.any() else None
+        return find_step(model, contacts, state, guess, model.dead_load, expected, last=near)
 
     smallest = rest_size(model, contacts) if contacts == "elastic" else 0.0
     start = rest(model, contacts, model.initial)
@@ -174,11 +176,13 @@ def settle(
     """
 
     def lifted(step: Step) -> float:
-        carrying = step.forces[:, 0] > 1e-6 * model.weight
-        return float(model.kinematics(contacts, step.state.positions).gap[carrying].max(initial=0.0))
+        gap = model.kinematics(contacts, step.state.positions).gap
+        return float(gap[step.state.carrying].max(initial=0.0))
 
+    if contacts == "elastic":
+        return step.state
     best, least, since = step, lifted(step), 0
-    while contacts == "rigid" and least > SETTLED * model.size and since < MOST_CLOSINGS:
+    while least > SETTLED * model.size and since < MOST_CLOSINGS:
         step = rest(model, contacts, step.state, size, step)
         certificates.append(step.certificate)
         gap, since = lifted(step), since + 1

@@ -15,7 +15,7 @@ from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError,
 from mechanics.onset import SETTLED_FIRST, elastic_onset, mechanism_onset, no_way_from_rest
 from mechanics.program import Certificate
 from mechanics.solvers import solve
-from mechanics.static_step import Step, find_step
+from mechanics.static_step import Step, band_of, find_step
 
 MOST_STEPS = 5000
 SNAP = 4.0  # of the settlement's largest displacement: across which one of its hinges may snap shut
@@ -27,7 +27,6 @@ HALVINGS = 5
 ZERO = 1e-6  # of the largest multiplier: one that is none
 CHORDS, MOST_CHORDS = 3, 8  # to get there, and nearly there
 NEARLY = 1e-2  # of the largest multiplier: what is left after a few chords of a step of ordinary length
-CARRYING = 1e-6  # of the weight: a contact force that is one
 FLAT = 1e-3  # of the largest multiplier: a change that is none
 LARGEST = 2.0  # a block may move this many increments where the control point moves less
 
@@ -278,15 +277,15 @@ class _Curve:
         motion = self.states[formed + 1].positions - self.states[formed].positions
         forces = self.steps[max(formed - (self.contacts == "rigid"), 0)].forces
         if self.contacts == "rigid":
-            motion = _mechanism(self.model, self.states[formed], self.lateral, forces, motion)
+            motion = _mechanism(self.model, self.states[formed], self.lateral, motion)
         return formed, motion, forces
 
 
-def _mechanism(model: Assembly, state: State, lateral: Array, forces: Array, motion: Array) -> Array:
+def _mechanism(model: Assembly, state: State, lateral: Array, motion: Array) -> Array:
     """Virtual displacements (b, 3) over the contacts that touch or carry in a state; without any, its motion."""
-    program, _ = closed_program(model, state, lateral, forces[:, 0] > CARRYING * model.weight)
+    program, closed = closed_program(model, state, lateral)
     try:
-        found = solve(program)
+        found = solve(program, layout=band_of(model, "rigid").take(closed))
     except (NoEquilibriumError, ConvergenceError):
         return motion
     mechanism = np.zeros_like(motion)

@@ -13,14 +13,16 @@ from mechanics.block import Array
 from mechanics.errors import NoEquilibriumError
 from mechanics.joints import Index
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Neighbour, Program, Solution
-from mechanics.solvers import LARGE, kernels, solve
+from mechanics.solvers import banded, kernels, solve
 from mechanics.solvers.band import Band
 from mechanics.solvers.kernels import fastest
 
 GEOMETRY_TOLERANCE = 1e-3  # of the step: how closely the geometry of forces and of positions must agree
 ALTERNATION = 0.5  # of the step: how far apart alternating mechanisms of rigid blocks may leave the blocks
 MOST_ITERATIONS = 30
+LARGE = 400  # contact points
 SETTLING = {"rigid": 3, "elastic": 8}  # iterations in which the geometry may go astray first
+CARRYING = 1e-6  # of the weight: a contact force that is one
 JUMP = 30.0  # a step this many times larger than asked is a fall, not a path of equilibrium
 TURN = 0.5  # rad: a step that turns a block by more leaves the range in which its geometry is linear
 
@@ -109,7 +111,10 @@ class Sought:
 
     @property
     def large(self) -> bool:
-        """Whether banded matrices are worth while."""
+        """Whether the last step is begun from: it saves half the iterations, but of several mechanisms any may result.
+
+        Begun from nowhere it is the one in their middle, whatever the rounding.
+        """
         return len(self.model.contacts(self.behaviour)) >= LARGE
 
     @property
@@ -137,7 +142,7 @@ class Sought:
         def pose(x: Array) -> Program:
             return self.pose(self.checked(_displaced(self.model, at, x)))
 
-        layout = _layout(self.model, self.behaviour)
+        layout = band_of(self.model, self.behaviour)
         try:
             ended = central_path.follow(pose, layout, np.zeros(len(layout.order)), near)
         except NoEquilibriumError:
@@ -148,10 +153,15 @@ class Sought:
         """The step that ends with the solution of the program posed at positions (b, 3)."""
         program = self.pose(at)
         found = _displaced(self.model, at, solution.displacement)
-        contacts = self.model.contacts(self.behaviour)
-        has_shear = self.behaviour == "elastic" and np.isfinite(contacts.stiffness[:, 1]).any()
+        contacts, rigid = self.model.contacts(self.behaviour), self.behaviour == "rigid"
+        has_shear = not rigid and np.isfinite(contacts.stiffness[:, 1]).any()
         return Step(
-            State(found, np.zeros_like(found), solution.forces[:, 1] if has_shear else None),
+            State(
+                found,
+                np.zeros_like(found),
+                solution.forces[:, 1] if has_shear else None,
+                solution.forces[:, 0] > CARRYING * self.model.weight if rigid else None,
+            ),
             at,
             program,
             solution,
@@ -164,7 +174,7 @@ def _one_by_one(sought: Sought, guess: Array, near: Neighbour | None) -> Step:
     """A program is solved for the geometry of the guess, then for that of each result, until both agree."""
     model, rigid = sought.model, sought.behaviour == "rigid"
     scale = np.array([1.0, 1.0, model.size])
-    layout = _layout(model, sought.behaviour) if sought.large else None
+    layout = band_of(model, sought.behaviour) if banded(len(model.contacts(sought.behaviour))) else None
     at, earlier, ahead = guess, np.full_like(guess, np.inf), 1.0
     for count in range(1, MOST_ITERATIONS + 1):
         program = sought.pose(at)
@@ -200,7 +210,8 @@ def _one_by_one(sought: Sought, guess: Array, near: Neighbour | None) -> Step:
 
 
 @lru_cache(maxsize=8)
-def _layout(model: Assembly, behaviour: Behaviour) -> Band:
+def band_of(model: Assembly, behaviour: Behaviour) -> Band:
+    """Order and band of the matrices of a model's programs."""
     return Band.of(_rows(model, behaviour), model.initial.positions[model.movable, :2])
 
 
@@ -245,7 +256,7 @@ def programs(
     with them the rounding in the gaps.
     """
     contacts, movable = model.contacts(behaviour), model.movable
-    geometry = (fastest() if len(contacts) >= LARGE else kernels).geometry
+    geometry = (fastest() if banded(len(contacts)) else kernels).geometry
     compliance = np.zeros((len(contacts), 2)) if behaviour == "rigid" else 1.0 / contacts.stiffness
 
     def kinematics(positions: Array) -> tuple[Array, Array, Array]:

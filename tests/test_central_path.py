@@ -48,7 +48,7 @@ def test_it_solves_a_program_as_piqp_does(model, behaviour, lateral):
     x, solution = found
     expected = solve(there)
     certificate = certify(there, solution.forces, solution.alpha, x + solution.displacement)
-    assert certificate.worst(size) <= central_path.FOLLOWED * len(there.load) / 3
+    assert certificate.worst(size) <= central_path.MOST
     assert certificate.equilibrium <= 1e-8
     assert solution.alpha == pytest.approx(expected.alpha, abs=1e-6)
     # the forces of a redundant structure and the mechanism of a symmetrical one are not unique; the work is
@@ -60,7 +60,10 @@ def test_it_solves_a_program_as_piqp_does(model, behaviour, lateral):
 @pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
 def test_a_step_followed_and_a_step_of_programs_are_the_same(behaviour, monkeypatch):
     model, control = running_bond(5, 6, friction=3.0), (2.0, 1.05)  # no sliding, no path dependence
+    for module in ("mechanics.static_step", "mechanics.solvers"):
+        monkeypatch.setattr(f"{module}.banded", lambda contacts: False)
     apart = pushover(model, control, contacts=behaviour, increment=0.01)
+    monkeypatch.undo()
     monkeypatch.setattr("mechanics.static_step.LARGE", 0)
     followed = pushover(model, control, contacts=behaviour, increment=0.01)
     assert sum(step.solves == 1 for step in followed.steps) > 0.6 * len(followed.steps)
@@ -74,7 +77,9 @@ def test_a_followed_step_is_an_equilibrium_of_its_own_geometry(monkeypatch):
     monkeypatch.setattr("mechanics.static_step.LARGE", 0)
     model = arch_on_piers(stiffness=1e6)
     path = pushdown(model, "right", (0.02, -0.02), increment=0.004, contacts="elastic")
-    for before, step in zip(path.states[1:], path.steps[2:], strict=False):
+    followed = [pair for pair in zip(path.states[1:], path.steps[2:], strict=False) if pair[1].solves == 1]
+    assert len(followed) > 2
+    for before, step in followed:
         pose = programs(model, "elastic", before, model.dead_load, 0.004)
         there = pose(step.state.positions)
         still = np.zeros(len(there.load))
@@ -110,7 +115,7 @@ def test_compiled_iterations_are_the_plain_ones(model, behaviour, lateral, monke
         results.append((seen, found[1]))
     (plain, by_plain), (fast, by_fast) = results
     for before, after in zip(plain[:6], fast[:6], strict=True):
-        assert after == pytest.approx(before, rel=1e-6, abs=1e-7 * program.weight)
+        assert after == pytest.approx(before, rel=1e-6, abs=central_path.NEARLY * program.weight)
     assert by_fast.alpha == pytest.approx(by_plain.alpha, abs=1e-7)
     assert by_fast.certificate.equilibrium <= 1e-8 >= by_plain.certificate.equilibrium
 
@@ -198,4 +203,4 @@ def test_a_program_near_another_takes_no_other_solver(monkeypatch):
     monkeypatch.setattr("mechanics.solvers.interior_point.solve", None)
     found = solve(program, expected.neighbour(program), Band.of(program.dof))
     assert found.alpha == pytest.approx(expected.alpha, abs=1e-7)
-    assert found.certificate.worst(program.step) <= central_path.FOLLOWED * len(program.load) / 3
+    assert found.certificate.worst(program.step) <= central_path.MOST

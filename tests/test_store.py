@@ -27,7 +27,7 @@ def test_what_was_not_used_for_longest_goes_first(tmp_path):
 
 
 def test_results_keep_every_bit():
-    state = State(np.array([[0.1, 1 / 3, 1e-300]]), np.zeros((1, 3)), np.zeros(0))
+    state = State(np.array([[0.1, 1 / 3, 1e-300]]), np.zeros((1, 3)), np.zeros(0), np.array([True, False]))
     part = Part(
         {"a": (0.1, None, np.float64(1 / 7), np.int64(3))}, state, [{"x": 2.0}], ["w «é»\r\n"], [], 0.3
     )
@@ -35,6 +35,7 @@ def test_results_keep_every_bit():
     assert found.numbers == {"a": [0.1, None, 1 / 7, 3]}
     assert found.reached.positions.tobytes() == state.positions.tobytes()
     assert (found.reached.velocities.shape, found.reached.shear.shape) == ((1, 3), (0,))
+    assert found.reached.carrying.tolist() == [True, False]
     assert (found.quality, found.warnings, found.failures, found.seconds) == (
         [{"x": 2.0}],
         ["w «é»\r\n"],

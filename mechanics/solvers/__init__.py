@@ -10,29 +10,37 @@ import numpy as np
 from mechanics.block import GRAVITY, Array
 from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.program import Neighbour, Program, Solution, certify
-from mechanics.solvers import interior_point
+from mechanics.solvers import interior_point, kernels
 from mechanics.solvers.band import Band
-from mechanics.solvers.kernels import fastest
 
 Answer = tuple[Array, float, Array]
 
 GOOD = 1e-8  # a certificate that needs no second opinion
 USABLE = 1e-6  # the worst that is accepted when every solver has been asked
 BALANCED = 1e-6  # of gravity: an acceleration that is none
-LARGE = 400  # contact points: smaller programs PIQP solves as fast from nothing
+WORTH_WHILE = 40, 400  # contact points from which banded matrices are: compiled, and in plain NumPy
 MARGINAL = 1e-8  # of gravity: one that decides where no solver finds an answer
+
+
+def banded(contacts: int) -> bool:
+    """Whether the method on banded matrices is quicker than PIQP for a static program of so many contact points."""
+    compiled, plain = WORTH_WHILE
+    return contacts >= (plain if kernels.fastest() is kernels else compiled)
 
 
 def solve(program: Program, near: Neighbour | None = None, layout: Band | None = None) -> Solution:
     """The first certified solution.
 
-    A static program is first sought `near` the solution of another, where one is given, on matrices of that `layout`.
-    A poor certificate is met by a tighter and sturdier run, then by another solver; no status is ever trusted. Raises
+    A static program of some size goes to the banded interior-point method, which begins `near` the solution of another
+    where one is given, on matrices of that `layout`; a small one, or one that it does not solve, to PIQP. A poor
+    certificate is met by a tighter and sturdier run, then by another solver; no status is ever trusted. Raises
     NoEquilibriumError where the loads cannot be balanced (decided by a program of its own, see imbalance) and
     ConvergenceError where they can but no solver shows how.
     """
-    if near is not None and (found := _near(program, near, layout, np.zeros_like(program.load))):
-        return found
+    if program.mass is None and (near is not None or banded(len(program.gap))):
+        found = _by_bands(program, near, layout, np.zeros_like(program.load))
+        if found is not None:
+            return found
     best: Solution | None = None
     acceleration = 0.0
     for count, attempt in enumerate(_attempts(program)):
@@ -43,11 +51,11 @@ def solve(program: Program, near: Neighbour | None = None, layout: Band | None =
                 best = solution
             if _worst(program, best) <= GOOD:
                 return best
-        if count == 0 and program.mass is None and (acceleration := imbalance(program)) > BALANCED:
+        if count == 0 and program.mass is None and (acceleration := imbalance(program, layout)) > BALANCED:
             break
     if best is not None and acceleration <= BALANCED:
         if program.mass is None and _worst(program, best) > USABLE:
-            best = _near(program, best.neighbour(program), layout, best.displacement) or best
+            best = _by_bands(program, best.neighbour(program), layout, best.displacement) or best
         if _worst(program, best) <= USABLE:
             return best
     if acceleration > MARGINAL:
@@ -55,7 +63,7 @@ def solve(program: Program, near: Neighbour | None = None, layout: Band | None =
     raise ConvergenceError("equilibrium exists, but no solver found it to the required accuracy")
 
 
-def _near(program: Program, near: Neighbour, layout: Band | None, start: Array) -> Solution | None:
+def _by_bands(program: Program, near: Neighbour | None, layout: Band | None, start: Array) -> Solution | None:
     """A static program's solution by the banded interior-point method, begun near another and at displacements (m,)."""
     from mechanics.solvers import central_path
 
@@ -63,7 +71,9 @@ def _near(program: Program, near: Neighbour, layout: Band | None, start: Array) 
 
     def pose(x: Array) -> Program:
         gap, done = np.empty_like(program.gap), 0.0
-        fastest().opening(layout.row, program.normal, program.tangent, program.gap, x[layout.order], gap)
+        kernels.fastest().opening(
+            layout.row, program.normal, program.tangent, program.gap, x[layout.order], gap
+        )
         if program.lateral is not None:
             done = float(program.lateral @ x)
         return replace(program, gap=gap, work=program.work - done)
@@ -79,22 +89,22 @@ def _worst(program: Program, solution: Solution) -> float:
     return solution.certificate.worst(program.step)
 
 
-def imbalance(program: Program) -> float:
+def imbalance(program: Program, layout: Band | None = None) -> float:
     """The least acceleration, per gravity, with which blocks of mean mass would start to move (Gauss's principle).
 
     Every contact point of a static program counts as closed and rigid. This auxiliary program always has a solution:
-    zero where the loads (for some multiplier, where there is one) can be balanced.
+    zero where the loads (for some multiplier, where there is one) can be balanced, of which forces that do are the
+    quicker proof.
     """
+    still, stiff = np.zeros_like(program.gap), np.zeros_like(program.compliance)
+    closed = replace(program, gap=still, compliance=stiff, work=0.0)
+    if banded(len(program.gap)):
+        standing = _by_bands(closed, None, layout, np.zeros_like(program.load))
+        if standing is not None and standing.certificate.equilibrium <= GOOD:
+            return 0.0
     mass = np.full(len(program.load), program.weight / GRAVITY)
     mass[2::3] *= program.size**2
-    gauss = replace(
-        program,
-        gap=np.zeros_like(program.gap),
-        compliance=np.zeros_like(program.compliance),
-        work=0.0,
-        mass=mass,
-        step=GRAVITY,
-    )
+    gauss = replace(closed, mass=mass, step=GRAVITY)
     least = np.inf
     for tolerance in (1e-9, 1e-11, 1e-13):
         answer = interior_point.solve(gauss, tolerance, most_iterations=100)

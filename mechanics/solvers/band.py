@@ -40,6 +40,10 @@ class Band:
         row = np.where(pairs >= 0, 3 * rank[pairs], -1).astype(np.intp)
         return cls(rows, np.argsort(rows), row, 3 * _half_band(linked, order) + 3)
 
+    def take(self, index: Index) -> Band:
+        """The same order for a choice of the contact points."""
+        return Band(self.order, self.back, self.row[index], self.width)
+
     @cached_property
     def envelope(self) -> Index:
         """What of the band its factors fill, see `envelope`."""

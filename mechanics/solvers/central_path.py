@@ -1,6 +1,6 @@
-"""The static program by a primal-dual interior-point method, begun near an earlier solution.
+"""The static program by a primal-dual interior-point method on banded matrices.
 
-Two things make it quicker than a method for one program after another: it begins at the last solution of a path, a
+Two things make it quicker than a method for one program after another: it can begin at the last solution of a path, a
 little off the bounds, and it follows the geometry while it converges, so that a step, which takes PIQP four or five
 programs of a score of iterations each, is one run of a score. The change of arms within an iteration is left out: with
 it (Newton's method, from the start or near the end only) the paths of the triumphal arch took as many iterations and
@@ -26,21 +26,23 @@ from mechanics.solvers.threads import one_thread
 
 HELD_BACK, LET_GO = 1e-4, 0.3  # the least stiffness that holds blocks where nothing gets better, and its fall
 DISTANCE = 0.03  # from the bounds, per weight and step, at which the method begins
+NOWHERE = 3.0  # the same where no solution is near, per root of the number of blocks
 MOST_ITERATIONS = 100
 STALLED = 3  # iterations without progress after which the blocks are held back more and more
 IDLE = 8  # and after which the method ends
 NEARLY = 1e-5  # unbalanced force, per weight, from which equilibrium is restored by itself
-FOLLOWED = 1e-9  # certificate that ends the path, per block; its equilibrium is restored to rounding
+PER_BLOCK, MOST = 1e-12, 1e-9  # certificate that ends the path; its equilibrium is restored to rounding
 FROZEN = 3e-4  # of the step: displacements that do not change the geometry
 
 
 def follow(
-    pose: Callable[[Array], Program], layout: Band, x: Array, near: Neighbour
+    pose: Callable[[Array], Program], layout: Band, x: Array, near: Neighbour | None
 ) -> tuple[Array, Solution] | None:
     """Displacements (m,) at which the program posed there needs no further ones, and its certified solution.
 
     `pose` gives the program at displacements, counted from them, `layout` its band: every iteration, beginning at `x`,
-    goes on in the geometry to which it has led. None where that leads to no certified solution.
+    goes on in the geometry to which it has led, from the solution of a program `near` this one, where there is one.
+    None where that leads to no certified solution.
     """
     with one_thread():
         return _follow(pose, layout, x, near)
@@ -61,14 +63,14 @@ class _Iterate:
 
 
 def _follow(
-    pose: Callable[[Array], Program], layout: Band, x: Array, near: Neighbour
+    pose: Callable[[Array], Program], layout: Band, x: Array, near: Neighbour | None
 ) -> tuple[Array, Solution] | None:
     program, loops = pose(x), _loops()
     at = _begin(program, near)
     band = np.zeros((len(layout.order), layout.width + loops.PADDING))
     lateral = np.zeros(0) if program.lateral is None else program.lateral[layout.order]
     scale = program.weight, program.size, program.step
-    accepted = FOLLOWED * len(x) / 3
+    accepted = min(PER_BLOCK * len(x) / 3, MOST)
     progress: list[float] = []
     holding = HOLDING
     for _ in range(MOST_ITERATIONS):
@@ -84,10 +86,13 @@ def _follow(
             quality = restored.certificate
             if quality.equilibrium <= GOOD and quality.worst(program.step) <= accepted:
                 return x, restored
-        progress.append(quality.worst(program.step) * residuals[3])
+        lacks = replace(quality, complementarity=0.0).worst(
+            program.step
+        )  # which tells no more than the products do
+        progress.append(max(lacks, NEARLY) * residuals[3])
         if _idle(progress, IDLE):
             return None
-        if _idle(progress, STALLED):
+        if near and _idle(progress, STALLED):
             holding = min(FIRMER * max(holding, HELD_BACK), FIRM)
         else:
             holding = max(LET_GO * holding, HOLDING)
@@ -109,8 +114,12 @@ def _loops() -> ModuleType:
     return import_module("mechanics.solvers." + ("compiled_interior_step" if compiled else "interior_step"))
 
 
-def _begin(program: Program, near: Neighbour) -> _Iterate:
-    """The earlier solution, moved off the bounds."""
+def _begin(program: Program, near: Neighbour | None) -> _Iterate:
+    """The earlier solution, moved off the bounds; without one, all contacts bear and open alike."""
+    still, weight, step = np.zeros(len(program.load)), program.weight, program.step
+    if near is None:
+        everywhere = np.full_like(program.gap, NOWHERE * np.sqrt(len(still) / 3))
+        return _Iterate(still, 0.0, weight * everywhere, step * everywhere, still.copy())
     n = 1.0 / np.hypot(1.0, program.friction)
     t = program.friction * n
     half_n = 0.5 * near.forces[:, 0] / n
@@ -118,13 +127,8 @@ def _begin(program: Program, near: Neighbour) -> _Iterate:
     s = np.stack([half_n + half_t, half_n - half_t], axis=1)
     along, across = n * near.opening[:, 0], t * near.opening[:, 1]
     z = np.stack([along + across, along - across], axis=1)
-    return _Iterate(
-        np.zeros(len(program.load)),
-        near.alpha,
-        np.maximum(s, DISTANCE * program.weight),
-        np.maximum(z, DISTANCE * program.step),
-        np.zeros(len(program.load)),
-    )
+    s, z = np.maximum(s, DISTANCE * weight), np.maximum(z, DISTANCE * step)
+    return _Iterate(still, near.alpha, s, z, still.copy())
 
 
 def _posed(program: Program, layout: Band) -> Posed:

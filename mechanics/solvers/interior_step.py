@@ -18,7 +18,7 @@ from mechanics.solvers import kernels
 from mechanics.solvers.iterations import PADDING, factorise, substitute
 from mechanics.solvers.kernels import Residuals
 
-STIFFEST = 1e8  # of closed contacts, per weight and step
+STIFFEST = 1e12  # of closed contacts, per weight and step
 HOLDING, FIRMER, FIRM = (
     1e-9,
     10.0,
