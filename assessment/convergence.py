@@ -126,7 +126,7 @@ class Levels:
     def missed(self, tolerance: float) -> list[str]:
         """Say of each quantity that does not meet the tolerance by how much."""
         return [
-            f"{key} is not known (not reached with every increment)"
+            f"{key} is not known (not reached by every analysis)"
             if error is None
             else f"{key} is {100.0 * error:.2g} %"
             for key, error in self.relative.items()

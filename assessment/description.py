@@ -66,7 +66,7 @@ def describe(project: Project, model: Model) -> Results:
             for name, settlement in _states(project)
         },
         "comparison": [],
-        "convergence": {"tolerance": accuracy_of(project).tolerance, "rows": [], "segments": []},
+        "convergence": {"tolerance": accuracy_of(project).tolerance, "rows": []},
         "quality": {"solves": 0, "warnings": [], "by_stage": []},
         "timing_s": {},
         "software": {

@@ -58,16 +58,15 @@ def in_more_segments(
             if numbers["alpha_u"] is None:
                 continue  # not reached with the segments given, and said
             levels = Levels(model.size, tuple(level[state][way] for level in measured), result=0)
-            row = {"state": state, "direction": way, "times": TIMES[-1]}
-            found.rows.append(row | levels.numbers(tolerance))
+            found.rows.append({"state": state, "direction": way, **levels.numbers(tolerance)})
             title = f"{state}, {way}"
             if state in failed:
-                found.warnings.append(f"{title}: more segments per joint fail: {failed[state]}")
+                found.warnings.append(f"{title}: more segments_per_joint fail: {failed[state]}")
             elif not levels.within(tolerance):
                 said = "; ".join(levels.missed(tolerance))
                 found.warnings.append(
-                    f"{title}: estimated error of {said} with the segments per joint given, "
-                    f"tolerance {100.0 * tolerance:.2g} %; take more of them, the peak falls as they grow in number"
+                    f"{title}: estimated error of {said} with the segments_per_joint given, "
+                    f"tolerance {100.0 * tolerance:.2g} %; take more of them"
                 )
     return found
 

@@ -134,8 +134,9 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
     warnings = results["quality"]["warnings"]
     warnings += converged.warnings + segmented.warnings
     if segmented.rows:
+        results["convergence"]["segments"] = segmented.rows
         results["timing_s"]["segments"] = segmented.seconds
-    results["convergence"] |= {"rows": converged.rows, "segments": segmented.rows}
+    results["convergence"]["rows"] += converged.rows
     states = results["states"]
     for stage in stages:
         _merge(states[stage.state], stage)
