@@ -7,7 +7,7 @@ is reported is the finest analysis, and beside it the error that the last differ
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from assessment.checks import assess
@@ -69,15 +69,16 @@ def estimated_error(values: Sequence[float | None]) -> float | None:
 class Levels:
     """Quantities with the increments given, halved, halved again…: what each level gave (None: not reached).
 
-    `size` (m) of the model: lengths below its NOISE are none.
+    `size` (m) of the model: lengths below its NOISE are none. `result`: which level is the result, the finest or 0.
     """
 
     size: float
     measured: tuple[Measured, ...]
+    result: int = -1
 
     def joined(self, finer: Measured) -> Levels:
         """Return the levels with one more."""
-        return Levels(self.size, (*self.measured, finer))
+        return replace(self, measured=(*self.measured, finer))
 
     def values(self, quantity: str) -> list[float | None]:
         """Return what the levels gave of a quantity."""
@@ -94,17 +95,24 @@ class Levels:
         if len(self.measured) < 2:
             return {}
         last, before = self.measured[-1], self.measured[-2]
-        return {
-            key: estimated_error(self.values(key))
-            for key in last
-            if last[key] is not None or before.get(key) is not None
-        }
+        return {key: self._error(key) for key in last if last[key] is not None or before.get(key) is not None}
+
+    def _error(self, key: str) -> float | None:
+        """The estimated error of the finest level, and how far the result is from that level."""
+        error, result, finest = (
+            estimated_error(self.values(key)),
+            self.measured[self.result][key],
+            self.measured[-1][key],
+        )
+        return None if error is None or result is None or finest is None else error + abs(result - finest)
 
     @property
     def relative(self) -> dict[str, float | None]:
-        """The errors, relative to the values of the finest level."""
+        """The errors, relative to the values of the result."""
         return {
-            key: None if error is None else error / max(abs(self.measured[-1][key] or 0.0), self._least(key))
+            key: None
+            if error is None
+            else error / max(abs(self.measured[self.result][key] or 0.0), self._least(key))
             for key, error in self.errors.items()
         }
 
@@ -118,7 +126,7 @@ class Levels:
     def missed(self, tolerance: float) -> list[str]:
         """Say of each quantity that does not meet the tolerance by how much."""
         return [
-            f"{key} is not known (not reached with every increment)"
+            f"{key} is not known (not reached by every analysis)"
             if error is None
             else f"{key} is {100.0 * error:.2g} %"
             for key, error in self.relative.items()
@@ -132,7 +140,6 @@ class Levels:
             None if None in relative else max((each for each in relative if each is not None), default=None)
         )
         return {
-            "halvings": len(self.measured) - 1,
             **{_error_key(key): error for key, error in self.errors.items()},
             "relative_error": largest,
             "met": self.within(tolerance),
@@ -175,10 +182,11 @@ def _refined(settlement: SettlementTable, times: int) -> SettlementTable:
 class Convergence:
     """The finest stages of every state, and `halvings` of its increments behind them.
 
-    `rows` of results.json; `warnings`: where the tolerance was not met.
+    `given`: the stages with the increments given. `rows` of results.json; `warnings`: where the tolerance was not met.
     """
 
     stages: list[StateResult]
+    given: list[StateResult]
     halvings: dict[str, int] = field(default_factory=dict)
     rows: list[Numbers] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
@@ -195,12 +203,13 @@ def converge(
     A state whose finer analysis fails where the coarser one did not keeps the coarser one.
     """
     accuracy = accuracy_of(project)
-    found = Convergence(analyse(project, project.states))
+    given = analyse(project, project.states)
+    found = Convergence(given, given)
     if accuracy.tolerance is None:
         return found
     levels = {
         state: {way: Levels(model.size, (numbers,)) for way, numbers in measured.items()}
-        for state, measured in _measured(project, model, demands, found.stages).items()
+        for state, measured in measure(project, model, demands, found.stages).items()
     }
     found.halvings = dict.fromkeys(levels, 0)
     failed: dict[str, str] = {}
@@ -214,7 +223,7 @@ def converge(
             break
         finer = refined(project, halvings)
         stages = analyse(finer, wanted)
-        measured = _measured(finer, model, demands, stages)
+        measured = measure(finer, model, demands, stages)
         for state in wanted:
             if failures := _new_failures(found.stages, stages, state):
                 failed[state] = failures
@@ -226,7 +235,8 @@ def converge(
         for way, each in ways.items():
             if not each.reached:
                 continue
-            found.rows.append({"state": state, "direction": way, **each.numbers(accuracy.tolerance)})
+            row = {"state": state, "direction": way, "halvings": found.halvings[state]}
+            found.rows.append(row | each.numbers(accuracy.tolerance))
             title = f"{state}, {way}"
             if state in failed:
                 found.warnings.append(f"{title}: finer increments fail: {failed[state]}")
@@ -248,8 +258,12 @@ def not_met(title: str, levels: Levels, tolerance: float, what: str) -> list[str
     ]
 
 
-def _measured(
-    project: Project, model: Assembly, demands: Demands, stages: Sequence[StateResult]
+def measure(
+    project: Project,
+    model: Assembly,
+    demands: Demands,
+    stages: Sequence[StateResult],
+    quantities: Collection[str] = QUANTITIES,
 ) -> dict[str, dict[str, Numbers]]:
     """Return what is to converge, by state and direction."""
     found: dict[str, dict[str, Numbers]] = {}
@@ -262,7 +276,7 @@ def _measured(
             else {}
         )
         found[state] = {
-            way: {key: value for key, value in numbers.items() if key in QUANTITIES}
+            way: {key: value for key, value in numbers.items() if key in quantities}
             for way in directions(project)
             for numbers in [capacity_numbers(project, own, pushovers.get(way, {}), capacities.get(way))]
         }

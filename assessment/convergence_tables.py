@@ -20,6 +20,12 @@ def history_convergence(results: Results) -> Table:
     return Table("history_convergence", [row for row in _rows(results) if "record" in row], columns)
 
 
+def segments_convergence(results: Results) -> Table:
+    """List the estimated errors that the number of segments leaves in the elastic capacities."""
+    columns = ("state", "direction", "alpha_u_error", "a_g_error_g", "relative_error", "met")
+    return Table("segments_convergence", _rows(results, "segments"), columns)
+
+
 def reported(table: Table, words: Words) -> Table:
     """Return the table for the report: an error of null is not known."""
     rows = [
@@ -29,8 +35,8 @@ def reported(table: Table, words: Words) -> Table:
     return Table(table.name, rows, table.columns)
 
 
-def _rows(results: Results) -> list[Row]:
+def _rows(results: Results, study: str = "rows") -> list[Row]:
     return [
         {key: value for key, value in row.items() if key != "levels"}
-        for row in (results.get("convergence") or {}).get("rows") or []
+        for row in (results.get("convergence") or {}).get(study) or []
     ]

@@ -46,7 +46,8 @@ def converged_history(
         result, levels = finer, levels.joined(_peak(finer))
         if levels.within(accuracy.tolerance):
             break
-    result.convergence = {"state": state, "record": motion.name, **levels.numbers(accuracy.tolerance)}
+    result.convergence = {"state": state, "record": motion.name, "halvings": len(levels.measured) - 1}
+    result.convergence |= levels.numbers(accuracy.tolerance)
     result.warnings += not_met(title, levels, accuracy.tolerance, "time steps")
     return result
 

@@ -16,6 +16,7 @@ from assessment.dynamic_stages import add_dynamics, dynamic_contacts, read_motio
 from assessment.messages import ProjectError
 from assessment.parallel import SILENCE, Show, Workers, large
 from assessment.project_schema import ORIGINAL
+from assessment.segments import in_more_segments
 from assessment.stages import stand
 from assessment.states import Request, StateResult, analyse_states
 from assessment.study import Demands, behaviours
@@ -128,9 +129,13 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
             [request for request in _requests(finer, assembly) if request.state in names], workers
         ),
     )
+    segmented = in_more_segments(project, assembly, Demands(demands, hazard), converged.given, workers)
     stages = converged.stages
     warnings = results["quality"]["warnings"]
-    warnings += converged.warnings
+    warnings += converged.warnings + segmented.warnings
+    if segmented.rows:
+        results["convergence"]["segments"] = segmented.rows
+        results["timing_s"]["segments"] = segmented.seconds
     results["convergence"]["rows"] += converged.rows
     states = results["states"]
     for stage in stages:

@@ -85,12 +85,15 @@ class Assembly:
         return find_joints(self.blocks, self.joint_tolerance)
 
     @cached_property
+    def segments(self) -> Index:
+        """Segments (j,) of each joint in elastic analyses: the more of what its two blocks ask for."""
+        wished = np.array([b.segments or self.segments_per_joint for b in self.blocks], dtype=np.intp)
+        return np.maximum(wished[self.joints.a], wished[self.joints.b])
+
+    @cached_property
     def elastic_contacts(self) -> Contacts:
         """Contact points of the joints, each divided into its segments."""
-        wished = np.array([b.segments or self.segments_per_joint for b in self.blocks], dtype=np.intp)
-        return place_contacts(
-            self.blocks, self.joints, np.maximum(wished[self.joints.a], wished[self.joints.b])
-        )
+        return place_contacts(self.blocks, self.joints, self.segments)
 
     @cached_property
     def rigid_contacts(self) -> Contacts:

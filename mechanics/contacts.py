@@ -13,7 +13,10 @@ from mechanics.joints import Index, Joints
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
-    """Contact points k, four to each segment of a joint: its two ends, seen from either side (paper, §2).
+    """Contact points k of the joints: the two ends of each of their segments, seen from either side (paper, §2).
+
+    Where two segments of a joint meet, their points on one side are at one place, always: they are one point, twice as
+    stiff. So m segments have 2(m + 1) points, not 4m, along the joint on the side of its block a, then of b.
 
     Point k belongs to block `a` and faces a surface of block `b`. `p` (c, 2): the point, in a's axes; `q` (c, 2):
     its foot on the surface, in b's axes; `n` (c, 2): the surface's outward normal, in b's axes (all from the
@@ -56,15 +59,18 @@ class Kinematics:
 def place_contacts(blocks: Sequence[Block], joints: Joints, segments: Index) -> Contacts:
     """Contact points of joints divided into `segments` (j,) equal parts.
 
-    k_n of a point = k_jn l d / 4, with l the segment's length and d the smaller depth (paper, §4). Between unlike
-    stones the two half-joints act in series and the smaller friction governs.
+    k_n of a point = k_jn l d / 4 for each segment that ends there, with l the segment's length and d the smaller depth
+    (paper, §4). Between unlike stones the two half-joints act in series and the smaller friction governs.
     """
-    joint = np.repeat(np.arange(len(joints.a)), segments)
-    part = np.arange(len(joint)) - np.repeat(np.cumsum(segments) - segments, segments)
+    points = segments + 1
+    joint = np.repeat(np.arange(len(joints.a)), points)
+    number = np.arange(len(joint)) - np.repeat(np.cumsum(points) - points, points)
     length = joints.length[joint] / segments[joint]
-    points = [joints.ends[joint, 0] + ((part + e) * length)[:, None] * joints.tangent[joint] for e in (0, 1)]
+    meeting = np.where((number == 0) | (number == segments[joint]), 1.0, 2.0)
+    along = number * length
     t = joints.tangent[joint]
     n = np.stack([-t[:, 1], t[:, 0]], axis=1)
+    place = joints.ends[joint, 0] + along[:, None] * t
     centroid = np.array([b.centroid for b in blocks])
     depth = np.array([b.depth for b in blocks])
     mu = np.array([b.material.friction for b in blocks])
@@ -73,29 +79,25 @@ def place_contacts(blocks: Sequence[Block], joints: Joints, segments: Index) -> 
     a, b = joints.a[joint], joints.b[joint]
     with np.errstate(divide="ignore"):
         series = 2.0 / (1.0 / k[a] + 1.0 / k[b])
-    stiffness = series * (length * np.minimum(depth[a], depth[b]) / 4.0)[:, None]
-    parts = []
-    for owner, facing, normal, room, sign in (
-        (a, b, n, joints.room_b, 1.0),
-        (b, a, -n, joints.room_a, -1.0),
-    ):
-        for e in (0, 1):
-            # the slide is measured along the facing surface's own tangent, a quarter turn clockwise from its normal
-            free = room[joint] - ((part + e) * length)[:, None]
-            parts.append(
-                Contacts(
-                    owner,
-                    facing,
-                    points[e] - centroid[owner],
-                    points[e] - centroid[facing],
-                    normal,
-                    np.minimum(mu[a], mu[b]),
-                    stiffness,
-                    joint,
-                    free if sign > 0.0 else -free[:, ::-1],
-                )
-            )
-    every = Contacts(*(np.concatenate([getattr(c, f.name) for c in parts]) for f in fields(Contacts)))
+    stiffness = series * (meeting * length * np.minimum(depth[a], depth[b]) / 4.0)[:, None]
+    friction = np.minimum(mu[a], mu[b])
+    # the slide is measured along the facing surface's own tangent, a quarter turn clockwise from its normal
+    room_a, room_b = (room[joint] - along[:, None] for room in (joints.room_a, joints.room_b))
+    sides = [
+        Contacts(
+            owner,
+            facing,
+            place - centroid[owner],
+            place - centroid[facing],
+            normal,
+            friction,
+            stiffness,
+            joint,
+            room,
+        )
+        for owner, facing, normal, room in ((a, b, n, room_b), (b, a, -n, -room_a[:, ::-1]))
+    ]
+    every = Contacts(*(np.concatenate([getattr(c, f.name) for c in sides]) for f in fields(Contacts)))
     return every.take(np.argsort(every.joint, kind="stable"))
 
 

@@ -58,8 +58,9 @@ def rest_size(model: Assembly, behaviour: Behaviour) -> float:
     """A displacement (m) on the scale of the joints' compression under gravity; rigid: 1/1000 of a block."""
     if behaviour == "rigid":
         return 1e-3 * model.size
-    stiffness = model.contacts(behaviour).stiffness[:, 0]
-    return float(np.median(model.weight / stiffness)) / 4.0
+    contacts = model.contacts(behaviour)
+    ends = np.unique(contacts.joint, return_index=True)[1]  # of a joint: points at which one segment ends
+    return float(np.median(model.weight / contacts.stiffness[ends, 0])) / 4.0
 
 
 def reaction(model: Assembly, behaviour: Behaviour, step: Step, support: Index) -> Array:

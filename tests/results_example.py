@@ -69,6 +69,17 @@ def results_example(language: str = "it") -> dict[str, Any]:
                 }
                 for name, direction, d_0_error in (("original", "+x", 0.0023), (SETTLED, "-x", None))
             ],
+            "segments": [
+                {
+                    "state": "original",
+                    "direction": "+x",
+                    "alpha_u_error": 0.031,
+                    "a_g_error_g": 0.017,
+                    "relative_error": 0.21,
+                    "met": False,
+                    "levels": {"alpha_u": [0.147, 0.128, 0.121]},
+                }
+            ],
         },
         "quality": {
             "solves": 210,

@@ -410,6 +410,7 @@ def test_the_report_states_the_error_or_that_there_is_no_estimate(language, tmp_
         words.number(1.2),
         words.plain("value.not_known"),
         words.plain("value.no"),
+        words.number(21.0),
     ):
         assert f"<td>{text}</td>" in said
     results["convergence"] = {"tolerance": None, "rows": []}

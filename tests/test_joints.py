@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from assessment.benchmark.structures import segments_apart
 from mechanics import Assembly, Block, Material
 from mechanics.joints import default_tolerance, find_joints
 from tests.structures import arch_on_piers, rectangle, running_bond, semicircular_arch
@@ -153,9 +154,11 @@ def test_default_tolerance_is_a_thousandth_of_the_median_edge():
 
 
 @pytest.mark.parametrize("segments", [1, 3, 8])
-def test_four_contact_points_to_each_segment(segments):
+def test_contact_points_at_the_ends_of_every_segment_on_either_side(segments):
+    """Four to a segment (paper, §2), less those that a neighbour has at the same place."""
     model = Assembly(running_bond().blocks, segments_per_joint=segments)
-    assert len(model.elastic_contacts) == 4 * segments * len(model.joints.a)
+    assert len(model.elastic_contacts) == 2 * (segments + 1) * len(model.joints.a)
+    assert len(segments_apart(model).elastic_contacts) == 4 * segments * len(model.joints.a)
 
 
 @pytest.mark.parametrize("segments", [1, 5])
@@ -170,10 +173,14 @@ def test_stiffness_of_the_points_adds_up_to_that_of_the_joint(segments):
 def test_a_block_may_ask_for_its_own_segments():
     piers = [replace(b, segments=8) if k > 20 else b for k, b in enumerate(arch_on_piers().blocks)]
     model = Assembly(piers, segments_per_joint=2)
-    per_joint = np.bincount(model.elastic_contacts.joint) // 4
+    per_joint = np.bincount(model.elastic_contacts.joint) // 2 - 1
     own = np.array([b.segments or 2 for b in piers])
     assert set(per_joint) == {2, 8}
-    assert per_joint.tolist() == np.maximum(own[model.joints.a], own[model.joints.b]).tolist()
+    assert (
+        per_joint.tolist()
+        == model.segments.tolist()
+        == np.maximum(own[model.joints.a], own[model.joints.b]).tolist()
+    )
 
 
 def test_rigid_contacts_are_one_segment_whatever_is_asked():

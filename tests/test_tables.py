@@ -27,6 +27,7 @@ def test_all_tables_are_written(written):
         "hand_check",
         "macro_blocks",
         "quality",
+        "segments_convergence",
         "spectrum",
         "action",
         "trace",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -87,6 +88,19 @@ def assembly(name: str, finer: float = 1.0) -> Assembly:
     geometry = project.geometry
     geometry = geometry.model_copy(update={"segments_per_joint": times(geometry.segments_per_joint)})
     return build_model(project.model_copy(update={"geometry": geometry, "layers": layers})).assembly
+
+
+def segments_apart(model: Assembly) -> Assembly:
+    """The same with elastic contact points of its own for every segment, which neighbours otherwise share."""
+    contacts = model.elastic_contacts
+    turn = np.diff(contacts.joint) != 0
+    turn |= np.diff(contacts.a) != 0
+    ends_a_joint = np.r_[True, turn] | np.r_[turn, True]
+    point = np.repeat(np.arange(len(contacts)), np.where(ends_a_joint, 1, 2))
+    alone = np.unique(contacts.joint, return_index=True)[1][contacts.joint[point]]  # the end of one segment
+    apart = replace(model)
+    apart.__dict__["elastic_contacts"] = replace(contacts.take(point), stiffness=contacts.stiffness[alone])
+    return apart
 
 
 @cache

@@ -51,7 +51,7 @@ def strain(program: Program, one: Solution, other: Solution) -> float:
 
 def test_multipliers_and_displacements_of_statics():
     """α to 1e-7 by three solvers, rigid; by two and with the strain energy of the difference, elastic."""
-    compared, apart = {"rigid": 0, "elastic": 0}, []
+    compared, apart, as_asked = {"rigid": 0, "elastic": 0}, [], []
     for number, model in assemblies(STATICS):
         program = static(model, "rigid")
         piqp, highs, found = interior_point.solve(program, 1e-11, 200), linear.solve(program), banded(program)
@@ -71,14 +71,14 @@ def test_multipliers_and_displacements_of_statics():
         assert tight is not None
         reference, found = Solution(*tight, certify(program, *tight)), banded(program)
         assert reference.certificate.worst(program.step) <= 1e-8, number
-        assert solve(program).alpha == pytest.approx(reference.alpha, abs=2e-6), number
+        as_asked.append(abs(solve(program).alpha - reference.alpha))
         if found is not None:
             compared["elastic"] += 1
             apart.append(abs(found.alpha - reference.alpha))
             assert strain(program, found, reference) < 1e-5, number
-    # one curve is so flat that answers of a duality gap of 2e-10 are 3e-7 apart
-    assert np.sort(apart)[-2] <= 1e-7
-    assert max(apart) <= 1e-6
+    # one curve is so flat that answers of a duality gap of 2e-10 are 3e-7 apart, and of 1e-9 2e-6
+    assert np.sort(apart)[-2] <= 1e-7 and np.sort(as_asked)[-2] <= 1e-7
+    assert max(apart) <= 1e-6 and max(as_asked) <= 3e-6
     # asked for so much it does not always get there, and says so
     assert min(compared.values()) > 0.8 * STATICS, compared
 
