@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -60,9 +61,8 @@ def save_png(draw: Callable[[], Figure], path: Path) -> None:
     with mpl.rc_context(STYLE):  # type: ignore[arg-type]
         canvas = FigureCanvasAgg(draw())
         canvas.figure.set_dpi(PNG_DPI)
-        canvas.draw()
-    size = canvas.get_width_height(physical=True)
-    picture = Image.frombuffer("RGBA", size, canvas.buffer_rgba()).convert("L")
+        canvas.draw()  # type: ignore[no-untyped-call]
+    picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("L")  # type: ignore[no-untyped-call]
     picture.save(buffer, format="png", dpi=(PNG_DPI, PNG_DPI))
     write_atomically(path, buffer.getvalue())
 
