@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor
 from typing import Any, Self, TypeVar, TypeVarTuple
 
-from assessment.parallel import belong_to_parent, dismiss
+from assessment.processes import belong_to_parent, dismiss
 
 Results = Mapping[str, Any]
 Arguments = TypeVarTuple("Arguments")

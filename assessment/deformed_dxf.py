@@ -55,6 +55,8 @@ def _drawing(results: Results) -> Drawing:
         drawing.layers.add(layer, color=5)
         for start, end in segments:
             space.add_line(start, end, dxfattribs={"layer": layer})
+    for kind in sorted(drawing.entitydb.dxf_types_in_use()):  # ezdxf leaves their order to chance
+        drawing.classes.add_class(kind)
     return drawing
 
 

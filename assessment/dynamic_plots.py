@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
-from scipy.special import ndtr
 
 from assessment.canvas import DASHES, chart, sheet
 from assessment.drawings import GHOST, INK, SUPPORT
@@ -141,6 +140,8 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
 
 def draw_fragility(results: Results, words: Words) -> Figure:
     """Draw the probability of collapse over PGA of each state: lognormal curve, and the records' own steps."""
+    from scipy.special import ndtr  # late: few reports need it, and it takes long to import
+
     found = fragile(results)
     figure, (axes,) = chart(words, height_mm=75.0)
     top = max(

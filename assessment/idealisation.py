@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
 from assessment.trace import Step, Trace, datum, step
 from mechanics.errors import require
@@ -95,6 +94,8 @@ def fit_bilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
             "bilinear", (d, alpha, d_0), secant, alpha_u, alpha_u, None,
             "no plateau below α_u has the area of the curve: α_y = α_u",
         )  # fmt: skip
+    from scipy.optimize import brentq  # late: few fits need it, and it takes long to import
+
     alpha_y = float(brentq(excess, 1e-9 * alpha_u, alpha_u, xtol=1e-14))
     return _idealised("bilinear", (d, alpha, d_0), secant, alpha_u, alpha_y, target)
 

@@ -16,15 +16,18 @@ from assessment.files import write_atomically
 SCRATCH = ".assesto-"  # where files are made before they take their place
 
 
-def prepare() -> None:
-    """Import what `write` needs: a second's work, which may be done while others compute."""
+def prepare(report: bool) -> None:
+    """Import what `write` needs: nearly a second's work, which may be done while others compute."""
     import pandas  # noqa: F401
 
     import assessment.animation
-    import assessment.report  # noqa: F401
+    import assessment.figures
 
-    with suppress(OSError):  # said where the PDF is written
-        import weasyprint  # noqa: F401
+    if report:
+        import assessment.report  # noqa: F401
+
+        with suppress(OSError):  # said where the PDF is written
+            import weasyprint  # noqa: F401
 
 
 def write(results: Mapping[str, Any], folder: Path, report: bool = True, jobs: int = 1) -> list[str]:

@@ -6,16 +6,14 @@ finished, whatever becomes of the others.
 
 from __future__ import annotations
 
-import multiprocessing
 import os
-import signal
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar, TypeVarTuple
 
 from assessment.fingerprint import fingerprint
+from assessment.processes import belong_to_parent, dismiss
 from assessment.store import Store, packed, unpacked
 
 if TYPE_CHECKING:
@@ -66,8 +64,7 @@ class Workers:
     """How analyses are computed, and how many were.
 
     `jobs`: processes, 0: one per core if the work is worth starting them. `store`: where finished analyses are kept and
-    looked for, None: nowhere; `fresh`: they are kept, but not looked for. `meanwhile`: what this process can do, once,
-    while others compute.
+    looked for, None: nowhere; `fresh`: they are kept, but not looked for.
     """
 
     jobs: int = 0
@@ -77,7 +74,6 @@ class Workers:
     computed: int = 0
     taken: int = 0
     pool: ProcessPoolExecutor | None = None
-    meanwhile: Callable[[], None] | None = None
 
     def each(
         self,
@@ -129,9 +125,6 @@ class Workers:
             return
         pool = self._pool()
         pending = {pool.submit(_packed, function, tasks[number]): number for number in numbers}
-        if self.meanwhile:
-            self.meanwhile()
-            self.meanwhile = None
         while pending:
             for future in wait(pending, return_when=FIRST_COMPLETED).done:
                 yield pending.pop(future), future.result()
@@ -156,26 +149,5 @@ def large(*models: Assembly) -> bool:
     return sum(len(model.elastic_contacts) for model in models) > SMALL
 
 
-def dismiss(pool: ProcessPoolExecutor, at_once: bool) -> None:
-    """End the processes: `at_once`, with what they are at, where something went wrong."""
-    if at_once:
-        for worker in multiprocessing.active_children():
-            worker.terminate()
-    pool.shutdown(cancel_futures=True)
-
-
 def _packed(function: Callable[..., Any], task: tuple[Any, ...]) -> str:
     return packed(function(*task))
-
-
-def belong_to_parent() -> None:
-    """Leave interruption to the parent, and end with it however it ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-
-    def follow() -> None:
-        parent.join()
-        os._exit(1)
-
-    threading.Thread(target=follow, daemon=True).start()

@@ -9,8 +9,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import exp, log
 
-from scipy.optimize import brentq
-
 from assessment.floor import FloorSpectrum, FloorSpectrum2009
 from assessment.hazard import Hazard, HazardCurve
 from assessment.hazard_files import RETURN_PERIODS
@@ -43,6 +41,8 @@ def spectrum_at_return_period(
         return at(_HIGH), (
             "capacity above the hazard of 2475 years: the shape of that return period is scaled",
         )
+    from scipy.optimize import brentq  # late: few projects need it, and it takes long to import
+
     k = over.index(True)
     return at(exp(float(brentq(excess, knots[k - 1], knots[k], xtol=1e-14, rtol=1e-14)))), ()
 

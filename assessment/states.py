@@ -95,6 +95,7 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
 
     standing = [r for r in requests if r.settlement is None or reached[id(r)].reached is not None]
     pushing = [(request, direction) for request in standing for direction in request.directions]
+    pushing.sort(key=lambda asked: asked[0].behaviour)  # elastic first: those that take longest
     pushed = workers.each(
         f"{prefix}pushover",
         push,

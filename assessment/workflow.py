@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -94,14 +94,12 @@ def run(
     store: Store | None = None,
     fresh: bool = False,
     show: Show = SILENCE,
-    meanwhile: Callable[[], None] | None = None,
 ) -> Outcome:
     """Carry out every stage that the project asks for.
 
-    `jobs`: processes, 0: as many as help; `store`: where finished analyses are kept, and taken from unless `fresh`;
-    `meanwhile`: what this process can do while others compute.
+    `jobs`: processes, 0: as many as help; `store`: where finished analyses are kept, and taken from unless `fresh`.
     """
-    with Workers(jobs, store, fresh, show, meanwhile=meanwhile) as workers:
+    with Workers(jobs, store, fresh, show) as workers:
         results, complete = _stages(project, model, workers)
     if store:
         store.prune()

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from ezdxf.entitydb import EntityDB
 from ezdxf.filemanagement import readfile
 
 from assessment.deformed_dxf import shapes, write_deformed
@@ -39,6 +40,15 @@ def test_the_settled_shape_has_moved_its_support_by_what_was_asked():
     right = [b["support"] for b in analysed()["geometry"]["blocks"]].index("right")
     moved = found["1_RIGHT_SUPPORT_60_MM_SETTLED"].centroids[right] - outlines(analysed()).centroids[right]
     assert moved == pytest.approx([0.06, -0.02], abs=1e-9)
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+def test_bytes_do_not_hang_on_the_order_of_sets(written, tmp_path, monkeypatch, backwards):
+    """The order of a set of words is another one in every process."""
+    kinds = EntityDB.dxf_types_in_use
+    monkeypatch.setattr(EntityDB, "dxf_types_in_use", lambda db: sorted(kinds(db), reverse=backwards))
+    write_deformed(analysed(), tmp_path / "again.dxf")
+    assert (tmp_path / "again.dxf").read_bytes() == written.read_bytes()
 
 
 def test_the_same_results_give_the_same_bytes(written, tmp_path):

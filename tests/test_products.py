@@ -4,7 +4,9 @@ import re
 
 import pypdf
 import pytest
+from PIL import Image
 
+from assessment.canvas import PNG_DPI
 from assessment.hand_check import figures_of, governing_mechanisms, hand_check
 from assessment.judgement import draft_judgement
 from assessment.output import write
@@ -75,6 +77,16 @@ def test_figures_of_joints_and_of_the_end_of_capacity_are_there(products, text):
     for path in (products / "figures").glob("*.svg"):
         words = re.findall(r">([^<>]+)</text>", path.read_text(encoding="utf-8"))
         assert words, path.name
+
+
+def test_figures_are_black_white_and_grey(products):
+    for path in (products / "figures").glob("*.svg"):
+        colours = re.findall(r"#([0-9a-f]{2})([0-9a-f]{2})([0-9a-f]{2})\b", path.read_text(encoding="utf-8"))
+        assert colours, path.name
+        assert all(red == green == blue for red, green, blue in colours), path.name
+        with Image.open(path.with_suffix(".png")) as image:
+            assert (image.mode, round(image.info["dpi"][0])) == ("L", PNG_DPI)
+            assert image.getextrema() == (0, 255), path.name
 
 
 def test_drawings_are_vectors_in_the_pdf(products):
