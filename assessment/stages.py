@@ -113,11 +113,12 @@ def push(
     direction: Direction,
     controls: tuple[ControlTable, ...],
     increment: float,
+    until: float,
 ) -> Part:
-    """Push the state of that name over (None: as drawn), by the first control point that moves; increment in m."""
+    """Push the state of that name over (None: as drawn), by the first control point that moves; see pushover."""
     began = time.perf_counter()
     result, quality = Part(), Quality(name, f"pushover, {behaviour}")
-    _push(model, name, state, behaviour, direction, controls, increment, result, quality)
+    _push(model, name, state, behaviour, direction, controls, increment, until, result, quality)
     result.quality.append(quality.numbers())
     result.seconds = time.perf_counter() - began
     return result
@@ -190,13 +191,14 @@ def _push(
     direction: Direction,
     controls: tuple[ControlTable, ...],
     increment: float,
+    until: float,
     result: Part,
     quality: Quality,
 ) -> None:
     title = f"{name}, pushover {direction}, {behaviour} contacts"
     for control in controls:
         try:
-            path = pushover(model, control.point_m, direction, behaviour, increment, state)
+            path = pushover(model, control.point_m, direction, behaviour, increment, state, until)
         except ControlError as error:
             result.warnings.append(f"{title}: control point {control.name}: {error}")
             continue

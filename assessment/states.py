@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from mechanics.assembly import Behaviour, Direction
 
 WORST = ("worst_equilibrium_residual", "worst_penetration_m", "worst_complementarity", "worst_cone_violation")
+PAST_PEAK = 0.25  # of the peak of an elastic curve
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,8 +142,10 @@ def _push_arguments(request: Request, direction: Direction, settled: Part | None
     wished = project.pushover_control(direction)
     controls = (wished, *(point for point in project.control if point != wished))
     state = settled.reached if settled else None
-    increment = project.pushover.increment_m
-    return request.model, request.state, state, request.behaviour, direction, controls, increment
+    # an elastic curve has served once it is past its peak; a bilinear one has the area of the whole
+    whole = request.behaviour == "rigid" or (project.assessment and project.assessment.model == "bilinear")
+    increment, until = project.pushover.increment_m, 0.0 if whole else PAST_PEAK
+    return request.model, request.state, state, request.behaviour, direction, controls, increment, until
 
 
 def _alone(settlement: SettlementTable | None) -> SettlementTable:

@@ -74,10 +74,12 @@ def pushover(
     contacts: Behaviour = "rigid",
     increment: float = 0.001,
     state: State | None = None,
+    until: float = 0.0,
 ) -> Pushover:
     """Push the assembly over, from onset (rigid) or rest (elastic) until the multiplier has come down to zero.
 
-    `control`: drawn point (m) in or on a block; `increment` (m) of its displacement along the push. Every point is an
+    `control`: drawn point (m) in or on a block; `increment` (m) of its displacement along the push; `until`: the share
+    of its peak at which the multiplier has come down far enough. Every point is an
     equilibrium in its own displaced geometry, under a free multiplier whose loads do a given work (eq. 5; with
     compliance the same program traces the elastic curve through its peak). Where a step fails, a part may be moving by
     itself until others hold it again: equilibrium is sought half a step on, then a few steps on. Where there is none
@@ -86,7 +88,8 @@ def pushover(
     in the mechanism, NoEquilibriumError where the load meets no mechanism.
     """
     require(0.0 < increment < np.inf, "increment", increment, "positive, in m")
-    curve = _Curve(model, control, direction, contacts, increment, state)
+    require(0.0 <= until < 1.0, "until", until, "a share of the peak")
+    curve = _Curve(model, control, direction, contacts, increment, state, until)
     settlement = 0.0 if state is None else float(abs(state.positions - model.initial.positions)[:, :2].max())
     snap, share = SNAP * settlement, curve.first.share
     widest = max(2.0**COARSER, ACROSS * model.size / increment)
@@ -136,8 +139,9 @@ class _Curve:
         contacts: Behaviour,
         increment: float,
         state: State | None,
+        until: float,
     ) -> None:
-        self.model, self.contacts, self.increment = model, contacts, increment
+        self.model, self.contacts, self.increment, self.until = model, contacts, increment, until
         self.control, self.direction = np.asarray(control, dtype=float), direction
         self.block = model.block_at(control)
         self.lateral = model.lateral_load(direction)
@@ -235,6 +239,8 @@ class _Curve:
         if now - self.plateau[0] > size:
             alpha = self.multiplier[-1]
             self.end = f"the structure slides: α stays {alpha:.4g} over {size:.3g} m, and nothing ends that"
+        if not self.end and not self.waits and self.multiplier[-1] <= self.until * max(self.multiplier):
+            self.end = f"α has come down to {self.until:g} of its peak"
         if len(self.states) == MOST_STEPS and not self.end:
             self.end = f"{MOST_STEPS} points"
 

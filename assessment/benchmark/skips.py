@@ -20,8 +20,11 @@ from assessment.artificial_record import RECORD
 from assessment.benchmark.dynamics import DAMPING, EXACT, certified_to, pulse, shaking
 from assessment.benchmark.measure import Row, newtons_laid_out, seconds_of
 from assessment.benchmark.structures import assembly, block_on_base, segments_apart, template
+from assessment.idealisation import SECANT_SHARE
 from assessment.incremental import find_collapse
+from assessment.states import PAST_PEAK
 from mechanics import Assembly, TimeHistory, pushover, time_history
+from mechanics.assembly import Behaviour
 from mechanics.block import Array
 from mechanics.collapse import TURNED
 from mechanics.errors import NoEquilibriumError
@@ -88,6 +91,12 @@ def all_skips() -> list[Skip]:
         ),
         unchanged(),
         Skip("a rigid curve once α = 0", "points", curve_to_zero, curve_beyond, CLOSE),
+        Skip(
+            "an elastic curve past its peak",
+            "points",
+            partial(elastic_curve, PAST_PEAK),
+            partial(elastic_curve, 0.0),
+        ),
         Skip("a history once collapse is certain", "steps", fallen, fallen_on),
         Skip("a record outside its Arias window, arch", "steps", *window_of(ARCH_PGA), WINDOWED),
         Skip("a record outside its Arias window, rocking block", "steps", *window_of(BLOCK_PGA), np.inf),
@@ -168,11 +177,21 @@ def curve_beyond() -> tuple[Array, int]:
     return np.array([multiplier[0], np.inf if rises_again else crossing]), len(displacement)
 
 
-def _curve() -> Pushover:
+def elastic_curve(until: float) -> tuple[Array, int]:
+    """Where the elastic curve of the buttressed arch has two fifths of its peak, and its peak."""
+    curve = _curve("elastic", until)
+    rising = slice(0, curve.peak + 1)
+    secant = np.interp(
+        SECANT_SHARE, curve.multiplier[rising] / curve.multiplier[curve.peak], curve.displacement[rising]
+    )
+    return np.array([secant, curve.multiplier[curve.peak]]), len(curve.displacement)
+
+
+def _curve(contacts: Behaviour = "rigid", until: float = 0.0) -> Pushover:
     project = template("buttressed-arch")
     assert project.pushover is not None
     control, increment = project.pushover_control("+x").point_m, project.pushover.increment_m
-    return pushover(assembly("buttressed-arch"), control, increment=increment)
+    return pushover(assembly("buttressed-arch"), control, "+x", contacts, increment, until=until)
 
 
 def fallen() -> tuple[Array, int]:
