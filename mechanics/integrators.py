@@ -7,8 +7,6 @@ its impacts located: see impacts.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from mechanics.block import Array
@@ -60,13 +58,13 @@ def theta_step(scene: Scene, motion: Motion, load: Array, step: float, share: fl
         scene.contacts.a, scene.contacts.b, normal, tangent, dx, forces, start[:, 0], gap[:, 1], compliance,
         scene.stiffness, scene.contacts.friction, motion.shear, shear, stretch, scene.damping / step / stretch,
     )  # fmt: skip
-    return replace(
-        motion,
+    return Motion(
         x=motion.x + dx,
         v=v,
         forces=forces,
         shear=shear,
         friction=motion.friction + rubbed,
+        impact=motion.impact,
         viscous=motion.viscous + viscous,
         integrator=motion.integrator
         + stepping
