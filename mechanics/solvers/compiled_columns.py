@@ -210,7 +210,9 @@ def _answers(p: Array, z: Array, per_s: Array, ds: Array, dz: Array) -> None:
 
 
 @_ordered
-def _reach(s: Array, z: Array, per_s: Array, ds: Array, dz: Array) -> tuple[float, float, float, float, float]:
+def _reach(
+    s: Array, z: Array, per_s: Array, ds: Array, dz: Array
+) -> tuple[float, float, float, float, float]:
     # the most of its force, and of its gap, that a ray loses in the step
     of_force, of_gap, zds, sdz, both = 1.0, 1.0, 0.0, 0.0, 0.0
     for k in range(len(s)):
