@@ -28,7 +28,7 @@ from unittest.mock import patch
 from assessment.artificial_record import RECORD
 from assessment.benchmark.dynamics import INTEGRATORS, Integrator
 from assessment.benchmark.measure import Row, exponent, newtons_laid_out, peak_memory, piqp_beside, seconds_of
-from assessment.benchmark.structures import assembly, block_on_base, running_bond, template
+from assessment.benchmark.structures import arch_on_piers, assembly, block_on_base, running_bond, template
 from mechanics import Assembly, TimeHistory, time_history
 from mechanics.assembly import Behaviour
 from mechanics.block import Array
@@ -105,6 +105,7 @@ def cases(quick: bool) -> list[tuple[str, Assembly, float]]:
         return some
     return [
         *some,
+        ("arch on piers", arch_on_piers(), 0.05),
         ("wall 18 × 19", running_bond(18, 19, stiffness=1e7), 0.55),
         ("triumphal arch", assembly("triumphal-arch"), 0.2),
     ]

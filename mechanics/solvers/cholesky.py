@@ -1,7 +1,8 @@
 """Cholesky's factorisation of banded matrices and its substitutions, compiled: for narrow bands quicker than LAPACK.
 
-Matrices as in kernels: entry (i, j), i ≥ j, at [j, i − j], and `PADDING` columns of zeros beyond the band, so that a
-tile of ROWS × COLUMNS products, which is held in vector registers, may reach over its edge.
+Matrices as in kernels: entry (i, j), i ≥ j, at [j, i − j], of a factor the inverse on the diagonal; and `PADDING` columns
+of zeros beyond the band, so that a tile of ROWS × COLUMNS, no more columns than rows, may reach over its edge. A tile
+stays in vector registers until it is a part of the factor.
 """
 
 from __future__ import annotations
@@ -141,6 +142,7 @@ def factorise(band: Array, envelope: Any) -> bool:
             for r in range(c, ROWS):
                 tile[c, r] *= inverse[c]
                 band[j + c, r - c] = tile[c, r]
+            band[j + c, 0] = inverse[c]
             for d in range(c + 1, columns):
                 for r in range(d, ROWS):
                     tile[d, r] -= tile[c, d] * tile[c, r]
@@ -168,9 +170,9 @@ def substitute(band: Array, envelope: Any, x: Array) -> None:
     n = len(x)
     for j in range(0, n, 3):
         p, q, r = band[j], band[j + 1], band[j + 2]
-        a = x[j] / p[0]
-        b = (x[j + 1] - p[1] * a) / q[0]
-        c = (x[j + 2] - p[2] * a - q[1] * b) / r[0]
+        a = x[j] * p[0]
+        b = (x[j + 1] - p[1] * a) * q[0]
+        c = (x[j + 2] - p[2] * a - q[1] * b) * r[0]
         x[j], x[j + 1], x[j + 2] = a, b, c
         below = x[j + 3 : envelope[j + 2, 1] + 1]
         p, q, r = p[3 : 3 + len(below)], q[2 : 2 + len(below)], r[1 : 1 + len(below)]
@@ -185,7 +187,7 @@ def substitute(band: Array, envelope: Any, x: Array) -> None:
             a += u[e] * below[e]
             b += v[e] * below[e]
             c += w[e] * below[e]
-        c = (x[j + 2] - c) / r[0]
-        b = (x[j + 1] - b - q[1] * c) / q[0]
-        a = (x[j] - a - p[1] * b - p[2] * c) / p[0]
+        c = (x[j + 2] - c) * r[0]
+        b = (x[j + 1] - b - q[1] * c) * q[0]
+        a = (x[j] - a - p[1] * b - p[2] * c) * p[0]
         x[j], x[j + 1], x[j + 2] = a, b, c
