@@ -1,8 +1,8 @@
 """Cholesky's factorisation of banded matrices and its substitutions, compiled: for narrow bands quicker than LAPACK.
 
-Matrices as in kernels: entry (i, j), i ≥ j, at [j, i − j], of a factor the inverse on the diagonal; and `PADDING` columns
-of zeros beyond the band, so that a tile of ROWS × COLUMNS, no more columns than rows, may reach over its edge. A tile
-stays in vector registers until it is a part of the factor.
+Matrices as in kernels: entry (i, j), i ≥ j, at [j, i − j], of a factor the inverse on the diagonal; and `PADDING`
+columns of zeros beyond the band, so that a tile of ROWS × COLUMNS, no more columns than rows, may reach over its edge.
+A tile stays in vector registers until it is a part of the factor.
 """
 
 from __future__ import annotations
