@@ -35,6 +35,8 @@ def collapse(
         ):
             return f"the control point is {displacement:.3g} m away, past its ultimate displacement, and moving outward"
     moved = motion.x - start.positions
+    if abs(moved).max() <= min(TURNED, scene.smallest):
+        return ""  # nothing of what follows
     turned = abs(moved[:, 2])
     if turned.max() > TURNED:
         return f"block {int(turned.argmax())} has turned by {turned.max():.2f} rad"
@@ -42,7 +44,7 @@ def collapse(
     if fallen.any():
         block = int(np.argmax(np.where(fallen, -moved[:, 1], -np.inf)))
         return f"block {block} has fallen by {-moved[block, 1]:.3g} m"
-    if abs(moved[:, :2]).max() > scene.block_size.min():
+    if abs(moved[:, :2]).max() > scene.smallest:
         alone = np.flatnonzero(scene.model.movable & ~_in_reach(scene, motion))
         if alone.size:
             return f"block {int(alone[0])} is out of reach of all its contacts"

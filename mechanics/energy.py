@@ -78,12 +78,9 @@ def stored(scene: Scene, motions: Sequence[Motion]) -> tuple[Array, Array, Array
     potential = -(scene.model.dead_load * (x - x[0])).sum(axis=(1, 2))
     elastic = np.zeros(len(motions))
     if scene.behaviour == "elastic":
-        k = scene.contacts.stiffness[:, 0]
         for i, m in enumerate(motions):
-            gap = scene.geometry(m.x)[0][:, 0]
-            elastic[i] = 0.5 * float(k @ np.minimum(gap, 0.0) ** 2) + 0.5 * float(
-                scene.compliance[:, 1] @ m.shear**2
-            )
+            gap = scene.geometry(m.x)[0]
+            elastic[i] = scene.newton.kernels.strain_energy(gap, scene.stiffness, scene.compliance, m.shear)
     return kinetic, potential, elastic
 
 

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from mechanics.assembly import Mask
 from mechanics.block import GRAVITY, Array
 from mechanics.errors import ConvergenceError
 from mechanics.integrators import implicit_euler
+from mechanics.joints import Index
 from mechanics.scene import Load, Motion, Scene
 
 CLOSED = 1e-6  # of the block size: a gap that is none
@@ -35,9 +35,11 @@ def midpoint_with_impacts(scene: Scene, motion: Motion, load: Load, time: float,
     done = 0.0
     try:
         for _ in range(MOST_EVENTS):
-            motion = _impact(scene, motion)
-            whole = _midpoint(scene, motion, _gaps(scene, motion), load, time + done, step - done)
-            if whole.impact - motion.impact <= FAINT * _energy_scale(scene, motion, step):
+            gap = _gaps(scene, motion)
+            motion = _impact(scene, motion, gap)
+            whole = _midpoint(scene, motion, gap, load, time + done, step - done)
+            taken = whole.impact - motion.impact
+            if taken <= 0.0 or taken <= FAINT * _energy_scale(scene, motion, step):
                 return whole
             motion, h = _until_impact(scene, motion, load, time + done, step - done)
             done += h
@@ -105,7 +107,7 @@ def _midpoint(scene: Scene, motion: Motion, gap: Array, load: Load, time: float,
         # at half the time, not half the way: the phase is the better for it
         return scene.geometry(motion.x + 0.25 * (dx + step * motion.v))[1:]
 
-    def opened(dx: Array, _: Array) -> Array:
+    def opened(dx: Array) -> Array:
         change: Array = scene.geometry(motion.x + dx)[0][:, 0] - start[:, 0]
         return change
 
@@ -114,25 +116,23 @@ def _midpoint(scene: Scene, motion: Motion, gap: Array, load: Load, time: float,
     dx, forces, opening, slip, change = _without_dilation(
         scene, mass, momentum, rows, opened, gap, motion, guess, span
     )
-    x, v, taken = motion.x + dx, 2.0 * dx / step - motion.v, 0.0
-    carrying = (forces[:, 0] > CARRYING * scene.weight) & (gap + change <= CLOSED * scene.model.size)
-    carrying &= _harder_pressed(np.where(carrying, forces[:, 0], 0.0))
-    if carrying.any():
-        v, taken = _kept_together(scene, x, v, carrying, slip, STUCK * span)
-    approach = scene.relative(normal, motion.v)
-    closes = carrying & (
-        (gap > CLOSED * scene.model.size) | (approach < -RESTING * np.sqrt(GRAVITY * scene.model.size))
+    x, v = motion.x + dx, 2.0 * dx / step - motion.v
+    v, taken, hold = _kept_together(scene, x, v, forces, gap + change, slip, STUCK * span)
+    a, b = scene.contacts.a, scene.contacts.b
+    closes = scene.impact_loops.strikes(
+        a, b, normal, motion.v, gap, hold, CLOSED * scene.model.size, RESTING * scene.speed
     )
     # what contacts take: friction on their slip, and of normal forces where gaps close, or rows turn with the blocks
     taken -= float(forces[:, 0] @ opening)
-    return replace(
-        motion,
+    return Motion(
         x=x,
         v=v,
         forces=forces,
+        shear=motion.shear,
         friction=motion.friction - float(forces[:, 1] @ slip),
-        impact=motion.impact + (taken if closes.any() else 0.0),
-        integrator=motion.integrator + (0.0 if closes.any() else taken),
+        impact=motion.impact + (taken if closes else 0.0),
+        viscous=motion.viscous,
+        integrator=motion.integrator + (0.0 if closes else taken),
         input=motion.input + scene.work_of_loads(force, dx),
     )
 
@@ -142,55 +142,48 @@ def _acceleration(scene: Scene, load: Array, rows: tuple[Array, Array], forces: 
 
     None either where the solver's tolerance is all that sets blocks at rest in motion.
     """
-    total = load[scene.movable].ravel() + scene.resultant(*rows, forces)
-    found = scene.spread(total / scene.mass)
-    if not forces.any() or abs(found[:, :2]).max() <= RESTING * GRAVITY:
+    found = np.empty_like(load)
+    a, b = scene.contacts.a, scene.contacts.b
+    largest = scene.impact_loops.accelerations(a, b, *rows, forces, load, scene.mobility, found)
+    if largest <= RESTING * GRAVITY or not forces.any():
         return np.zeros_like(found)
     return found
 
 
-def _harder_pressed(normal: Array) -> Mask:
-    """Which contacts (c,) press harder, of the two that see an end of a joint from either side, by normal forces (c,).
-
-    Where the blocks have slid a little, both of them together would hold the rotation of the hinge that they are.
-    """
-    one, other = np.moveaxis(normal.reshape(-1, 2, 2), 1, 0)
-    return np.stack([one >= other, one < other], axis=1).ravel()
-
-
 def _kept_together(
-    scene: Scene, x: Array, v: Array, carrying: Mask, slip: Array, least: float
-) -> tuple[Array, float]:
+    scene: Scene, x: Array, v: Array, forces: Array, gap: Array, slip: Array, stuck: float
+) -> tuple[Array, float, Index]:
     """Velocities with the contacts that carry together, and those that came to rest in the step at rest; energy taken.
 
-    A contact stuck in the mean, or whose slip (c,) turned in the step, would go back as fast as it came.
+    A contact stuck in the mean, or whose slip (c,) turned in the step, would go back as fast as it came. Which contacts
+    (c,) are held, see impact_kernels.held.
     """
     _, normal, tangent = scene.geometry(x)
-    rate = np.stack([scene.relative(normal, v), scene.relative(tangent, v)], axis=1)
-    # without friction nothing stops
-    stopped = (scene.contacts.friction > 0.0) & ((abs(slip) <= least) | (slip * rate[:, 1] < 0.0))
-    held = carrying.astype(np.intp) + (carrying & stopped)
-    if np.where(held > [[0], [1]], abs(rate).T, 0.0).max() <= RESTING * np.sqrt(GRAVITY * scene.model.size):
-        return v, 0.0
-    new = v + scene.spread(scene.newton.close(scene.mass, normal, tangent, rate, held))
+    contacts, rate, hold = scene.contacts, np.empty_like(forces), np.empty(len(gap), np.intp)
+    fastest = scene.impact_loops.held(
+        contacts.a, contacts.b, normal, tangent, v, forces, gap, slip, contacts.friction, CARRYING * scene.weight,
+        CLOSED * scene.model.size, stuck, rate, hold,
+    )  # fmt: skip
+    if fastest <= RESTING * scene.speed:
+        return v, 0.0, hold
+    new = v + scene.spread(scene.newton.close(scene.mass, normal, tangent, rate, hold))
     # the impulses that hold do work at the mean velocity
-    return new, -0.5 * float((scene.model.mass * (new - v) * (new + v)).sum())
+    return new, -0.5 * float((scene.model.mass * (new - v) * (new + v)).sum()), hold
 
 
-def _impact(scene: Scene, motion: Motion) -> Motion:
+def _impact(scene: Scene, motion: Motion, gap: Array) -> Motion:
     """Velocities after the impulses of the closed contacts that approach: M(v₁ − v₀) = A₀p, v₁ₙ ≥ −e·v₀ₙ."""
-    gap, normal, tangent = scene.geometry(motion.x)
-    closed = gap[:, 0] <= CLOSED * scene.model.size
-    approach = scene.relative(normal, motion.v)
-    unit = np.sqrt(GRAVITY * scene.model.size)
-    if approach[closed].min(initial=0.0) >= -RESTING * unit:
+    _, normal, tangent = scene.geometry(motion.x)
+    closed, least, loops = CLOSED * scene.model.size, RESTING * scene.speed, scene.impact_loops
+    if loops.closing(scene.contacts.a, scene.contacts.b, normal, motion.v, gap, closed) >= -least:
         return motion
     scene.impacts += 1
-    span = max(float(abs(motion.v[:, :2]).max()), RESTING * unit)
-    bounce = scene.restitution * np.minimum(approach, 0.0)
+    span = max(float(abs(motion.v[:, :2]).max()), least)
+    bounce = scene.restitution * np.minimum(scene.relative(normal, motion.v), 0.0)
     after, impulses, *_ = _without_dilation(
         scene, scene.mass / scene.impulse, scene.model.mass * motion.v / scene.impulse, lambda _: (normal, tangent),
-        lambda _, opening: opening, np.where(closed, bounce, FAR * span), motion, motion.v, span,
+        lambda moved: scene.relative(normal, moved), np.where(gap <= closed, bounce, FAR * span), motion, motion.v,
+        span,
     )  # fmt: skip
     # impulses do work at the mean velocity of the impact
     mean = 0.5 * (motion.v + after)
@@ -201,7 +194,7 @@ def _impact(scene: Scene, motion: Motion) -> Motion:
 
 def _without_dilation(
     scene: Scene, mass: Array, load: Array, rows: Callable[[Array], tuple[Array, Array]],
-    opened: Callable[[Array, Array], Array], gap: Array, motion: Motion, guess: Array, span: float,
+    opened: Callable[[Array], Array], gap: Array, motion: Motion, guess: Array, span: float,
 ) -> tuple[Array, Array, Array, Array, Array]:  # fmt: skip
     """Displacements (b, 3), forces (c, 2); of each contact (c,) opening and slip by its rows, true opening of its gap.
 
@@ -210,29 +203,28 @@ def _without_dilation(
     where they carry. The shift is found by repetition, each correction extrapolated from the last two (Irons and Tuck,
     Int. J. Numer. Methods Eng. 1 (1969) 275). `rows` normal and tangential, (c, 6), follow the displacements.
     """
-    moved, near, share, last = guess, guess[scene.movable].ravel(), 1.0, np.zeros_like(gap)
-    normal, tangent = rows(moved)
-    opening = scene.relative(normal, moved)
-    shift = bend = opened(moved, opening) - opening
+    loops, a, b, friction = scene.impact_loops, scene.contacts.a, scene.contacts.b, scene.contacts.friction
+    (normal, tangent), near, share, last = rows(guess), guess[scene.movable].ravel(), 1.0, np.zeros_like(gap)
+    shift = opened(guess) - scene.relative(normal, guess)
+    bend, both = shift.copy(), np.zeros((len(gap), 2))
+    opening, slip, off = np.empty_like(gap), np.empty_like(gap), np.empty_like(gap)
+    matters = np.empty(len(gap), bool)
     for trial in range(MOST_TRIALS):
-        both = np.stack([gap + shift, np.zeros_like(gap)], axis=1)
+        both[:, 0] = gap + shift
         solution = scene.solve(
             mass, load[scene.movable].ravel(), (normal, tangent), both, scene.compliance, motion, near, span
         )  # fmt: skip
         moved = scene.spread(solution.displacement)
-        opening, slip = scene.relative(normal, moved), scene.relative(tangent, moved)
-        change = opened(moved, opening)
-        off = scene.contacts.friction * abs(slip) + change - opening - shift
-        matters = (solution.forces[:, 0] > CARRYING * scene.weight) | (gap + change <= abs(off))
-        bends, bend = abs(change - opening - bend), change - opening
-        if (
-            abs(off[matters]).max(initial=0.0) <= SETTLED * span
-            and bends[matters].max(initial=0.0) <= STRAIGHT * span
-        ):
+        change = opened(moved)
+        lacking, bends = loops.dilation(
+            a, b, normal, tangent, moved, solution.forces, friction, gap, change, shift, bend, CARRYING * scene.weight,
+            opening, slip, off, matters,
+        )  # fmt: skip
+        if lacking <= SETTLED * span and bends <= STRAIGHT * span:
             break
         turn = (off - last)[matters]
         if trial and turn.any():
             share = float(np.clip(-share * (last[matters] @ turn) / (turn @ turn), LEAST, MOST))
-        shift, last = shift + share * off, off
+        shift, last = shift + share * off, off.copy()
         normal, tangent = rows(moved)
     return moved, solution.forces, opening, slip, change

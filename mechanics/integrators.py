@@ -7,8 +7,6 @@ its impacts located: see impacts.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from mechanics.block import Array
@@ -41,9 +39,8 @@ def theta_step(scene: Scene, motion: Motion, load: Array, step: float, share: fl
     if share < 1.0:
         _, normal, tangent = scene.geometry(motion.x + (1.0 - share) * step * motion.v)
     stretch = 1.0 if scene.behaviour == "rigid" else share + scene.damping / step
-    compliance = scene.compliance / stretch
-    gap = np.where(start > 0.0, start, start / stretch)
-    gap[:, 1] = -compliance[:, 1] * motion.shear
+    gap, compliance = np.empty_like(start), np.empty_like(start)
+    scene.newton.kernels.at_start(start, motion.shear, scene.compliance, stretch, gap, compliance)
     mass = scene.mass / (share * step**2)
     inertia = step * motion.v[scene.movable].ravel()
     span = scene.span(motion.v, step)
@@ -60,16 +57,16 @@ def theta_step(scene: Scene, motion: Motion, load: Array, step: float, share: fl
         scene.contacts.a, scene.contacts.b, normal, tangent, dx, forces, start[:, 0], gap[:, 1], compliance,
         scene.stiffness, scene.contacts.friction, motion.shear, shear, stretch, scene.damping / step / stretch,
     )  # fmt: skip
-    return replace(
-        motion,
+    return Motion(
         x=motion.x + dx,
         v=v,
         forces=forces,
         shear=shear,
         friction=motion.friction + rubbed,
+        impact=motion.impact,
         viscous=motion.viscous + viscous,
         integrator=motion.integrator
         + stepping
-        + (share - 0.5) * float((scene.model.mass * (v - motion.v) ** 2).sum()),
+        + (0.0 if share == 0.5 else (share - 0.5) * float((scene.model.mass * (v - motion.v) ** 2).sum())),
         input=motion.input + scene.work_of_loads(load, dx),
     )

@@ -7,6 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
+from importlib import import_module
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +17,7 @@ from mechanics.assembly import Assembly, Behaviour
 from mechanics.block import GRAVITY, Array
 from mechanics.errors import ConvergenceError
 from mechanics.program import Certificate, Program, Solution
-from mechanics.solvers import solve
+from mechanics.solvers import kernels, solve
 from mechanics.solvers.newton import ACCEPTED, Newton
 
 POOREST = 1e-5  # certificate: a step worse than this has failed
@@ -48,6 +51,7 @@ class Motion:
 class Scene:
     """What does not change in a motion, laid out once; and the count of what was done.
 
+    `speed` (m/s): √(g·size); `mobility` (b, 3): 1/mass, 0 for supports; `smallest` (m): size of the smallest block.
     `damping` (s): viscous contact force per elastic one and rate of gap; `restitution`: of normal velocity at impacts.
     `impacts`: located ones; `fallbacks`: rests of steps left to the implicit step without locating more of them;
     `solves`: programs, of them `resolved`: those that the Newton solver left to PIQP.
@@ -75,15 +79,32 @@ class Scene:
         if self.behaviour == "elastic":
             self.compliance, self.stiffness = 1.0 / contacts.stiffness, contacts.stiffness[:, 0].copy()
         self.block_size = np.sqrt([b.area for b in model.blocks])
+        self.smallest = float(self.block_size.min())
         self.weight = model.weight / len(self.movable)
+        self.speed = np.sqrt(GRAVITY * model.size)
         # s: velocities stand for displacements, impulses for forces
         self.impulse = np.sqrt(model.size / GRAVITY)
+        self.mobility = np.where(model.movable[:, None], 1.0 / model.mass, 0.0)
+        self._configuration: tuple[bytes, tuple[Array, Array, Array]] | None = None
+
+    @cached_property
+    def impact_loops(self) -> Any:
+        """The loops of `impact_kernels`, compiled where the solver's are."""
+        plain = self.newton.kernels is kernels
+        return import_module("mechanics.solvers." + ("impact_kernels" if plain else "compiled_impacts"))
 
     def geometry(self, x: Array) -> tuple[Array, Array, Array]:
-        """Gap and slide (c, 2), and the rows (c, 6) of A₀ᵀ, normal and tangential."""
+        """Gap and slide (c, 2), and the rows (c, 6) of A₀ᵀ, normal and tangential; to be read only.
+
+        The configuration looked at last is remembered: where a step ends the next one begins.
+        """
+        key = x.tobytes()
+        if self._configuration is not None and self._configuration[0] == key:
+            return self._configuration[1]
         c, k = len(self.contacts), self.contacts
         gap, normal, tangent = np.empty((c, 2)), np.empty((c, 6)), np.empty((c, 6))
         self.newton.kernels.geometry(k.a, k.b, k.p, k.q, k.n, x, gap, normal, tangent)
+        self._configuration = key, (gap, normal, tangent)
         return gap, normal, tangent
 
     def relative(self, rows: Array, moved: Array) -> Array:
@@ -91,13 +112,6 @@ class Scene:
         change = np.empty(len(rows))
         self.newton.kernels.relative(self.contacts.a, self.contacts.b, rows, moved, change)
         return change
-
-    def resultant(self, normal: Array, tangent: Array, forces: Array) -> Array:
-        """A₀c (m,): forces and moments, kN and kNm, that contact forces (c, 2) exert on the movable blocks."""
-        entries = forces[:, :1] * normal + forces[:, 1:] * tangent
-        moving = self.dof >= 0
-        total = np.bincount(self.dof[moving], entries[moving], minlength=len(self.mass))
-        return np.asarray(total, dtype=float)
 
     def span(self, v: Array, step: float) -> float:
         """The size (m) of a displacement in a step with velocities (b, 3)."""

@@ -57,6 +57,7 @@ def test_compiled_factorisation_is_that_of_lapack(blocks: int, reach: int, share
     assert cholesky.factorise(band, reached)
     cholesky.substitute(band, reached, x)
     assert x == pytest.approx(lapack.dpbtrs(factor, b, lower=1)[0], rel=1e-12, abs=1e-14)
+    band[:, 0] = 1.0 / band[:, 0]  # which is stored inverted
     for k in range(len(band)):
         inside = min(width, len(band) - k)
         assert band[k, :inside] == pytest.approx(factor.T[k, :inside], rel=1e-12, abs=1e-13)
@@ -125,6 +126,24 @@ def test_springs_of_a_step_are_the_same_in_both_loops(behaviour: str) -> None:
     assert results[0][1] == pytest.approx(results[1][1], rel=1e-12)
     if behaviour == "rigid":
         assert (results[0][1] == before).all() and results[0][0][1] == 0.0
+
+
+def test_what_springs_hold_at_the_start_is_the_same_in_both_loops() -> None:
+    """Gaps and slides of a step, compliances and energy; an open gap stays what it is, a closed one is stretched."""
+    compiled = pytest.importorskip("mechanics.solvers.compiled")
+    rng = np.random.default_rng(3)
+    start, compliance = rng.standard_normal((9, 2)), rng.uniform(0.0, 1.0, (9, 2))
+    shear, stiffness = rng.standard_normal(9), rng.uniform(0.5, 1.0, 9)
+    results = []
+    for loops in (kernels, compiled):
+        gap, soft = np.empty((9, 2)), np.empty((9, 2))
+        loops.at_start(start, shear, compliance, 0.7, gap, soft)
+        results.append((gap, soft, loops.strain_energy(start, stiffness, compliance, shear)))
+    for plain, quick in zip(*results, strict=True):
+        assert quick == pytest.approx(plain, rel=1e-14)
+    gap, closed = results[0][0], start[:, 0] < 0.0
+    assert 0 < closed.sum() < 9
+    assert gap[:, 0] == pytest.approx(np.where(closed, start[:, 0] / 0.7, start[:, 0]))
 
 
 def test_contacts_of_two_blocks_form_one_run() -> None:

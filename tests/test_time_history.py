@@ -348,14 +348,6 @@ def test_sliding_wall_converges() -> None:
     assert error[2] < error[1] < 0.5 * error[0]
 
 
-def test_hinge_that_slid_is_held_at_one_contact() -> None:
-    """Of the two contacts that see a joint's end the harder pressed; at equal force the first, so always one."""
-    normal = np.array([3.0, 0.0, 1.0, 2.0, 1.0, 1.0, 1.0, 4.0])
-    expected = [True, False, False, True, True, False, False, True]
-    assert impacts._harder_pressed(normal).tolist() == expected
-    assert impacts._harder_pressed(np.ones(8)).tolist() == 2 * [True, True, False, False]
-
-
 def test_sliding_wall_needs_no_fallback() -> None:
     """Joints that slide to and fro without dilating: nothing hops, so nothing falls, and impacts take nothing."""
     motion = time_history(running_bond(3, 4), burst(0.8, 100, 4.0), STEP, "rigid", integrator="second-order")

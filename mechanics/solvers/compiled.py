@@ -52,6 +52,24 @@ def relative(a: Any, b: Any, rows: Array, moved: Array, change: Array) -> None:
 
 
 @compiled
+def at_start(start: Array, shear: Array, compliance: Array, stretch: float, gap: Array, soft: Array) -> None:
+    """See kernels.at_start."""
+    for k in range(len(start)):
+        soft[k, 0], soft[k, 1] = compliance[k, 0] / stretch, compliance[k, 1] / stretch
+        gap[k, 0] = max(start[k, 0], 0.0) + min(start[k, 0], 0.0) / stretch
+        gap[k, 1] = -soft[k, 1] * shear[k]
+
+
+@compiled
+def strain_energy(gap: Array, stiffness: Array, compliance: Array, shear: Array) -> float:
+    """See kernels.strain_energy."""
+    energy = 0.0
+    for k in range(len(gap)):
+        energy += stiffness[k] * min(gap[k, 0], 0.0) ** 2 + compliance[k, 1] * shear[k] ** 2
+    return 0.5 * energy
+
+
+@compiled
 def springs(
     a: Any,
     b: Any,

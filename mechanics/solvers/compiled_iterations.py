@@ -16,7 +16,16 @@ from mechanics.solvers.compiled import (
     repeat_matrix,
     residuals,
 )
-from mechanics.solvers.compiled_runs import changes_with, lacking, matrix, packed, right_hand_side
+from mechanics.solvers.compiled_columns import (
+    WORK,
+    advance,
+    changes_with,
+    columns,
+    corrected,
+    matrix,
+    right_hand_side,
+)
+from mechanics.solvers.compiled_runs import lacking, packed
 from mechanics.solvers.iterations import (
     CORRECTIONS,
     LIKELY,
@@ -104,50 +113,44 @@ def interior(
     weight, size, step, accepted = scale
     c = len(row)
     ends, lever, arm, law = packed(row, normal, tangent, friction, compliance, runs)
-    r, v, p, inverse = np.empty((c, 2)), np.empty((c, 2)), s * z, np.empty((c, 5))
-    ds, dz, dx = np.empty((c, 2)), np.empty((c, 2)), np.empty_like(x)
-    short = load - mass * x
-    lacking(runs, ends, lever, arm, law, gap, x, s, z, r, short)
+    lack, short = np.empty((c, 2)), load - mass * x
+    lacking(runs, ends, lever, arm, law, gap, x, s, z, lack, short)
+    arm, law, r, along, apart = columns(arm), columns(law), columns(lack), columns(s), columns(z)
+    p, v, ds, dz = along * apart, np.empty_like(r), np.empty_like(r), np.empty_like(r)
+    inverse, work, dx = np.empty((5, c)), np.empty((WORK, c)), np.empty_like(x)
     at, found, best, iteration = x.copy(), np.empty_like(forces), NONE, 0
     while iteration < MOST_ITERATIONS:
         iteration += 1
-        matrix(runs, ends, lever, arm, law, mass, s, z, inverse, band)
+        matrix(runs, ends, lever, arm, law, mass, along, apart, inverse, work, band)
         if not factorise(band, envelope):
             break
-        right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, dx)
+        right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, work, dx)
         substitute(band, envelope, dx)
-        force, apart, zds, sdz, both = changes_with(
-            runs, ends, lever, arm, law, s, z, v, p, inverse, dx, ds, dz
+        to_force, to_gap, zds, sdz, both = changes_with(
+            runs, ends, lever, arm, law, along, apart, v, p, inverse, dx, ds, dz, work
         )
         now = p.sum()
-        ahead = now + force * zds + apart * sdz + force * apart * both
-        centre = (ahead / now) ** 3 * now / (2 * c)
-        for k in range(c):
-            for e in range(2):
-                p[k, e] += ds[k, e] * dz[k, e] - centre
-        right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, dx)
+        ahead = now + to_force * zds + to_gap * sdz + to_force * to_gap * both
+        corrected(p.ravel(), ds.ravel(), dz.ravel(), (ahead / now) ** 3 * now / (2 * c))
+        right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, work, dx)
         substitute(band, envelope, dx)
-        reach = changes_with(runs, ends, lever, arm, law, s, z, v, p, inverse, dx, ds, dz)
+        reach = changes_with(runs, ends, lever, arm, law, along, apart, v, p, inverse, dx, ds, dz, work)
         share = min(1.0, TO_THE_BOUND * min(reach[0], reach[1]))
-        product = 0.0
-        for k in range(c):
-            for e in range(2):
-                s[k, e] += share * ds[k, e]
-                z[k, e] += share * dz[k, e]
-                r[k, e] *= 1.0 - share
-                p[k, e] = s[k, e] * z[k, e]
-                product += p[k, e]
+        product = advance(share, along.ravel(), apart.ravel(), ds.ravel(), dz.ravel(), r.ravel(), p.ravel())
         at += share * dx
         short *= 1.0 - share
         if product <= LIKELY * accepted * weight * step or iteration == MOST_ITERATIONS:
             for k in range(c):
-                found[k, 0] = law[k, 0] * (s[k, 0] + s[k, 1])
-                found[k, 1] = law[k, 1] * (s[k, 0] - s[k, 1])
+                found[k, 0] = law[0, k] * (along[0, k] + along[1, k])
+                found[k, 1] = law[1, k] * (along[0, k] - along[1, k])
             here = residuals(row, normal, tangent, gap, friction, compliance, mass, load, at, found, size)
             if _worst(here, weight, step) < _worst(best, weight, step):
                 x[:], forces[:], best = at, found, here
             if _worst(best, weight, step) <= accepted:
                 break
+    for k in range(c):
+        for e in range(2):
+            s[k, e], z[k, e] = along[e, k], apart[e, k]
     for k in range(c):
         state[k] = STATES[int(s[k, 0] * step > z[k, 0] * weight), int(s[k, 1] * step > z[k, 1] * weight)]
     return iteration, best

@@ -11,8 +11,8 @@ from typing import Any
 import numba
 
 SOURCES = (
-    "cholesky", "compiled", "compiled_interior_step", "compiled_iterations", "compiled_runs", "compiler",
-    "interior_step", "iterations", "kernels",
+    "cholesky", "compiled", "compiled_columns", "compiled_impacts", "compiled_interior_step", "compiled_iterations",
+    "compiled_runs", "compiler", "interior_step", "iterations", "kernels",
 )  # fmt: skip
 
 

@@ -162,6 +162,21 @@ def relative(a: Index, b: Index, rows: Array, moved: Array, change: Array) -> No
     change[:] = np.einsum("ij,ij->i", rows, np.concatenate([moved[a], moved[b]], axis=1))
 
 
+def at_start(start: Array, shear: Array, compliance: Array, stretch: float, gap: Array, soft: Array) -> None:
+    """What counts as gap and slide (c, 2) at the start of a step, and the compliances (c, 2), into the last arguments.
+
+    From the gaps (c, 2) and the shear (c,) of the springs there, with `stretch` as in integrators.
+    """
+    soft[:] = compliance / stretch
+    gap[:, 0] = np.where(start[:, 0] > 0.0, start[:, 0], start[:, 0] / stretch)
+    gap[:, 1] = -soft[:, 1] * shear
+
+
+def strain_energy(gap: Array, stiffness: Array, compliance: Array, shear: Array) -> float:
+    """Energy (kNm) of springs of normal `stiffness` (c,), tangential `compliance` (c, 2), `shear` (c,), gaps (c, 2)."""
+    return 0.5 * float(stiffness @ np.minimum(gap[:, 0], 0.0) ** 2 + compliance[:, 1] @ shear**2)
+
+
 def springs(
     a: Index,
     b: Index,
