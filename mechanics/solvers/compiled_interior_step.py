@@ -1,6 +1,6 @@
 """The iteration of `interior_step`, compiled by numba: same names, arguments and results.
 
-What an iterate lacks comes with the contact points packed into runs (see compiled_runs), from which its step goes on.
+What an iterate lacks comes with the contact points packed into runs and columns, from which its step goes on.
 """
 
 from __future__ import annotations
@@ -12,7 +12,15 @@ import numpy as np
 from mechanics.block import Array
 from mechanics.solvers.cholesky import PADDING, factorise, substitute
 from mechanics.solvers.compiled import compiled
-from mechanics.solvers.compiled_runs import changes_with, lacking, matrix, packed, right_hand_side
+from mechanics.solvers.compiled_columns import (
+    WORK,
+    changes_with,
+    columns,
+    corrected,
+    matrix,
+    right_hand_side,
+)
+from mechanics.solvers.compiled_runs import lacking, packed
 from mechanics.solvers.interior_step import (
     FIRM,
     FIRMER,
@@ -45,7 +53,8 @@ def measured(posed: Any, load: Array, x: Array, s: Array, z: Array, size: float)
         power += abs(s[k, 0] * first + s[k, 1] * second)
         penetration = max(penetration, -min(first, second) / law[k, 0])
         product += s[k, 0] * z[k, 0] + s[k, 1] * z[k, 1]
-    return (unbalanced, power, penetration, product / max(2 * len(s), 1)), (ends, lever, arm, law, r, short)
+    lack = (ends, lever, columns(arm), columns(law), columns(r), short)
+    return (unbalanced, power, penetration, product / max(2 * len(s), 1)), lack
 
 
 @compiled
@@ -58,16 +67,14 @@ def advance(
     runs, c = posed[6], len(s)
     weight, size, step = scale
     unit = step / weight
-    elastic = False
-    for k in range(c):
-        elastic = elastic or law[k, 2] > 0.0 or law[k, 3] > 0.0
-        law[k, 2] += law[k, 0] ** 2 * unit / STIFFEST
-        law[k, 3] += law[k, 1] ** 2 * unit / STIFFEST
-    inverse, held = np.empty((c, 5)), np.empty_like(x)
+    elastic = law[2:].max() > 0.0 if c else False
+    law[2:] += law[:2] ** 2 * (unit / STIFFEST)
+    along, apart = columns(s), columns(z)
+    inverse, work_space, held = np.empty((5, c)), np.empty((WORK, c)), np.empty_like(x)
     while True:
         held[:] = holding / unit
         held[2::3] *= size**2
-        matrix(runs, ends, lever, arm, law, held, s, z, inverse, band)
+        matrix(runs, ends, lever, arm, law, held, along, apart, inverse, work_space, band)
         if factorise(band, envelope):
             break
         if holding >= FIRM:
@@ -76,25 +83,23 @@ def advance(
     swayed = lateral.copy()
     substitute(band, envelope, swayed)
     gives = _dot(lateral, swayed)
-    p, v = s * z, np.empty_like(s)
-    dx, ds, dz = np.empty_like(x), np.empty_like(s), np.empty_like(s)
-    dx2, ds2, dz2 = np.empty_like(x), np.empty_like(s), np.empty_like(s)
-    system = (runs, ends, lever, arm, law, r, p, inverse, short, v, s, z)
+    p, v = along * apart, np.empty_like(r)
+    dx, ds, dz = np.empty_like(x), np.empty_like(r), np.empty_like(r)
+    dx2, ds2, dz2 = np.empty_like(x), np.empty_like(r), np.empty_like(r)
+    system = (runs, ends, lever, arm, law, r, p, inverse, short, v, along, apart, work_space)
     border = (lateral, swayed, gives, work, x)
     _, force, gap, left = _change(system, border, elastic, band, envelope, dx, ds, dz)
     now = p.sum()
     target = (left / now) ** 3 * now / (2 * c)
-    for k in range(c):
-        for e in range(2):
-            p[k, e] += ds[k, e] * dz[k, e] - target
+    corrected(p.ravel(), ds.ravel(), dz.ravel(), target)
     dalpha, force, gap, _ = _change(system, border, elastic, band, envelope, dx, ds, dz)
     if min(force, gap) < 1.0:
         to_force, to_gap = min(1.0, 1.5 * force + 0.1), min(1.0, 1.5 * gap + 0.1)
-        for k in range(c):
-            for e in range(2):
-                strayed = (s[k, e] + to_force * ds[k, e]) * (z[k, e] + to_gap * dz[k, e])
+        for e in range(2):
+            for k in range(c):
+                strayed = (along[e, k] + to_force * ds[e, k]) * (apart[e, k] + to_gap * dz[e, k])
                 wanted = min(max(strayed, LOW * target), HIGH * target)
-                p[k, e] -= max(wanted - strayed, -HIGH * target)
+                p[e, k] -= max(wanted - strayed, -HIGH * target)
         dalpha2, force2, gap2, _ = _change(system, border, elastic, band, envelope, dx2, ds2, dz2)
         if min(force2, gap2) > min(force, gap):
             dalpha, force, gap = dalpha2, force2, gap2
@@ -108,8 +113,8 @@ def advance(
         x[i] += last[i]
     for k in range(c):
         for e in range(2):
-            s[k, e] += force * ds[k, e]
-            z[k, e] += gap * dz[k, e]
+            s[k, e] += force * ds[e, k]
+            z[k, e] += gap * dz[e, k]
     return True, alpha + force * dalpha, holding
 
 
@@ -126,21 +131,20 @@ def _change(
     system: Any, border: Any, elastic: bool, band: Array, envelope: Any, dx: Array, ds: Array, dz: Array
 ) -> tuple[float, float, float, float]:
     """The step that takes the products s z to s z − p: that of α, how far it leads, and the sum of s z there."""
-    runs, ends, lever, arm, law, r, p, inverse, short, v, s, z = system
+    runs, ends, lever, arm, law, r, p, inverse, short, v, s, z, work_space = system
     lateral, swayed, gives, work, x = border
-    right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, dx)
+    right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, work_space, dx)
     substitute(band, envelope, dx)
     dalpha = 0.0
     if len(lateral):
         dalpha = (work - _dot(lateral, x) - _dot(lateral, dx)) / gives
         dx += dalpha * swayed
-    force, gap, zds, sdz, both = changes_with(runs, ends, lever, arm, law, s, z, v, p, inverse, dx, ds, dz)
+    force, gap, zds, sdz, both = changes_with(
+        runs, ends, lever, arm, law, s, z, v, p, inverse, dx, ds, dz, work_space
+    )
     if elastic:
         force = gap = min(force, gap)
-    now = 0.0
-    for k in range(len(s)):
-        now += s[k, 0] * z[k, 0] + s[k, 1] * z[k, 1]
-    return dalpha, force, gap, now + force * zds + gap * sdz + force * gap * both
+    return dalpha, force, gap, _dot(s.ravel(), z.ravel()) + force * zds + gap * sdz + force * gap * both
 
 
 @compiled
@@ -151,9 +155,12 @@ def restore(
     row, normal, tangent, gap, friction, compliance, runs = posed
     ends, lever, arm, law = packed(row, normal, tangent, friction, np.zeros_like(compliance), runs)
     weight, size, _ = scale
-    inverse, held = np.empty((len(s), 5)), np.full(len(load), HOLDING * weight)
+    inverse, work_space = np.empty((5, len(s))), np.empty((WORK, len(s)))
+    held, along = np.full(len(load), HOLDING * weight), columns(s)
     held[2::3] *= size**2
-    matrix(runs, ends, lever, arm, law, held, s, weight / s, inverse, band)
+    matrix(
+        runs, ends, lever, columns(arm), columns(law), held, along, weight / along, inverse, work_space, band
+    )
     if not factorise(band, envelope):
         return alpha
     swayed = lateral.copy()

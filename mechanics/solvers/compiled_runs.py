@@ -96,39 +96,6 @@ def lacking(
 
 
 @compiled
-def matrix(
-    runs: Any, ends: Any, lever: Array, arm: Array, law: Array, mass: Array, s: Array, z: Array, inverse: Array,
-    band: Array,
-) -> None:  # fmt: skip
-    """As kernels.interior_matrix; 1/s, too, into `inverse` (c, 5)."""
-    band[:] = 0.0
-    for i in range(len(mass)):
-        band[i, 0] = mass[i]
-    for j in range(len(ends)):
-        xx, xz, zz, xm, zm, mm = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for k in range(runs[j], runs[j + 1]):
-            nx, nz, mn, mt = arm[k, 0], arm[k, 1], arm[k, 2], arm[k, 3]
-            n, t, cn, ct = law[k, 0], law[k, 1], law[k, 2], law[k, 3]
-            # divisions are slow: both sides times s s
-            first, second, both = z[k, 0] * s[k, 1], z[k, 1] * s[k, 0], s[k, 0] * s[k, 1]
-            det = 1.0 / (4.0 * cn * ct * both + (cn + ct) * (first + second) + z[k, 0] * z[k, 1])
-            a, b = ((cn + ct) * both + second) * det, ((cn + ct) * both + first) * det
-            c, both = (ct - cn) * both * det, 1.0 / both
-            inverse[k, 0], inverse[k, 1], inverse[k, 2] = a, b, c
-            inverse[k, 3], inverse[k, 4] = s[k, 1] * both, s[k, 0] * both
-            knn, knt, ktt = n * n * (a + b + 2.0 * c), n * t * (a - b), t * t * (a + b - 2.0 * c)
-            px, pz, pm = knn * nx + knt * nz, knn * nz - knt * nx, knn * mn + knt * mt
-            qx, qz, qm = knt * nx + ktt * nz, knt * nz - ktt * nx, knt * mn + ktt * mt
-            xx += nx * px + nz * qx
-            xz += nx * pz + nz * qz
-            zz += nz * pz - nx * qz
-            xm += nx * pm + nz * qm
-            zm += nz * pm - nx * qm
-            mm += mn * pm + mt * qm
-        stiffen(j, ends, lever, (xx, xz, zz, xm, zm, mm), band)
-
-
-@compiled
 def stiffen(j: int, ends: Any, lever: Array, stiffness: Any, band: Array) -> None:
     """A run's stiffness against motions of its first block, seen from the other, into the band."""
     i, o = ends[j, 0], ends[j, 1]
@@ -159,54 +126,3 @@ def stiffen(j: int, ends: Any, lever: Array, stiffness: Any, band: Array) -> Non
                 band[o + e, i + h - o - e] -= between[h][e]
             else:
                 band[i + h, o + e - i - h] -= between[h][e]
-
-
-@compiled
-def right_hand_side(
-    runs: Any, ends: Any, lever: Array, arm: Array, law: Array, r: Array, p: Array, inverse: Array,
-    short: Array, v: Array, rhs: Array,
-) -> None:  # fmt: skip
-    """As kernels.interior_rhs; what z and s z lack together, r − p/s, into `v`."""
-    rhs[:] = short
-    for j in range(len(ends)):
-        fx, fz, moment = 0.0, 0.0, 0.0
-        for k in range(runs[j], runs[j + 1]):
-            nx, nz, mn, mt = arm[k, 0], arm[k, 1], arm[k, 2], arm[k, 3]
-            a, b, c = inverse[k, 0], inverse[k, 1], inverse[k, 2]
-            first, second = r[k, 0] - p[k, 0] * inverse[k, 3], r[k, 1] - p[k, 1] * inverse[k, 4]
-            v[k, 0], v[k, 1] = first, second
-            one, two = a * first + c * second, c * first + b * second
-            fn, ft = law[k, 0] * (one + two), law[k, 1] * (one - two)
-            fx += fn * nx + ft * nz
-            fz += fn * nz - ft * nx
-            moment += fn * mn + ft * mt
-        act(j, ends, lever, fx, fz, moment, rhs)
-
-
-@compiled
-def changes_with(
-    runs: Any, ends: Any, lever: Array, arm: Array, law: Array, s: Array, z: Array, v: Array, p: Array, inverse: Array,
-    dx: Array, ds: Array, dz: Array,
-) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """As kernels.interior_step, and the sums of z ds, s dz and ds dz."""
-    to_force, to_gap, zds, sdz, both = 1.0, 1.0, 0.0, 0.0, 0.0
-    for j in range(len(ends)):
-        mx, mz, turn = seen(j, ends, lever, dx)
-        for k in range(runs[j], runs[j + 1]):
-            nx, nz, mn, mt = arm[k, 0], arm[k, 1], arm[k, 2], arm[k, 3]
-            along = law[k, 0] * (nx * mx + nz * mz + mn * turn)
-            across = law[k, 1] * (nz * mx - nx * mz + mt * turn)
-            first, second = v[k, 0] - along - across, v[k, 1] - along + across
-            a, b, c = inverse[k, 0], inverse[k, 1], inverse[k, 2]
-            ds[k, 0], ds[k, 1] = a * first + c * second, c * first + b * second
-            for e in range(2):
-                force, away = ds[k, e], -(p[k, e] + z[k, e] * ds[k, e]) * inverse[k, 3 + e]
-                dz[k, e] = away
-                if s[k, e] + to_force * force < 0.0:
-                    to_force = -s[k, e] / force
-                if z[k, e] + to_gap * away < 0.0:
-                    to_gap = -z[k, e] / away
-                zds += z[k, e] * force
-                sdz += s[k, e] * away
-                both += force * away
-    return to_force, to_gap, zds, sdz, both
