@@ -10,14 +10,14 @@ led nowhere as often.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import import_module
 from types import ModuleType
 
 import numpy as np
 
 from mechanics.block import Array
-from mechanics.program import LARGEST_MULTIPLIER, Certificate, Neighbour, Program, Solution, certify
+from mechanics.program import LARGEST_MULTIPLIER, Neighbour, Program, Solution, certify
 from mechanics.solvers import GOOD, kernels
 from mechanics.solvers.band import Band
 from mechanics.solvers.interior_step import FIRM, FIRMER, HOLDING, Posed
@@ -79,17 +79,13 @@ def _follow(
             load += at.alpha * lateral
         residuals, lack = loops.measured(posed, load, at.x, at.s, at.z, program.size)
         missing = float(lateral @ at.x) - program.work if len(lateral) else 0.0
-        quality = _quality(residuals, program, missing)
-        balanced = replace(quality, equilibrium=0.0)
-        if quality.equilibrium <= NEARLY and balanced.worst(program.step) <= accepted:
+        unbalanced, products, lacking = _shares(residuals, program, missing)
+        if unbalanced <= NEARLY and max(products, lacking) <= accepted:
             restored = _restored(program, layout, at, posed, lateral, band, loops)
             quality = restored.certificate
             if quality.equilibrium <= GOOD and quality.worst(program.step) <= accepted:
                 return x, restored
-        lacks = replace(quality, complementarity=0.0).worst(
-            program.step
-        )  # which tells no more than the products do
-        progress.append(max(lacks, NEARLY) * residuals[3])
+        progress.append(max(unbalanced, lacking, NEARLY) * residuals[3])
         if _idle(progress, IDLE):
             return None
         if near and _idle(progress, STALLED):
@@ -136,11 +132,15 @@ def _posed(program: Program, layout: Band) -> Posed:
     return layout.row, p.normal, p.tangent, p.gap, p.friction, p.compliance, layout.runs
 
 
-def _quality(residuals: Residuals, program: Program, missing: float) -> Certificate:
-    """The certificate of an iterate, whose forces lie within the cones; `missing` kNm: of the work."""
+def _shares(residuals: Residuals, program: Program, missing: float) -> tuple[float, float, float]:
+    """The certificate of an iterate, whose forces lie within the cones, as Certificate.worst counts it.
+
+    What is unbalanced, what forces and gaps do on each other, and the worst of penetration and of `missing` work, kNm.
+    """
     unbalanced, power, penetration, _ = residuals
-    work = program.weight * program.step
-    return Certificate(unbalanced / program.weight, 0.0, power / work, penetration, abs(missing) / work)
+    weight, step = program.weight, program.step
+    lacking = max(penetration / step / 100.0, abs(missing) / (weight * step))
+    return unbalanced / weight, power / (weight * step) / 100.0, lacking
 
 
 def _restored(
