@@ -15,6 +15,7 @@ from mechanics.errors import require
 
 Array = NDArray[np.float64]
 
+SWAY = 0.01  # of the displacement at the peak: as a settled state's hinges close, the control point may sway back
 SECANT_SHARE = 0.4  # of α_u: where the secant stiffness is taken
 YIELD_SHARE = 0.9  # of α_u: plateau of the trilinear curve
 _PAPER = "Portioli et al., §7.1"
@@ -148,13 +149,14 @@ def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Ar
     above = int(np.argmax(alpha >= SECANT_SHARE * alpha_u))
     share = (SECANT_SHARE * alpha_u - alpha[above - 1]) / (alpha[above] - alpha[above - 1])
     d_secant = float(d[above - 1] + share * (d[above] - d[above - 1]))
-    backward = np.diff(d) < -1e-9 * np.abs(d).max()
-    if d_secant <= 0.0 or backward[:peak].any():
+    back = np.maximum.accumulate(d) - d
+    if d_secant <= 0.0 or back[: peak + 1].max() > SWAY * d[peak]:
         raise CapacityError(
             "elastic curve: the control point does not advance as the load grows; choose another one"
         )
-    end = int(np.argmax(backward)) + 1 if backward.any() else d.size
-    return d_secant, alpha_u, (d[:end], alpha[:end])
+    turned = np.flatnonzero(back[peak:] > 1e-9 * np.abs(d).max())
+    end = peak + int(turned[0]) if turned.size else d.size
+    return d_secant, alpha_u, (np.maximum.accumulate(d[:end]), alpha[:end])
 
 
 def _idealised(

@@ -155,6 +155,7 @@ def _settle(
     if settlement.to_collapse and path.ultimate is None:
         result.warnings.append(f"{title}: no ultimate movement up to {path.movement[-1]:.3g} m ({path.end})")
     result.warnings += [f"{title}: {text}" for text in overruns(model, behaviour, _points(path.steps))]
+    result.warnings += _crossings(title, path.crossed)
     quality = Quality(settlement.name, f"pushdown, {behaviour}")
     quality.add(path)
     result.quality.append(quality.numbers())
@@ -207,10 +208,7 @@ def _push(
             return
         quality.add(path)
         result.warnings += [f"{title}: {text}" for text in overruns(model, behaviour, _points(path.steps))]
-        result.warnings += [
-            f"{title}: between d = {left:.4g} and {held:.4g} m a part moves by itself, until others hold it again"
-            for left, held in path.crossed
-        ]
+        result.warnings += _crossings(title, path.crossed)
         rigid = behaviour == "rigid"
         numbers = _rigid(model, control, direction, path) if rigid else _elastic(model, path)
         result.numbers = {
@@ -227,6 +225,13 @@ def _push(
     result.failures.append(
         f"{title}: no control point takes part in the mechanism; add one on a part that moves"
     )
+
+
+def _crossings(title: str, crossed: NDArray[np.float64]) -> list[str]:
+    return [
+        f"{title}: between d = {left:.4g} and {held:.4g} m a part moves by itself, until others hold it again"
+        for left, held in crossed
+    ]
 
 
 def _rigid(model: Assembly, control: ControlTable, direction: Direction, path: Pushover) -> dict[str, Any]:

@@ -11,10 +11,10 @@ from mechanics.assembly import Assembly, Behaviour, State
 from mechanics.block import Array
 from mechanics.equilibrium import check_self_weight, reaction, rest, rest_size
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, require
+from mechanics.other_steps import ACROSS, other_shares
 from mechanics.program import Certificate
 from mechanics.static_step import Step, find_step
 
-HALVINGS = 5
 MOST_CLOSINGS = 6  # without an improvement
 FINEST = 0.01  # of an increment: the last of the ever smaller steps towards the whole movement
 ONSET = (
@@ -30,7 +30,8 @@ class Pushdown:
     `movement` (k,) m: its largest component, from zero (a pure turn: the arc at the support's farthest corner);
     `reaction` (k, 2) kN: x, z force of the support on the structure (at zero, rigid: as the movement begins);
     `states` of each point and `final`, at rest after the whole movement. `ultimate` m: the movement beyond which no
-    equilibrium is found, bracketed to an increment's 1/32 (None: not sought or not reached); `end` says why.
+    equilibrium is found, bracketed to an increment's 1/32 (None: not sought or not reached); `end` says why. `crossed`
+    (n, 2) m: between which movements a part moves by itself, until others hold it again.
     """
 
     movement: Array
@@ -39,6 +40,7 @@ class Pushdown:
     final: State
     ultimate: float | None
     end: str
+    crossed: Array
     steps: tuple[Step, ...]
     certificates: tuple[Certificate, ...]
 
@@ -55,9 +57,10 @@ def pushdown(
     """Move a support by `displacement` (2,) m and `rotation` (rad, about its drawn centroid), in increments.
 
     `increment` (m) is of the largest component. With `to_collapse` the movement goes on in the same direction to the
-    last equilibrium, after `final` has been taken. A failing increment is halved, so that a fall is told from a coarse
-    step. Raises UnstableError where the structure as drawn cannot stand, CollapseError where it collapses before
-    the whole movement is applied (it carries the path up to there), ValueError for bad arguments.
+    last equilibrium, after `final` has been taken. Where an increment fails, half of it is tried, then a few, up to a
+    tenth of a block, then smaller parts, so that a fall is told from a coarse step and from a loose brick. Raises
+    UnstableError where the structure as drawn cannot stand, CollapseError where it collapses before the whole
+    movement is applied (it carries the path up to there), ValueError for bad arguments.
     """
     index = model.support(support)
     target = np.asarray(displacement, dtype=float)
@@ -104,6 +107,7 @@ def pushdown(
     final: State | None = None
     ultimate, end = None, "the whole movement is applied"
     past, by = np.zeros_like(start.state.positions), increment
+    widest, others, crossed = ACROSS * model.size / increment, None, []
     limit = full if not to_collapse else max(full, float(np.ptp(drawn_extent(model), axis=0).max()))
     while path[-1] < limit * (1.0 - 1e-9):
         now, here = states[-1], path[-1]
@@ -115,9 +119,10 @@ def pushdown(
             # what dilatant sliding lifted in whole increments comes down in these, however short
             step = advance(now, past, here, stride, steps[-1], increment if stride < by else 0.0)
         except (NoEquilibriumError, ConvergenceError) as stop:
-            end = str(stop)
-            by = stride / 2.0
-            if by >= increment / 2.0**HALVINGS:
+            if others is None:
+                end, others = str(stop), other_shares(stride / increment, 1.0, widest)
+            by = increment * next((share for share in others if share * increment != stride), 0.0)
+            if by:
                 continue
             if isinstance(stop, NoEquilibriumError):
                 ultimate = here
@@ -131,6 +136,9 @@ def pushdown(
         steps.append(step)
         certificates.append(step.certificate)
         reactions.append(reaction(model, contacts, step, index)[:2])
+        if others is not None and stride > increment:
+            crossed.append((here, here + stride))
+        others, by = None, min(increment, 1.5 * by)
         if final is None and path[-1] >= full * (1.0 - 1e-9):
             final = settle(model, contacts, step, increment, certificates)
         elif final is not None and rotation == 0.0 and _rides(model, now, step.state, stride / full * target):
@@ -143,6 +151,7 @@ def pushdown(
         final or states[-1],
         ultimate,
         end,
+        np.array(crossed).reshape(-1, 2),
         tuple(steps),
         tuple(certificates),
     )

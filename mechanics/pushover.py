@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,7 @@ from mechanics.block import Array
 from mechanics.equilibrium import closed_program
 from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError, require
 from mechanics.onset import SETTLED_FIRST, elastic_onset, mechanism_onset, no_way_from_rest
+from mechanics.other_steps import ACROSS, HALVINGS, other_shares
 from mechanics.program import Certificate
 from mechanics.solvers import solve
 from mechanics.static_step import Step, band_of, find_step
@@ -22,8 +23,6 @@ SNAP = 4.0  # of the settlement's largest displacement: across which one of its 
 STILL = 1e-3  # of the largest displacement: a control point that takes no part
 GROWTH = 1.5  # of steps that begin small
 COARSER = 3  # doublings of the increment, across which a part may move by itself
-ACROSS = 0.1  # of the block size: at least as far
-HALVINGS = 5
 ZERO = 1e-6  # of the largest multiplier: one that is none
 CHORDS, MOST_CHORDS = 3, 8  # to get there, and nearly there
 NEARLY = 1e-2  # of the largest multiplier: what is left after a few chords of a step of ordinary length
@@ -93,7 +92,7 @@ def pushover(
     settlement = 0.0 if state is None else float(abs(state.positions - model.initial.positions)[:, :2].max())
     snap, share = SNAP * settlement, curve.first.share
     widest = max(2.0**COARSER, ACROSS * model.size / increment)
-    largest, others = share, _other_shares(share, share, widest)
+    largest, others = share, other_shares(share, share, widest)
     while not curve.end:
         closing = snap > 0.0 and curve.waits
         try:
@@ -107,7 +106,7 @@ def pushover(
                     snap, share = 0.0, curve.first.share
                 continue
             if not curve.failing:
-                others = _other_shares(share, largest, widest)
+                others = other_shares(share, largest, widest)
             share = next(others, 0.0)
             curve.fail(stop, last=share == 0.0)
             continue
@@ -115,17 +114,6 @@ def pushover(
         share = min(1.0, GROWTH * share)
         largest = max(largest, share)
     return curve.finished()
-
-
-def _other_shares(share: float, largest: float, widest: float) -> Iterator[float]:
-    """What is tried of an increment where a share of it fails: a half, more, up to the `widest`, then smaller parts.
-
-    These are not much less than the `largest` that has led on.
-    """
-    finer = [share * 0.5**k for k in range(1, HALVINGS + 1) if share * 0.5**k >= largest * 0.5**HALVINGS]
-    yield from finer[:1]
-    yield from (2.0**k for k in range(1, int(np.log2(widest)) + 1))
-    yield from finer[1:]
 
 
 class _Curve:

@@ -168,6 +168,14 @@ def test_elastic_peak_above_the_rigid_onset_is_noted_and_cut():
     assert any("above the rigid onset" in note for note in fit.notes)
 
 
+def test_a_control_point_that_sways_back_a_little_as_hinges_close_is_no_fault():
+    d, alpha = (np.array(values) for values in _elastic())
+    swaying = np.insert(d, 1, -2e-3 * d[np.argmax(alpha)]), np.insert(alpha, 1, 0.1 * alpha[1])
+    straight, swayed = fit_trilinear(_rigid(), (d, alpha)), fit_trilinear(_rigid(), swaying)
+    assert swayed.d_y == pytest.approx(straight.d_y, rel=1e-2)
+    assert swayed.alpha_y == straight.alpha_y
+
+
 @pytest.mark.parametrize(
     ("rigid", "elastic", "says"),
     [

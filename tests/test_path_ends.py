@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover
-from mechanics.errors import NoEquilibriumError
+from mechanics.errors import CollapseError, NoEquilibriumError
 from mechanics.mechanism import overruns
 from mechanics.pushdown import Pushdown
 from tests.structures import arch_on_piers, block_on_base, rectangle
@@ -182,3 +182,37 @@ def test_where_nothing_stands_beyond_the_last_equilibrium_is_located(monkeypatch
     assert curve.lost
     assert curve.end == "a part falls"
     assert 0.055 - 0.01 / 32 <= curve.displacement[-1] <= 0.055
+
+
+def _arch_without_equilibrium(monkeypatch, increment, between):
+    """An arch whose steps fail while its support has moved by so many increments."""
+    import importlib
+
+    procedure = importlib.import_module("mechanics.pushdown")
+    find, model = procedure.find_step, arch_on_piers()
+    index, drawn = model.support("right"), model.initial.positions
+
+    def find_step(model, behaviour, start, guess, *arguments, **options):
+        moved = float((guess - drawn)[index, 0].max()) / increment
+        if between[0] < moved < between[1]:
+            raise NoEquilibriumError("a part falls")
+        return find(model, behaviour, start, guess, *arguments, **options)
+
+    monkeypatch.setattr(procedure, "find_step", find_step)
+    return pushdown(model, "right", (9.0 * increment, 0.0), increment=increment, to_collapse=True)
+
+
+INCREMENT = arch_on_piers().size / 50.0
+
+
+def test_a_movement_goes_on_beyond_a_part_that_moves_by_itself(monkeypatch):
+    path = _arch_without_equilibrium(monkeypatch, INCREMENT, between=(5.2, 6.8))
+    assert path.crossed / INCREMENT == pytest.approx(np.array([[5.0, 7.0]]))
+    assert np.diff(path.movement[path.movement >= 7.0 * INCREMENT])[0] == pytest.approx(INCREMENT)
+
+
+def test_a_movement_ends_where_nothing_stands_beyond(monkeypatch):
+    with pytest.raises(CollapseError, match="a part falls") as collapse:
+        _arch_without_equilibrium(monkeypatch, INCREMENT, between=(5.2, np.inf))
+    assert 5.2 - 1.0 / 32 <= collapse.value.path.movement[-1] / INCREMENT <= 5.2
+    assert len(collapse.value.path.crossed) == 0
