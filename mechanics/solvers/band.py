@@ -37,7 +37,8 @@ class Band:
         order = narrowest_order(linked, blocks, centres)
         rank = np.argsort(order)
         rows = (3 * order[:, None] + np.arange(3)).ravel()
-        row = np.where(pairs >= 0, 3 * rank[pairs], -1).astype(np.intp)
+        # contiguous by points: compiled loops are compiled once for each layout of their arrays
+        row = np.ascontiguousarray(np.where(pairs >= 0, 3 * rank[pairs], -1), dtype=np.intp)
         return cls(rows, np.argsort(rows), row, 3 * _half_band(linked, order) + 3)
 
     def take(self, index: Index) -> Band:
