@@ -20,6 +20,7 @@ from mechanics.static_step import Step, band_of, find_step
 
 MOST_STEPS = 5000
 SNAP = 4.0  # of the settlement's largest displacement: across which one of its hinges may snap shut
+CLOSES = 0.25  # of it: the displacement within which that is what brings the multiplier down to zero
 STILL = 1e-3  # of the largest displacement: a control point that takes no part
 GROWTH = 1.5  # of steps that begin small
 COARSER = 3  # doublings of the increment, across which a part may move by itself
@@ -94,7 +95,7 @@ def pushover(
     widest = max(2.0**COARSER, ACROSS * model.size / increment)
     largest, others = share, other_shares(share, share, widest)
     while not curve.end:
-        closing = snap > 0.0 and curve.waits
+        closing = snap > 0.0 and (curve.waits or curve.displacement[-1] < CLOSES * settlement)
         try:
             work, step = curve.step(share, closing)
         except (NoEquilibriumError, ConvergenceError) as stop:
@@ -150,6 +151,7 @@ class _Curve:
         self.plateau = (0.0, self.first.alpha)  # where α last changed, and to what
         self.crossed: list[tuple[float, float]] = []
         self.failing, self.why, self.end = False, "", ""
+        self.snaps = False  # whether a hinge of the settlement closes by itself
         self.reached, self.lost, self.left = False, False, False
 
     def along(self, positions: Array) -> float:
@@ -187,7 +189,8 @@ class _Curve:
         self.left = True
         ahead = self.along(step.state.positions) - self.displacement[-1]
         stays = ahead < 0.5 * (self.increment if self.waits else whole * self.control_rate)
-        if closing and stays and step.alpha < max(self.multiplier):
+        self.snaps |= closing and step.alpha < 0.0
+        if closing and (stays or self.snaps) and step.alpha < max(self.multiplier):
             raise NoEquilibriumError("a hinge of the settlement closes")
         if not closing and ahead < 0.0:
             raise NoEquilibriumError(
@@ -220,7 +223,7 @@ class _Curve:
         self.control_rate = (now - before) / work
         if self.failing and now - before > self.increment:
             self.crossed.append((before, now))
-        self.failing = False
+        self.failing = self.snaps = False
         if abs(self.multiplier[-1] - self.plateau[1]) > FLAT * max(self.multiplier):
             self.plateau = (now, self.multiplier[-1])
         size = self.model.size

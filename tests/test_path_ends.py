@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from assessment.benchmark.structures import assembly, template
 from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover
 from mechanics.errors import CollapseError, NoEquilibriumError
 from mechanics.mechanism import overruns
@@ -216,3 +217,17 @@ def test_a_movement_ends_where_nothing_stands_beyond(monkeypatch):
         _arch_without_equilibrium(monkeypatch, INCREMENT, between=(5.2, np.inf))
     assert 5.2 - 1.0 / 32 <= collapse.value.path.movement[-1] / INCREMENT <= 5.2
     assert len(collapse.value.path.crossed) == 0
+
+
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+def test_a_hinge_of_the_settlement_that_snaps_shut_is_no_end_of_the_capacity(direction):
+    """The multiplier comes down to zero within 3 mm, and up to ten times the onset's as the hinge has closed."""
+    project, model = template("arch"), assembly("arch")
+    (table,) = project.settlements
+    settled = pushdown(model, table.support, table.displacement_m, 0.0, table.increment_m).final
+    control, increment = project.pushover_control(direction).point_m, project.pushover.increment_m
+    curves = [pushover(model, control, direction, "rigid", increment / k, settled) for k in (1, 2, 4)]
+    for curve in curves:
+        assert curve.multiplier[0] < 0.04
+        assert curve.multiplier.max() == pytest.approx(0.22, rel=0.05)
+        assert curve.displacement[-1] == pytest.approx(0.0455, rel=0.02)
