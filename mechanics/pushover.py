@@ -28,6 +28,7 @@ ZERO = 1e-6  # of the largest multiplier: one that is none
 CHORDS, MOST_CHORDS = 3, 8  # to get there, and nearly there
 NEARLY = 1e-2  # of the largest multiplier: what is left after a few chords of a step of ordinary length
 FLAT = 1e-3  # of the largest multiplier: a change that is none
+JUMPED = 3.0  # increments that the control point goes in one: a part has moved by itself
 LARGEST = 2.0  # a block may move this many increments where the control point moves less
 
 
@@ -221,7 +222,7 @@ class _Curve:
         self.displacement.append(self.along(step.state.positions))
         before, now = self.displacement[-2:]
         self.control_rate = (now - before) / work
-        if self.failing and now - before > self.increment:
+        if now - before > self.increment * (1.0 if self.failing else JUMPED):
             self.crossed.append((before, now))
         self.failing = self.snaps = False
         if abs(self.multiplier[-1] - self.plateau[1]) > FLAT * max(self.multiplier):
