@@ -1,8 +1,8 @@
-"""Limit analysis: the multiplier at which a mechanism forms, and the mechanism (paper, eq. 5, first step)."""
+"""Limit analysis: the multiplier at which a mechanism forms, and the mechanism (paper, eq. 5)."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,9 +10,9 @@ from mechanics.assembly import Assembly, Direction, State
 from mechanics.block import Array
 from mechanics.equilibrium import check_self_weight, closed_program
 from mechanics.errors import NoEquilibriumError
-from mechanics.program import LARGEST_MULTIPLIER, Certificate
+from mechanics.program import LARGEST_MULTIPLIER, Certificate, Solution
 from mechanics.solvers import solve
-from mechanics.static_step import band_of
+from mechanics.static_step import Step, assemble, band_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +37,30 @@ def limit_analysis(model: Assembly, direction: Direction = "+x", state: State | 
     """
     state = model.starting(state)
     check_self_weight(model, state)
+    return _limit(model, direction, state)
+
+
+def limit_of(model: Assembly, direction: Direction, step: Step) -> Step:
+    """A step with the multiplier and forces of limit analysis in the configuration to which it leads (paper, §3).
+
+    Its own are those on the way there: less, where it lets down what an earlier one lifted by dilatant sliding, since
+    they are admissible in the configuration too. Raises NoEquilibriumError where the load only wedges the blocks there.
+    """
+    at, lateral = step.state.positions, model.lateral_load(direction)
+    try:
+        found = _limit(model, direction, step.state)
+    except (
+        NoEquilibriumError
+    ):  # where two mechanisms alternate, equilibrium is certain only where its forces act
+        at = step.at
+        found = _limit(model, direction, replace(step.state, positions=at))
+    program = assemble(model, "rigid", step.state, at, model.dead_load, step.program.step, lateral)
+    quality = step.certificate.joined(found.certificate)
+    solution = Solution(found.forces, found.alpha, np.zeros_like(program.load), quality)
+    return replace(step, at=at, program=program, solution=solution, solves=step.solves + 1)
+
+
+def _limit(model: Assembly, direction: Direction, state: State) -> Limit:
     onset, closed = closed_program(model, state, model.lateral_load(direction))
     solution = solve(onset, layout=band_of(model, "rigid").take(closed))
     if solution.alpha > 0.99 * LARGEST_MULTIPLIER:

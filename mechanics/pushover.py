@@ -12,6 +12,7 @@ from mechanics.assembly import Assembly, Behaviour, Direction, State
 from mechanics.block import Array
 from mechanics.equilibrium import closed_program
 from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError, require
+from mechanics.limit import limit_of
 from mechanics.onset import SETTLED_FIRST, elastic_onset, mechanism_onset, no_way_from_rest
 from mechanics.other_steps import ACROSS, HALVINGS, other_shares
 from mechanics.program import Certificate
@@ -82,8 +83,9 @@ def pushover(
     `control`: drawn point (m) in or on a block; `increment` (m) of its displacement along the push; `until`: the share
     of its peak at which the multiplier has come down far enough. Every point is an
     equilibrium in its own displaced geometry, under a free multiplier whose loads do a given work (eq. 5; with
-    compliance the same program traces the elastic curve through its peak). Where a step fails, a part may be moving by
-    itself until others hold it again: equilibrium is sought half a step on, then a few steps on. Where there is none
+    compliance the same program traces the elastic curve through its peak); multiplier and forces of a rigid curve are
+    those of limit analysis in that configuration (paper, §3), see `limit_of`. Where a step fails, a part may be moving
+    by itself until others hold it again: equilibrium is sought half a step on, then a few steps on. Where there is none
     either, the structure has lost it, which further halves locate within an increment's 1/32.
     Raises UnstableError, ValueError for a control point outside every block, ControlError for one that takes no part
     in the mechanism, NoEquilibriumError where the load meets no mechanism.
@@ -182,9 +184,10 @@ class _Curve:
         def advance(work: float) -> Step:
             guess, size = now.positions + work * rate, whole * fastest
             model = self.model
-            return find_step(
+            step = find_step(
                 model, self.contacts, now, guess, model.dead_load, size, self.lateral, work, last
             )
+            return limit_of(model, self.direction, step) if self.contacts == "rigid" else step
 
         step = advance(whole)
         self.left = True

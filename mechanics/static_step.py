@@ -32,14 +32,15 @@ class Step:
     """An equilibrium: its state, and the solution of the last program.
 
     `at` (b, 3): the positions, within the geometry tolerance the state's, in which the `program` is posed and the
-    forces act; `solves`: programs solved to get there; `penetration` m: deepest true interpenetration that no
-    compliance explains.
+    forces act; `neighbour`: what the path's next step is like; `solves`: programs solved to get there; `penetration` m:
+    deepest true interpenetration that no compliance explains.
     """
 
     state: State
     at: Array
     program: Program
     solution: Solution
+    neighbour: Neighbour
     penetration: float
     solves: int
 
@@ -62,11 +63,6 @@ class Step:
     def opening(self) -> Array:
         """Gaps and slips (c, 2) left, m."""
         return self.program.opening(self.forces, self.solution.displacement)
-
-    @property
-    def neighbour(self) -> Neighbour:
-        """What the path's next step is like."""
-        return self.solution.neighbour(self.program)
 
 
 def find_step(
@@ -165,6 +161,7 @@ class Sought:
             at,
             program,
             solution,
+            solution.neighbour(program),
             _penetration(self.model, self.behaviour, found, solution.forces),
             solves,
         )
