@@ -11,7 +11,7 @@ from mechanics.block import Array
 from mechanics.equilibrium import check_self_weight, closed_program
 from mechanics.errors import NoEquilibriumError
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Solution
-from mechanics.solvers import solve
+from mechanics.solvers import banded, solve
 from mechanics.static_step import Step, assemble, band_of
 
 
@@ -48,21 +48,25 @@ def limit_of(model: Assembly, direction: Direction, step: Step) -> Step:
     """
     at, lateral = step.state.positions, model.lateral_load(direction)
     try:
-        found = _limit(model, direction, step.state)
+        found = _limit(model, direction, step.state, step)
     except (
         NoEquilibriumError
     ):  # where two mechanisms alternate, equilibrium is certain only where its forces act
         at = step.at
-        found = _limit(model, direction, replace(step.state, positions=at))
+        found = _limit(model, direction, replace(step.state, positions=at), step)
     program = assemble(model, "rigid", step.state, at, model.dead_load, step.program.step, lateral)
     quality = step.certificate.joined(found.certificate)
     solution = Solution(found.forces, found.alpha, np.zeros_like(program.load), quality)
     return replace(step, at=at, program=program, solution=solution, solves=step.solves + 1)
 
 
-def _limit(model: Assembly, direction: Direction, state: State) -> Limit:
+def _limit(model: Assembly, direction: Direction, state: State, last: Step | None = None) -> Limit:
+    """Limit analysis in a state, sought near the step that led to it where it is solved by bands."""
     onset, closed = closed_program(model, state, model.lateral_load(direction))
-    solution = solve(onset, layout=band_of(model, "rigid").take(closed))
+    near = None
+    if last is not None and banded(len(closed)):
+        near = last.neighbour.take(closed, onset.step / last.program.step)
+    solution = solve(onset, near, band_of(model, "rigid").take(closed))
     if solution.alpha > 0.99 * LARGEST_MULTIPLIER:
         raise NoEquilibriumError(
             f"{direction}: no mechanism, the load only wedges the blocks (α > {LARGEST_MULTIPLIER:g})"

@@ -113,6 +113,10 @@ class Neighbour:
     opening: Array
     alpha: float
 
+    def take(self, index: NDArray[np.intp], stretch: float) -> Neighbour:
+        """The same at a choice of the contact points, for a step that is longer by the factor `stretch`."""
+        return Neighbour(self.forces[index], stretch * self.opening[index], self.alpha)
+
 
 @dataclass(frozen=True, eq=False)
 class Solution:

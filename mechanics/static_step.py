@@ -18,7 +18,9 @@ from mechanics.solvers.band import Band
 from mechanics.solvers.kernels import fastest
 
 GEOMETRY_TOLERANCE = 1e-3  # of the step: how closely the geometry of forces and of positions must agree
-ALTERNATION = 0.5  # of the step: how far apart alternating mechanisms of rigid blocks may leave the blocks
+ASTRAY = (
+    1e-4  # of a block: by how much the linear geometry of a step of rigid blocks may err in gaps that count
+)
 MOST_ITERATIONS = 30
 LARGE = 400  # contact points
 SETTLING = {"rigid": 3, "elastic": 8}  # iterations in which the geometry may go astray first
@@ -81,18 +83,47 @@ def find_step(
     `guess` (b, 3): positions expected; those of the supports are imposed. `size` (m): the displacement expected;
     `last`: the path's last step, near whose forces and gaps this one's are sought. The geometry (arms, normals, gaps)
     is that of the guess, then that of each result, until both agree: the sequential solution of the paper (§4),
-    implicit in the geometry. Large models follow it within one run of central_path; where that fails, and in small
-    ones, a program is solved for each geometry. Raises NoEquilibriumError where none lies near, and ConvergenceError
-    where that cannot be decided.
+    implicit in the geometry. A large model's first result is where central_path ends that follows the geometry. Raises
+    NoEquilibriumError where none lies near, and ConvergenceError where that cannot be decided.
     """
-    sought = Sought(
-        model, behaviour, start, size, programs(model, behaviour, start, load, size, lateral, work)
-    )
+    pose = programs(model, behaviour, start, load, size, lateral, work)
+    sought = Sought(model, behaviour, start, size, pose)
     near = last.neighbour if last is not None and sought.large else None
-    followed = None if near is None else sought.followed(guess, near)
-    if followed is not None:
-        return sought.step(*followed, solves=1)
-    return _one_by_one(sought, guess, near)
+    rigid, scale = behaviour == "rigid", np.array([1.0, 1.0, model.size])
+    layout = band_of(model, behaviour) if banded(len(model.contacts(behaviour))) else None
+    at, earlier, ahead = guess, np.full_like(guess, np.inf), 1.0
+    for count in range(1, MOST_ITERATIONS + 1):
+        followed = sought.followed(at, near) if near is not None and count == 1 else None
+        if followed is not None:
+            at, solution = followed
+        program = pose(at)
+        if followed is None:
+            solution = solve(program, near, layout)
+        if lateral is not None and abs(solution.alpha) > 0.99 * LARGEST_MULTIPLIER:
+            raise NoEquilibriumError(
+                "no mechanism: the load only wedges the blocks, the multiplier has no bound"
+            )
+        found = sought.checked(_displaced(model, at, solution.displacement))
+        change = (found - at) * scale
+        largest, before = float(abs(change).max()), float(abs(earlier).max())
+        if largest <= GEOMETRY_TOLERANCE * size:
+            break
+        settles = largest < 0.9 * before or count <= SETTLING[behaviour]
+        # of mechanisms that alternate, each the answer in the other's geometry, any does that leaves no gap behind
+        if rigid and (sought.large or not settles) and sought.astray(program, solution, found) <= ASTRAY:
+            break
+        if not settles or count == MOST_ITERATIONS:
+            block = int(np.argmax(abs(change).max(axis=1)))
+            raise NoEquilibriumError(
+                f"the geometry of the step does not settle: loss of stability, at block {block} first"
+            )
+        near = solution.neighbour(program) if sought.large else None
+        if not rigid and count > 1:
+            # Aitken's extrapolation; never backwards, which would settle on an unstable equilibrium
+            turn = change - earlier
+            ahead = float(np.clip(-ahead * (earlier * turn).sum() / (turn * turn).sum(), 0.1, 10.0))
+        at, earlier = at + ahead * change / scale, change
+    return sought.step(at, program, solution, found, solves=count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +163,7 @@ class Sought:
         return found
 
     def followed(self, at: Array, near: Neighbour) -> tuple[Array, Solution] | None:
-        """The positions in which the central path ends, its geometry followed, and the solution; None: not reached."""
+        """Positions and their program's solution where the central path ends, its geometry followed; None: nowhere."""
         from mechanics.solvers import central_path
 
         def pose(x: Array) -> Program:
@@ -140,15 +171,21 @@ class Sought:
 
         layout = band_of(self.model, self.behaviour)
         try:
-            ended = central_path.follow(pose, layout, np.zeros(len(layout.order)), near)
+            ended = central_path.follow(pose, layout, near)
         except NoEquilibriumError:
             return None
         return None if ended is None else (_displaced(self.model, at, ended[0]), ended[1])
 
-    def step(self, at: Array, solution: Solution, solves: int) -> Step:
-        """The step that ends with the solution of the program posed at positions (b, 3)."""
-        program = self.pose(at)
-        found = _displaced(self.model, at, solution.displacement)
+    def astray(self, program: Program, solution: Solution, found: Array) -> float:
+        """How far gaps at the positions found are from those of the program's solution, where they count; per block."""
+        gap = self.model.kinematics(self.behaviour, found).gap
+        bears = solution.forces[:, 0] > CARRYING * self.model.weight
+        expected = program.opening(solution.forces, solution.displacement)[:, 0]
+        worst = max(abs(gap - expected)[bears].max(initial=0.0), (-gap).max(initial=0.0))
+        return float(worst) / self.model.size
+
+    def step(self, at: Array, program: Program, solution: Solution, found: Array, solves: int) -> Step:
+        """The step that ends at positions (b, 3) found by the solution of the program posed `at` others."""
         contacts, rigid = self.model.contacts(self.behaviour), self.behaviour == "rigid"
         has_shear = not rigid and np.isfinite(contacts.stiffness[:, 1]).any()
         return Step(
@@ -165,45 +202,6 @@ class Sought:
             _penetration(self.model, self.behaviour, found, solution.forces),
             solves,
         )
-
-
-def _one_by_one(sought: Sought, guess: Array, near: Neighbour | None) -> Step:
-    """A program is solved for the geometry of the guess, then for that of each result, until both agree."""
-    model, rigid = sought.model, sought.behaviour == "rigid"
-    scale = np.array([1.0, 1.0, model.size])
-    layout = band_of(model, sought.behaviour) if banded(len(model.contacts(sought.behaviour))) else None
-    at, earlier, ahead = guess, np.full_like(guess, np.inf), 1.0
-    for count in range(1, MOST_ITERATIONS + 1):
-        program = sought.pose(at)
-        solution = solve(program, near, layout)
-        if program.lateral is not None and abs(solution.alpha) > 0.99 * LARGEST_MULTIPLIER:
-            raise NoEquilibriumError(
-                "no mechanism: the load only wedges the blocks, the multiplier has no bound"
-            )
-        found = sought.checked(_displaced(model, at, solution.displacement))
-        change = (found - at) * scale
-        largest, before = float(abs(change).max()), float(abs(earlier).max())
-        if largest <= GEOMETRY_TOLERANCE * sought.size:
-            break
-        reached = solution.neighbour(program)
-        near = reached if sought.large else None
-        settles = largest < 0.9 * before or count <= SETTLING[sought.behaviour]
-        if not settles or count == MOST_ITERATIONS:
-            followed = sought.followed(at, reached)
-            if followed is not None:
-                return sought.step(*followed, solves=count + 1)
-            if rigid and largest <= ALTERNATION * sought.size:
-                break  # two mechanisms alternate, each the answer in the other's geometry: both are close enough
-            block = int(np.argmax(abs(change).max(axis=1)))
-            raise NoEquilibriumError(
-                f"the geometry of the step does not settle: loss of stability, at block {block} first"
-            )
-        if not rigid and count > 1:
-            # Aitken's extrapolation; never backwards, which would settle on an unstable equilibrium
-            turn = change - earlier
-            ahead = float(np.clip(-ahead * (earlier * turn).sum() / (turn * turn).sum(), 0.1, 10.0))
-        at, earlier = at + ahead * change / scale, change
-    return sought.step(at, solution, solves=count)
 
 
 @lru_cache(maxsize=8)

@@ -41,18 +41,15 @@ def test_it_solves_a_program_as_piqp_does(model, behaviour, lateral):
     pose = programs(model, behaviour, model.initial, model.dead_load, size, load, 0.2 * size * model.weight)
     there = pose(model.initial.positions)
 
-    found = central_path.follow(
-        lambda x: moved(there, x), Band.of(there.dof), np.zeros(len(there.load)), neighbour(there)
-    )
-    assert found is not None
-    x, solution = found
+    solution = central_path.solve(there, Band.of(there.dof), neighbour(there))
+    assert solution is not None
     expected = solve(there)
-    certificate = certify(there, solution.forces, solution.alpha, x + solution.displacement)
+    certificate = certify(there, solution.forces, solution.alpha, solution.displacement)
     assert certificate.worst(size) <= central_path.MOST
     assert certificate.equilibrium <= 1e-8
     assert solution.alpha == pytest.approx(expected.alpha, abs=1e-6)
     # the forces of a redundant structure and the mechanism of a symmetrical one are not unique; the work is
-    assert there.load @ (x + solution.displacement) == pytest.approx(
+    assert there.load @ solution.displacement == pytest.approx(
         there.load @ expected.displacement, rel=1e-5, abs=1e-6 * size * model.weight
     )
 
@@ -66,7 +63,8 @@ def test_a_step_followed_and_a_step_of_programs_are_the_same(behaviour, monkeypa
     monkeypatch.undo()
     monkeypatch.setattr("mechanics.static_step.LARGE", 0)
     followed = pushover(model, control, contacts=behaviour, increment=0.01)
-    assert sum(step.solves == 1 for step in followed.steps) > 0.6 * len(followed.steps)
+    alone = 1 if behaviour == "elastic" else 2  # with the limit analysis of the configuration
+    assert sum(step.solves == alone for step in followed.steps) > 0.6 * len(followed.steps)
     assert sum(step.solves > 1 for step in apart.steps) > 0.7 * len(apart.steps)
     along = np.linspace(0.0, 0.5 * min(path.displacement[-1] for path in (apart, followed)), 20)
     alpha = [np.interp(along, path.displacement, path.multiplier) for path in (apart, followed)]
@@ -110,9 +108,9 @@ def test_compiled_iterations_are_the_plain_ones(model, behaviour, lateral, monke
             PADDING=loops.PADDING, measured=noted, advance=loops.advance, restore=loops.restore
         )
         monkeypatch.setattr(central_path, "_loops", lambda watched=watched: watched)
-        found = central_path.follow(lambda x: moved(program, x), layout, np.zeros(len(program.load)), near)
+        found = central_path.solve(program, layout, near)
         assert found is not None
-        results.append((seen, found[1]))
+        results.append((seen, found))
     (plain, by_plain), (fast, by_fast) = results
     for before, after in zip(plain[:6], fast[:6], strict=True):
         assert after == pytest.approx(before, rel=1e-6, abs=central_path.NEARLY * program.weight)
@@ -120,21 +118,14 @@ def test_compiled_iterations_are_the_plain_ones(model, behaviour, lateral, monke
     assert by_fast.certificate.equilibrium <= 1e-8 >= by_plain.certificate.equilibrium
 
 
-def moved(program, x):
-    """The program counted from displacements, its geometry frozen."""
-    done = 0.0 if program.lateral is None else float(program.lateral @ x)
-    return replace(program, gap=program.gap + program.relative(x), work=program.work - done)
-
-
 def test_where_nothing_stands_no_step_is_followed():
     model = semicircular_arch(21, 0.05)  # thinner than 0.1075: no thrust line fits in
     size = 1e-3
     pose = programs(model, "rigid", model.initial, model.dead_load, size)
     there = pose(model.initial.positions)
-    assert (
-        central_path.follow(lambda x: there, Band.of(there.dof), np.zeros(len(there.load)), unaware(there))
-        is None
-    )
+    layout = Band.of(there.dof)
+    assert central_path.solve(there, layout, unaware(there)) is None
+    assert central_path.follow(lambda x: there, layout, unaware(there)) is None
 
 
 def test_a_neighbour_saves_iterations(monkeypatch):
@@ -170,7 +161,6 @@ def test_a_neighbour_saves_iterations(monkeypatch):
     central_path.follow(
         lambda x: program(_moved(start.state.positions, x)),
         Band.of(program(start.state.positions).dof),
-        np.zeros(3 * int(WALL.movable.sum())),
         unaware(program(start.state.positions)),
     )
     assert again.solves == 1

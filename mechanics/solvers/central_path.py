@@ -1,7 +1,7 @@
 """The static program by a primal-dual interior-point method on banded matrices.
 
 Two things make it quicker than a method for one program after another: it can begin at the last solution of a path, a
-little off the bounds, and it follows the geometry while it converges, so that a step, which takes PIQP four or five
+little off the bounds, and it can follow the geometry while it converges, so that a step, which takes PIQP four or five
 programs of a score of iterations each, is one run of a score. The change of arms within an iteration is left out: with
 it (Newton's method, from the start or near the end only) the paths of the triumphal arch took as many iterations and
 led nowhere as often.
@@ -20,32 +20,40 @@ from mechanics.block import Array
 from mechanics.program import LARGEST_MULTIPLIER, Neighbour, Program, Solution, certify
 from mechanics.solvers import GOOD, kernels
 from mechanics.solvers.band import Band
-from mechanics.solvers.interior_step import FIRM, FIRMER, HOLDING, Posed
+from mechanics.solvers.interior_step import HOLDING, Posed
 from mechanics.solvers.kernels import Residuals
 from mechanics.solvers.threads import one_thread
 
-HELD_BACK, LET_GO = 1e-4, 0.3  # the least stiffness that holds blocks where nothing gets better, and its fall
+LET_GO = 0.3  # of the stiffness that holds blocks in the last iteration
 DISTANCE = 0.03  # from the bounds, per weight and step, at which the method begins
 NOWHERE = 3.0  # the same where no solution is near, per root of the number of blocks
 MOST_ITERATIONS = 100
-STALLED = 3  # iterations without progress after which the blocks are held back more and more
+STALLED = 6  # iterations without progress after which the geometry is followed no longer
 IDLE = 8  # and after which the method ends
 NEARLY = 1e-5  # unbalanced force, per weight, from which equilibrium is restored by itself
 PER_BLOCK, MOST = 1e-12, 1e-9  # certificate that ends the path; its equilibrium is restored to rounding
 FROZEN = 3e-4  # of the step: displacements that do not change the geometry
 
 
-def follow(
-    pose: Callable[[Array], Program], layout: Band, x: Array, near: Neighbour | None
-) -> tuple[Array, Solution] | None:
-    """Displacements (m,) at which the program posed there needs no further ones, and its certified solution.
+def solve(
+    program: Program, layout: Band, near: Neighbour | None = None, start: Array | None = None
+) -> Solution | None:
+    """The certified solution of a static program, sought `near` that of another where there is one; None: not found.
 
-    `pose` gives the program at displacements, counted from them, `layout` its band: every iteration, beginning at `x`,
-    goes on in the geometry to which it has led, from the solution of a program `near` this one, where there is one.
-    None where that leads to no certified solution.
+    `layout`: the band of its matrices; `start` (m,): displacements to begin at.
     """
-    with one_thread():
-        return _follow(pose, layout, x, near)
+    found = _run(program, layout, near, start, None)
+    return None if found is None else found[1]
+
+
+def follow(pose: Callable[[Array], Program], layout: Band, near: Neighbour) -> tuple[Array, Solution] | None:
+    """Displacements (m,) and the certified solution of the program posed there; None where nothing is found.
+
+    `pose` gives the program at displacements, counted from them: every iteration, beginning at none, goes on in the
+    geometry to which it has led, from the solution of a program `near` this one. The solution's displacements vanish
+    but where that leads no further: the rest of the way is gone in one geometry.
+    """
+    return _run(pose(np.zeros(len(layout.order))), layout, near, None, pose)
 
 
 @dataclass(eq=False)
@@ -62,11 +70,18 @@ class _Iterate:
     last: Array
 
 
-def _follow(
-    pose: Callable[[Array], Program], layout: Band, x: Array, near: Neighbour | None
+@one_thread()
+def _run(
+    program: Program,
+    layout: Band,
+    near: Neighbour | None,
+    start: Array | None,
+    pose: Callable[[Array], Program] | None,
 ) -> tuple[Array, Solution] | None:
-    program, loops = pose(x), _loops()
+    loops, x = _loops(), np.zeros(len(program.load))
     at = _begin(program, near)
+    if start is not None:
+        at.x[:] = start[layout.order]
     band = np.zeros((len(layout.order), layout.width + loops.PADDING))
     lateral = np.zeros(0) if program.lateral is None else program.lateral[layout.order]
     scale = program.weight, program.size, program.step
@@ -88,17 +103,17 @@ def _follow(
         progress.append(max(unbalanced, lacking, NEARLY) * residuals[3])
         if _idle(progress, IDLE):
             return None
-        if near and _idle(progress, STALLED):
-            holding = min(FIRMER * max(holding, HELD_BACK), FIRM)
-        else:
-            holding = max(LET_GO * holding, HOLDING)
+        if pose is not None and _idle(progress, STALLED):
+            pose = None
+            progress.clear()
+        holding = max(LET_GO * holding, HOLDING)
         led, at.alpha, holding = loops.advance(
             posed, lack, lateral, program.work, scale, holding, at.x, at.alpha, at.s, at.z, at.last, band,
             layout.envelope,
         )  # fmt: skip
         if not led or abs(at.alpha) > LARGEST_MULTIPLIER:
             return None
-        if float(abs(at.x).max()) > FROZEN * program.step:
+        if pose is not None and float(abs(at.x).max()) > FROZEN * program.step:
             x = x + at.x[layout.back]
             at.x[:] = 0.0
             program = pose(x)

@@ -6,8 +6,6 @@ forces; eq. 2, displacements, is set up here on its own and solved by PIQP's den
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import piqp
 import pytest
@@ -28,18 +26,10 @@ STATICS, DYNAMICS, DISPLACEMENTS = 200, 200, 60
 def banded(program: Program) -> Solution | None:
     """By the banded interior-point method, which knows no more than that all contacts carry and open a little."""
 
-    def frozen(x: Array) -> Program:
-        done = 0.0 if program.lateral is None else float(program.lateral @ x)
-        return replace(program, gap=program.gap + program.relative(x), work=program.work - done)
-
     n = len(program.gap)
     carried = np.column_stack([np.full(n, program.weight), np.zeros(n)])
     near = Neighbour(carried, carried * program.step / program.weight, 0.0)
-    found = central_path.follow(frozen, Band.of(program.dof), np.zeros(len(program.load)), near)
-    if found is None:
-        return None
-    answer = found[1].forces, found[1].alpha, found[0] + found[1].displacement
-    return Solution(*answer, certify(program, *answer))
+    return central_path.solve(program, Band.of(program.dof), near)
 
 
 def strain(program: Program, one: Solution, other: Solution) -> float:
