@@ -62,13 +62,20 @@ def in_more_segments(
             title = f"{state}, {way}"
             if state in failed:
                 found.warnings.append(f"{title}: more segments_per_joint fail: {failed[state]}")
-            elif not levels.within(tolerance):
-                said = "; ".join(levels.missed(tolerance))
-                found.warnings.append(
-                    f"{title}: estimated error of {said} with the segments_per_joint given, "
-                    f"tolerance {100.0 * tolerance:.2g} %; take more of them"
-                )
+            else:
+                found.warnings += too_few(title, levels, tolerance)
     return found
+
+
+def too_few(title: str, levels: Levels, tolerance: float) -> list[str]:
+    """Return a warning where the segments given do not meet the tolerance."""
+    if levels.within(tolerance):
+        return []
+    said = "; ".join(levels.missed(tolerance))
+    return [
+        f"{title}: estimated error of {said} with the segments_per_joint given, "
+        f"tolerance {100.0 * tolerance:.2g} %; take more of them"
+    ]
 
 
 def finer(model: Assembly, times: int) -> Assembly:

@@ -13,11 +13,12 @@ from hypothesis import strategies as st
 
 from assessment import histories
 from assessment.base_motion import BaseMotion
-from assessment.convergence import Accuracy, Levels, accuracy_of, converge, estimated_error, refined
+from assessment.convergence import Accuracy, Levels, accuracy_of, converge, estimated_error
 from assessment.crew import Crew
 from assessment.dynamics import Setting, StageResult, history
 from assessment.figures import write_figures
 from assessment.histories import converged_history
+from assessment.increments import refined
 from assessment.messages import ProjectError
 from assessment.model import build_model
 from assessment.new_project import new_project, template_layout, write_drawing
