@@ -17,7 +17,7 @@ from assessment.dynamics import StageResult, history
 from assessment.histories import history_tasks, peak
 from assessment.incremental import Bracket, search_again, search_title
 from assessment.increments import finest_settlements
-from assessment.segments import TIMES, Segmented, finer, too_few
+from assessment.segments import TIMES, Estimates, finer, too_few
 from assessment.states import Request, analyse_states
 
 if TYPE_CHECKING:
@@ -45,12 +45,12 @@ def in_more_segments(campaign: Campaign, halvings: Mapping[str, int]) -> list[Ca
 
 def peaks_in_more_segments(
     campaign: Campaign, refined: Sequence[Campaign], motions: list[BaseMotion], given: Sequence[StageResult]
-) -> Segmented:
+) -> Estimates:
     """Estimate what segments without end would change of peak displacements; `given`: the histories in their order.
 
     Where one number of segments collapses and another does not, the error is not known.
     """
-    found, tolerance = Segmented(), accuracy_of(campaign.project).tolerance
+    found, tolerance = Estimates(), accuracy_of(campaign.project).tolerance
     kept = [
         (n, stage.convergence)
         for n, stage in enumerate(given)
@@ -69,30 +69,19 @@ def peaks_in_more_segments(
         same = {"state": row["state"], "record": row["record"]}
         found.rows.append(same | levels.numbers(tolerance))
         title = f"{row['state']}, history of {row['record']}"
-        failed = [stage.numbers["reason"] for stage in stages if stage.numbers["collapsed"] is None]
-        first, *others = (None in level.values() for level in levels.measured)
-        if failed:
-            found.warnings.append(f"{title}: more segments_per_joint fail: {failed[0]}")
-        elif any(others) and not first:
-            found.warnings.append(f"{title}: collapses with more segments_per_joint; take more of them")
-        elif first and not all(others):
-            found.warnings.append(
-                f"{title}: does not collapse with more segments_per_joint; take more of them"
-            )
-        else:
-            found.warnings += too_few(title, levels, tolerance)
+        found.warnings += _peak_warnings(title, levels, stages, tolerance)
     return found
 
 
 def collapses_again(
     campaign: Campaign, refined: Sequence[Campaign], motions: list[BaseMotion], given: Sequence[StageResult]
-) -> Segmented:
+) -> Estimates:
     """Estimate the error of the PGA at collapse; `given`: the searches in their order.
 
     It is the width of the bracket and twice the distance to the PGA that the finer analysis gives: by a method of first
     order, half the step leaves half of the error.
     """
-    found, project = Segmented(), campaign.project
+    found, project = Estimates(), campaign.project
     table, tolerance = project.incremental, accuracy_of(project).tolerance
     if table is None or tolerance is None:
         return found
@@ -109,18 +98,40 @@ def collapses_again(
         measured = ({"pga_collapse_g": each} for each in (near.collapse, stage.numbers["pga_collapse_g"]))
         levels = Levels(campaign.model.size, tuple(measured), result=0, resolution=near.width)
         found.rows.append({"state": state, "record": motion.name, **levels.numbers(tolerance)})
-        title = search_title(state, motion)
-        if stage.numbers["pga_safe_g"] is None:
-            found.warnings.append(
-                f"{title}: a finer time step or more segments_per_joint fail: {stage.numbers['reason']}"
-            )
-        elif not levels.within(tolerance):
-            said = "; ".join(levels.missed(tolerance))
-            found.warnings.append(
-                f"{title}: estimated error of {said} with the tolerance_g, time_step_s and segments_per_joint given, "
-                f"tolerance {100.0 * tolerance:.2g} %; refine them"
-            )
+        found.warnings += _collapse_warnings(search_title(state, motion), levels, stage, tolerance)
     return found
+
+
+def _peak_warnings(title: str, levels: Levels, stages: Sequence[StageResult], tolerance: float) -> list[str]:
+    """Return what is wrong with a peak in more segments; `stages`: the histories in more of them."""
+    why = next((stage.numbers["reason"] for stage in stages if stage.numbers["collapsed"] is None), "")
+    if why:
+        return [f"{title}: more segments_per_joint fail: {why}"]
+    first, *others = (None in level.values() for level in levels.measured)
+    if any(others) and not first:
+        return [
+            f"{title}: collapses with more segments_per_joint than those given, the error of its peak is not known; "
+            "take more of them"
+        ]
+    if first and not all(others):
+        return [
+            f"{title}: does not collapse with more segments_per_joint than those given; take more of them"
+        ]
+    return too_few(title, levels, tolerance)
+
+
+def _collapse_warnings(title: str, levels: Levels, stage: StageResult, tolerance: float) -> list[str]:
+    """Return what is wrong with a PGA at collapse; `stage`: the finer search."""
+    if stage.numbers["pga_safe_g"] is None:
+        why = stage.numbers["reason"]
+        return [f"{title}: a finer time step or more segments_per_joint fail: {why}"]
+    if levels.within(tolerance):
+        return []
+    said = "; ".join(levels.missed(tolerance))
+    return [
+        f"{title}: estimated error of {said} with the tolerance_g, time_step_s and segments_per_joint given, "
+        f"tolerance {100.0 * tolerance:.2g} %; refine them"
+    ]
 
 
 def _elastic(tables: Iterable[MotionTable]) -> list[MotionTable]:

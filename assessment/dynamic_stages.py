@@ -18,7 +18,7 @@ from assessment.incremental import searches, summarise
 if TYPE_CHECKING:
     from assessment.parallel import Workers
     from assessment.project import Project
-    from assessment.segments import Segmented
+    from assessment.segments import Estimates
     from assessment.states import StateResult
     from mechanics import Assembly
     from mechanics.assembly import Behaviour
@@ -99,7 +99,7 @@ def add_dynamics(
     return complete
 
 
-def _tell(results: Results, study: str, found: Segmented) -> None:
+def _tell(results: Results, study: str, found: Estimates) -> None:
     """Add the rows of a study of errors to the results; nothing where there are none."""
     if found.rows:
         results["convergence"].setdefault(study, []).extend(found.rows)

@@ -138,14 +138,14 @@ def search(
         model, motion, setting, state, start,
         lambda collapses: find_collapse(collapses, motion.pga, max_scale * motion.pga, tolerance),
     )  # fmt: skip
-    collapse, safe = result.numbers["pga_collapse_g"], result.numbers["pga_safe_g"]
-    if collapse is None and safe is not None:
+    lowest, safe = result.numbers["pga_collapse_g"], result.numbers["pga_safe_g"]
+    if lowest is None and safe is not None:
         result.warnings.append(
             f"{title}: no collapse up to {safe:.3g} g, max_scale = {max_scale:g}; raise it to find one"
         )
     if resurrections := result.numbers["resurrections_g"]:
         result.warnings.append(
-            f"{title}: collapse at {collapse:.3g} g, but stands at "
+            f"{title}: collapse at {lowest:.3g} g, but stands at "
             f"{', '.join(f'{level:.3g}' for level in resurrections)} g; the lowest collapse counts"
         )
     return result
