@@ -93,10 +93,10 @@ def collapse_near(
     """Bracket a collapse within `tolerance` that is expected in the bracket `near`; everything in g.
 
     Two runs where it is there. Else away from it, down where `near.safe` collapses, up to `largest` where
-    `near.collapse` is withstood, by steps that double, and by bisection between the last two. Lower levels than
-    the one at which it stands are not tried.
+    `near.collapse` is withstood, by steps that double from its width, and by bisection between the last two. Levels
+    below the one that is withstood then are not tried.
     """
-    low, high, step = near.safe, near.collapse, tolerance
+    low, high, step = near.safe, near.collapse, near.width or tolerance
     if low > 0.0 and collapses(low):
         low, high = max(low - step, 0.0), low
         while low > 0.0 and collapses(low):
