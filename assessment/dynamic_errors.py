@@ -24,9 +24,7 @@ if TYPE_CHECKING:
     from assessment.base_motion import BaseMotion
     from assessment.project_schema import MotionTable
 
-AGAIN = (
-    6  # motions that a bracket looked for again costs, about: two runs, or a few more where it is not there
-)
+AGAIN = 6  # motions that a bracket looked for again costs, about, at two to eight runs
 
 
 def in_more_segments(campaign: Campaign, halvings: Mapping[str, int]) -> list[Campaign]:
