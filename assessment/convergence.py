@@ -11,11 +11,11 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from assessment.checks import assess
+from assessment.increments import refined
 from assessment.study import Demands, capacity_numbers, curves, directions
 
 if TYPE_CHECKING:
     from assessment.project import Project
-    from assessment.project_schema import SettlementTable
     from assessment.states import StateResult
     from mechanics import Assembly
 
@@ -70,11 +70,13 @@ class Levels:
     """Quantities with the increments given, halved, halved again…: what each level gave (None: not reached).
 
     `size` (m) of the model: lengths below its NOISE are none. `result`: which level is the result, the finest or 0.
+    `resolution`: what the values of a level are themselves known to, part of every error.
     """
 
     size: float
     measured: tuple[Measured, ...]
     result: int = -1
+    resolution: float = 0.0
 
     def joined(self, finer: Measured) -> Levels:
         """Return the levels with one more."""
@@ -91,11 +93,15 @@ class Levels:
 
     @property
     def errors(self) -> dict[str, float | None]:
-        """Estimated error of each quantity that the last two levels did not both fail to reach; None: not known."""
+        """Estimated error of each quantity that the result or one of the last two levels reached; None: not known."""
         if len(self.measured) < 2:
             return {}
-        last, before = self.measured[-1], self.measured[-2]
-        return {key: self._error(key) for key in last if last[key] is not None or before.get(key) is not None}
+        counted = (self.measured[self.result], *self.measured[-2:])
+        return {
+            key: self._error(key)
+            for key in self.measured[-1]
+            if any(level.get(key) is not None for level in counted)
+        }
 
     def _error(self, key: str) -> float | None:
         """The estimated error of the finest level, and how far the result is from that level."""
@@ -104,7 +110,9 @@ class Levels:
             self.measured[self.result][key],
             self.measured[-1][key],
         )
-        return None if error is None or result is None or finest is None else error + abs(result - finest)
+        if error is None or result is None or finest is None:
+            return None
+        return error + abs(result - finest) + self.resolution
 
     @property
     def relative(self) -> dict[str, float | None]:
@@ -154,28 +162,6 @@ def _error_key(quantity: str) -> str:
     """Name the error of a quantity, its unit last: d_0_error_m."""
     stem, _, unit = quantity.rpartition("_")
     return f"{stem}_error_{unit}" if unit in {"m", "g"} else f"{quantity}_error"
-
-
-def refined(project: Project, halvings: int) -> Project:
-    """Return the project with twice as many increments of settlements and pushover, so many times over."""
-    if halvings == 0:
-        return project
-    pushover = project.pushover
-    return project.model_copy(
-        update={
-            "settlements": tuple(_refined(each, 2**halvings) for each in project.settlements),
-            "pushover": pushover
-            and pushover.model_copy(update={"increment_m": pushover.increment_m / 2**halvings}),
-        }
-    )
-
-
-def _refined(settlement: SettlementTable, times: int) -> SettlementTable:
-    """Return the settlement in exactly `times` as many increments, whole ones of its movement."""
-    count = times * settlement.increments
-    movement, rotation = max(map(abs, settlement.displacement_m)), abs(settlement.rotation_rad)
-    shares = {"increment_m": movement / count, "increment_rad": rotation / count}
-    return settlement.model_copy(update={key: share for key, share in shares.items() if share > 0.0})
 
 
 @dataclass

@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assessment.base_motion import BaseMotion, history_motions, incremental_motions
-from assessment.dynamics import Campaign, StageResult, Start, motion_numbers
+from assessment.campaign import Campaign, starts_of
+from assessment.dynamic_errors import collapses_again, in_more_segments, peaks_in_more_segments
+from assessment.dynamics import StageResult, motion_numbers
 from assessment.histories import histories
 from assessment.incremental import searches, summarise
-from assessment.project_schema import ORIGINAL
 
 if TYPE_CHECKING:
     from assessment.parallel import Workers
     from assessment.project import Project
+    from assessment.segments import Estimates
     from assessment.states import StateResult
     from mechanics import Assembly
     from mechanics.assembly import Behaviour
@@ -55,13 +57,15 @@ def add_dynamics(
     model: Assembly,
     motions: Motions,
     stages: Iterable[StateResult],
+    halvings: Mapping[str, int],
     workers: Workers,
 ) -> bool:
     """Carry out [[history]] and [incremental] from the states that `stages` reached and fill their results.
 
-    Returns whether every run was completed. A project without them costs nothing and is left as it is.
+    `halvings`: of each state's increments behind `stages`; the states in more segments take the same. Returns whether
+    every run was completed. A project without them costs nothing and is left as it is.
     """
-    starts = _starts(dynamic_contacts(project), model, stages)
+    starts = starts_of(dynamic_contacts(project), model, stages)
     campaign = Campaign(project, model, starts, _ultimates(results["states"]), workers)
     warnings = results["quality"]["warnings"]
     complete = True
@@ -73,33 +77,35 @@ def add_dynamics(
         results["timing_s"][stage.stage] = results["timing_s"].get(stage.stage, 0.0) + stage.seconds
         complete = complete and not stage.failures
 
+    refined = in_more_segments(campaign, halvings)
     if project.history:
         results["motions"] = [motion_numbers(motion, PERIODS) for motion in motions.history]
-        for stage in histories(campaign, motions.history):
+        shaken = histories(campaign, motions.history)
+        for stage in shaken:
             take(stage)
             results["states"][stage.state]["history"].append(stage.numbers)
             if stage.convergence is not None:
                 results["convergence"]["rows"].append(stage.convergence)
+        _tell(results, "segments", peaks_in_more_segments(campaign, refined, motions.history, shaken))
     if project.incremental:
         found: dict[str, list[Results]] = {}
-        for stage in searches(campaign, motions.incremental):
+        searched = searches(campaign, motions.incremental)
+        for stage in searched:
             take(stage)
             found.setdefault(stage.state, []).append(stage.numbers)
         for state, records in found.items():
             results["states"][state]["incremental"] = summarise(records, warnings, state)
+        _tell(results, "incremental", collapses_again(campaign, refined, motions.incremental, searched))
     return complete
 
 
-def _starts(
-    behaviours: Iterable[Behaviour], model: Assembly, stages: Iterable[StateResult]
-) -> dict[tuple[str, str], Start]:
-    """The state at rest of each name and behaviour, or why it was not reached."""
-    starts: dict[tuple[str, str], Start] = {(ORIGINAL, behaviour): model.initial for behaviour in behaviours}
-    for stage in stages:
-        if stage.state != ORIGINAL:
-            reason = "; ".join(stage.failures) or "the settled state was not reached"
-            starts[stage.state, stage.behaviour] = reason if stage.reached is None else stage.reached
-    return starts
+def _tell(results: Results, study: str, found: Estimates) -> None:
+    """Add the rows of a study of errors to the results; nothing where there are none."""
+    if found.rows:
+        results["convergence"].setdefault(study, []).extend(found.rows)
+        results["quality"]["warnings"] += found.warnings
+        name = "segments" if study == "segments" else f"{study} error"
+        results["timing_s"][name] = results["timing_s"].get(name, 0.0) + found.seconds
 
 
 def _ultimates(states: Mapping[str, Any]) -> dict[tuple[str, str], float]:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,17 +18,12 @@ from mechanics.response_spectrum import response_spectrum
 
 if TYPE_CHECKING:
     from assessment.base_motion import BaseMotion
-    from assessment.parallel import Workers
-    from assessment.project import Project
-    from assessment.project_schema import ControlTable, HistoryTable, MotionTable
+    from assessment.project_schema import ControlTable, MotionTable
     from mechanics.program import Certificate
 
 Numbers = dict[str, Any]
 Start = State | str
 """The state at rest that a motion begins from, or why it could not be reached."""
-
-Task: TypeAlias = "tuple[Assembly, BaseMotion, Setting, str, Start]"
-"""What one motion, or one search, is made of: the arguments of history."""
 
 FRAMES = 150  # of an animation
 SHORTEST_FRAME = 0.05  # s
@@ -38,7 +32,6 @@ TAIL = (
     2.0  # s of free motion after the record, where the blocks still move: a fall under way is seen to its end
 )
 STILL = 0.01  # of √(g·size): a speed that is none
-WORTHWHILE = 500_000  # contact points times steps: below it a second process costs more than it saves
 ENERGIES = (
     "kinetic",
     "potential",
@@ -148,55 +141,6 @@ def respond(
         (*shaken.forces, *free.forces[1:]),
         (shaken, free),
     )
-
-
-@dataclass(frozen=True)
-class Campaign:
-    """What every motion of a run is made with.
-
-    `starts`: state at rest by name and contacts; `ultimates`: ultimate displacement by state and control point.
-    """
-
-    project: Project
-    model: Assembly
-    starts: Mapping[tuple[str, str], Start]
-    ultimates: Mapping[tuple[str, str], float]
-    workers: Workers
-
-    def tasks(self, table: MotionTable, motions: Iterable[BaseMotion]) -> list[Task]:
-        """The motions from every state that the table asks for."""
-        control = self.project.control_point(table.control)
-        return [
-            (
-                self.model,
-                motion,
-                Setting(_own(table), control, self.ultimates.get((state, control.name))),
-                state,
-                self.starts[state, table.contacts],
-            )
-            for state in self.project.states
-            if table.states is None or state in table.states
-            for motion in motions
-        ]
-
-    def each(
-        self, stage: str, function: Callable[..., StageResult], tasks: list[Task], runs: int, *more: object
-    ) -> list[StageResult]:
-        """Return function(*task, *more) for every task, in order; `runs`: motions that one costs, about."""
-        samples = sum(motion.record.acceleration.size for _, motion, *_ in tasks)
-        return self.workers.each(
-            stage,
-            function,
-            [(*task, *more) for task in tasks],
-            [f"{state}, {motion.name}" for _, motion, _, state, _ in tasks],
-            runs * len(self.model.elastic_contacts) * samples > WORTHWHILE,
-        )
-
-
-def _own(table: MotionTable) -> MotionTable:
-    """Return the table without its choice of states and records: an analysis depends on its own alone."""
-    choice: dict[str, Any] = {"states": None, "records": ()}
-    return table.model_copy(update={key: choice[key] for key in choice if key in type(table).model_fields})
 
 
 def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, start: Start) -> StageResult:

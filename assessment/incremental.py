@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from assessment.dynamics import Campaign, Numbers, Setting, StageResult, Start, quality_row, respond
+from assessment.campaign import Campaign
+from assessment.dynamics import Numbers, Setting, StageResult, Start, quality_row, respond
 from mechanics import Assembly, ConvergenceError
 
 if TYPE_CHECKING:
@@ -33,6 +34,11 @@ class Bracket:
     safe: float
     collapse: float | None
     resurrections: tuple[float, ...]
+
+    @property
+    def width(self) -> float:
+        """How far apart its ends are, g; 0 where nothing collapsed."""
+        return 0.0 if self.collapse is None else self.collapse - self.safe
 
 
 def find_collapse(
@@ -81,6 +87,34 @@ def find_collapse(
     return Bracket(safe_below(collapse), collapse, tuple(sorted(above)))
 
 
+def collapse_near(
+    collapses: Callable[[float], bool], near: Bracket, largest: float, tolerance: float
+) -> Bracket:
+    """Bracket a collapse within `tolerance` that is expected in the bracket `near`; everything in g.
+
+    Two runs where it is there. Else away from it, down where `near.safe` collapses, up to `largest` where
+    `near.collapse` is withstood, by steps that double from its width, and by bisection between the last two. Levels
+    below the one that is withstood then are not tried.
+    """
+    low, high, step = near.safe, near.collapse, near.width or tolerance
+    if low > 0.0 and collapses(low):
+        low, high = max(low - step, 0.0), low
+        while low > 0.0 and collapses(low):
+            step *= 2.0
+            low, high = max(low - step, 0.0), low
+    elif high is None:
+        return near
+    else:
+        while not collapses(high):
+            if high >= largest:
+                return Bracket(high, None, ())
+            low, high, step = high, min(high + step, largest), 2.0 * step
+    while high - low > tolerance:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if collapses(middle) else (middle, high)
+    return Bracket(low, high, ())
+
+
 def searches(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult]:
     """The search of every record from every state, state by state."""
     table = campaign.project.incremental
@@ -99,7 +133,56 @@ def search(
     tolerance: float,
 ) -> StageResult:
     """The PGA at incipient collapse of one record from one state, with every run made on the way, in numbers."""
-    title = f"{state}, incremental analysis with {motion.name}"
+    title = search_title(state, motion)
+    result = _searched(
+        model, motion, setting, state, start,
+        lambda collapses: find_collapse(collapses, motion.pga, max_scale * motion.pga, tolerance),
+    )  # fmt: skip
+    lowest, safe = result.numbers["pga_collapse_g"], result.numbers["pga_safe_g"]
+    if lowest is None and safe is not None:
+        result.warnings.append(
+            f"{title}: no collapse up to {safe:.3g} g, max_scale = {max_scale:g}; raise it to find one"
+        )
+    if resurrections := result.numbers["resurrections_g"]:
+        result.warnings.append(
+            f"{title}: collapse at {lowest:.3g} g, but stands at "
+            f"{', '.join(f'{level:.3g}' for level in resurrections)} g; the lowest collapse counts"
+        )
+    return result
+
+
+def search_again(
+    model: Assembly,
+    motion: BaseMotion,
+    setting: Setting,
+    state: str,
+    start: Start,
+    near: Bracket,
+    max_scale: float,
+    tolerance: float,
+) -> StageResult:
+    """The PGA at incipient collapse where another model, or another time step, gave the bracket `near`."""
+    return _searched(
+        model, motion, setting, state, start,
+        lambda collapses: collapse_near(collapses, near, max_scale * motion.pga, tolerance),
+    )  # fmt: skip
+
+
+def search_title(state: str, motion: BaseMotion) -> str:
+    """Return what warnings of a search begin with."""
+    return f"{state}, incremental analysis with {motion.name}"
+
+
+def _searched(
+    model: Assembly,
+    motion: BaseMotion,
+    setting: Setting,
+    state: str,
+    start: Start,
+    bracketing: Callable[[Callable[[float], bool]], Bracket],
+) -> StageResult:
+    """Return what `bracketing` finds when given whether a level (g) collapses the structure, in numbers."""
+    title = search_title(state, motion)
     numbers: Numbers = {
         "record": motion.name,
         "record_pga_g": motion.pga,
@@ -137,21 +220,12 @@ def search(
 
     began = time.perf_counter()
     try:
-        bracket = find_collapse(collapses, motion.pga, max_scale * motion.pga, tolerance)
+        bracket = bracketing(collapses)
         numbers |= {
             "pga_collapse_g": bracket.collapse,
             "pga_safe_g": bracket.safe,
             "resurrections_g": list(bracket.resurrections),
         }
-        if bracket.collapse is None:
-            result.warnings.append(
-                f"{title}: no collapse up to {bracket.safe:.3g} g, max_scale = {max_scale:g}; raise it to find one"
-            )
-        if bracket.resurrections:
-            result.warnings.append(
-                f"{title}: collapse at {bracket.collapse:.3g} g, but stands at "
-                f"{', '.join(f'{level:.3g}' for level in bracket.resurrections)} g; the lowest collapse counts"
-            )
     except ConvergenceError as error:
         numbers["reason"] = str(error)
         result.failures.append(f"{title}: {error}")

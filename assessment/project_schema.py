@@ -383,7 +383,8 @@ class ProjectContent(Table):
     accuracy: Literal["fast", "standard", "fine"] | Tolerance = Field(
         default="fast",
         description="fast: increments and time steps as given, no error estimated; else they are halved until the "
-        "estimated relative error is below standard (0.05), fine (0.01) or a number",
+        "estimated relative error is below standard (0.05), fine (0.01) or a number, and the error that elastic joints "
+        "owe to segments_per_joint is estimated too",
     )
     geometry: GeometryTable = Field(description="the drawing and how it becomes blocks and joints")
     material: MaterialTable = Field(description="stone and joints, default of every layer")

@@ -13,7 +13,7 @@ import jinja2
 from markupsafe import Markup
 
 from assessment import capacity_tables, tables
-from assessment.convergence_tables import convergence, history_convergence, reported, segments_convergence
+from assessment.convergence_tables import convergence_tables, reported
 from assessment.display import Grid, echoed, grid, summary_grids
 from assessment.dynamic_tables import energy, histories, incremental, incremental_states, static_dynamic
 from assessment.figures import pictures
@@ -179,9 +179,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         incremental(results),
         incremental_states(results),
         static_dynamic(results),
-        reported(convergence(results), words),
-        reported(segments_convergence(results), words),
-        reported(history_convergence(results), words),
+        *(reported(table, words) for table in convergence_tables(results)),
         Table("quality", list(results["quality"].get("by_stage") or []), tables.QUALITY),
         hand_check(results),
         Table("echo", list(echoed(results["echo"], words)), ("table", "settings")),

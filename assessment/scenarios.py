@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from assessment.convergence import refined
+from assessment.increments import refined
 from assessment.project_schema import ORIGINAL
 from assessment.states import StateResult
 from assessment.study import (

@@ -27,7 +27,7 @@ QUANTITIES = ("alpha_u", "a_g_g")
 
 
 @dataclass
-class Segmented:
+class Estimates:
     """`rows` of results.json; `warnings`: where the tolerance was not met; `seconds`: what the analyses took."""
 
     rows: list[Numbers] = field(default_factory=list)
@@ -37,12 +37,12 @@ class Segmented:
 
 def in_more_segments(
     project: Project, model: Assembly, demands: Demands, given: Sequence[StateResult], workers: Workers
-) -> Segmented:
+) -> Estimates:
     """Estimate what segments without end would change; `given`: every state with those given.
 
     Nothing is done where the project asks for no accuracy, or for no elastic pushover.
     """
-    found, tolerance = Segmented(), accuracy_of(project).tolerance
+    found, tolerance = Estimates(), accuracy_of(project).tolerance
     if tolerance is None or "elastic" not in behaviours(project):
         return found
     rigid = [stage for stage in given if stage.behaviour == "rigid"]  # of one segment, whatever is given
@@ -62,13 +62,20 @@ def in_more_segments(
             title = f"{state}, {way}"
             if state in failed:
                 found.warnings.append(f"{title}: more segments_per_joint fail: {failed[state]}")
-            elif not levels.within(tolerance):
-                said = "; ".join(levels.missed(tolerance))
-                found.warnings.append(
-                    f"{title}: estimated error of {said} with the segments_per_joint given, "
-                    f"tolerance {100.0 * tolerance:.2g} %; take more of them"
-                )
+            else:
+                found.warnings += too_few(title, levels, tolerance)
     return found
+
+
+def too_few(title: str, levels: Levels, tolerance: float) -> list[str]:
+    """Return a warning where the segments given do not meet the tolerance."""
+    if levels.within(tolerance):
+        return []
+    said = "; ".join(levels.missed(tolerance))
+    return [
+        f"{title}: estimated error of {said} with the segments_per_joint given, "
+        f"tolerance {100.0 * tolerance:.2g} %; take more of them"
+    ]
 
 
 def finer(model: Assembly, times: int) -> Assembly:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence, Set
 from itertools import product
 from typing import TYPE_CHECKING
 
-from assessment.convergence import refined
+from assessment.increments import finest_settlements, refined
 from assessment.model import build_model
 from assessment.project_schema import ORIGINAL, Table
 from assessment.study import Demands, Numbers, Study, Variant, analyse, quoted_limit_state
@@ -123,9 +123,6 @@ def _settlements(project: Project, halvings: Mapping[str, int]) -> list[Settleme
     """Return the settlements of the states to vary, None for the original one, not taken on to collapse."""
     assert project.sensitivity is not None
     states = project.sensitivity.states or project.states
-    finest = [
-        refined(project, halvings.get(each.name, 0)).settlements[number]
-        for number, each in enumerate(project.settlements)
-    ]
+    finest = finest_settlements(project, halvings)
     short = [each.model_copy(update={"to_collapse": False}) for each in finest]
     return [None for name in states if name == ORIGINAL] + [each for each in short if each.name in states]

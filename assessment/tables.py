@@ -16,7 +16,7 @@ from assessment.capacity_tables import (
     trace,
     verification,
 )
-from assessment.convergence_tables import convergence, history_convergence, segments_convergence
+from assessment.convergence_tables import convergence_tables
 from assessment.dynamic_tables import dynamic_tables
 from assessment.files import write_atomically
 from assessment.hand_check import hand_check, macro_block_table, outline_area
@@ -62,9 +62,7 @@ def tables(results: Results) -> list[Table]:
         trace(results),
         *study_tables(results),
         *dynamic_tables(results),
-        convergence(results),
-        segments_convergence(results),
-        history_convergence(results),
+        *convergence_tables(results),
     ]
 
 

@@ -154,7 +154,7 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
     if project.mechanism:
         results["mechanisms"] = assess_chosen(project, assembly, states, demands, hazard, warnings)
     studied = add_studies(results, project, assembly, stages, converged.halvings, demands, hazard, workers)
-    shaken = add_dynamics(results, project, assembly, motions, stages, workers)
+    shaken = add_dynamics(results, project, assembly, motions, stages, converged.halvings, workers)
     if project.assessment or project.incremental:
         results["comparison"] = _comparison(states)
     _sum_up(results["quality"])

@@ -78,6 +78,24 @@ def results_example(language: str = "it") -> dict[str, Any]:
                     "relative_error": 0.21,
                     "met": False,
                     "levels": {"alpha_u": [0.147, 0.128, 0.121]},
+                },
+                {
+                    "state": SETTLED,
+                    "record": "wave",
+                    "peak_displacement_error_m": 0.0187,
+                    "relative_error": 0.34,
+                    "met": False,
+                    "levels": {"peak_displacement_m": [0.055, 0.062, 0.067]},
+                },
+            ],
+            "incremental": [
+                {
+                    "state": SETTLED,
+                    "record": "wave",
+                    "pga_collapse_error_g": 0.043,
+                    "relative_error": 0.19,
+                    "met": False,
+                    "levels": {"pga_collapse_g": [0.226, 0.2095]},
                 }
             ],
         },

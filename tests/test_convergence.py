@@ -13,11 +13,12 @@ from hypothesis import strategies as st
 
 from assessment import histories
 from assessment.base_motion import BaseMotion
-from assessment.convergence import Accuracy, Levels, accuracy_of, converge, estimated_error, refined
+from assessment.convergence import Accuracy, Levels, accuracy_of, converge, estimated_error
 from assessment.crew import Crew
 from assessment.dynamics import Setting, StageResult, history
 from assessment.figures import write_figures
 from assessment.histories import converged_history
+from assessment.increments import refined
 from assessment.messages import ProjectError
 from assessment.model import build_model
 from assessment.new_project import new_project, template_layout, write_drawing
@@ -411,6 +412,10 @@ def test_the_report_states_the_error_or_that_there_is_no_estimate(language, tmp_
         words.plain("value.not_known"),
         words.plain("value.no"),
         words.number(21.0),
+        words.number(18.7),  # mm
+        words.number(34.0),
+        words.number(0.043),
+        words.number(19.0),
     ):
         assert f"<td>{text}</td>" in said
     results["convergence"] = {"tolerance": None, "rows": []}

@@ -28,10 +28,10 @@ directions = ["+x"]
 increment_m = 0.02
 """
 ASSESSED = """[assessment]
-limit_states = ["SLC"]
+limit_states = ["SLD"]
 [assessment.site]
 soil = "B"
-SLC = {ag_g = 0.334, F0 = 2.40, Tc_star_s = 0.36}
+SLD = {ag_g = 0.104, F0 = 2.33, Tc_star_s = 0.28}
 """
 
 
@@ -85,7 +85,7 @@ def test_the_estimate_bounds_the_distance_from_many_segments(project):
         assert row["alpha_u_error"] >= given - close > 0.05 * given
         result = results["states"][row["state"]]["pushover"]["+x"]["elastic"]["alpha_u"]
         assert given == pytest.approx(result, rel=0.03)  # which has finer increments
-        assert not row["met"] and row["a_g_error_g"] > 0.0
+        assert not row["met"] and row["a_g_error_g"] > 0.01  # at SLD, whose limit lies on the elastic branch
     said = [text for text in results["quality"]["warnings"] if "segments_per_joint given" in text]
     assert [text.partition(":")[0] for text in said] == ["original, +x", "base turned, +x"]
     assert results["timing_s"]["segments"] > 0.0

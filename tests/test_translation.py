@@ -17,6 +17,7 @@ LISTS = {"warnings", "notes", "failures", "findings"}
 ELSEWHERE = {"mechanics/synthetic_motion.py", "assessment/benchmark/dynamics.py"}  # no part of a run
 NAMED = {"_SHAPES", "_COLLAPSE_FIRST", "end"}
 SAYING = {"not_met", "missed", "collapse", "overruns", "passing_through", "_notes", "_gaps", "scatter"}
+SAYING |= {"too_few", "_peak_warnings", "_collapse_warnings"}
 MESSAGE = "another part falls"  # in the place of a message within a message
 WITHIN = {"error", "collapse", "stop", "fall", "refusal", "note", "text", "why", "start", "end", "said"}
 WITHIN |= {"self.end", "unstable", "path.end", "last.collapse_reason", "failed[state]", "warnings[0]"}
