@@ -37,13 +37,17 @@ def solve(program: Program, near: Neighbour | None = None, layout: Band | None =
     NoEquilibriumError where the loads cannot be balanced (decided by a program of its own, see imbalance) and
     ConvergenceError where they can but no solver shows how.
     """
-    if program.mass is None and (near is not None or banded(len(program.gap))):
+    static = program.mass is None
+    by_bands = static and (near is not None or banded(len(program.gap)))
+    if by_bands:
         found = _by_bands(program, near, layout)
         if found is not None:
             return found
     best: Solution | None = None
     acceleration = 0.0
-    for count, attempt in enumerate(_attempts(program)):
+    for count, attempt in enumerate(_attempts(program), start=int(by_bands)):
+        if count == 1 and static and (acceleration := imbalance(program, layout)) > BALANCED:
+            break
         answer = attempt()
         if answer is not None:
             solution = Solution(*answer, certify(program, *answer))
@@ -51,10 +55,8 @@ def solve(program: Program, near: Neighbour | None = None, layout: Band | None =
                 best = solution
             if _worst(program, best) <= GOOD:
                 return best
-        if count == 0 and program.mass is None and (acceleration := imbalance(program, layout)) > BALANCED:
-            break
     if best is not None and acceleration <= BALANCED:
-        if program.mass is None and _worst(program, best) > USABLE:
+        if static and _worst(program, best) > USABLE:
             best = _by_bands(program, best.neighbour(program), layout, best.displacement) or best
         if _worst(program, best) <= USABLE:
             return best
