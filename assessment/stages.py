@@ -25,6 +25,7 @@ from mechanics import (
 from mechanics.assembly import Behaviour, Direction
 from mechanics.equilibrium import check_self_weight
 from mechanics.mechanism import hinges, overruns, virtual_work_multiplier
+from mechanics.mirror import Mirror
 from mechanics.program import Certificate
 from mechanics.pushdown import Pushdown, whole_movement
 from mechanics.pushover import Pushover
@@ -110,18 +111,41 @@ def push(
     name: str,
     state: State | None,
     behaviour: Behaviour,
-    direction: Direction,
-    controls: tuple[ControlTable, ...],
+    directions: tuple[Direction, ...],
+    controls: tuple[tuple[ControlTable, ...], ...],
     increment: float,
     until: float,
-) -> Part:
-    """Push the state of that name over (None: as drawn), by the first control point that moves; see pushover."""
-    began = time.perf_counter()
-    result, quality = Part(), Quality(name, f"pushover, {behaviour}")
-    _push(model, name, state, behaviour, direction, controls, increment, until, result, quality)
-    result.quality.append(quality.numbers())
-    result.seconds = time.perf_counter() - began
-    return result
+) -> list[Part]:
+    """Push the state of that name over (None: as drawn), by the first control point that moves; see pushover.
+
+    A second direction is that of the mirror image, and so is its curve: model and control points are each other's.
+    """
+    parts = []
+    found: tuple[ControlTable, Pushover] | None = None
+    for direction, points in zip(directions, controls, strict=True):
+        began = time.perf_counter()
+        result, quality = Part(), Quality(name, f"pushover, {behaviour}")
+        title = f"{name}, pushover {direction}, {behaviour} contacts"
+        if found is None:
+            found = _path(title, model, state, behaviour, direction, points, increment, until, result)
+            if found is not None:
+                quality.add(found[1])
+        else:
+            control, path = found
+            found = points[controls[0].index(control)], mirror_of(model, behaviour).pushover(path)
+        if found is not None:
+            _curve_followed(title, model, behaviour, direction, *found, result)
+        result.quality.append(quality.numbers())
+        result.seconds = time.perf_counter() - began
+        parts.append(result)
+    return parts
+
+
+def mirror_of(model: Assembly, behaviour: Behaviour) -> Mirror:
+    """Return the mirror of a model that has one."""
+    mirror = Mirror.of(model, behaviour)
+    assert mirror is not None
+    return mirror
 
 
 def _settle(
@@ -184,9 +208,9 @@ def _control_path(model: Assembly, control: ControlTable, path: Pushdown) -> lis
     ]
 
 
-def _push(
+def _path(
+    title: str,
     model: Assembly,
-    name: str,
     state: State | None,
     behaviour: Behaviour,
     direction: Direction,
@@ -194,37 +218,45 @@ def _push(
     increment: float,
     until: float,
     result: Part,
-    quality: Quality,
-) -> None:
-    title = f"{name}, pushover {direction}, {behaviour} contacts"
+) -> tuple[ControlTable, Pushover] | None:
+    """Return the first control point that moves, and the curve; where there is none, `result` is told why."""
     for control in controls:
         try:
-            path = pushover(model, control.point_m, direction, behaviour, increment, state, until)
+            return control, pushover(model, control.point_m, direction, behaviour, increment, state, until)
         except ControlError as error:
             result.warnings.append(f"{title}: control point {control.name}: {error}")
-            continue
         except (UnstableError, ConvergenceError, NoEquilibriumError) as error:
             result.failures.append(f"{title}: {error}")
-            return
-        quality.add(path)
-        result.warnings += [f"{title}: {text}" for text in overruns(model, behaviour, _points(path.steps))]
-        result.warnings += _crossings(title, path.crossed)
-        rigid = behaviour == "rigid"
-        numbers = _rigid(model, control, direction, path) if rigid else _elastic(model, path)
-        result.numbers = {
-            "control": control.name,
-            **numbers,
-            "frames": pushover_frames(model, behaviour, path),
-        }
-        # an elastic curve has served once it is past its peak; a rigid one is the capacity to its end
-        if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * max(path.multiplier)):
-            result.warnings.append(
-                f"{title}: ends at d = {path.displacement[-1]:.4g} m, α = {path.multiplier[-1]:.4g}: {path.end}"
-            )
-        return
+            return None
     result.failures.append(
         f"{title}: no control point takes part in the mechanism; add one on a part that moves"
     )
+    return None
+
+
+def _curve_followed(
+    title: str,
+    model: Assembly,
+    behaviour: Behaviour,
+    direction: Direction,
+    control: ControlTable,
+    path: Pushover,
+    result: Part,
+) -> None:
+    result.warnings += [f"{title}: {text}" for text in overruns(model, behaviour, _points(path.steps))]
+    result.warnings += _crossings(title, path.crossed)
+    rigid = behaviour == "rigid"
+    numbers = _rigid(model, control, direction, path) if rigid else _elastic(model, path)
+    result.numbers = {
+        "control": control.name,
+        **numbers,
+        "frames": pushover_frames(model, behaviour, path),
+    }
+    # an elastic curve has served once it is past its peak; a rigid one is the capacity to its end
+    if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * max(path.multiplier)):
+        result.warnings.append(
+            f"{title}: ends at d = {path.displacement[-1]:.4g} m, α = {path.multiplier[-1]:.4g}: {path.end}"
+        )
 
 
 def _crossings(title: str, crossed: NDArray[np.float64]) -> list[str]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from assessment.parallel import Workers, large
 from assessment.project_schema import ORIGINAL
 from assessment.stages import Part, configuration, push, settle
+from mechanics.mirror import Mirror
 
 if TYPE_CHECKING:
     from assessment.project import Project
@@ -95,24 +96,37 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
     reached = dict(zip(map(id, settling), settled, strict=True))
 
     standing = [r for r in requests if r.settlement is None or reached[id(r)].reached is not None]
-    pushing = [(request, direction) for request in standing for direction in request.directions]
+    pushing = [(request, together) for request in standing for together in _together(request)]
     pushing.sort(key=lambda asked: asked[0].behaviour)  # elastic first: those that take longest
     pushed = workers.each(
         f"{prefix}pushover",
         push,
-        [_push_arguments(request, direction, reached.get(id(request))) for request, direction in pushing],
-        [f"{request.title}, {direction}" for request, direction in pushing],
+        [_push_arguments(request, together, reached.get(id(request))) for request, together in pushing],
+        [f"{request.title}, {' and '.join(together)}" for request, together in pushing],
         large(*(request.model for request, _ in pushing)),
     )
     results = []
     for request in requests:
         own = {
             direction: part
-            for (asked, direction), part in zip(pushing, pushed, strict=True)
+            for (asked, together), parts in zip(pushing, pushed, strict=True)
             if asked is request
+            for direction, part in zip(together, parts, strict=True)
         }
         results.append(_result(request, reached.get(id(request)), own))
     return results
+
+
+def _together(request: Request) -> list[tuple[Direction, ...]]:
+    """Return the directions of a request, those together of which one curve is the mirror image of the other."""
+    alone: list[tuple[Direction, ...]] = [(direction,) for direction in request.directions]
+    if len(alone) < 2 or request.settlement is not None:
+        return alone
+    mirror = Mirror.of(request.model, request.behaviour)
+    points = zip(*(_controls(request.project, direction) for direction in request.directions), strict=True)
+    if mirror is None or not all(mirror.swaps(one.point_m, other.point_m) for one, other in points):
+        return alone
+    return [request.directions]
 
 
 def joined_quality(state: str | None, stage: str, rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -135,17 +149,24 @@ def _result(request: Request, settled: Part | None, pushed: dict[Direction, Part
     return result
 
 
-def _push_arguments(request: Request, direction: Direction, settled: Part | None) -> tuple[Any, ...]:
-    """Return the arguments of `push`: the control point asked for first, then the others."""
+def _push_arguments(
+    request: Request, together: tuple[Direction, ...], settled: Part | None
+) -> tuple[Any, ...]:
+    """Return the arguments of `push`."""
     project = request.project
     assert project.pushover is not None
-    wished = project.pushover_control(direction)
-    controls = (wished, *(point for point in project.control if point != wished))
+    controls = tuple(_controls(project, direction) for direction in together)
     state = settled.reached if settled else None
     # an elastic curve has served once it is past its peak; a bilinear one has the area of the whole
     whole = request.behaviour == "rigid" or (project.assessment and project.assessment.model == "bilinear")
     increment, until = project.pushover.increment_m, 0.0 if whole else PAST_PEAK
-    return request.model, request.state, state, request.behaviour, direction, controls, increment, until
+    return request.model, request.state, state, request.behaviour, together, controls, increment, until
+
+
+def _controls(project: Project, direction: Direction) -> tuple[ControlTable, ...]:
+    """Return the control point asked for in a direction first, then the others."""
+    wished = project.pushover_control(direction)
+    return (wished, *(point for point in project.control if point != wished))
 
 
 def _alone(settlement: SettlementTable | None) -> SettlementTable:

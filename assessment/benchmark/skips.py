@@ -24,11 +24,12 @@ from assessment.idealisation import SECANT_SHARE
 from assessment.incremental import find_collapse
 from assessment.states import PAST_PEAK
 from mechanics import Assembly, TimeHistory, pushover, time_history
-from mechanics.assembly import Behaviour
+from mechanics.assembly import Behaviour, Direction
 from mechanics.block import Array
 from mechanics.collapse import TURNED
 from mechanics.errors import NoEquilibriumError
 from mechanics.ground_motion import read_record
+from mechanics.mirror import Mirror
 from mechanics.pushover import Pushover
 from mechanics.solvers.newton import Newton
 from mechanics.static_step import find_step
@@ -90,6 +91,7 @@ def all_skips() -> list[Skip]:
             "a stage that no key asks for", "analyses", partial(stages, ("pushover",)), partial(stages, None)
         ),
         unchanged(),
+        Skip("a direction that mirrors the other", "curves", one_way, both_ways, CLOSE),
         Skip("a rigid curve once α = 0", "points", curve_to_zero, curve_beyond, CLOSE),
         Skip(
             "an elastic curve past its peak",
@@ -148,6 +150,22 @@ def unchanged() -> Skip:
     return Skip("a stage whose inputs have not changed", "analyses", done, partial(stages, None))
 
 
+def one_way() -> tuple[Array, int]:
+    """Multipliers and displacement capacities of the buttressed arch in both directions, one of them by reflection."""
+    curve, mirror = _curve(), Mirror.of(assembly("buttressed-arch"), "rigid")
+    assert mirror is not None
+    return _capacities(curve, mirror.pushover(curve)), 1
+
+
+def both_ways() -> tuple[Array, int]:
+    """The same, each direction computed."""
+    return _capacities(_curve("+x"), _curve("-x")), 2
+
+
+def _capacities(*curves: Pushover) -> Array:
+    return np.array([[curve.multiplier[0], curve.displacement[-1]] for curve in curves])
+
+
 def curve_to_zero() -> tuple[Array, int]:
     """α_0 and d_0 of the buttressed arch, whose curve ends at α = 0."""
     curve = _curve()
@@ -179,7 +197,7 @@ def curve_beyond() -> tuple[Array, int]:
 
 def elastic_curve(until: float) -> tuple[Array, int]:
     """Where the elastic curve of the buttressed arch has two fifths of its peak, and its peak."""
-    curve = _curve("elastic", until)
+    curve = _curve(contacts="elastic", until=until)
     rising = slice(0, curve.peak + 1)
     secant = np.interp(
         SECANT_SHARE, curve.multiplier[rising] / curve.multiplier[curve.peak], curve.displacement[rising]
@@ -187,11 +205,11 @@ def elastic_curve(until: float) -> tuple[Array, int]:
     return np.array([secant, curve.multiplier[curve.peak]]), len(curve.displacement)
 
 
-def _curve(contacts: Behaviour = "rigid", until: float = 0.0) -> Pushover:
+def _curve(way: Direction = "+x", contacts: Behaviour = "rigid", until: float = 0.0) -> Pushover:
     project = template("buttressed-arch")
     assert project.pushover is not None
-    control, increment = project.pushover_control("+x").point_m, project.pushover.increment_m
-    return pushover(assembly("buttressed-arch"), control, "+x", contacts, increment, until=until)
+    control, increment = project.pushover_control(way).point_m, project.pushover.increment_m
+    return pushover(assembly("buttressed-arch"), control, way, contacts, increment, until=until)
 
 
 def fallen() -> tuple[Array, int]:
