@@ -54,11 +54,12 @@ def analyses(name: str) -> Iterator[Row]:
                 done = partial(pushover, model, control, way, contacts, increment, state, until)
                 if state is None and curve is not None:
                     done = partial(_reflected, model, contacts, curve)
-                seconds, curve = seconds_of(done)
+                seconds, pushed = seconds_of(done)
+                curve = pushed
                 row = _row(
                     f"{spoken}, {title}, pushover {way}, {contacts}",
                     seconds,
-                    [s.program for s in curve.steps],
+                    [s.program for s in pushed.steps],
                 )
                 rows.append(row)
                 yield row
