@@ -194,3 +194,20 @@ def test_a_program_near_another_takes_no_other_solver(monkeypatch):
     found = solve(program, expected.neighbour(program), Band.of(program.dof))
     assert found.alpha == pytest.approx(expected.alpha, abs=1e-7)
     assert found.certificate.worst(program.step) <= central_path.MOST
+
+
+def test_a_geometry_that_goes_to_and_fro_is_followed_no_longer():
+    """The rest of the way is gone in one geometry: certified there, and its displacements are told."""
+    size, posed = 1e-3, []
+    load = WALL.dead_load + 0.1 * WALL.lateral_load("+x")
+    there = programs(WALL, "elastic", WALL.initial, load, size)(WALL.initial.positions)
+
+    def pose(x):
+        posed.append(replace(there, gap=there.gap + (-1) ** len(posed) * size * np.array([0.0, 0.5])))
+        return posed[-1]
+
+    _, solution = central_path.follow(pose, Band.of(there.dof), neighbour(there))
+    certificate = certify(posed[-1], solution.forces, solution.alpha, solution.displacement)
+    assert certificate.worst(size) <= central_path.MOST
+    assert abs(solution.displacement).max() > 1e-2 * size
+    assert len(posed) > central_path.STALLED

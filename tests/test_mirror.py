@@ -7,6 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from assessment.benchmark.structures import assembly, template
+from assessment.parallel import Workers
+from assessment.states import Request, analyse_states
 from mechanics import Assembly, Block, Material, pushover
 from mechanics.mirror import Mirror
 from mechanics.static_step import assemble
@@ -86,3 +89,17 @@ def test_stones_have_to_be_alike_on_both_sides(field):
     blocks = [replace(model.blocks[0], material=other), *model.blocks[1:]]
     assert Mirror.of(model, "elastic") is not None
     assert Mirror.of(Assembly(blocks), "elastic") is None
+
+
+@pytest.mark.parametrize(("controls", "computed"), [({"+x": "C2", "-x": "C1"}, 1), ("C1", 2)])
+def test_a_run_pushes_one_way_where_the_other_is_the_image(controls, computed):
+    project, model = template("buttressed-arch"), assembly("buttressed-arch")
+    push = project.pushover.model_copy(update={"control": controls, "increment_m": 0.002})
+    project = project.model_copy(update={"pushover": push})
+    workers = Workers(jobs=1)
+    (result,) = analyse_states([Request(project, model, None, "rigid")], workers)
+    assert workers.computed == computed
+    one, other = (result.pushover[direction] for direction in ("+x", "-x"))
+    assert (one["control"], other["control"]) == ("C2", "C1")  # C1 alone takes no part in the push towards +x
+    assert one["alpha_0"] == pytest.approx(other["alpha_0"], rel=1e-6)
+    assert result.failures == []
