@@ -13,12 +13,12 @@ from mechanics.block import Array
 from mechanics.solvers.cholesky import PADDING, factorise, substitute
 from mechanics.solvers.compiled import compiled
 from mechanics.solvers.compiled_columns import (
-    WORK,
     changes_with,
     columns,
     corrected,
     matrix,
     right_hand_side,
+    work_space,
 )
 from mechanics.solvers.compiled_runs import lacking, packed
 from mechanics.solvers.interior_step import (
@@ -70,11 +70,11 @@ def advance(
     elastic = law[2:].max() > 0.0 if c else False
     law[2:] += law[:2] ** 2 * (unit / STIFFEST)
     along, apart = columns(s), columns(z)
-    inverse, work_space, held = np.empty((5, c)), np.empty((WORK, c)), np.empty_like(x)
+    inverse, room, held = np.empty((5, c)), work_space(runs), np.empty_like(x)
     while True:
         held[:] = holding / unit
         held[2::3] *= size**2
-        matrix(runs, ends, lever, arm, law, held, along, apart, inverse, work_space, band)
+        matrix(runs, ends, lever, arm, law, held, along, apart, inverse, room, band)
         if factorise(band, envelope):
             break
         if holding >= FIRM:
@@ -83,10 +83,10 @@ def advance(
     swayed = lateral.copy()
     substitute(band, envelope, swayed)
     gives = _dot(lateral, swayed)
-    p, v = along * apart, np.empty_like(r)
+    p = along * apart
     dx, ds, dz = np.empty_like(x), np.empty_like(r), np.empty_like(r)
     dx2, ds2, dz2 = np.empty_like(x), np.empty_like(r), np.empty_like(r)
-    system = (runs, ends, lever, arm, law, r, p, inverse, short, v, along, apart, work_space)
+    system = (runs, ends, lever, arm, law, r, p, inverse, short, along, apart, room)
     border = (lateral, swayed, gives, work, x)
     _, force, gap, left = _change(system, border, elastic, band, envelope, dx, ds, dz)
     now = p.sum()
@@ -131,16 +131,16 @@ def _change(
     system: Any, border: Any, elastic: bool, band: Array, envelope: Any, dx: Array, ds: Array, dz: Array
 ) -> tuple[float, float, float, float]:
     """The step that takes the products s z to s z − p: that of α, how far it leads, and the sum of s z there."""
-    runs, ends, lever, arm, law, r, p, inverse, short, v, s, z, work_space = system
+    runs, ends, lever, arm, law, r, p, inverse, short, s, z, room = system
     lateral, swayed, gives, work, x = border
-    right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, work_space, dx)
+    right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, room, dx)
     substitute(band, envelope, dx)
     dalpha = 0.0
     if len(lateral):
         dalpha = (work - _dot(lateral, x) - _dot(lateral, dx)) / gives
         dx += dalpha * swayed
     force, gap, zds, sdz, both = changes_with(
-        runs, ends, lever, arm, law, s, z, v, p, inverse, dx, ds, dz, work_space
+        runs, ends, lever, arm, law, s, z, r, p, inverse, dx, ds, dz, room
     )
     if elastic:
         force = gap = min(force, gap)
@@ -155,12 +155,10 @@ def restore(
     row, normal, tangent, gap, friction, compliance, runs = posed
     ends, lever, arm, law = packed(row, normal, tangent, friction, np.zeros_like(compliance), runs)
     weight, size, _ = scale
-    inverse, work_space = np.empty((5, len(s))), np.empty((WORK, len(s)))
+    inverse, room = np.empty((5, len(s))), work_space(runs)
     held, along = np.full(len(load), HOLDING * weight), columns(s)
     held[2::3] *= size**2
-    matrix(
-        runs, ends, lever, columns(arm), columns(law), held, along, weight / along, inverse, work_space, band
-    )
+    matrix(runs, ends, lever, columns(arm), columns(law), held, along, weight / along, inverse, room, band)
     if not factorise(band, envelope):
         return alpha
     swayed = lateral.copy()

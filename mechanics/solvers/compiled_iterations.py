@@ -17,13 +17,13 @@ from mechanics.solvers.compiled import (
     residuals,
 )
 from mechanics.solvers.compiled_columns import (
-    WORK,
     advance,
     changes_with,
     columns,
     corrected,
     matrix,
     right_hand_side,
+    work_space,
 )
 from mechanics.solvers.compiled_runs import lacking, packed
 from mechanics.solvers.iterations import (
@@ -116,25 +116,25 @@ def interior(
     lack, short = np.empty((c, 2)), load - mass * x
     lacking(runs, ends, lever, arm, law, gap, x, s, z, lack, short)
     arm, law, r, along, apart = columns(arm), columns(law), columns(lack), columns(s), columns(z)
-    p, v, ds, dz = along * apart, np.empty_like(r), np.empty_like(r), np.empty_like(r)
-    inverse, work, dx = np.empty((5, c)), np.empty((WORK, c)), np.empty_like(x)
+    p, ds, dz = along * apart, np.empty_like(r), np.empty_like(r)
+    inverse, work, dx = np.empty((5, c)), work_space(runs), np.empty_like(x)
+    product = p.sum()
     at, found, best, iteration = x.copy(), np.empty_like(forces), NONE, 0
     while iteration < MOST_ITERATIONS:
         iteration += 1
         matrix(runs, ends, lever, arm, law, mass, along, apart, inverse, work, band)
         if not factorise(band, envelope):
             break
-        right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, work, dx)
+        right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, work, dx)
         substitute(band, envelope, dx)
         to_force, to_gap, zds, sdz, both = changes_with(
-            runs, ends, lever, arm, law, along, apart, v, p, inverse, dx, ds, dz, work
+            runs, ends, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work
         )
-        now = p.sum()
-        ahead = now + to_force * zds + to_gap * sdz + to_force * to_gap * both
-        corrected(p.ravel(), ds.ravel(), dz.ravel(), (ahead / now) ** 3 * now / (2 * c))
-        right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, v, work, dx)
+        ahead = product + to_force * zds + to_gap * sdz + to_force * to_gap * both
+        corrected(p.ravel(), ds.ravel(), dz.ravel(), (ahead / product) ** 3 * product / (2 * c))
+        right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, work, dx)
         substitute(band, envelope, dx)
-        reach = changes_with(runs, ends, lever, arm, law, along, apart, v, p, inverse, dx, ds, dz, work)
+        reach = changes_with(runs, ends, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work)
         share = min(1.0, TO_THE_BOUND * min(reach[0], reach[1]))
         product = advance(share, along.ravel(), apart.ravel(), ds.ravel(), dz.ravel(), r.ravel(), p.ravel())
         at += share * dx
