@@ -148,9 +148,22 @@ def test_what_springs_hold_at_the_start_is_the_same_in_both_loops() -> None:
 
 def test_contacts_of_two_blocks_form_one_run() -> None:
     """Points seen from either block belong together; a run ends where another pair of blocks begins."""
-    row = np.array([[0, 3], [3, 0], [0, 3], [-1, 3], [3, -1], [6, 0]])
-    assert runs(row).tolist() == [0, 3, 5, 6]
-    assert runs(row[:0]).tolist() == [0]
+    row = np.array([[0, 3], [3, 0], [0, 3], [-1, 3], [3, -1], [6, 0], [6, 3]])
+    found = runs(row)
+    assert found.start.tolist() == [5, 6, 3, 0]
+    assert found.ends.tolist() == [[6, 0], [6, 3], [3, -1], [0, 3]]
+    # of one length side by side: the first points of two runs are all that they have, the others come one by one
+    assert found.parts.tolist() == [[0, 2, 1, 0], [2, 3, 2, 2], [3, 4, 3, 4]]
+    assert found.column.tolist() == [4, 5, 6, 2, 3, 0, 1]
+    none = runs(row[:0])
+    assert not len(none.start) and none.parts.shape == (0, 4)
+
+
+def test_points_of_runs_alike_alternate_in_parts_of_some_hundred(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mechanics.solvers.band.PART", 6)
+    found = runs(np.repeat([[0, 3], [3, 6], [6, 9], [9, -1]], 2, axis=0))
+    assert found.parts.tolist() == [[0, 3, 2, 0], [3, 4, 2, 6]]
+    assert found.column.tolist() == [0, 3, 1, 4, 2, 5, 6, 7]
 
 
 def test_what_is_no_number_is_no_solution() -> None:

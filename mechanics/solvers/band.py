@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
@@ -12,6 +13,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from mechanics.block import Array
 from mechanics.joints import Index
 
+PART = 512  # contact points: what passes between loops over so many stays in the fastest memory
 SWEEPS, TILT = 16, 0.01  # directions (of π), and the angle (rad) that keeps the blocks of a course in order
 
 
@@ -51,8 +53,8 @@ class Band:
         return envelope(self.row, len(self.order))
 
     @cached_property
-    def runs(self) -> Index:
-        """Where the contact points of the same two blocks begin and end, see `runs`."""
+    def runs(self) -> Runs:
+        """The contact points of the same two blocks, see `runs`."""
         return runs(self.row)
 
 
@@ -88,8 +90,39 @@ def envelope(row: Index, size: int) -> Index:
     return np.stack([first, np.maximum.accumulate(last)], axis=1).astype(np.intp)
 
 
-def runs(row: Index) -> Index:
-    """Where contact points (c, 2) between the same two blocks, seen from either, begin and end, (r + 1,)."""
+class Runs(NamedTuple):
+    """Runs of contact points between the same two blocks, seen from either; as many points, side by side.
+
+    `ends` (j, 2): rows of a run's first block, movable where one is, and of the other, as in Band.row; `start` (j,): its
+    first contact point. `parts` (p, 4): of runs of one length the first and the end, the length, and the first of their
+    columns. `column` (c,): the place of each contact point: in a part the first ones of its runs, then the second ones.
+    """
+
+    ends: Index
+    start: Index
+    parts: Index
+    column: Index
+
+
+def runs(row: Index) -> Runs:
+    """The runs of contact points (c, 2), in parts of PART points."""
     pairs = np.sort(row, axis=1)
-    starts = 1 + np.flatnonzero((pairs[1:] != pairs[:-1]).any(axis=1))
-    return np.concatenate([[0], starts, [len(row)]]).astype(np.intp) if len(row) else np.zeros(1, np.intp)
+    changes = 1 + np.flatnonzero((pairs[1:] != pairs[:-1]).any(axis=1))
+    bounds = np.concatenate([[0], changes, [len(row)]]) if len(row) else np.zeros(1, np.intp)
+    lengths = np.diff(bounds)
+    order = np.argsort(lengths, kind="stable")
+    start, lengths = bounds[:-1][order], lengths[order]
+    ends = np.where(row[start, :1] >= 0, row[start], row[start, ::-1])
+    parts, column, at, first = [], np.empty(len(row), np.intp), 0, 0
+    while first < len(start):
+        length = lengths[first]
+        alike = int(np.searchsorted(lengths, length, side="right"))
+        last = min(alike, first + max(PART // length, 1))
+        parts.append((first, last, length, at))
+        places = at + np.arange(length * (last - first)).reshape(length, -1)
+        column[start[first:last] + np.arange(length)[:, None]] = places
+        at, first = at + places.size, last
+    return Runs(
+        np.ascontiguousarray(ends, dtype=np.intp), start.astype(np.intp),
+        np.array(parts, np.intp).reshape(-1, 4), column,
+    )  # fmt: skip

@@ -1,7 +1,7 @@
 """The loops of an interior-point iteration over contact points stored by columns, (n, c), compiled by numba.
 
 What concerns a point alone is done in loops over columns, which become vector instructions; what blocks see and feel of
-their contact points goes by runs (see compiled_runs). Both are done for a part of RUNS runs at a time, so that what
+their contact points goes by runs (see compiled_runs). Both are done for a part of the runs at a time, so that what
 passes from one to the other, `work` (WORK, points of the largest part), stays in the fastest memory.
 """
 
@@ -12,43 +12,71 @@ from typing import Any
 import numpy as np
 
 from mechanics.block import Array
-from mechanics.solvers.compiled_runs import act, seen, stiffen
+from mechanics.solvers.compiled_runs import act, part_of, see, stiffen
 from mechanics.solvers.compiler import compiler, larger
 
 WORK = 6  # numbers of a point
-RUNS = 64  # of a part
 compiled = compiler("contract", "reassoc")
 _apart = compiler("contract", "reassoc", apart=True)
-_plain = compiler()  # runs are short: their loops are no vectors
 
 
 @compiled
-def columns(points: Array) -> Array:
-    """What belongs to the points, (c, n), by columns, (n, c)."""
-    return np.ascontiguousarray(points.T)
+def columns(points: Array, runs: Any) -> Array:
+    """What belongs to the points, (c, 2), by columns, (2, c)."""
+    found = np.empty((2, len(points)))
+    for k in range(len(points)):
+        found[0, runs.column[k]], found[1, runs.column[k]] = points[k, 0], points[k, 1]
+    return found
+
+
+@compiled
+def points_of(found: Array, runs: Any, points: Array) -> None:
+    """What stands by columns, (2, c), back into `points` (c, 2)."""
+    for k in range(len(points)):
+        points[k, 0], points[k, 1] = found[0, runs.column[k]], found[1, runs.column[k]]
 
 
 @compiled
 def work_space(runs: Any) -> Array:
     """Of the largest part."""
     largest = 0
-    for first in range(0, len(runs) - 1, RUNS):
-        largest = max(largest, runs[min(first + RUNS, len(runs) - 1)] - runs[first])
+    for q in range(len(runs.parts)):
+        first, last, length, _ = part_of(runs, q)
+        largest = max(largest, (last - first) * length)
     return np.empty((WORK, largest))
 
 
 @compiled
+def lacking(
+    runs: Any, lever: Array, arm: Array, law: Array, gap: Array, x: Array, s: Array, z: Array, r: Array,
+    work: Array, short: Array,
+) -> None:  # fmt: skip
+    """What z lacks of the rays' gaps, z − Rᵀ(g + A₀ᵀx + CRs), into `r`; A₀Rs is added to `short`."""
+    for q in range(len(runs.parts)):
+        part = part_of(runs, q)
+        k, e = _columns(part)
+        see(part, runs.ends, lever, x, work)
+        _lacking(
+            arm[0, k:e], arm[1, k:e], arm[2, k:e], arm[3, k:e],
+            law[0, k:e], law[1, k:e], law[2, k:e], law[3, k:e],
+            gap[0, k:e], gap[1, k:e], s[0, k:e], s[1, k:e], z[0, k:e], z[1, k:e],
+            r[0, k:e], r[1, k:e], work[0], work[1], work[2],
+        )  # fmt: skip
+        act(part, runs.ends, lever, work, short)
+
+
+@compiled
 def matrix(
-    runs: Any, ends: Any, lever: Array, arm: Array, law: Array, mass: Array, s: Array, z: Array, inverse: Array,
-    work: Array, band: Array,
+    runs: Any, lever: Array, arm: Array, law: Array, mass: Array, s: Array, z: Array, inverse: Array, work: Array,
+    band: Array,
 ) -> None:  # fmt: skip
     """As kernels.interior_matrix; 1/s, too, into `inverse` (5, c)."""
     band[:] = 0.0
     for i in range(len(mass)):
         band[i, 0] = mass[i]
-    for first in range(0, len(ends), RUNS):
-        last = min(first + RUNS, len(ends))
-        k, e = runs[first], runs[last]
+    for q in range(len(runs.parts)):
+        part = part_of(runs, q)
+        k, e = _columns(part)
         _stiffness(
             arm[0, k:e], arm[1, k:e], arm[2, k:e], arm[3, k:e],
             law[0, k:e], law[1, k:e], law[2, k:e], law[3, k:e],
@@ -56,39 +84,39 @@ def matrix(
             inverse[0, k:e], inverse[1, k:e], inverse[2, k:e], inverse[3, k:e], inverse[4, k:e],
             work[0], work[1], work[2], work[3], work[4], work[5],
         )  # fmt: skip
-        _assemble(first, last, runs, ends, lever, work, band)
+        stiffen(part, runs.ends, lever, work, band)
 
 
 @compiled
 def right_hand_side(
-    runs: Any, ends: Any, lever: Array, arm: Array, law: Array, r: Array, p: Array, inverse: Array, short: Array,
-    work: Array, rhs: Array,
+    runs: Any, lever: Array, arm: Array, law: Array, r: Array, p: Array, inverse: Array, short: Array, work: Array,
+    rhs: Array,
 ) -> None:  # fmt: skip
     """As kernels.interior_rhs: what z lacks is `r` (2, c), what s z does `p` (2, c), what equilibrium does `short`."""
     rhs[:] = short
-    for first in range(0, len(ends), RUNS):
-        last = min(first + RUNS, len(ends))
-        k, e = runs[first], runs[last]
+    for q in range(len(runs.parts)):
+        part = part_of(runs, q)
+        k, e = _columns(part)
         _bearing(
             arm[0, k:e], arm[1, k:e], arm[2, k:e], arm[3, k:e], law[0, k:e], law[1, k:e],
             r[0, k:e], r[1, k:e], p[0, k:e], p[1, k:e],
             inverse[0, k:e], inverse[1, k:e], inverse[2, k:e], inverse[3, k:e], inverse[4, k:e],
             work[0], work[1], work[2],
         )  # fmt: skip
-        _act_together(first, last, runs, ends, lever, work, rhs)
+        act(part, runs.ends, lever, work, rhs)
 
 
 @compiled
 def changes_with(
-    runs: Any, ends: Any, lever: Array, arm: Array, law: Array, s: Array, z: Array, r: Array, p: Array, inverse: Array,
+    runs: Any, lever: Array, arm: Array, law: Array, s: Array, z: Array, r: Array, p: Array, inverse: Array,
     dx: Array, ds: Array, dz: Array, work: Array,
 ) -> tuple[float, float, float, float, float]:  # fmt: skip
     """As kernels.interior_step, and the sums of z ds, s dz and ds dz."""
     of_force, of_gap, zds, sdz, both = 1.0, 1.0, 0.0, 0.0, 0.0
-    for first in range(0, len(ends), RUNS):
-        last = min(first + RUNS, len(ends))
-        k, e = runs[first], runs[last]
-        _see(first, last, runs, ends, lever, dx, work)
+    for q in range(len(runs.parts)):
+        part = part_of(runs, q)
+        k, e = _columns(part)
+        see(part, runs.ends, lever, dx, work)
         found = _changes(
             arm[0, k:e], arm[1, k:e], arm[2, k:e], arm[3, k:e], law[0, k:e], law[1, k:e],
             r[0, k:e], r[1, k:e], p[0, k:e], p[1, k:e],
@@ -99,6 +127,12 @@ def changes_with(
         of_force, of_gap = max(of_force, found[0]), max(of_gap, found[1])
         zds, sdz, both = zds + found[2], sdz + found[3], both + found[4]
     return 1.0 / of_force, 1.0 / of_gap, zds, sdz, both
+
+
+@compiled
+def _columns(part: Any) -> tuple[int, int]:
+    first, last, length, at = part
+    return at, at + (last - first) * length
 
 
 @_apart
@@ -119,39 +153,20 @@ def advance(share: float, s: Array, z: Array, ds: Array, dz: Array, r: Array, p:
     return product
 
 
-@_plain
-def _assemble(first: int, last: int, runs: Any, ends: Any, lever: Array, work: Array, band: Array) -> None:
-    """The stiffness of runs, sums of the six rows of `work`, into the band."""
-    start = runs[first]
-    for j in range(first, last):
-        xx, xz, zz, xm, zm, mm = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for k in range(runs[j] - start, runs[j + 1] - start):
-            xx, xz, zz = xx + work[0, k], xz + work[1, k], zz + work[2, k]
-            xm, zm, mm = xm + work[3, k], zm + work[4, k], mm + work[5, k]
-        stiffen(j, ends, lever, (xx, xz, zz, xm, zm, mm), band)
-
-
-@_plain
-def _act_together(
-    first: int, last: int, runs: Any, ends: Any, lever: Array, work: Array, total: Array
-) -> None:
-    """The forces of runs, sums of the first three rows of `work`, added to `total`."""
-    start = runs[first]
-    for j in range(first, last):
-        fx, fz, moment = 0.0, 0.0, 0.0
-        for k in range(runs[j] - start, runs[j + 1] - start):
-            fx, fz, moment = fx + work[0, k], fz + work[1, k], moment + work[2, k]
-        act(j, ends, lever, fx, fz, moment, total)
-
-
-@_plain
-def _see(first: int, last: int, runs: Any, ends: Any, lever: Array, moved: Array, work: Array) -> None:
-    """The motions of runs, for each of their points, into the first three rows of `work`."""
-    start = runs[first]
-    for j in range(first, last):
-        x, z, turn = seen(j, ends, lever, moved)
-        for k in range(runs[j] - start, runs[j + 1] - start):
-            work[0, k], work[1, k], work[2, k] = x, z, turn
+@_apart
+def _lacking(
+    nx: Array, nz: Array, mn: Array, mt: Array, n: Array, t: Array, cn: Array, ct: Array, gap: Array, slide: Array,
+    s0: Array, s1: Array, z0: Array, z1: Array, r0: Array, r1: Array, x: Array, y: Array, turn: Array,
+) -> None:  # fmt: skip
+    """What gaps lack; and the forces, as those on the first block about its centre, in place of its motion as seen."""
+    for k in range(len(n)):
+        together, apart = s0[k] + s1[k], s0[k] - s1[k]
+        along = n[k] * (gap[k] + nx[k] * x[k] + nz[k] * y[k] + mn[k] * turn[k]) + cn[k] * together
+        across = t[k] * (slide[k] + nz[k] * x[k] - nx[k] * y[k] + mt[k] * turn[k]) + ct[k] * apart
+        r0[k], r1[k] = z0[k] - along - across, z1[k] - along + across
+        fn, ft = n[k] * together, t[k] * apart
+        x[k], y[k] = fn * nx[k] + ft * nz[k], fn * nz[k] - ft * nx[k]
+        turn[k] = fn * mn[k] + ft * mt[k]
 
 
 @_apart

@@ -16,11 +16,13 @@ from mechanics.solvers.compiled_columns import (
     changes_with,
     columns,
     corrected,
+    lacking,
     matrix,
+    points_of,
     right_hand_side,
     work_space,
 )
-from mechanics.solvers.compiled_runs import lacking, packed
+from mechanics.solvers.compiled_runs import packed
 from mechanics.solvers.interior_step import (
     FIRM,
     FIRMER,
@@ -42,18 +44,19 @@ LOW, HIGH = OUTLIERS
 def measured(posed: Any, load: Array, x: Array, s: Array, z: Array, size: float) -> Any:
     """See interior_step.measured."""
     row, normal, tangent, gap, friction, compliance, runs = posed
-    ends, lever, arm, law = packed(row, normal, tangent, friction, compliance, runs)
-    r, short = np.empty_like(s), load.copy()
-    lacking(runs, ends, lever, arm, law, gap, x, s, z, r, short)
+    lever, arm, law = packed(row, normal, tangent, friction, compliance, runs)
+    along, apart, work = columns(s, runs), columns(z, runs), work_space(runs)
+    r, short = np.empty_like(along), load.copy()
+    lacking(runs, lever, arm, law, columns(gap, runs), x, along, apart, r, work, short)
     unbalanced, power, penetration, product = 0.0, 0.0, 0.0, 0.0
     for i in range(len(short)):
         unbalanced = max(unbalanced, abs(short[i]) / (size if i % 3 == 2 else 1.0))
     for k in range(len(s)):
-        first, second = z[k, 0] - r[k, 0], z[k, 1] - r[k, 1]
-        power += abs(s[k, 0] * first + s[k, 1] * second)
-        penetration = max(penetration, -min(first, second) / law[k, 0])
-        product += s[k, 0] * z[k, 0] + s[k, 1] * z[k, 1]
-    lack = (ends, lever, columns(arm), columns(law), columns(r), short)
+        first, second = apart[0, k] - r[0, k], apart[1, k] - r[1, k]
+        power += abs(along[0, k] * first + along[1, k] * second)
+        penetration = max(penetration, -min(first, second) / law[0, k])
+        product += along[0, k] * apart[0, k] + along[1, k] * apart[1, k]
+    lack = (lever, arm, law, r, short, along, apart)
     return (unbalanced, power, penetration, product / max(2 * len(s), 1)), lack
 
 
@@ -63,18 +66,17 @@ def advance(
     z: Array, last: Array, band: Array, envelope: Any,
 ) -> tuple[bool, float, float]:  # fmt: skip
     """See interior_step.advance."""
-    ends, lever, arm, law, r, short = lack
+    lever, arm, law, r, short, along, apart = lack
     runs, c = posed[6], len(s)
     weight, size, step = scale
     unit = step / weight
     elastic = law[2:].max() > 0.0 if c else False
     law[2:] += law[:2] ** 2 * (unit / STIFFEST)
-    along, apart = columns(s), columns(z)
     inverse, room, held = np.empty((5, c)), work_space(runs), np.empty_like(x)
     while True:
         held[:] = holding / unit
         held[2::3] *= size**2
-        matrix(runs, ends, lever, arm, law, held, along, apart, inverse, room, band)
+        matrix(runs, lever, arm, law, held, along, apart, inverse, room, band)
         if factorise(band, envelope):
             break
         if holding >= FIRM:
@@ -86,7 +88,7 @@ def advance(
     p = along * apart
     dx, ds, dz = np.empty_like(x), np.empty_like(r), np.empty_like(r)
     dx2, ds2, dz2 = np.empty_like(x), np.empty_like(r), np.empty_like(r)
-    system = (runs, ends, lever, arm, law, r, p, inverse, short, along, apart, room)
+    system = (runs, lever, arm, law, r, p, inverse, short, along, apart, room)
     border = (lateral, swayed, gives, work, x)
     _, force, gap, left = _change(system, border, elastic, band, envelope, dx, ds, dz)
     now = p.sum()
@@ -111,10 +113,10 @@ def advance(
     for i in range(len(x)):
         last[i] = gap * dx[i]
         x[i] += last[i]
-    for k in range(c):
-        for e in range(2):
-            s[k, e] += force * ds[e, k]
-            z[k, e] += gap * dz[e, k]
+    along += force * ds
+    apart += gap * dz
+    points_of(along, runs, s)
+    points_of(apart, runs, z)
     return True, alpha + force * dalpha, holding
 
 
@@ -131,17 +133,15 @@ def _change(
     system: Any, border: Any, elastic: bool, band: Array, envelope: Any, dx: Array, ds: Array, dz: Array
 ) -> tuple[float, float, float, float]:
     """The step that takes the products s z to s z − p: that of α, how far it leads, and the sum of s z there."""
-    runs, ends, lever, arm, law, r, p, inverse, short, s, z, room = system
+    runs, lever, arm, law, r, p, inverse, short, s, z, room = system
     lateral, swayed, gives, work, x = border
-    right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, room, dx)
+    right_hand_side(runs, lever, arm, law, r, p, inverse, short, room, dx)
     substitute(band, envelope, dx)
     dalpha = 0.0
     if len(lateral):
         dalpha = (work - _dot(lateral, x) - _dot(lateral, dx)) / gives
         dx += dalpha * swayed
-    force, gap, zds, sdz, both = changes_with(
-        runs, ends, lever, arm, law, s, z, r, p, inverse, dx, ds, dz, room
-    )
+    force, gap, zds, sdz, both = changes_with(runs, lever, arm, law, s, z, r, p, inverse, dx, ds, dz, room)
     if elastic:
         force = gap = min(force, gap)
     return dalpha, force, gap, _dot(s.ravel(), z.ravel()) + force * zds + gap * sdz + force * gap * both
@@ -152,36 +152,32 @@ def restore(
     posed: Any, load: Array, lateral: Array, scale: Any, s: Array, alpha: float, band: Array, envelope: Any
 ) -> float:
     """See interior_step.restore."""
-    row, normal, tangent, gap, friction, compliance, runs = posed
-    ends, lever, arm, law = packed(row, normal, tangent, friction, np.zeros_like(compliance), runs)
+    row, normal, tangent, _, friction, compliance, runs = posed
+    lever, arm, law = packed(row, normal, tangent, friction, np.zeros_like(compliance), runs)
     weight, size, _ = scale
-    inverse, room = np.empty((5, len(s))), work_space(runs)
-    held, along = np.full(len(load), HOLDING * weight), columns(s)
+    inverse, room, along = np.empty((5, len(s))), work_space(runs), columns(s, runs)
+    held = np.full(len(load), HOLDING * weight)
     held[2::3] *= size**2
-    matrix(runs, ends, lever, columns(arm), columns(law), held, along, weight / along, inverse, room, band)
+    matrix(runs, lever, arm, law, held, along, weight / along, inverse, room, band)
     if not factorise(band, envelope):
         return alpha
     swayed = lateral.copy()
     substitute(band, envelope, swayed)
-    gives, still, nothing, y = (
-        _dot(lateral, swayed),
-        np.zeros_like(gap),
-        np.zeros_like(load),
-        np.empty_like(load),
-    )
-    share = np.empty_like(s)
+    gives, still, nothing = _dot(lateral, swayed), np.zeros_like(along), np.zeros_like(load)
+    share, y = np.empty_like(along), np.empty_like(load)
     for _ in range(RESTORATIONS):
         y[:] = load
         if len(lateral):
             y += alpha * lateral
-        lacking(runs, ends, lever, arm, law, still, nothing, s, still, share, y)
+        lacking(runs, lever, arm, law, still, nothing, along, still, share, room, y)
         substitute(band, envelope, y)
         if len(lateral):
             more = -_dot(lateral, y) / gives
             alpha += more
             y += more * swayed
-        lacking(runs, ends, lever, arm, law, still, y, still, still, share, nothing)
-        for k in range(len(s)):
-            for e in range(2):
-                s[k, e] *= max(1.0 + s[k, e] / weight * share[k, e], LEAST)
+        lacking(runs, lever, arm, law, still, y, still, still, share, room, nothing)
+        for e in range(2):
+            for k in range(len(s)):
+                along[e, k] *= max(1.0 + along[e, k] / weight * share[e, k], LEAST)
+    points_of(along, runs, s)
     return alpha

@@ -21,11 +21,13 @@ from mechanics.solvers.compiled_columns import (
     changes_with,
     columns,
     corrected,
+    lacking,
     matrix,
+    points_of,
     right_hand_side,
     work_space,
 )
-from mechanics.solvers.compiled_runs import lacking, packed
+from mechanics.solvers.compiled_runs import packed
 from mechanics.solvers.iterations import (
     CORRECTIONS,
     LIKELY,
@@ -112,45 +114,45 @@ def interior(
     """
     weight, size, step, accepted = scale
     c = len(row)
-    ends, lever, arm, law = packed(row, normal, tangent, friction, compliance, runs)
-    lack, short = np.empty((c, 2)), load - mass * x
-    lacking(runs, ends, lever, arm, law, gap, x, s, z, lack, short)
-    arm, law, r, along, apart = columns(arm), columns(law), columns(lack), columns(s), columns(z)
+    lever, arm, law = packed(row, normal, tangent, friction, compliance, runs)
+    along, apart, work = columns(s, runs), columns(z, runs), work_space(runs)
+    r, short = np.empty((2, c)), load - mass * x
+    lacking(runs, lever, arm, law, columns(gap, runs), x, along, apart, r, work, short)
     p, ds, dz = along * apart, np.empty_like(r), np.empty_like(r)
-    inverse, work, dx = np.empty((5, c)), work_space(runs), np.empty_like(x)
+    inverse, dx = np.empty((5, c)), np.empty_like(x)
     product = p.sum()
     at, found, best, iteration = x.copy(), np.empty_like(forces), NONE, 0
     while iteration < MOST_ITERATIONS:
         iteration += 1
-        matrix(runs, ends, lever, arm, law, mass, along, apart, inverse, work, band)
+        matrix(runs, lever, arm, law, mass, along, apart, inverse, work, band)
         if not factorise(band, envelope):
             break
-        right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, work, dx)
+        right_hand_side(runs, lever, arm, law, r, p, inverse, short, work, dx)
         substitute(band, envelope, dx)
         to_force, to_gap, zds, sdz, both = changes_with(
-            runs, ends, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work
+            runs, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work
         )
         ahead = product + to_force * zds + to_gap * sdz + to_force * to_gap * both
         corrected(p.ravel(), ds.ravel(), dz.ravel(), (ahead / product) ** 3 * product / (2 * c))
-        right_hand_side(runs, ends, lever, arm, law, r, p, inverse, short, work, dx)
+        right_hand_side(runs, lever, arm, law, r, p, inverse, short, work, dx)
         substitute(band, envelope, dx)
-        reach = changes_with(runs, ends, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work)
+        reach = changes_with(runs, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work)
         share = min(1.0, TO_THE_BOUND * min(reach[0], reach[1]))
         product = advance(share, along.ravel(), apart.ravel(), ds.ravel(), dz.ravel(), r.ravel(), p.ravel())
         at += share * dx
         short *= 1.0 - share
         if product <= LIKELY * accepted * weight * step or iteration == MOST_ITERATIONS:
             for k in range(c):
-                found[k, 0] = law[0, k] * (along[0, k] + along[1, k])
-                found[k, 1] = law[1, k] * (along[0, k] - along[1, k])
+                i = runs.column[k]
+                found[k, 0] = law[0, i] * (along[0, i] + along[1, i])
+                found[k, 1] = law[1, i] * (along[0, i] - along[1, i])
             here = residuals(row, normal, tangent, gap, friction, compliance, mass, load, at, found, size)
             if _worst(here, weight, step) < _worst(best, weight, step):
                 x[:], forces[:], best = at, found, here
             if _worst(best, weight, step) <= accepted:
                 break
-    for k in range(c):
-        for e in range(2):
-            s[k, e], z[k, e] = along[e, k], apart[e, k]
+    points_of(along, runs, s)
+    points_of(apart, runs, z)
     for k in range(c):
         state[k] = STATES[int(s[k, 0] * step > z[k, 0] * weight), int(s[k, 1] * step > z[k, 1] * weight)]
     return iteration, best

@@ -15,6 +15,7 @@ import numpy as np
 from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.solvers import kernels
+from mechanics.solvers.band import Runs
 from mechanics.solvers.iterations import PADDING, factorise, substitute
 from mechanics.solvers.kernels import Residuals
 
@@ -31,7 +32,7 @@ TINY = 1e-300
 RESTORATIONS = 2
 LEAST = 0.5  # share of a force that a restoration leaves
 
-Posed = tuple[Index, Array, Array, Array, Array, Array, Index]
+Posed = tuple[Index, Array, Array, Array, Array, Array, Runs]
 Lack = tuple[Array, Array]
 Direction = tuple[Array, float, Array, Array, float, float]
 

@@ -1,7 +1,7 @@
 """The two iterations of the Newton solver (see newton) in plain NumPy: from contact states, and from the inside.
 
-`compiled_iterations` has the same ones for numba. Arguments as in kernels, rows in the order of the band; `runs`
-(j + 1,): where contact points between the same two blocks begin and end; `band` is work space for a matrix of that
+`compiled_iterations` has the same ones for numba. Arguments as in kernels, rows in the order of the band; `runs`:
+the contact points between the same two blocks (see band.Runs); `band` is work space for a matrix of that
 `envelope` (see band); `scale`: weight, size and step of the program, and the certificate that is accepted. Both write
 the displacements x (m,) and contact forces (c, 2) that they find, and return the number of factorisations and the
 residuals (as kernels.residuals), infinite where nothing is found.
@@ -15,6 +15,7 @@ from scipy.linalg import lapack
 from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.solvers import kernels
+from mechanics.solvers.band import Runs
 from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, Residuals
 
 PADDING = 0  # columns beyond the band
@@ -23,7 +24,7 @@ MOST_ITERATIONS = 40  # from the inside
 TO_THE_BOUND = 0.995  # share of the way to the cone that a step goes
 PROXIMAL = 1e6  # stiffness that stands for a rigid contact, per scaled mass: one or two rounds make it exact
 STATES = np.array([[OPEN, SLIDING_BACK], [SLIDING_ON, STICKING]])  # by which of its rays bear
-LIKELY = 1e3  # accepted complementarities: products s z beyond them are not worth the look
+LIKELY = 2e2  # accepted complementarities: products s z beyond them are not worth the look
 
 NONE = (np.inf, np.inf, np.inf, np.inf)
 
@@ -51,7 +52,7 @@ def substitute(band: Array, _: Index, x: Array) -> None:
 
 def semismooth(
     row: Index, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, state: Index, runs: Index, band: Array, envelope: Index,
+    load: Array, x: Array, forces: Array, state: Index, runs: Runs, band: Array, envelope: Index,
     scale: tuple[float, float, float, float], many: int,
 ) -> tuple[int, Residuals]:  # fmt: skip
     """From known contact states (c,), corrected in place; nothing where a step changes more than `many` of them."""
@@ -98,7 +99,7 @@ def semismooth(
 
 def interior(
     row: Index, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Index, runs: Index, band: Array, envelope: Index,
+    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Index, runs: Runs, band: Array, envelope: Index,
     scale: tuple[float, float, float, float],
 ) -> tuple[int, Residuals]:  # fmt: skip
     """From forces s and gaps z (c, 2) along the rays of the friction cones, all positive, left at those found.
