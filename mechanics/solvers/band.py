@@ -93,9 +93,9 @@ def envelope(row: Index, size: int) -> Index:
 class Runs(NamedTuple):
     """Runs of contact points between the same two blocks, seen from either; as many points, side by side.
 
-    `ends` (j, 2): rows of a run's first block, movable where one is, and of the other, as in Band.row; `start` (j,): its
-    first contact point. `parts` (p, 4): of runs of one length the first and the end, the length, and the first of their
-    columns. `column` (c,): the place of each contact point: in a part the first ones of its runs, then the second ones.
+    `ends` (j, 2): rows of a run's first block, movable where one is, and of the other, as in Band.row; `start` (j,):
+    its first contact point. `parts` (p, 4): of runs of one length the first and the end, the length, and the first of
+    their columns. `column` (c,): place of each contact point: in a part the first ones of its runs, then the second ones.
     """
 
     ends: Index
