@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import eig_banded
 
+from mechanics.assembly import Assembly
 from mechanics.block import Array
 from mechanics.scene import Motion, Scene
 from mechanics.solvers.kernels import STICKING
@@ -39,10 +40,16 @@ class Energy:
     integrator: Array
 
     @classmethod
-    def of(cls, motions: Sequence[Motion], kinetic: Array, potential: Array, elastic: Array) -> Energy:
-        """The balance of a motion with the given stored energies (k,)."""
-        spent = np.array([(m.input, m.friction, m.impact, m.viscous, m.integrator) for m in motions])
-        return cls(kinetic, potential, elastic, *spent.T)
+    def of(cls, model: Assembly, motions: Sequence[Motion]) -> Energy:
+        """The balance of a motion."""
+        x, v = np.stack([m.x for m in motions]), np.stack([m.v for m in motions])
+        return cls(
+            0.5 * (model.mass * v**2).sum(axis=(1, 2)),
+            -(model.dead_load * (x - x[0])).sum(axis=(1, 2)),
+            *np.array(
+                [(m.elastic, m.input, m.friction, m.impact, m.viscous, m.integrator) for m in motions]
+            ).T,
+        )
 
     @property
     def mechanical(self) -> Array:
@@ -69,19 +76,6 @@ class Energy:
     def imbalance(self) -> float:
         """Largest residual over the turnover; 0 where nothing moved."""
         return float(abs(self.residual).max()) / self.turnover if self.turnover > 0.0 else 0.0
-
-
-def stored(scene: Scene, motions: Sequence[Motion]) -> tuple[Array, Array, Array]:
-    """Kinetic, potential and elastic energy (k,) of a motion, kNm."""
-    x, v = np.stack([m.x for m in motions]), np.stack([m.v for m in motions])
-    kinetic = 0.5 * (scene.model.mass * v**2).sum(axis=(1, 2))
-    potential = -(scene.model.dead_load * (x - x[0])).sum(axis=(1, 2))
-    elastic = np.zeros(len(motions))
-    if scene.behaviour == "elastic":
-        for i, m in enumerate(motions):
-            gap = scene.geometry(m.x)[0]
-            elastic[i] = scene.newton.kernels.strain_energy(gap, scene.stiffness, scene.compliance, m.shear)
-    return kinetic, potential, elastic
 
 
 def first_frequency(scene: Scene) -> float:

@@ -57,11 +57,13 @@ def theta_step(scene: Scene, motion: Motion, load: Array, step: float, share: fl
         scene.contacts.a, scene.contacts.b, normal, tangent, dx, forces, start[:, 0], gap[:, 1], compliance,
         scene.stiffness, scene.contacts.friction, motion.shear, shear, stretch, scene.damping / step / stretch,
     )  # fmt: skip
+    x = motion.x + dx
     return Motion(
-        x=motion.x + dx,
+        x=x,
         v=v,
         forces=forces,
         shear=shear,
+        elastic=scene.strain_energy(x, shear),
         friction=motion.friction + rubbed,
         impact=motion.impact,
         viscous=motion.viscous + viscous,

@@ -31,15 +31,16 @@ class Motion:
     """Blocks at a time: positions `x` and velocities `v` (b, 3), and where the energy went.
 
     `forces` (c, 2) kN of the contacts in the step that led here; `shear` (c,) kN of their tangential springs.
-    `friction`, `impact`, `viscous`, `integrator` and `input` (kNm) are what has been dissipated, and put in by the
-    loads other than the dead ones, since the beginning. Each is computed from forces and displacements of its own
-    kind, none as what is missing from the others.
+    `elastic` (kNm) is what springs store; `friction`, `impact`, `viscous`, `integrator` and `input` (kNm) are what has
+    been dissipated, and put in by the loads other than the dead ones, since the beginning. Each is computed from forces
+    and displacements of its own kind, none as what is missing from the others.
     """
 
     x: Array
     v: Array
     forces: Array
     shear: Array
+    elastic: float = 0.0
     friction: float = 0.0
     impact: float = 0.0
     viscous: float = 0.0
@@ -107,6 +108,14 @@ class Scene:
         self._configuration = key, (gap, normal, tangent)
         return gap, normal, tangent
 
+    def strain_energy(self, x: Array, shear: Array) -> float:
+        """Energy (kNm) of the springs in a configuration, with their `shear` (c,)."""
+        if self.behaviour == "rigid":
+            return 0.0
+        gap, _, _ = self.geometry(x)
+        energy: float = self.newton.kernels.strain_energy(gap, self.stiffness, self.compliance, shear)
+        return energy
+
     def relative(self, rows: Array, moved: Array) -> Array:
         """Change (c,) of gaps or slides that displacements or velocities (b, 3) cause."""
         change = np.empty(len(rows))
@@ -128,14 +137,17 @@ class Scene:
         )  # fmt: skip
         self.solves += 1
         solution = self.newton.solve(program, guess, motion.forces)
-        if solution is None or solution.certificate.worst(step) > ACCEPTED:
+        worst = np.inf if solution is None else solution.certificate.worst(step)
+        if worst > ACCEPTED:
             self.resolved += 1
             try:
                 solution = solve(program)
+                worst = solution.certificate.worst(step)
             except ConvergenceError:
-                if solution is None or solution.certificate.worst(step) > POOREST:
+                if worst > POOREST:
                     raise
-        self.worst = max(self.worst, solution.certificate.worst(step))
+        assert solution is not None
+        self.worst = max(self.worst, worst)
         self.certificate = self.certificate.joined(solution.certificate)
         return solution
 
@@ -147,4 +159,4 @@ class Scene:
 
     def work_of_loads(self, load: Array, dx: Array) -> float:
         """Work (kNm) of loads (b, 3), less the dead ones, in displacements (b, 3) that leave the supports at rest."""
-        return float(((load - self.model.dead_load) * dx).sum())
+        return float(np.vdot(load - self.model.dead_load, dx))

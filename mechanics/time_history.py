@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from mechanics.assembly import Assembly, Behaviour, State
 from mechanics.block import GRAVITY, Array
 from mechanics.collapse import collapse, control_displacement, passing_through
-from mechanics.energy import Energy, first_frequency, stored
+from mechanics.energy import Energy, first_frequency
 from mechanics.equilibrium import check_self_weight, rest
 from mechanics.errors import NoEquilibriumError, UnstableError, require
 from mechanics.impacts import midpoint_with_impacts
@@ -110,7 +110,9 @@ def time_history(
     if integrator == "second-order":
         advance = midpoint if contacts == "elastic" else midpoint_with_impacts
 
-    motion = Motion(start.positions, start.velocities, forces, shear)
+    motion = Motion(
+        start.positions, start.velocities, forces, shear, scene.strain_energy(start.positions, shear)
+    )
     motions, reason = [motion], ""
     for k in range(1, len(base)):
         motion = advance(scene, motion, _load(model, base, k - 1, time_step), 0.0, time_step)
@@ -118,7 +120,7 @@ def time_history(
         reason = collapse(scene, start, motion, point, ultimate)
         if reason:
             break
-    energy = Energy.of(motions, *stored(scene, motions))
+    energy = Energy.of(model, motions)
     time: Array = time_step * np.arange(len(motions), dtype=float)
     return TimeHistory(
         time=time,

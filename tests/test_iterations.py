@@ -232,9 +232,7 @@ def test_corrections_end_where_they_are_many() -> None:
     state = np.full(len(forces), kernels.STICKING)
     scale = (program.weight, program.size, program.step, 1e-6)
     posed = newton._posed(program, program.mass[newton.order], program.load[newton.order])
-    count, residuals = iterations.semismooth(
-        *posed, x, forces, state, newton.runs, newton.band, newton.envelope, scale, 3
-    )
+    count, residuals = iterations.semismooth(*posed, x, forces, state, newton.band, newton.envelope, scale, 3)
     assert count == 1
     assert worst(residuals, program.weight, program.step) == np.inf
     assert not x.any() and not forces.any()

@@ -95,7 +95,7 @@ class Runs(NamedTuple):
 
     `ends` (j, 2): rows of a run's first block, movable where one is, and of the other, as in Band.row; `start` (j,):
     its first contact point. `parts` (p, 4): of runs of one length the first and the end, the length, and the first of
-    their columns. `column` (c,): place of each contact point: in a part the first ones of its runs, then the second ones.
+    their columns. `column` (c,): of each contact point: in a part the first ones of its runs, then the second ones.
     """
 
     ends: Index

@@ -54,9 +54,10 @@ def relative(a: Any, b: Any, rows: Array, moved: Array, change: Array) -> None:
 @compiled
 def at_start(start: Array, shear: Array, compliance: Array, stretch: float, gap: Array, soft: Array) -> None:
     """See kernels.at_start."""
+    share = 1.0 / stretch
     for k in range(len(start)):
-        soft[k, 0], soft[k, 1] = compliance[k, 0] / stretch, compliance[k, 1] / stretch
-        gap[k, 0] = max(start[k, 0], 0.0) + min(start[k, 0], 0.0) / stretch
+        soft[k, 0], soft[k, 1] = compliance[k, 0] * share, compliance[k, 1] * share
+        gap[k, 0] = max(start[k, 0], 0.0) + min(start[k, 0], 0.0) * share
         gap[k, 1] = -soft[k, 1] * shear[k]
 
 
@@ -88,12 +89,13 @@ def springs(
     dashpot: float,
 ) -> tuple[float, float, float]:
     """See kernels.springs."""
-    rubbed, work, viscous, stored = 0.0, 0.0, 0.0, 0.0
+    rubbed, work, viscous, stored, share = 0.0, 0.0, 0.0, 0.0, 1.0 / stretch
     for k in range(len(a)):
+        own, other, along, across = moved[a[k]], moved[b[k]], normal[k], tangent[k]
         opening, slide = 0.0, 0.0
         for e in range(3):
-            opening += normal[k, e] * moved[a[k], e] + normal[k, 3 + e] * moved[b[k], e]
-            slide += tangent[k, e] * moved[a[k], e] + tangent[k, 3 + e] * moved[b[k], e]
+            opening += along[e] * own[e] + along[3 + e] * other[e]
+            slide += across[e] * own[e] + across[3 + e] * other[e]
         n, t = forces[k, 0], forces[k, 1]
         slip = compliance[k, 1] * t + gap[k] + slide
         rubbed -= t * slip
@@ -105,11 +107,12 @@ def springs(
         flexible = compliance[k, 1] * stretch
         pressed, after = stiff * max(-start[k], 0.0), stiff * max(-start[k] - opening, 0.0)
         limit = friction[k] * max(n, after) if n > 0.0 else 0.0
-        shear[k] = min(max(before[k] + (t - before[k]) / stretch, -limit), limit)
-        grown = n - pressed if n > 0.0 else 0.0
-        viscous += dashpot / stretch * (grown**2 / stiff + flexible * (t - before[k]) ** 2)
-        stored += 0.5 * ((after**2 - pressed**2) / stiff + flexible * (shear[k] ** 2 - before[k] ** 2))
-    return rubbed, viscous, work - viscous - stored
+        shear[k] = min(max(before[k] + (t - before[k]) * share, -limit), limit)
+        grown, soft = n - pressed if n > 0.0 else 0.0, 1.0 / stiff
+        viscous += grown**2 * soft + flexible * (t - before[k]) ** 2
+        stored += (after**2 - pressed**2) * soft + flexible * (shear[k] ** 2 - before[k] ** 2)
+    viscous *= dashpot * share
+    return rubbed, viscous, work - viscous - 0.5 * stored
 
 
 @compiled

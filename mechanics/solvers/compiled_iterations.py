@@ -48,7 +48,7 @@ _worst: Any = compiled(worst)
 @compiled
 def semismooth(
     row: Any, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, state: Any, runs: Any, band: Array, envelope: Any, scale: Any, many: int,
+    load: Array, x: Array, forces: Array, state: Any, band: Array, envelope: Any, scale: Any, many: int,
 ) -> tuple[int, Residuals]:  # fmt: skip
     """See iterations.semismooth."""
     weight, size, step, accepted = scale

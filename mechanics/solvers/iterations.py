@@ -52,7 +52,7 @@ def substitute(band: Array, _: Index, x: Array) -> None:
 
 def semismooth(
     row: Index, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, state: Index, runs: Runs, band: Array, envelope: Index,
+    load: Array, x: Array, forces: Array, state: Index, band: Array, envelope: Index,
     scale: tuple[float, float, float, float], many: int,
 ) -> tuple[int, Residuals]:  # fmt: skip
     """From known contact states (c,), corrected in place; nothing where a step changes more than `many` of them."""

@@ -113,7 +113,7 @@ class Newton:
         s, z = np.maximum(s, START * program.weight), np.maximum(z, START * program.step)
         x, forces, state = x.copy(), np.empty((c, 2)), np.empty(c, np.intp)
         count, residuals = self.iterations.interior(
-            *self._posed(program, mass, load), x, forces, s, z, state, *self._work_space(program)
+            *self._posed(program, mass, load), x, forces, s, z, state, self.runs, *self._work_space(program)
         )
         self.factorisations += count
         if not np.isfinite(worst(residuals, program.weight, program.step)):
@@ -128,7 +128,7 @@ class Newton:
 
     def _work_space(self, program: Program) -> tuple[Any, ...]:
         scale = program.weight, program.size, program.step, ACCEPTED
-        return self.runs, self.band, self.envelope, scale
+        return self.band, self.envelope, scale
 
     def close(self, mass: Array, normal: Array, tangent: Array, gap: Array, held: Index) -> Array:
         """The smallest displacements (m,), in the norm of the mass (m,), that close gaps and slides (c, 2).
