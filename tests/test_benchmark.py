@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import csv
+import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from assessment import cli
-from assessment.benchmark import command, skips, statics, table, walls
+from assessment.benchmark import command, skips, statics, steps, table, walls
 from assessment.benchmark.command import BENCHMARKS, Benchmark
 from assessment.benchmark.dynamics import certified_to, pulse
 from mechanics import time_history
-from tests.structures import running_bond
+from mechanics.solvers import interior_point
+from tests.structures import block_on_base, running_bond
 
 EXACT = [skip for skip in skips.all_skips() if np.isfinite(skip.tolerance)]
 
@@ -41,6 +44,36 @@ def test_a_looser_tolerance_solves_less():
         with certified_to(tolerance):
             worst.append(time_history(running_bond(3, 3), record, 0.005, "elastic").worst)
     assert worst[1] <= 1e-9 < worst[0] <= 1e-3
+
+
+def test_a_step_is_timed_in_blocks_without_the_state_at_rest(monkeypatch):
+    """By a clock that only these parts of a history move: 100 s for its state at rest, 1 s for each of 46 steps."""
+    histories, clock = sys.modules["mechanics.time_history"], SimpleNamespace(now=0.0)
+    settled, collapse = histories._settled, histories.collapse
+
+    def taking(seconds, function):
+        def slow(*arguments):
+            clock.now += seconds
+            return function(*arguments)
+
+        return slow
+
+    monkeypatch.setattr(histories, "_settled", taking(100.0, settled))
+    monkeypatch.setattr(histories, "collapse", taking(1.0, collapse))
+    monkeypatch.setattr(steps, "time", SimpleNamespace(process_time=lambda: clock.now))
+    model = block_on_base(0.6, 4.2, stiffness=1e6)
+    blocks = steps._blocks(lambda record: time_history(model, record, 0.005, "elastic"), np.zeros(47))
+    assert blocks.tolist() == [0.0, 19.0, 20.0, 7.0]
+
+
+def test_a_row_of_steps_has_programs_of_the_whole_history():
+    """One in so many, kept as they were when they were solved: their answers are those of the history."""
+    model = block_on_base(0.6, 4.2)
+    record = 0.3 * pulse(1.0, 0.2)(0.005 * np.arange(61))
+    counts, programs = steps._counted(lambda shaking: time_history(model, shaking, 0.005, "rigid"), record)
+    assert counts["steps"] == 60 and counts["solves_per_step"] >= 1.0
+    assert len(programs) == np.ceil(counts["solves_per_step"] * 60 / steps.EVERY)
+    assert all(interior_point.solve(program, 1e-9) is not None for program in programs)
 
 
 def test_peak_memory_of_limit_analysis():
