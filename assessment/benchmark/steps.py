@@ -16,7 +16,15 @@ for 1008 blocks 9.0 to 10.7 where 10; another power for the centring, 6.6 and 5.
 cases fewer than one in fifty are open by more than a step's displacement, and the time stays the same. Tiles of 16 x
 6 and 16 x 12 in the factorisation: 0.15 and 0.17 ms where 8 x 6 take 0.13, and 0.20 if they leave the registers
 before they are a part of the factor; LAPACK 0.47; loops that leave the vectors to the compiler, 0.60. Contact points
-side by side instead of by columns: their loops take 0.20 ms an iteration, not 0.13.
+side by side instead of by columns: their loops take 0.20 ms an iteration, not 0.13; columns a run after the other,
+not the first points of many runs, then the second ones, in loops over few enough for the compiler to look whether they
+overlap: 0.13, not 0.09. Substitutions that take six columns at a time, not three: 26 microseconds, not 22.
+
+The certificate's complementarity is a sum over the contact points, so that a block of this wall is held to eleven
+times the precision of one of the buttressed arch. Allowed for by the number of blocks (1e-5 instead of 1e-6), a step
+takes 6.3 iterations, not 8.1 (2 s, 5 % damping), but the motion of the wall's top is off that of 1e-10 by 0.07 % of
+its peak, not by 0.02 % (arch at 1e-6: 0.05 %), its peak without damping by 0.3 %, not 0.02 %. At 3e-6: 7.2 iterations,
+0.03 %, 0.1 %.
 
 The exponent, over 95 to 2997 blocks: the iterations alone grow from 4.5 to 12 a step (elastic), from 3.2 to 5.6
 (rigid), a power of 0.3 and 0.2. Blocks in nested dissection (parts of 8, separators across the plane), counted and
