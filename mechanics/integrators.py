@@ -12,6 +12,10 @@ import numpy as np
 from mechanics.block import Array
 from mechanics.scene import Load, Motion, Scene
 
+RINGING = (
+    0.4  # share of the last forces in what the next ones of the midpoint rule are near: it keeps what rings
+)
+
 
 def implicit_euler(scene: Scene, motion: Motion, load: Load, time: float, step: float) -> Motion:
     """The paper's step (eqs 2 and 3): v = Δx/Δt, a = (v − v₀)/Δt; geometry of its start, forces of its end."""

@@ -15,7 +15,7 @@ from mechanics.energy import Energy, first_frequency
 from mechanics.equilibrium import check_self_weight, rest
 from mechanics.errors import NoEquilibriumError, UnstableError, require
 from mechanics.impacts import midpoint_with_impacts
-from mechanics.integrators import implicit_euler, midpoint
+from mechanics.integrators import RINGING, implicit_euler, midpoint
 from mechanics.mechanism import overruns
 from mechanics.program import Certificate
 from mechanics.scene import Load, Motion, Scene
@@ -107,8 +107,10 @@ def time_history(
     if damping_ratio > 0.0:
         scene.damping = 2.0 * damping_ratio / first_frequency(scene)
     advance = implicit_euler
-    if integrator == "second-order":
-        advance = midpoint if contacts == "elastic" else midpoint_with_impacts
+    if integrator == "second-order" and contacts == "elastic":
+        advance, scene.newton.newest = midpoint, RINGING
+    elif integrator == "second-order":
+        advance = midpoint_with_impacts
 
     motion = Motion(
         start.positions, start.velocities, forces, shear, scene.strain_energy(start.positions, shear)

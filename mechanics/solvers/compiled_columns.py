@@ -2,7 +2,8 @@
 
 What concerns a point alone is done in loops over columns, which become vector instructions; what blocks see and feel of
 their contact points goes by runs (see compiled_runs). Both are done for a part of the runs at a time, so that what
-passes from one to the other, `work` (WORK, points of the largest part), stays in the fastest memory.
+passes from one to the other, `work` (WORK, points of the largest part), stays in the fastest memory. Columns go to the
+loops one by one, as arrays that do not overlap.
 """
 
 from __future__ import annotations

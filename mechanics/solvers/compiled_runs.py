@@ -28,15 +28,14 @@ def packed(
     the first block, (4, c); n and t of its unit rays and the compliances along them, (4, c).
     """
     lever, arm, law = np.empty((len(runs.ends), 2)), np.empty((4, len(row))), np.empty((4, len(row)))
-    for j in range(len(runs.ends)):
-        k = runs.start[j]
-        own, other = (0, 3) if row[k, 0] == runs.ends[j, 0] else (3, 0)
-        nx, nz = normal[k, own], normal[k, own + 1]
-        n, t = -normal[k, other + 2] - normal[k, own + 2], -tangent[k, other + 2] - tangent[k, own + 2]
-        lever[j, 0], lever[j, 1] = n * nz - t * nx, -n * nx - t * nz
     for q in range(len(runs.parts)):
         first, last, length, _ = part_of(runs, q)
         for j in range(first, last):
+            k = runs.start[j]
+            own, other = (0, 3) if row[k, 0] == runs.ends[j, 0] else (3, 0)
+            nx, nz = normal[k, own], normal[k, own + 1]
+            n, t = -normal[k, other + 2] - normal[k, own + 2], -tangent[k, other + 2] - tangent[k, own + 2]
+            lever[j, 0], lever[j, 1] = n * nz - t * nx, -n * nx - t * nz
             for k in range(runs.start[j], runs.start[j] + length):
                 own, c = 0 if row[k, 0] == runs.ends[j, 0] else 3, runs.column[k]
                 arm[0, c], arm[1, c] = normal[k, own], normal[k, own + 1]

@@ -35,7 +35,8 @@ class Newton:
     """The solver laid out once for the contacts of an assembly: order of the blocks, width of the band, work space.
 
     `dof` (c, 6) as in Program; `centres` (m/3, 2): of the movable blocks, m. `state` (c,): contact states of the last
-    solution; `factorisations`, `repeated` (steps solved by repeating states) and `solved` count.
+    solution; `factorisations`, `repeated` (steps solved by repeating states) and `solved` count. `newest`: share of the
+    last solution in the start of the next interior point solve, the rest being what the last one began from.
     """
 
     dof: Index
@@ -44,6 +45,7 @@ class Newton:
     factorisations: int = 0
     repeated: int = 0
     solved: int = 0
+    newest: float = 1.0
 
     def __post_init__(self) -> None:
         layout = Band.of(self.dof, self.centres)
@@ -119,6 +121,8 @@ class Newton:
         if not np.isfinite(worst(residuals, program.weight, program.step)):
             self.along, self.apart = None, None
             return None
+        if self.newest < 1.0 and self.along is not None and self.apart is not None:
+            s, z = (old + self.newest * (new - old) for old, new in ((self.along, s), (self.apart, z)))
         self.along, self.apart, self.state = s, z, state
         return Solution(forces, 0.0, x[self.back], certificate(residuals, program))
 
