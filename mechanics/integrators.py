@@ -12,7 +12,7 @@ import numpy as np
 from mechanics.block import Array
 from mechanics.scene import Load, Motion, Scene
 
-RINGING = 0.4  # share of the last forces in the start of a midpoint step: it keeps what rings
+RINGING = 0.3  # share of the last forces in the start of a midpoint step: it keeps what rings
 
 
 def implicit_euler(scene: Scene, motion: Motion, load: Load, time: float, step: float) -> Motion:
