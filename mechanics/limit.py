@@ -12,7 +12,7 @@ from mechanics.equilibrium import check_self_weight, closed_program
 from mechanics.errors import NoEquilibriumError
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Solution
 from mechanics.solvers import banded, solve
-from mechanics.static_step import Step, assemble, band_of
+from mechanics.static_step import GEOMETRY_TOLERANCE, Step, assemble, band_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,14 +46,11 @@ def limit_of(model: Assembly, direction: Direction, step: Step) -> Step:
     Its own are those on the way there: less, where it lets down what an earlier one lifted by dilatant sliding, since
     they are admissible in the configuration too. Raises NoEquilibriumError where the load only wedges the blocks there.
     """
-    at, lateral = step.state.positions, model.lateral_load(direction)
-    try:
-        found = _limit(model, direction, step.state, step)
-    except (
-        NoEquilibriumError
-    ):  # where two mechanisms alternate, equilibrium is certain only where its forces act
-        at = step.at
-        found = _limit(model, direction, replace(step.state, positions=at), step)
+    apart = abs(step.state.positions - step.at) * (1.0, 1.0, model.size)
+    # where mechanisms alternate, equilibrium is certain only where the forces of the step act
+    settled = float(apart.max()) <= GEOMETRY_TOLERANCE * step.program.step
+    at, lateral = step.state.positions if settled else step.at, model.lateral_load(direction)
+    found = _limit(model, direction, replace(step.state, positions=at), step)
     program = assemble(model, "rigid", step.state, at, model.dead_load, step.program.step, lateral)
     quality = step.certificate.joined(found.certificate)
     solution = Solution(found.forces, found.alpha, np.zeros_like(program.load), quality)
