@@ -32,9 +32,9 @@ iterations, 0.05 %, 0.16 %.
 The exponent, over 95 to 2997 blocks: the iterations alone grow from 4.5 to 12 a step (elastic), from 3.4 to 5.4
 (rigid), a power of 0.3 and 0.1. Blocks in nested dissection (parts of 8, separators across the plane), counted and
 not built: 0.11, 1.0, 5.9 and 34 million products a factorisation of the four walls where the band has 0.13, 1.7, 14
-and 123; in tiles of 8 x 8, the second and third 2.7 and 12 where the band has 2.5 and 18. It takes 6.6 of the 10.6 ms of an iteration of the largest wall, 0.02 of 0.09 of the smallest: were all
-products as quick in the small matrices of dissection, an iteration of the largest would take 5.8 ms, and the exponent
-would fall by 0.17.
+and 123; in tiles of 8 x 8, the second and third 2.7 and 12 where the band has 2.5 and 18. It takes 6.6 of the 10.6 ms
+of an iteration of the largest wall, 0.02 of 0.09 of the smallest: were all products as quick in the small matrices of
+dissection, an iteration of the largest would take 5.8 ms, and the exponent would fall by 0.17.
 """
 
 from __future__ import annotations
