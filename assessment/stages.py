@@ -126,13 +126,13 @@ def push(
         began = time.perf_counter()
         result, quality = Part(), Quality(name, f"pushover, {behaviour}")
         title = f"{name}, pushover {direction}, {behaviour} contacts"
-        if found is None:
+        # where control points were passed over, that is found and told of each direction
+        if found is None or found[0] != controls[0][0]:
             found = _path(title, model, state, behaviour, direction, points, increment, until, result)
             if found is not None:
                 quality.add(found[1])
         else:
-            control, path = found
-            found = points[controls[0].index(control)], mirror_of(model, behaviour).pushover(path)
+            found = points[0], mirror_of(model, behaviour).pushover(found[1])
         if found is not None:
             _curve_followed(title, model, behaviour, direction, *found, result)
         result.quality.append(quality.numbers())

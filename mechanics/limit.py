@@ -44,7 +44,9 @@ def limit_of(model: Assembly, direction: Direction, step: Step) -> Step:
     """A step with the multiplier and forces of limit analysis in the configuration to which it leads (paper, §3).
 
     Its own are those on the way there: less, where it lets down what an earlier one lifted by dilatant sliding, since
-    they are admissible in the configuration too. Raises NoEquilibriumError where the load only wedges the blocks there.
+    they are admissible in the configuration too. Where mechanisms alternate the configuration is the one in which the
+    step's forces act. `program` and `at` are those of the configuration; `neighbour` is left. Raises NoEquilibriumError
+    where the load only wedges the blocks there.
     """
     apart = abs(step.state.positions - step.at) * (1.0, 1.0, model.size)
     # where mechanisms alternate, equilibrium is certain only where the forces of the step act

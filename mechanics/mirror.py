@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -62,7 +63,7 @@ class Mirror:
     def swaps(self, one: ArrayLike, other: ArrayLike) -> bool:
         """Whether control points (m) are each other's image, and so are the blocks that they are fixed to."""
         image = np.asarray(one, dtype=float) * [-1.0, 1.0] + [2.0 * self.axis, 0.0]
-        if abs(image - np.asarray(other, dtype=float)).max() > self.model.joint_tolerance:
+        if abs(image - np.asarray(other, dtype=float)).max() > EXACT * self.model.size:
             return False
         return bool(self.block[self.model.block_at(one)] == self.model.block_at(other))
 
@@ -70,10 +71,20 @@ class Mirror:
         """The image of a path from the state as drawn: that of the push the other way."""
         return replace(
             path,
+            end=self._told(path.end),
             states=tuple(map(self._state, path.states)),
             steps=tuple(map(self._step, path.steps)),
             mechanism=self._motion(path.mechanism),
             forces=self._points(path.forces, [1.0, -1.0]),
+        )
+
+    def _told(self, text: str) -> str:
+        """A message, its blocks and its direction."""
+        swapped = {"+x": "-x", "-x": "+x"}
+        return re.sub(
+            r"block (\d+)|([+-]x)",
+            lambda found: f"block {self.block[int(found[1])]}" if found[1] else swapped[found[2]],
+            text,
         )
 
     def _motion(self, motion: Array) -> Array:

@@ -18,8 +18,9 @@ from mechanics.solvers.band import Band
 from mechanics.solvers.kernels import fastest
 
 GEOMETRY_TOLERANCE = 1e-3  # of the step: how closely the geometry of forces and of positions must agree
+ALTERNATION = 0.5  # of the step: how far apart alternating mechanisms of rigid blocks may leave the blocks
 ASTRAY = (
-    1e-4  # of a block: by how much the linear geometry of a step of rigid blocks may err in gaps that count
+    1e-4  # of a block: the error of gaps that count where large models end before their geometry has settled
 )
 MOST_ITERATIONS = 30
 LARGE = 400  # contact points
@@ -33,9 +34,9 @@ TURN = 0.5  # rad: a step that turns a block by more leaves the range in which i
 class Step:
     """An equilibrium: its state, and the solution of the last program.
 
-    `at` (b, 3): the positions, within the geometry tolerance the state's, in which the `program` is posed and the
-    forces act; `neighbour`: what the path's next step is like; `solves`: programs solved to get there; `penetration` m:
-    deepest true interpenetration that no compliance explains.
+    `at` (b, 3): the positions, the state's but for the geometry tolerance or alternating mechanisms, in which the
+    `program` is posed and the forces act; `neighbour`: what the path's next step is like; `solves`: programs solved
+    to get there; `penetration` m: deepest true interpenetration that no compliance explains.
     """
 
     state: State
@@ -109,10 +110,16 @@ def find_step(
         if largest <= GEOMETRY_TOLERANCE * size:
             break
         settles = largest < 0.9 * before or count <= SETTLING[behaviour]
-        # of mechanisms that alternate, each the answer in the other's geometry, any does that leaves no gap behind
-        if rigid and (sought.large or not settles) and sought.astray(program, solution, found) <= ASTRAY:
+        if rigid and sought.large and sought.astray(program, solution, found) <= ASTRAY:
             break
         if not settles or count == MOST_ITERATIONS:
+            followed = None if sought.large else sought.followed(at, solution.neighbour(program))
+            if followed is not None and sought.left(*followed) <= GEOMETRY_TOLERANCE * size:
+                at, solution = followed
+                program, found = pose(at), _displaced(model, at, solution.displacement)
+                break
+            if rigid and largest <= ALTERNATION * size:
+                break  # two mechanisms alternate, each the answer in the other's geometry: both are close enough
             block = int(np.argmax(abs(change).max(axis=1)))
             raise NoEquilibriumError(
                 f"the geometry of the step does not settle: loss of stability, at block {block} first"
@@ -172,9 +179,18 @@ class Sought:
         layout = band_of(self.model, self.behaviour)
         try:
             ended = central_path.follow(pose, layout, near)
+            if ended is None:
+                return None
+            there = _displaced(self.model, at, ended[0])
+            self.checked(_displaced(self.model, there, ended[1].displacement))
         except NoEquilibriumError:
             return None
-        return None if ended is None else (_displaced(self.model, at, ended[0]), ended[1])
+        return there, ended[1]
+
+    def left(self, at: Array, solution: Solution) -> float:
+        """How far (m) the blocks are from where the solution of the program posed at positions (b, 3) puts them."""
+        moved = abs(_displaced(self.model, at, solution.displacement) - at)
+        return float((moved * (1.0, 1.0, self.model.size)).max())
 
     def astray(self, program: Program, solution: Solution, found: Array) -> float:
         """How far gaps at the positions found are from those of the program's solution, where they count; per block."""

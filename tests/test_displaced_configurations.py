@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from assessment.benchmark.structures import assembly, template
+from assessment.benchmark.structures import assembly, running_bond, template
 from mechanics import limit, pushover
 from mechanics.pushover import Pushover
 from tests.structures import arch_on_piers
@@ -64,6 +64,16 @@ def test_the_forces_of_a_point_are_those_of_its_multiplier():
         n, t = step.forces.T
         assert min(n.min(), (step.program.friction * n - abs(t)).min()) > -1e-8 * model.weight
     assert len(curve.steps) > 8
+
+
+def test_a_wall_whose_mechanisms_alternate_has_one_curve_at_every_increment():
+    model = running_bond()
+    control = model.blocks[-1].centroid
+    curves = [
+        pushover(model, control, "+x", "rigid", increment, until=0.8) for increment in (0.004, 0.002, 0.001)
+    ]
+    found = [float(np.interp(0.1, curve.displacement, curve.multiplier)) for curve in curves]
+    assert max(found) == pytest.approx(min(found), rel=0.01)
 
 
 def _roughness(curve: np.ndarray) -> float:

@@ -60,6 +60,14 @@ def test_control_points_have_to_be_each_others_image():
     assert not mirror.swaps(CONTROL["+x"], (-0.6, 0.8))
 
 
+def test_messages_name_the_image():
+    model = arch_on_piers()
+    mirror = Mirror.of(model, "rigid")
+    path = pushover(model, CONTROL["+x"], "+x", "rigid", 0.005, until=0.9)
+    image = mirror.pushover(replace(path, end="+x: lost, at block 0 first"))
+    assert image.end == f"-x: lost, at block {mirror.block[0]} first"
+
+
 def _changed(change):
     """A block of 1 m in the middle of a base, and what it is changed into."""
     stone = Material(20.0, 0.6)
