@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -276,10 +276,12 @@ class _Curve:
         over = d[peak] + max(0.5 * self.increment, SETTLED_FIRST * (d[-1] - d[peak]))
         formed = max(int(np.argmax(np.array(d) >= min(over, max(d)))) - 1, 0)
         motion = self.states[formed + 1].positions - self.states[formed].positions
-        forces = self.steps[max(formed - (self.contacts == "rigid"), 0)].forces
-        if self.contacts == "rigid":
-            motion = _mechanism(self.model, self.states[formed], self.lateral, motion)
-        return formed, motion, forces
+        rigid = self.contacts == "rigid"
+        step = self.steps[max(formed - rigid, 0)]
+        if rigid:
+            there = replace(self.states[formed], positions=step.at) if formed else self.states[0]
+            motion = _mechanism(self.model, there, self.lateral, motion)
+        return formed, motion, step.forces
 
 
 def _mechanism(model: Assembly, state: State, lateral: Array, motion: Array) -> Array:

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from assessment.benchmark.structures import assembly, running_bond, template
-from mechanics import limit, pushover
+from mechanics import limit, pushdown, pushover
+from mechanics.mechanism import virtual_work_multiplier
 from mechanics.pushover import Pushover
 from tests.structures import arch_on_piers
 
@@ -51,6 +52,17 @@ def test_directions_agree_in_an_arch_that_is_its_own_mirror_image(arch_that_slid
     at = np.linspace(0.0, 0.95 * min(max(curve.displacement), max(mirrored.displacement)), 20)
     found, expected = (np.interp(at, path.displacement, path.multiplier) for path in (mirrored, curve))
     assert found == pytest.approx(expected, abs=0.01 * curve.multiplier.max())
+
+
+def test_the_mechanism_of_a_settled_state_gives_the_multiplier_by_virtual_work():
+    """Also where mechanisms alternate as it forms: it is that of the configuration in which the step's forces act."""
+    project, model = template("triumphal-arch"), assembly("triumphal-arch", 1.0)
+    (table,) = project.settlements
+    settled = pushdown(model, table.support, table.displacement_m, 0.0, 0.01).final
+    curve = pushover(model, project.pushover_control("-x").point_m, "-x", "rigid", 0.02, settled)
+    assert curve.formed > 0
+    expected = curve.multiplier[curve.formed]
+    assert virtual_work_multiplier(model, curve.mechanism, "-x") == pytest.approx(expected, rel=1e-6)
 
 
 def test_the_forces_of_a_point_are_those_of_its_multiplier():
