@@ -19,9 +19,7 @@ from mechanics.solvers.kernels import fastest
 
 GEOMETRY_TOLERANCE = 1e-3  # of the step: how closely the geometry of forces and of positions must agree
 ALTERNATION = 0.5  # of the step: how far apart alternating mechanisms of rigid blocks may leave the blocks
-ASTRAY = (
-    1e-4  # of a block: the error of gaps that count where large models end before their geometry has settled
-)
+ASTRAY = 1e-4  # of a block: by how much gaps that count may err where a large model's step ends
 MOST_ITERATIONS = 30
 LARGE = 400  # contact points
 SETTLING = {"rigid": 3, "elastic": 8}  # iterations in which the geometry may go astray first
