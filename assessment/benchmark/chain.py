@@ -13,10 +13,10 @@ from tempfile import TemporaryDirectory
 
 from assessment.benchmark.measure import Row, once_a_step, seconds_of
 from assessment.benchmark.structures import assembly, template
+from assessment.stages import mirror_of
 from assessment.states import PAST_PEAK
-from mechanics import Assembly, pushdown, pushover
+from mechanics import pushdown, pushover
 from mechanics.assembly import Behaviour, Direction
-from mechanics.mirror import Mirror
 from mechanics.program import Program
 from mechanics.pushover import Pushover
 
@@ -53,7 +53,7 @@ def analyses(name: str) -> Iterator[Row]:
                 until = PAST_PEAK if contacts == "elastic" else 0.0
                 done = partial(pushover, model, control, way, contacts, increment, state, until)
                 if state is None and curve is not None:
-                    done = partial(_reflected, model, contacts, curve)
+                    done = partial(mirror_of(model, contacts).pushover, curve)
                 seconds, pushed = seconds_of(done)
                 curve = pushed
                 row = _row(
@@ -72,13 +72,6 @@ def analyses(name: str) -> Iterator[Row]:
         "seconds": total,
         "ratio": total / baseline,
     }
-
-
-def _reflected(model: Assembly, contacts: Behaviour, curve: Pushover) -> Pushover:
-    """The curve the other way of a structure that is its own mirror image, as both templates are."""
-    mirror = Mirror.of(model, contacts)
-    assert mirror is not None
-    return mirror.pushover(curve)
 
 
 def _row(case: str, seconds: float, programs: list[Program]) -> Row:

@@ -22,6 +22,7 @@ from assessment.benchmark.measure import Row, newtons_laid_out, seconds_of
 from assessment.benchmark.structures import assembly, block_on_base, segments_apart, template
 from assessment.idealisation import SECANT_SHARE
 from assessment.incremental import find_collapse
+from assessment.stages import mirror_of
 from assessment.states import PAST_PEAK
 from mechanics import Assembly, TimeHistory, pushover, time_history
 from mechanics.assembly import Behaviour, Direction
@@ -29,7 +30,6 @@ from mechanics.block import Array
 from mechanics.collapse import TURNED
 from mechanics.errors import NoEquilibriumError
 from mechanics.ground_motion import read_record
-from mechanics.mirror import Mirror
 from mechanics.pushover import Pushover
 from mechanics.solvers.newton import Newton
 from mechanics.static_step import find_step
@@ -152,9 +152,8 @@ def unchanged() -> Skip:
 
 def one_way() -> tuple[Array, int]:
     """Multipliers and displacement capacities of the buttressed arch in both directions, one of them by reflection."""
-    curve, mirror = _curve(), Mirror.of(assembly("buttressed-arch"), "rigid")
-    assert mirror is not None
-    return _capacities(curve, mirror.pushover(curve)), 1
+    curve = _curve()
+    return _capacities(curve, mirror_of(assembly("buttressed-arch"), "rigid").pushover(curve)), 1
 
 
 def both_ways() -> tuple[Array, int]:
