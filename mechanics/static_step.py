@@ -114,8 +114,8 @@ def find_step(
             followed = None if sought.large else sought.followed(at, solution.neighbour(program))
             if followed is not None and sought.left(*followed) <= GEOMETRY_TOLERANCE * size:
                 at, solution = followed
-                program, found = pose(at), _displaced(model, at, solution.displacement)
-                break
+                found = _displaced(model, at, solution.displacement)
+                return sought.step(at, pose(at), solution, found, solves=count + 1)
             if rigid and largest <= ALTERNATION * size:
                 break  # two mechanisms alternate, each the answer in the other's geometry: both are close enough
             block = int(np.argmax(abs(change).max(axis=1)))
