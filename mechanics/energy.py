@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eig_banded
+from scipy.sparse.linalg import LinearOperator, eigsh
 
 from mechanics.assembly import Assembly
 from mechanics.block import Array
@@ -84,7 +84,7 @@ def first_frequency(scene: Scene) -> float:
     _, normal, tangent = scene.geometry(scene.model.initial.positions)
     compliance = 1.0 / np.stack([k[:, 0], np.minimum(k[:, 1], RIGID_SHEAR * k[:, 0])], axis=1)
     state = np.full(len(k), STICKING)
-    band = np.zeros((len(newton.order), newton.width))
+    stored = np.empty_like(newton.stored)
     newton.kernels.repeat_matrix(
         newton.row,
         normal,
@@ -93,11 +93,19 @@ def first_frequency(scene: Scene) -> float:
         compliance,
         np.zeros(len(scene.mass)),
         state,
-        band,
+        stored,
+        newton.pattern,
     )
+    if not newton.iterations.factorise(stored, newton.pattern):
+        return 0.0
     root = np.sqrt(scene.mass[newton.order])
-    for offset in range(band.shape[1]):
-        size = len(root) - offset
-        band[:size, offset] /= root[:size] * root[offset:]
-    lowest = eig_banded(band.T, lower=True, eigvals_only=True, select="i", select_range=(0, 0))
-    return float(np.sqrt(max(lowest[0], 0.0)))
+
+    def flexibility(x: Array) -> Array:
+        y: Array = root * x.ravel()
+        newton.iterations.substitute(stored, newton.pattern, y)
+        return root * y
+
+    size = len(root)
+    operator = LinearOperator((size, size), matvec=flexibility, dtype=float)
+    largest = eigsh(operator, k=1, which="LA", v0=root, return_eigenvectors=False)
+    return float(1.0 / np.sqrt(largest[0]))

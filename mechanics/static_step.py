@@ -14,7 +14,7 @@ from mechanics.errors import NoEquilibriumError
 from mechanics.joints import Index
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Neighbour, Program, Solution
 from mechanics.solvers import banded, kernels, solve
-from mechanics.solvers.band import Band
+from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.kernels import fastest
 
 GEOMETRY_TOLERANCE = 1e-3  # of the step: how closely the geometry of forces and of positions must agree
@@ -219,9 +219,9 @@ class Sought:
 
 
 @lru_cache(maxsize=8)
-def band_of(model: Assembly, behaviour: Behaviour) -> Band:
+def band_of(model: Assembly, behaviour: Behaviour) -> Elimination:
     """Order and band of the matrices of a model's programs."""
-    return Band.of(_rows(model, behaviour), model.initial.positions[model.movable, :2])
+    return Elimination.of(_rows(model, behaviour), model.initial.positions[model.movable, :2])
 
 
 def _rows(model: Assembly, behaviour: Behaviour) -> Index:

@@ -12,7 +12,7 @@ from mechanics import limit_analysis, pushdown, pushover
 from mechanics.equilibrium import rest
 from mechanics.program import Neighbour, certify
 from mechanics.solvers import central_path, interior_step, solve
-from mechanics.solvers.band import Band
+from mechanics.solvers.elimination import Elimination
 from mechanics.static_step import find_step, programs
 from tests.structures import arch_on_piers, running_bond, semicircular_arch
 
@@ -41,7 +41,7 @@ def test_it_solves_a_program_as_piqp_does(model, behaviour, lateral):
     pose = programs(model, behaviour, model.initial, model.dead_load, size, load, 0.2 * size * model.weight)
     there = pose(model.initial.positions)
 
-    solution = central_path.solve(there, Band.of(there.dof), neighbour(there))
+    solution = central_path.solve(there, Elimination.of(there.dof), neighbour(there))
     assert solution is not None
     expected = solve(there)
     certificate = certify(there, solution.forces, solution.alpha, solution.displacement)
@@ -95,7 +95,7 @@ def test_compiled_iterations_are_the_plain_ones(model, behaviour, lateral, monke
     size = 1e-3
     pose = programs(model, behaviour, model.initial, model.dead_load, size, load, 0.2 * size * model.weight)
     program = pose(model.initial.positions)
-    layout, near = Band.of(program.dof), neighbour(program)
+    layout, near = Elimination.of(program.dof), neighbour(program)
     results = []
     for loops in (interior_step, quick):
         seen = []
@@ -104,9 +104,7 @@ def test_compiled_iterations_are_the_plain_ones(model, behaviour, lateral, monke
             seen.append(loops.measured(*arguments)[0])
             return loops.measured(*arguments)
 
-        watched = SimpleNamespace(
-            PADDING=loops.PADDING, measured=noted, advance=loops.advance, restore=loops.restore
-        )
+        watched = SimpleNamespace(measured=noted, advance=loops.advance, restore=loops.restore)
         monkeypatch.setattr(central_path, "_loops", lambda watched=watched: watched)
         found = central_path.solve(program, layout, near)
         assert found is not None
@@ -123,7 +121,7 @@ def test_where_nothing_stands_no_step_is_followed():
     size = 1e-3
     pose = programs(model, "rigid", model.initial, model.dead_load, size)
     there = pose(model.initial.positions)
-    layout = Band.of(there.dof)
+    layout = Elimination.of(there.dof)
     assert central_path.solve(there, layout, unaware(there)) is None
     assert central_path.follow(lambda x: there, layout, unaware(there)) is None
 
@@ -160,7 +158,7 @@ def test_a_neighbour_saves_iterations(monkeypatch):
     counts.clear()
     central_path.follow(
         lambda x: program(_moved(start.state.positions, x)),
-        Band.of(program(start.state.positions).dof),
+        Elimination.of(program(start.state.positions).dof),
         unaware(program(start.state.positions)),
     )
     assert again.solves == 1
@@ -176,11 +174,11 @@ def _moved(positions, x):
 
 def test_the_band_holds_every_pair_of_touching_blocks():
     program = programs(WALL, "rigid", WALL.initial, WALL.dead_load, 1e-3)(WALL.initial.positions)
-    layout = Band.of(program.dof)
+    layout = Elimination.of(program.dof, compiled=False)
     assert sorted(layout.order) == list(range(len(program.load)))
     assert np.array_equal(layout.order[layout.back], np.arange(len(program.load)))
     both = layout.row[(layout.row >= 0).all(axis=1)]
-    assert abs(both[:, 0] - both[:, 1]).max() + 3 == layout.width < len(program.load) / 2
+    assert abs(both[:, 0] - both[:, 1]).max() + 3 == layout.places < len(program.load) / 2
 
 
 def test_a_program_near_another_takes_no_other_solver(monkeypatch):
@@ -191,7 +189,7 @@ def test_a_program_near_another_takes_no_other_solver(monkeypatch):
     program = pose(model.initial.positions)
     expected = solve(program)
     monkeypatch.setattr("mechanics.solvers.interior_point.solve", None)
-    found = solve(program, expected.neighbour(program), Band.of(program.dof))
+    found = solve(program, expected.neighbour(program), Elimination.of(program.dof))
     assert found.alpha == pytest.approx(expected.alpha, abs=1e-7)
     assert found.certificate.worst(program.step) <= central_path.MOST
 
@@ -206,7 +204,7 @@ def test_a_geometry_that_goes_to_and_fro_is_followed_no_longer():
         posed.append(replace(there, gap=there.gap + (-1) ** len(posed) * size * np.array([0.0, 0.5])))
         return posed[-1]
 
-    _, solution = central_path.follow(pose, Band.of(there.dof), neighbour(there))
+    _, solution = central_path.follow(pose, Elimination.of(there.dof), neighbour(there))
     certificate = certify(posed[-1], solution.forces, solution.alpha, solution.displacement)
     assert certificate.worst(size) <= central_path.MOST
     assert abs(solution.displacement).max() > 1e-2 * size

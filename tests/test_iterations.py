@@ -14,6 +14,8 @@ from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.solvers import iterations, kernels
 from mechanics.solvers.band import envelope, runs
+from mechanics.solvers.dissection import NO_FRONTS
+from mechanics.solvers.elimination import PADDING, Elimination, Pattern
 from mechanics.solvers.iterations import worst
 from mechanics.solvers.threads import _libraries, one_thread
 from tests.steps import euler_step
@@ -43,26 +45,32 @@ def banded(row: Index, blocks: int, places: int) -> Array:
     return band
 
 
+def pattern_of(row: Index, blocks: int, places: int) -> Pattern:
+    """Of a band."""
+    order = np.arange(3 * blocks)
+    return Elimination(order, order, row, places, NO_FRONTS).pattern
+
+
 @pytest.mark.parametrize("share", [1.0, 0.3])
 @pytest.mark.parametrize(("blocks", "reach"), [(1, 0), (2, 1), (3, 2), (5, 3), (22, 1), (40, 9), (61, 20)])
 def test_compiled_factorisation_is_that_of_lapack(blocks: int, reach: int, share: float) -> None:
     """Bands narrower and wider than a tile and than the matrix, full and ragged; factor and solution to rounding."""
     cholesky = pytest.importorskip("mechanics.solvers.cholesky")
     row, width = linked(blocks, reach, share), 3 * reach + 3
-    band, reached = banded(row, blocks, width + cholesky.PADDING), envelope(row, 3 * blocks)
+    band, pattern = banded(row, blocks, width + PADDING), pattern_of(row, blocks, width + PADDING)
     factor, failed = lapack.dpbtrf(band[:, :width].T.copy(), lower=1)
     assert not failed
     b = np.random.default_rng(1).uniform(-1.0, 1.0, len(band))
     x = b.copy()
-    assert cholesky.factorise(band, reached)
-    cholesky.substitute(band, reached, x)
+    assert cholesky.factorise(band.ravel(), pattern)
+    cholesky.substitute(band.ravel(), pattern, x)
     assert x == pytest.approx(lapack.dpbtrs(factor, b, lower=1)[0], rel=1e-12, abs=1e-14)
     band[:, 0] = 1.0 / band[:, 0]  # which is stored inverted
     for k in range(len(band)):
         inside = min(width, len(band) - k)
         assert band[k, :inside] == pytest.approx(factor.T[k, :inside], rel=1e-12, abs=1e-13)
         assert not band[k, inside:].any(), "what is beyond the band stays zero"
-        assert not band[k, reached[k, 1] + 1 - k :].any()
+        assert not band[k, pattern.envelope[k, 1] + 1 - k :].any()
 
 
 @pytest.mark.parametrize("row", [0, 4, 11])
@@ -70,9 +78,9 @@ def test_a_matrix_that_is_not_positive_definite_is_told(row: int) -> None:
     cholesky = pytest.importorskip("mechanics.solvers.cholesky")
     pairs = linked(4, 1, 1.0)
     for value in (0.0, -1.0, np.nan):
-        band = banded(pairs, 4, 6 + cholesky.PADDING)
+        band = banded(pairs, 4, 6 + PADDING)
         band[row, 0] = value
-        assert not cholesky.factorise(band, envelope(pairs, 12))
+        assert not cholesky.factorise(band.ravel(), pattern_of(pairs, 4, 6 + PADDING))
 
 
 def test_envelope_of_a_few_links() -> None:
@@ -232,7 +240,9 @@ def test_corrections_end_where_they_are_many() -> None:
     state = np.full(len(forces), kernels.STICKING)
     scale = (program.weight, program.size, program.step, 1e-6)
     posed = newton._posed(program, program.mass[newton.order], program.load[newton.order])
-    count, residuals = iterations.semismooth(*posed, x, forces, state, newton.band, newton.envelope, scale, 3)
+    count, residuals = iterations.semismooth(
+        *posed, x, forces, state, newton.stored, newton.pattern, scale, 3
+    )
     assert count == 1
     assert worst(residuals, program.weight, program.step) == np.inf
     assert not x.any() and not forces.any()

@@ -93,7 +93,7 @@ def test_band_is_narrow_and_known_states_need_one_factorisation() -> None:
     model = running_bond(6, 6)
     program = euler_step(model, "rigid", model.initial, 0.0)
     newton = newton_for(model, program)
-    assert newton.width <= 3 * 16, "reverse Cuthill–McKee: courses of at most 7 bricks"
+    assert newton.pattern.places <= 3 * 16, "reverse Cuthill–McKee: courses of at most 7 bricks"
     first = newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
     before = newton.factorisations
     newton.solve(program, np.zeros(len(program.load)), first.forces)
@@ -197,8 +197,9 @@ def test_sweeps_order_a_wall_by_its_courses() -> None:
     newton = Newton(
         np.concatenate([model.dof[contacts.a], model.dof[contacts.b]], axis=1),
         model.initial.positions[model.movable, :2],
+        kernels,
     )
-    assert newton.width <= 3 * 20, "reverse Cuthill–McKee has 3 · 28"
+    assert newton.pattern.places <= 3 * 20, "reverse Cuthill–McKee has 3 · 28"
 
 
 def counted(

@@ -11,7 +11,7 @@ from mechanics.block import GRAVITY, Array
 from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.program import Neighbour, Program, Solution, certify
 from mechanics.solvers import interior_point, kernels
-from mechanics.solvers.band import Band
+from mechanics.solvers.elimination import Elimination
 
 Answer = tuple[Array, float, Array]
 
@@ -28,7 +28,7 @@ def banded(contacts: int) -> bool:
     return contacts >= (plain if kernels.fastest() is kernels else compiled)
 
 
-def solve(program: Program, near: Neighbour | None = None, layout: Band | None = None) -> Solution:
+def solve(program: Program, near: Neighbour | None = None, layout: Elimination | None = None) -> Solution:
     """The first certified solution.
 
     A static program of some size goes to the banded interior-point method, which begins `near` the solution of another
@@ -66,19 +66,19 @@ def solve(program: Program, near: Neighbour | None = None, layout: Band | None =
 
 
 def _by_bands(
-    program: Program, near: Neighbour | None, layout: Band | None, start: Array | None = None
+    program: Program, near: Neighbour | None, layout: Elimination | None, start: Array | None = None
 ) -> Solution | None:
     """A static program's solution by the banded interior-point method."""
     from mechanics.solvers import central_path
 
-    return central_path.solve(program, layout or Band.of(program.dof), near, start)
+    return central_path.solve(program, layout or Elimination.of(program.dof), near, start)
 
 
 def _worst(program: Program, solution: Solution) -> float:
     return solution.certificate.worst(program.step)
 
 
-def imbalance(program: Program, layout: Band | None = None) -> float:
+def imbalance(program: Program, layout: Elimination | None = None) -> float:
     """The least acceleration, per gravity, with which blocks of mean mass would start to move (Gauss's principle).
 
     Every contact point of a static program counts as closed and rigid. This auxiliary program always has a solution:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -17,47 +15,6 @@ PART = 512  # contact points: what passes between loops over so many stays in th
 SWEEPS, TILT = 16, 0.01  # directions (of π), and the angle (rad) that keeps the blocks of a course in order
 
 
-@dataclass(frozen=True, eq=False)
-class Band:
-    """Rows of equilibrium in the order of their blocks.
-
-    `order` (m,): the program's row at each place of the band, `back` (m,) its inverse; `row` (c, 2): first of the three
-    places of block a and of block b of each contact point, −1 for a support; `width`: places below and on the diagonal.
-    """
-
-    order: Index
-    back: Index
-    row: Index
-    width: int
-
-    @classmethod
-    def of(cls, dof: Index, centres: Array | None = None) -> Band:
-        """The order for contact points of rows `dof` (c, 6), as in Program; `centres` (m/3, 2) of the blocks help."""
-        blocks = (int(dof.max(initial=-1)) + 1) // 3 if centres is None else len(centres)
-        pairs = dof[:, [0, 3]] // 3
-        linked = pairs[(pairs >= 0).all(axis=1)]
-        order = narrowest_order(linked, blocks, centres)
-        rank = np.argsort(order)
-        rows = (3 * order[:, None] + np.arange(3)).ravel()
-        # contiguous by points: compiled loops are compiled once for each layout of their arrays
-        row = np.ascontiguousarray(np.where(pairs >= 0, 3 * rank[pairs], -1), dtype=np.intp)
-        return cls(rows, np.argsort(rows), row, 3 * _half_band(linked, order) + 3)
-
-    def take(self, index: Index) -> Band:
-        """The same order for a choice of the contact points."""
-        return Band(self.order, self.back, self.row[index], self.width)
-
-    @cached_property
-    def envelope(self) -> Index:
-        """What of the band its factors fill, see `envelope`."""
-        return envelope(self.row, len(self.order))
-
-    @cached_property
-    def runs(self) -> Runs:
-        """The contact points of the same two blocks, see `runs`."""
-        return runs(self.row)
-
-
 def narrowest_order(linked: Index, blocks: int, centres: Array | None) -> Index:
     """The order of the blocks (b,) in which linked pairs (l, 2) lie closest: reverse Cuthill–McKee's, or a sweep's.
 
@@ -68,10 +25,11 @@ def narrowest_order(linked: Index, blocks: int, centres: Array | None) -> Index:
     if centres is not None:
         for angle in np.pi * np.arange(SWEEPS) / SWEEPS + TILT:
             orders += [np.argsort(centres @ (np.cos(angle), np.sin(angle)), kind="stable")]
-    return min(orders, key=lambda order: _half_band(linked, order))
+    return min(orders, key=lambda order: half_band(linked, order))
 
 
-def _half_band(linked: Index, order: Index) -> int:
+def half_band(linked: Index, order: Index) -> int:
+    """The largest distance between linked blocks in that order."""
     rank = np.argsort(order)
     return int(abs(rank[linked[:, 0]] - rank[linked[:, 1]]).max(initial=0))
 

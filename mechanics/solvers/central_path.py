@@ -19,7 +19,7 @@ import numpy as np
 from mechanics.block import Array
 from mechanics.program import LARGEST_MULTIPLIER, Neighbour, Program, Solution, certify
 from mechanics.solvers import GOOD, kernels
-from mechanics.solvers.band import Band
+from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior_step import HOLDING, Posed
 from mechanics.solvers.kernels import Residuals
 from mechanics.solvers.threads import one_thread
@@ -36,17 +36,19 @@ FROZEN = 3e-4  # of the step: displacements that do not change the geometry
 
 
 def solve(
-    program: Program, layout: Band, near: Neighbour | None = None, start: Array | None = None
+    program: Program, layout: Elimination, near: Neighbour | None = None, start: Array | None = None
 ) -> Solution | None:
     """The certified solution of a static program, sought `near` that of another where there is one; None: not found.
 
-    `layout`: the band of its matrices; `start` (m,): displacements to begin at.
+    `layout`: of its matrices; `start` (m,): displacements to begin at.
     """
     found = _run(program, layout, near, start, None)
     return None if found is None else found[1]
 
 
-def follow(pose: Callable[[Array], Program], layout: Band, near: Neighbour) -> tuple[Array, Solution] | None:
+def follow(
+    pose: Callable[[Array], Program], layout: Elimination, near: Neighbour
+) -> tuple[Array, Solution] | None:
     """Displacements (m,) and the certified solution of the program posed there; None where nothing is found.
 
     `pose` gives the program at displacements, counted from them: every iteration, beginning at none, goes on in the
@@ -58,7 +60,7 @@ def follow(pose: Callable[[Array], Program], layout: Band, near: Neighbour) -> t
 
 @dataclass(eq=False)
 class _Iterate:
-    """Displacements (m,) in the order of the band, multiplier, forces (c, 2) kN and gaps (c, 2) m along the rays.
+    """Displacements (m,) in the order of elimination, multiplier, forces (c, 2) kN and gaps (c, 2) m along the rays.
 
     `last`: the last step in x.
     """
@@ -73,7 +75,7 @@ class _Iterate:
 @one_thread()
 def _run(
     program: Program,
-    layout: Band,
+    layout: Elimination,
     near: Neighbour | None,
     start: Array | None,
     pose: Callable[[Array], Program] | None,
@@ -82,7 +84,7 @@ def _run(
     at = _begin(program, near)
     if start is not None:
         at.x[:] = start[layout.order]
-    band = np.zeros((len(layout.order), layout.width + loops.PADDING))
+    stored = layout.matrix()
     lateral = np.zeros(0) if program.lateral is None else program.lateral[layout.order]
     scale = program.weight, program.size, program.step
     accepted = min(PER_BLOCK * len(x) / 3, MOST)
@@ -96,7 +98,7 @@ def _run(
         missing = float(lateral @ at.x) - program.work if len(lateral) else 0.0
         unbalanced, products, lacking = _shares(residuals, program, missing)
         if unbalanced <= NEARLY and max(products, lacking) <= accepted:
-            restored = _restored(program, layout, at, posed, lateral, band, loops)
+            restored = _restored(program, layout, at, posed, lateral, stored, loops)
             quality = restored.certificate
             if quality.equilibrium <= GOOD and quality.worst(program.step) <= accepted:
                 return x, restored
@@ -108,8 +110,8 @@ def _run(
             progress.clear()
         holding = max(LET_GO * holding, HOLDING)
         led, at.alpha, holding = loops.advance(
-            posed, lack, lateral, program.work, scale, holding, at.x, at.alpha, at.s, at.z, at.last, band,
-            layout.envelope,
+            posed, lack, lateral, program.work, scale, holding, at.x, at.alpha, at.s, at.z, at.last, stored,
+            layout.pattern,
         )  # fmt: skip
         if not led or abs(at.alpha) > LARGEST_MULTIPLIER:
             return None
@@ -142,7 +144,7 @@ def _begin(program: Program, near: Neighbour | None) -> _Iterate:
     return _Iterate(still, near.alpha, s, z, still.copy())
 
 
-def _posed(program: Program, layout: Band) -> Posed:
+def _posed(program: Program, layout: Elimination) -> Posed:
     p = program
     return layout.row, p.normal, p.tangent, p.gap, p.friction, p.compliance, layout.runs
 
@@ -159,12 +161,18 @@ def _shares(residuals: Residuals, program: Program, missing: float) -> tuple[flo
 
 
 def _restored(
-    program: Program, layout: Band, at: _Iterate, posed: Posed, lateral: Array, band: Array, loops: ModuleType
+    program: Program,
+    layout: Elimination,
+    at: _Iterate,
+    posed: Posed,
+    lateral: Array,
+    stored: Array,
+    loops: ModuleType,
 ) -> Solution:
     """The iterate with forces changed by the least shares of themselves that restore equilibrium."""
     s, scale = at.s.copy(), (program.weight, program.size, program.step)
     load = program.load[layout.order]
-    alpha = loops.restore(posed, load, lateral, scale, s, at.alpha, band, layout.envelope)
+    alpha = loops.restore(posed, load, lateral, scale, s, at.alpha, stored, layout.pattern)
     n = 1.0 / np.hypot(1.0, program.friction)
     forces = np.stack([n * (s[:, 0] + s[:, 1]), program.friction * n * (s[:, 0] - s[:, 1])], axis=1)
     displacement = at.x[layout.back]

@@ -1,8 +1,7 @@
-"""Cholesky's factorisation of banded matrices and its substitutions, compiled: for narrow bands quicker than LAPACK.
+"""Cholesky's factorisation of the matrices of the program and its substitutions, compiled: quicker than LAPACK.
 
-Matrices as in kernels: entry (i, j), i ≥ j, at [j, i − j], of a factor the inverse on the diagonal; and `PADDING`
-columns of zeros beyond the band, so that a tile of ROWS × COLUMNS, no more columns than rows, may reach over its edge.
-A tile stays in vector registers until it is a part of the factor.
+A matrix is stored as its pattern says (see elimination): in a band, entry (i, j), i ≥ j, at j places + i − j, or in the
+panels of fronts. Of a factor the inverse stands on the diagonal.
 """
 
 from __future__ import annotations
@@ -10,148 +9,74 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from llvmlite import ir
-from numba.core import types
-from numba.extending import intrinsic
 
 from mechanics.block import Array
 from mechanics.solvers.compiler import compiler
+from mechanics.solvers.tiles import BYTES, COLUMNS, ROWS, below, half_below, sums
 
-ROWS, COLUMNS = 8, 6  # of a tile
-PADDING = ROWS + COLUMNS - 1
-BYTES = 8  # of a number
-_intrinsic: Any = intrinsic
 compiled = compiler("contract", "reassoc")
 
 
-VECTOR, WHOLE = ir.VectorType(ir.DoubleType(), ROWS), ir.IntType(64)
-
-
-def _at(builder: Any, address: Any, kind: Any) -> Any:
-    return builder.load(builder.inttoptr(address, kind.as_pointer()), align=BYTES)
-
-
-def _everywhere(builder: Any, address: Any) -> Any:
-    """The number at an address, in every place of a vector."""
-    undefined, first = ir.Constant(VECTOR, ir.Undefined), ir.IntType(32)(0)
-    number = builder.insert_element(undefined, _at(builder, address, ir.DoubleType()), first)
-    return builder.shuffle_vector(
-        number, undefined, ir.Constant(ir.VectorType(ir.IntType(32), ROWS), [0] * ROWS)
-    )
-
-
-def _product(builder: Any, left: Any, right: Any) -> Any:
-    return builder.fmul(left, right, flags=("contract",))
-
-
-def _sums(builder: Any, column: Any, count: Any, stride: Any, rows: Any) -> list[Any]:
-    """Σₖ L[i + r, k] L[j + c, k] over `count` columns k, if any: a vector over r for every c; as in _diagonal."""
-    nothing = ir.Constant(VECTOR, [0.0] * ROWS)
-    before, loop = builder.block, builder.append_basic_block("tile")
-    after = builder.append_basic_block("tiled")
-    builder.cbranch(builder.icmp_signed(">", count, WHOLE(0)), loop, after)
-    builder.position_at_end(loop)
-    k, at = builder.phi(WHOLE), builder.phi(WHOLE)
-    sums = [builder.phi(VECTOR) for _ in range(COLUMNS)]
-    left, grown = _at(builder, builder.add(at, rows), VECTOR), []
-    for c, total in enumerate(sums):
-        right = _everywhere(builder, builder.add(at, WHOLE(BYTES * c)))
-        grown.append(builder.fadd(total, _product(builder, left, right), flags=("contract",)))
-    following = builder.add(k, WHOLE(1))
-    for phi, start, new in [
-        (k, WHOLE(0), following),
-        (at, column, builder.add(at, stride)),
-        *((total, nothing, new) for total, new in zip(sums, grown, strict=True)),
-    ]:
-        phi.add_incoming(start, before)
-        phi.add_incoming(new, loop)
-    builder.cbranch(builder.icmp_signed("<", following, count), loop, after)
-    builder.position_at_end(after)
-    found = [builder.phi(VECTOR) for _ in range(COLUMNS)]
-    for phi, new in zip(found, grown, strict=True):
-        phi.add_incoming(nothing, before)
-        phi.add_incoming(new, loop)
-    return found
-
-
-@_intrinsic
-def _diagonal(typing_context: Any, column: Any, count: Any, stride: Any, out: Any) -> Any:
-    """Σₖ L[j + r, k] L[j + c, k] into `out`, [c, r], over `count` columns k; all arguments are addresses in bytes.
-
-    `column`: of L[j, k] for the first k; the next one is `stride` on.
-    """
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        column, count, stride, out = arguments
-        for c, total in enumerate(_sums(builder, column, count, stride, WHOLE(0))):
-            target = builder.inttoptr(builder.add(out, WHOLE(BYTES * ROWS * c)), VECTOR.as_pointer())
-            builder.store(total, target, align=BYTES)
-        return context.get_dummy_value()
-
-    return types.void(*[types.intp] * 4), generate
-
-
-@_intrinsic
-def _below(
-    typing_context: Any, column: Any, count: Any, stride: Any, rows: Any, diagonal: Any, inverse: Any
-) -> Any:
-    """L[i + r, j + c] in place of the matrix: the sums as in _diagonal are taken off, and Lᵀ of the diagonal inverted.
-
-    `rows`: from L[j, k] to L[i, k]; `diagonal`: of L[j, j]; `inverse`: of 1/L[j + c, j + c], one after the other.
-    """
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        column, count, stride, rows, diagonal, inverse = arguments
-        found: list[Any] = []
-        columns: list[Any] = []
-        at = diagonal
-        for c, total in enumerate(_sums(builder, column, count, stride, rows)):
-            target = builder.add(at, rows)
-            value = builder.fsub(_at(builder, target, VECTOR), total, flags=("contract",))
-            for other, start in zip(found, columns, strict=True):
-                share = _everywhere(builder, builder.add(start, WHOLE(BYTES * c)))
-                value = builder.fsub(value, _product(builder, other, share), flags=("contract",))
-            value = _product(builder, value, _everywhere(builder, builder.add(inverse, WHOLE(BYTES * c))))
-            builder.store(value, builder.inttoptr(target, VECTOR.as_pointer()), align=BYTES)
-            found.append(value)
-            columns.append(at)
-            at = builder.add(at, stride)
-        return context.get_dummy_value()
-
-    return types.void(*[types.intp] * 6), generate
+@compiled
+def factorise(matrix: Array, pattern: Any) -> bool:
+    """The factor L of LLᵀ in place of a positive definite matrix; False if it is none."""
+    if len(pattern.fronts.first):
+        return _fronts(matrix, pattern.fronts)
+    return _band(matrix, pattern.places, pattern.envelope)
 
 
 @compiled
-def factorise(band: Array, envelope: Any) -> bool:
-    """The factor L of LLᵀ in place of a positive definite matrix of that envelope (see band); False if it is none."""
-    n, places = band.shape
+def substitute(matrix: Array, pattern: Any, x: Array) -> None:
+    """The solution of LLᵀx = b in place of b (m,), three rows a block; of an empty b none."""
+    if len(x) == 0:
+        return
+    if len(pattern.fronts.first):
+        _through_fronts(matrix, pattern.fronts, x)
+    else:
+        _through_band(matrix, pattern.places, pattern.envelope, x)
+
+
+@compiled
+def _band(band: Array, places: int, envelope: Any) -> bool:
+    n = len(envelope)
     tile, inverse = np.empty((COLUMNS, ROWS)), np.empty(COLUMNS)
-    base, out, stride = band.ctypes.data, tile.ctypes.data, BYTES * (places - 1)
+    base, stride = band.ctypes.data, BYTES * (places - 1)
     for j in range(0, n, COLUMNS):
         columns = min(COLUMNS, n - j)
         end = envelope[j + columns - 1, 1] + 1
         first = _first(envelope, j, end)
-        _diagonal(base + BYTES * (first * places + j - first), j - first, stride, out)
-        for c in range(columns):
-            for r in range(c, ROWS):
-                tile[c, r] = band[j + c, r - c] - tile[c, r]
-        for c in range(columns):
-            if not tile[c, c] > 0.0:
-                return False
-            inverse[c] = 1.0 / np.sqrt(tile[c, c])
-            for r in range(c, ROWS):
-                tile[c, r] *= inverse[c]
-                band[j + c, r - c] = tile[c, r]
-            band[j + c, 0] = inverse[c]
-            for d in range(c + 1, columns):
-                for r in range(d, ROWS):
-                    tile[d, r] -= tile[c, d] * tile[c, r]
+        column = base + BYTES * (first * places + j - first)
+        if not _tile(band, j * places, places - 1, column, j - first, columns, tile, inverse):
+            return False
         for i in range(j + ROWS, end, ROWS):
             first = min(j, _first(envelope, i, end))
-            _below(
+            below(
                 base + BYTES * (first * places + j - first), j - first, stride, BYTES * (i - j),
                 base + BYTES * j * places, inverse.ctypes.data,
             )  # fmt: skip
+    return True
+
+
+@compiled
+def _tile(
+    matrix: Array, at: int, height: int, column: int, count: int, columns: int, tile: Array, inverse: Array
+) -> bool:
+    """The factor of the tile on the diagonal, whose first number is `at`; the columns before it as in tiles.sums."""
+    sums(column, count, BYTES * height, 0, tile.ctypes.data, BYTES * ROWS)
+    for c in range(columns):
+        for r in range(c, ROWS):
+            tile[c, r] = matrix[at + c * height + r] - tile[c, r]
+    for c in range(columns):
+        if not tile[c, c] > 0.0:
+            return False
+        inverse[c] = 1.0 / np.sqrt(tile[c, c])
+        for r in range(c, ROWS):
+            tile[c, r] *= inverse[c]
+            matrix[at + c * height + r] = tile[c, r]
+        matrix[at + c * height + c] = inverse[c]
+        for d in range(c + 1, columns):
+            for r in range(d, ROWS):
+                tile[d, r] -= tile[c, d] * tile[c, r]
     return True
 
 
@@ -165,29 +90,150 @@ def _first(envelope: Any, i: int, end: int) -> int:
 
 
 @compiled
-def substitute(band: Array, envelope: Any, x: Array) -> None:
-    """The solution of LLᵀx = b in place of b (m,), three rows a block."""
+def _fronts(panels: Array, fronts: Any) -> bool:
+    """Front by front: its own columns, then what later fronts lose by them (supernodal, right-looking)."""
+    tile, inverse = np.empty((COLUMNS, ROWS)), np.empty(COLUMNS)
+    update = np.empty(fronts.largest)
+    for k in range(len(fronts.base)):
+        height, own = fronts.height[k], fronts.first[k + 1] - fronts.first[k]
+        if not _panel(panels, fronts.base[k], height, own, tile, inverse):
+            return False
+        _update(panels, fronts.base[k], height, own, update)
+        _take_off(panels, fronts, k, update, height - own)
+    return True
+
+
+@compiled
+def _panel(panels: Array, base: int, height: int, own: int, tile: Array, inverse: Array) -> bool:
+    """The columns of the factor in a panel of so many columns of its own."""
+    start, stride = panels.ctypes.data + BYTES * base, BYTES * height
+    for j in range(0, own, COLUMNS):
+        columns, column = min(COLUMNS, own - j), start + BYTES * j
+        if not _tile(panels, base + j * height + j, height, column, j, columns, tile, inverse):
+            return False
+        diagonal = column + j * stride
+        for i in range(j + ROWS, height - ROWS + 1, ROWS):
+            if columns == COLUMNS:
+                below(column, j, stride, BYTES * (i - j), diagonal, inverse.ctypes.data)
+            else:
+                half_below(column, j, stride, BYTES * (i - j), diagonal, inverse.ctypes.data)
+    return True
+
+
+@compiled
+def _update(panels: Array, base: int, height: int, own: int, update: Array) -> None:
+    """The products of the rows below, the lower triangle by columns."""
+    tall = height - own
+    first = panels.ctypes.data + BYTES * (base + own)
+    for j in range(0, tall - ROWS + 1, COLUMNS):
+        for i in range(j, tall - ROWS + 1, ROWS):
+            sums(
+                first + BYTES * j, own, BYTES * height, BYTES * (i - j),
+                update.ctypes.data + BYTES * (j * tall + i), BYTES * tall,
+            )  # fmt: skip
+
+
+@compiled
+def _take_off(panels: Array, fronts: Any, k: int, update: Array, tall: int) -> None:
+    """Take the products off the panels of the later fronts."""
+    begin = fronts.start[k]
+    count = fronts.start[k + 1] - begin
+    for aim in range(fronts.aim[k], fronts.aim[k + 1]):
+        later, first, end, laid = fronts.targets[aim]
+        for j in range(first, end):
+            column = fronts.base[later] + fronts.place[laid + j - first] * fronts.height[later]
+            for e in range(3):
+                i = j
+                while i < count:
+                    beside = fronts.together[laid + i - first]
+                    to = column + fronts.place[laid + i - first]
+                    of = (3 * j + e) * tall + 3 * i
+                    _less(panels[to : to + beside], update[of : of + beside])
+                    i += beside // 3
+                column += fronts.height[later]
+
+
+@compiled
+def _less(to: Array, of: Array) -> None:
+    for i in range(len(to)):
+        to[i] -= of[i]
+
+
+@compiled
+def _through_band(band: Array, places: int, envelope: Any, x: Array) -> None:
     n = len(x)
     for j in range(0, n, 3):
-        p, q, r = band[j], band[j + 1], band[j + 2]
-        a = x[j] * p[0]
-        b = (x[j + 1] - p[1] * a) * q[0]
-        c = (x[j + 2] - p[2] * a - q[1] * b) * r[0]
-        x[j], x[j + 1], x[j + 2] = a, b, c
-        below = x[j + 3 : envelope[j + 2, 1] + 1]
-        p, q, r = p[3 : 3 + len(below)], q[2 : 2 + len(below)], r[1 : 1 + len(below)]
-        for e in range(len(below)):
-            below[e] -= a * p[e] + b * q[e] + c * r[e]
+        _forward(band, j * places, places - 1, x[j : envelope[j + 2, 1] + 1])
     for j in range(n - 3, -1, -3):
-        p, q, r = band[j], band[j + 1], band[j + 2]
-        below = x[j + 3 : envelope[j + 2, 1] + 1]
-        u, v, w = p[3 : 3 + len(below)], q[2 : 2 + len(below)], r[1 : 1 + len(below)]
-        a, b, c = 0.0, 0.0, 0.0
-        for e in range(len(below)):
-            a += u[e] * below[e]
-            b += v[e] * below[e]
-            c += w[e] * below[e]
-        c = (x[j + 2] - c) * r[0]
-        b = (x[j + 1] - b - q[1] * c) * q[0]
-        a = (x[j] - a - p[1] * b - p[2] * c) * p[0]
-        x[j], x[j + 1], x[j + 2] = a, b, c
+        _backward(band, j * places, places - 1, x[j : envelope[j + 2, 1] + 1])
+
+
+@compiled
+def _forward(matrix: Array, at: int, height: int, x: Array) -> None:
+    """Three rows from `at` on the diagonal, and what those below lose by them."""
+    p, q, r = _three(matrix, at, height, len(x))
+    a = x[0] * p[0]
+    b = (x[1] - p[1] * a) * q[0]
+    c = (x[2] - p[2] * a - q[1] * b) * r[0]
+    x[0], x[1], x[2] = a, b, c
+    below = x[3:]
+    p, q, r = p[3:], q[2:], r[1:]
+    for e in range(len(below)):
+        below[e] -= a * p[e] + b * q[e] + c * r[e]
+
+
+@compiled
+def _backward(matrix: Array, at: int, height: int, x: Array) -> None:
+    """Three rows from `at` on the diagonal, less what those below bring."""
+    p, q, r = _three(matrix, at, height, len(x))
+    below, u, v, w = x[3:], p[3:], q[2:], r[1:]
+    a, b, c = 0.0, 0.0, 0.0
+    for e in range(len(below)):
+        a += u[e] * below[e]
+        b += v[e] * below[e]
+        c += w[e] * below[e]
+    c = (x[2] - c) * r[0]
+    b = (x[1] - b - q[1] * c) * q[0]
+    x[0], x[1], x[2] = (x[0] - a - p[1] * b - p[2] * c) * p[0], b, c
+
+
+@compiled
+def _three(matrix: Array, at: int, height: int, length: int) -> tuple[Array, Array, Array]:
+    """Three columns of a matrix from the diagonal down, as far as the first one's length leads."""
+    second, third, end = at + height + 1, at + 2 * height + 2, at + length
+    return matrix[at:end], matrix[second : end + height], matrix[third : end + 2 * height]
+
+
+@compiled
+def _through_fronts(panels: Array, fronts: Any, x: Array) -> None:
+    seen = np.empty(fronts.height.max())
+    count = len(fronts.base)
+    for k in range(count):
+        first, own, rows = _see(fronts, k, x, seen)
+        for j in range(0, own, 3):
+            _forward(panels, fronts.base[k] + j * (fronts.height[k] + 1), fronts.height[k], seen[j:rows])
+        x[first : first + own] = seen[:own]
+        at = own
+        for i in range(fronts.start[k], fronts.start[k + 1]):
+            row = fronts.below[i]
+            x[row], x[row + 1], x[row + 2] = seen[at], seen[at + 1], seen[at + 2]
+            at += 3
+    for k in range(count - 1, -1, -1):
+        first, own, rows = _see(fronts, k, x, seen)
+        for j in range(own - 3, -1, -3):
+            _backward(panels, fronts.base[k] + j * (fronts.height[k] + 1), fronts.height[k], seen[j:rows])
+        x[first : first + own] = seen[:own]
+
+
+@compiled
+def _see(fronts: Any, k: int, x: Array, seen: Array) -> tuple[int, int, int]:
+    """The first row of a front, the number of its own and of all its rows, whose values in x are written to `seen`."""
+    first = fronts.first[k]
+    own = fronts.first[k + 1] - first
+    seen[:own] = x[first : first + own]
+    at = own
+    for i in range(fronts.start[k], fronts.start[k + 1]):
+        row = fronts.below[i]
+        seen[at], seen[at + 1], seen[at + 2] = x[row], x[row + 1], x[row + 2]
+        at += 3
+    return first, own, at

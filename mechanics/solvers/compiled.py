@@ -151,24 +151,33 @@ def _push(row: Any, k: int, fn: float, ft: float, normal: Array, tangent: Array,
 
 @compiled
 def _stiffen(
-    row: Any, k: int, knn: float, knt: float, ktt: float, normal: Array, tangent: Array, band: Array
-) -> None:
-    i, j = row[k, 0], row[k, 1]
+    row: Any, k: int, knn: float, knt: float, ktt: float, normal: Array, tangent: Array, matrix: Array, pattern: Any
+) -> None:  # fmt: skip
     for side in range(2):
-        first = row[k, side]
-        if first >= 0:
+        if row[k, side] >= 0:
+            at, step = pattern.own[row[k, side] // 3], pattern.step[row[k, side] // 3]
             for h in range(3):
                 n, t = normal[k, 3 * side + h], tangent[k, 3 * side + h]
                 pn, pt = knn * n + knt * t, knt * n + ktt * t
                 for e in range(h, 3):
-                    band[first + h, e - h] += pn * normal[k, 3 * side + e] + pt * tangent[k, 3 * side + e]
-    if i >= 0 and j >= 0:
-        high, low, below, above = (0, 3, j, i) if i > j else (3, 0, i, j)
+                    matrix[at + h * step + e] += pn * normal[k, 3 * side + e] + pt * tangent[k, 3 * side + e]
+    at, step = pattern.between[k], pattern.stride[k]
+    if at >= 0:
+        high, low = (0, 3) if row[k, 0] > row[k, 1] else (3, 0)
         for h in range(3):
             n, t = normal[k, low + h], tangent[k, low + h]
             pn, pt = knn * n + knt * t, knt * n + ktt * t
             for e in range(3):
-                band[below + h, above + e - below - h] += pn * normal[k, high + e] + pt * tangent[k, high + e]
+                matrix[at + h * step + e] += pn * normal[k, high + e] + pt * tangent[k, high + e]
+
+
+@compiled
+def diagonal(mass: Array, matrix: Array, pattern: Any) -> None:
+    """The matrix is that of the masses (m,)."""
+    matrix[:] = 0.0
+    for j in range(len(pattern.own)):
+        for e in range(3):
+            matrix[pattern.own[j] + e * (pattern.step[j] + 1)] = mass[3 * j + e]
 
 
 @compiled
@@ -180,22 +189,21 @@ def repeat_matrix(
     compliance: Array,
     mass: Array,
     state: Any,
-    band: Array,
+    matrix: Array,
+    pattern: Any,
 ) -> None:
     """See kernels.repeat_matrix."""
-    band[:] = 0.0
-    for i in range(len(mass)):
-        band[i, 0] = mass[i]
+    diagonal(mass, matrix, pattern)
     for k in range(len(row)):
         if state[k] == OPEN:
             continue
         cn, ct = compliance[k, 0], compliance[k, 1]
         if state[k] == STICKING:
-            _stiffen(row, k, 1.0 / cn, 0.0, 1.0 / ct, normal, tangent, band)
+            _stiffen(row, k, 1.0 / cn, 0.0, 1.0 / ct, normal, tangent, matrix, pattern)
         else:
             mu = friction[k] if state[k] == SLIDING_ON else -friction[k]
             w = 1.0 / (cn + mu * mu * ct)
-            _stiffen(row, k, w, mu * w, mu * mu * w, normal, tangent, band)
+            _stiffen(row, k, w, mu * w, mu * mu * w, normal, tangent, matrix, pattern)
 
 
 @compiled

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from mechanics.block import Array
+from mechanics.solvers.compiled import diagonal
 from mechanics.solvers.compiled_runs import act, part_of, see, stiffen
 from mechanics.solvers.compiler import compiler, larger
 
@@ -69,12 +70,10 @@ def lacking(
 @compiled
 def matrix(
     runs: Any, lever: Array, arm: Array, law: Array, mass: Array, s: Array, z: Array, inverse: Array, work: Array,
-    band: Array,
+    stored: Array, pattern: Any,
 ) -> None:  # fmt: skip
     """As kernels.interior_matrix; 1/s, too, into `inverse` (5, c)."""
-    band[:] = 0.0
-    for i in range(len(mass)):
-        band[i, 0] = mass[i]
+    diagonal(mass, stored, pattern)
     for q in range(len(runs.parts)):
         part = part_of(runs, q)
         k, e = _columns(part)
@@ -85,7 +84,7 @@ def matrix(
             inverse[0, k:e], inverse[1, k:e], inverse[2, k:e], inverse[3, k:e], inverse[4, k:e],
             work[0], work[1], work[2], work[3], work[4], work[5],
         )  # fmt: skip
-        stiffen(part, runs.ends, lever, work, band)
+        stiffen(part, runs, lever, work, stored, pattern)
 
 
 @compiled

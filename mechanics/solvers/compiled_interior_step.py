@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mechanics.block import Array
-from mechanics.solvers.cholesky import PADDING, factorise, substitute
+from mechanics.solvers.cholesky import factorise, substitute
 from mechanics.solvers.compiled import compiled
 from mechanics.solvers.compiled_columns import (
     changes_with,
@@ -36,7 +36,7 @@ from mechanics.solvers.interior_step import (
     TO_THE_BOUND,
 )
 
-__all__ = ["PADDING", "advance", "measured", "restore"]
+__all__ = ["advance", "measured", "restore"]
 LOW, HIGH = OUTLIERS
 
 
@@ -63,7 +63,7 @@ def measured(posed: Any, load: Array, x: Array, s: Array, z: Array, size: float)
 @compiled
 def advance(
     posed: Any, lack: Any, lateral: Array, work: float, scale: Any, holding: float, x: Array, alpha: float, s: Array,
-    z: Array, last: Array, band: Array, envelope: Any,
+    z: Array, last: Array, stored: Array, pattern: Any,
 ) -> tuple[bool, float, float]:  # fmt: skip
     """See interior_step.advance."""
     lever, arm, law, r, short, along, apart = lack
@@ -76,25 +76,25 @@ def advance(
     while True:
         held[:] = holding / unit
         held[2::3] *= size**2
-        matrix(runs, lever, arm, law, held, along, apart, inverse, room, band)
-        if factorise(band, envelope):
+        matrix(runs, lever, arm, law, held, along, apart, inverse, room, stored, pattern)
+        if factorise(stored, pattern):
             break
         if holding >= FIRM:
             return False, alpha, holding
         holding *= FIRMER
     swayed = lateral.copy()
-    substitute(band, envelope, swayed)
+    substitute(stored, pattern, swayed)
     gives = _dot(lateral, swayed)
     p = along * apart
     dx, ds, dz = np.empty_like(x), np.empty_like(r), np.empty_like(r)
     dx2, ds2, dz2 = np.empty_like(x), np.empty_like(r), np.empty_like(r)
     system = (runs, lever, arm, law, r, p, inverse, short, along, apart, room)
     border = (lateral, swayed, gives, work, x)
-    _, force, gap, left = _change(system, border, elastic, band, envelope, dx, ds, dz)
+    _, force, gap, left = _change(system, border, elastic, stored, pattern, dx, ds, dz)
     now = p.sum()
     target = (left / now) ** 3 * now / (2 * c)
     corrected(p.ravel(), ds.ravel(), dz.ravel(), target)
-    dalpha, force, gap, _ = _change(system, border, elastic, band, envelope, dx, ds, dz)
+    dalpha, force, gap, _ = _change(system, border, elastic, stored, pattern, dx, ds, dz)
     if min(force, gap) < 1.0:
         to_force, to_gap = min(1.0, 1.5 * force + 0.1), min(1.0, 1.5 * gap + 0.1)
         for e in range(2):
@@ -102,7 +102,7 @@ def advance(
                 strayed = (along[e, k] + to_force * ds[e, k]) * (apart[e, k] + to_gap * dz[e, k])
                 wanted = min(max(strayed, LOW * target), HIGH * target)
                 p[e, k] -= max(wanted - strayed, -HIGH * target)
-        dalpha2, force2, gap2, _ = _change(system, border, elastic, band, envelope, dx2, ds2, dz2)
+        dalpha2, force2, gap2, _ = _change(system, border, elastic, stored, pattern, dx2, ds2, dz2)
         if min(force2, gap2) > min(force, gap):
             dalpha, force, gap = dalpha2, force2, gap2
             dx, ds, dz = dx2, ds2, dz2
@@ -130,13 +130,13 @@ def _dot(a: Array, b: Array) -> float:
 
 @compiled
 def _change(
-    system: Any, border: Any, elastic: bool, band: Array, envelope: Any, dx: Array, ds: Array, dz: Array
+    system: Any, border: Any, elastic: bool, stored: Array, pattern: Any, dx: Array, ds: Array, dz: Array
 ) -> tuple[float, float, float, float]:
     """The step that takes the products s z to s z − p: that of α, how far it leads, and the sum of s z there."""
     runs, lever, arm, law, r, p, inverse, short, s, z, room = system
     lateral, swayed, gives, work, x = border
     right_hand_side(runs, lever, arm, law, r, p, inverse, short, room, dx)
-    substitute(band, envelope, dx)
+    substitute(stored, pattern, dx)
     dalpha = 0.0
     if len(lateral):
         dalpha = (work - _dot(lateral, x) - _dot(lateral, dx)) / gives
@@ -149,7 +149,7 @@ def _change(
 
 @compiled
 def restore(
-    posed: Any, load: Array, lateral: Array, scale: Any, s: Array, alpha: float, band: Array, envelope: Any
+    posed: Any, load: Array, lateral: Array, scale: Any, s: Array, alpha: float, stored: Array, pattern: Any
 ) -> float:
     """See interior_step.restore."""
     row, normal, tangent, _, friction, compliance, runs = posed
@@ -158,11 +158,11 @@ def restore(
     inverse, room, along = np.empty((5, len(s))), work_space(runs), columns(s, runs)
     held = np.full(len(load), HOLDING * weight)
     held[2::3] *= size**2
-    matrix(runs, lever, arm, law, held, along, weight / along, inverse, room, band)
-    if not factorise(band, envelope):
+    matrix(runs, lever, arm, law, held, along, weight / along, inverse, room, stored, pattern)
+    if not factorise(stored, pattern):
         return alpha
     swayed = lateral.copy()
-    substitute(band, envelope, swayed)
+    substitute(stored, pattern, swayed)
     gives, still, nothing = _dot(lateral, swayed), np.zeros_like(along), np.zeros_like(load)
     share, y = np.empty_like(along), np.empty_like(load)
     for _ in range(RESTORATIONS):
@@ -170,7 +170,7 @@ def restore(
         if len(lateral):
             y += alpha * lateral
         lacking(runs, lever, arm, law, still, nothing, along, still, share, room, y)
-        substitute(band, envelope, y)
+        substitute(stored, pattern, y)
         if len(lateral):
             more = -_dot(lateral, y) / gives
             alpha += more

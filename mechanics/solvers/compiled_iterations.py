@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mechanics.block import Array
-from mechanics.solvers.cholesky import PADDING, factorise, substitute
+from mechanics.solvers.cholesky import factorise, substitute
 from mechanics.solvers.compiled import (
     compiled,
     contact_law,
@@ -40,7 +40,7 @@ from mechanics.solvers.iterations import (
 )
 from mechanics.solvers.kernels import Residuals
 
-__all__ = ["PADDING", "factorise", "interior", "semismooth", "substitute"]
+__all__ = ["factorise", "interior", "semismooth", "substitute"]
 
 _worst: Any = compiled(worst)
 
@@ -48,7 +48,7 @@ _worst: Any = compiled(worst)
 @compiled
 def semismooth(
     row: Any, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, state: Any, band: Array, envelope: Any, scale: Any, many: int,
+    load: Array, x: Array, forces: Array, state: Any, stored: Array, pattern: Any, scale: Any, many: int,
 ) -> tuple[int, Residuals]:  # fmt: skip
     """See iterations.semismooth."""
     weight, size, step, accepted = scale
@@ -73,13 +73,13 @@ def semismooth(
     dx = np.empty_like(load)
     for correction in range(CORRECTIONS):
         if changes:
-            repeat_matrix(row, normal, tangent, friction, soft, mass, state, band)
+            repeat_matrix(row, normal, tangent, friction, soft, mass, state, stored, pattern)
             factorisations += 1
-            if not factorise(band, envelope):
+            if not factorise(stored, pattern):
                 return factorisations, NONE
         for i in range(len(x)):
             dx[i] = load[i] + total[i] - mass[i] * at[i]
-        substitute(band, envelope, dx)
+        substitute(stored, pattern, dx)
         if changes and correction:
             dx *= line_search(row, normal, tangent, centred, friction, soft, mass, load, at, dx)
         at += dx
@@ -104,7 +104,7 @@ def semismooth(
 @compiled
 def interior(
     row: Any, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Any, runs: Any, band: Array, envelope: Any,
+    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Any, runs: Any, stored: Array, pattern: Any,
     scale: Any,
 ) -> tuple[int, Residuals]:  # fmt: skip
     """See iterations.interior.
@@ -124,18 +124,18 @@ def interior(
     at, found, best, iteration = x.copy(), np.empty_like(forces), NONE, 0
     while iteration < MOST_ITERATIONS:
         iteration += 1
-        matrix(runs, lever, arm, law, mass, along, apart, inverse, work, band)
-        if not factorise(band, envelope):
+        matrix(runs, lever, arm, law, mass, along, apart, inverse, work, stored, pattern)
+        if not factorise(stored, pattern):
             break
         right_hand_side(runs, lever, arm, law, r, p, inverse, short, work, dx)
-        substitute(band, envelope, dx)
+        substitute(stored, pattern, dx)
         to_force, to_gap, zds, sdz, both = changes_with(
             runs, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work
         )
         ahead = product + to_force * zds + to_gap * sdz + to_force * to_gap * both
         corrected(p.ravel(), ds.ravel(), dz.ravel(), (ahead / product) ** 3 * product / (2 * c))
         right_hand_side(runs, lever, arm, law, r, p, inverse, short, work, dx)
-        substitute(band, envelope, dx)
+        substitute(stored, pattern, dx)
         reach = changes_with(runs, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work)
         share = min(1.0, TO_THE_BOUND * min(reach[0], reach[1]))
         product = advance(share, along.ravel(), apart.ravel(), ds.ravel(), dz.ravel(), r.ravel(), p.ravel())

@@ -94,40 +94,45 @@ def act(part: Any, ends: Any, lever: Array, work: Array, total: Array) -> None:
 
 
 @compiled
-def stiffen(part: Any, ends: Any, lever: Array, work: Array, band: Array) -> None:
-    """The stiffness against motions of first blocks as seen from the others, six rows of points, into the band."""
+def stiffen(part: Any, runs: Any, lever: Array, work: Array, matrix: Array, pattern: Any) -> None:
+    """The stiffness against motions of first blocks as seen from the others, six rows of points, into the matrix."""
     _sum(part, work, 6)
     first, last, _, _ = part
     for j in range(first, last):
         k = j - first
         xx, xz, zz, xm, zm, mm = work[0, k], work[1, k], work[2, k], work[3, k], work[4, k], work[5, k]
-        i, o = ends[j, 0], ends[j, 1]
+        i, o = runs.ends[j, 0], runs.ends[j, 1]
         if i < 0:
             continue
-        band[i, 0] += xx
-        band[i, 1] += xz
-        band[i, 2] += xm
-        band[i + 1, 0] += zz
-        band[i + 1, 1] += zm
-        band[i + 2, 0] += mm
+        at, step = pattern.own[i // 3], pattern.step[i // 3]
+        _add_own(matrix, at, step, xx, xz, xm, zz, zm, mm)
         if o < 0:
             continue
         lx, lz = lever[j, 0], lever[j, 1]
         # the last column of the stiffness against motions of the other block, which turns about its own centre
         tx, tz, tm = xm + lx * xz - lz * xx, zm + lx * zz - lz * xz, mm + lx * zm - lz * xm
-        band[o, 0] += xx
-        band[o, 1] += xz
-        band[o, 2] += tx
-        band[o + 1, 0] += zz
-        band[o + 1, 1] += tz
-        band[o + 2, 0] += tm + lx * tz - lz * tx
+        at, step = pattern.own[o // 3], pattern.step[o // 3]
+        _add_own(matrix, at, step, xx, xz, tx, zz, tz, tm + lx * tz - lz * tx)
+        at, step = pattern.between[runs.start[j]], pattern.stride[runs.start[j]]
         between = ((xx, xz, tx), (xz, zz, tz), (xm, zm, tm))
         for h in range(3):
             for e in range(3):
                 if i > o:
-                    band[o + e, i + h - o - e] -= between[h][e]
+                    matrix[at + e * step + h] -= between[h][e]
                 else:
-                    band[i + h, o + e - i - h] -= between[h][e]
+                    matrix[at + h * step + e] -= between[h][e]
+
+
+@compiled
+def _add_own(
+    matrix: Array, at: int, step: int, xx: float, xz: float, xm: float, zz: float, zm: float, mm: float
+) -> None:
+    matrix[at] += xx
+    matrix[at + 1] += xz
+    matrix[at + 2] += xm
+    matrix[at + step + 1] += zz
+    matrix[at + step + 2] += zm
+    matrix[at + 2 * step + 2] += mm
 
 
 @compiled

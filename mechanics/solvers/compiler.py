@@ -16,7 +16,7 @@ from numba.extending import intrinsic
 
 SOURCES = (
     "cholesky", "compiled", "compiled_columns", "compiled_impacts", "compiled_interior_step", "compiled_iterations",
-    "compiled_runs", "compiler", "interior_step", "iterations", "kernels",
+    "compiled_runs", "compiler", "interior_step", "iterations", "kernels", "tiles",
 )  # fmt: skip
 
 

@@ -1,11 +1,11 @@
 """An iteration of the static interior-point method in plain NumPy: what an iterate lacks, and the step from it.
 
 The unknowns are Δx, α, the forces s ≥ 0 along the rays of the friction cones and their gaps z ≥ 0; s and z are
-eliminated, which leaves three rows a block in a narrow band, bordered by α. Proximal terms, whose centre is the
+eliminated, which leaves three rows a block in a sparse matrix, bordered by α. Proximal terms, whose centre is the
 iterate itself, bound the stiffness of closed contacts and hold blocks that nothing holds, without a trace in the
 solution. `compiled_interior_step` has the same functions for numba. `posed`: row, normal, tangent, gap, friction and
 compliance of the contact points, as in kernels, and their runs (see band); `scale`: weight, size and step of the
-program; `band`: work space for a matrix of that `envelope`.
+program; `stored`: work space for a matrix of that `pattern` (see elimination).
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.solvers import kernels
 from mechanics.solvers.band import Runs
-from mechanics.solvers.iterations import PADDING, factorise, substitute
+from mechanics.solvers.elimination import Pattern
+from mechanics.solvers.iterations import factorise, substitute
 from mechanics.solvers.kernels import Residuals
 
 STIFFEST = 1e12  # of closed contacts, per weight and step
@@ -36,7 +37,7 @@ Posed = tuple[Index, Array, Array, Array, Array, Array, Runs]
 Lack = tuple[Array, Array]
 Direction = tuple[Array, float, Array, Array, float, float]
 
-__all__ = ["PADDING", "advance", "measured", "restore"]
+__all__ = ["advance", "measured", "restore"]
 
 
 def measured(posed: Posed, load: Array, x: Array, s: Array, z: Array, size: float) -> tuple[Residuals, Lack]:
@@ -61,7 +62,7 @@ def measured(posed: Posed, load: Array, x: Array, s: Array, z: Array, size: floa
 
 def advance(
     posed: Posed, lack: Lack, lateral: Array, work: float, scale: tuple[float, float, float], holding: float,
-    x: Array, alpha: float, s: Array, z: Array, last: Array, band: Array, envelope: Index,
+    x: Array, alpha: float, s: Array, z: Array, last: Array, stored: Array, pattern: Pattern,
 ) -> tuple[bool, float, float]:  # fmt: skip
     """One step of the iterate, x, s, z and `last`, the step in x (m,), in place; whether there is one, α and holding.
 
@@ -78,21 +79,21 @@ def advance(
     while True:
         held = np.full(len(x), holding / unit)
         held[2::3] *= size**2
-        kernels.interior_matrix(row, normal, tangent, rays, soft, held, s, z, inverse, band)
-        if factorise(band, envelope):
+        kernels.interior_matrix(row, normal, tangent, rays, soft, held, s, z, inverse, stored, pattern)
+        if factorise(stored, pattern):
             break
         if holding >= FIRM:
             return False, alpha, holding
         holding *= FIRMER
     swayed = lateral.copy()
-    substitute(band, envelope, swayed)
+    substitute(stored, pattern, swayed)
     elastic = compliance.any()
 
     def change(decrease: Array) -> Direction:
         v = lacking - decrease / s
         carried = _forces(friction, kernels._apply(inverse, v))
         dx, dalpha = short + kernels._resultant(row, normal, tangent, carried, len(x)), 0.0
-        substitute(band, envelope, dx)
+        substitute(stored, pattern, dx)
         if len(lateral):
             dalpha = float((work - lateral @ (x + dx)) / (lateral @ swayed))
             dx = dx + dalpha * swayed
@@ -131,7 +132,7 @@ def advance(
 
 def restore(
     posed: Posed, load: Array, lateral: Array, scale: tuple[float, float, float], s: Array, alpha: float,
-    band: Array, envelope: Index,
+    stored: Array, pattern: Pattern,
 ) -> float:  # fmt: skip
     """Change forces s in place, and the multiplier returned, by the least shares of themselves into equilibrium."""
     row, normal, tangent, _, friction, compliance, _ = posed
@@ -141,16 +142,16 @@ def restore(
     held = np.full(len(load), HOLDING * weight)
     held[2::3] *= size**2
     free, inverse = np.zeros_like(compliance), np.empty((len(s), 3))
-    kernels.interior_matrix(row, normal, tangent, rays, free, held, s, weight / s, inverse, band)
-    if not factorise(band, envelope):
+    kernels.interior_matrix(row, normal, tangent, rays, free, held, s, weight / s, inverse, stored, pattern)
+    if not factorise(stored, pattern):
         return alpha
     swayed = lateral.copy()
-    substitute(band, envelope, swayed)
+    substitute(stored, pattern, swayed)
     for _ in range(RESTORATIONS):
         y = load + kernels._resultant(row, normal, tangent, _forces(friction, s), len(load))
         if len(lateral):
             y += alpha * lateral
-        substitute(band, envelope, y)
+        substitute(stored, pattern, y)
         if len(lateral):
             more = -float(lateral @ y) / float(lateral @ swayed)
             alpha, y = alpha + more, y + more * swayed

@@ -1,9 +1,9 @@
 """The two iterations of the Newton solver (see newton) in plain NumPy: from contact states, and from the inside.
 
-`compiled_iterations` has the same ones for numba. Arguments as in kernels, rows in the order of the band; `runs`:
-the contact points between the same two blocks (see band.Runs); `band` is work space for a matrix of that
-`envelope` (see band); `scale`: weight, size and step of the program, and the certificate that is accepted. Both write
-the displacements x (m,) and contact forces (c, 2) that they find, and return the number of factorisations and the
+`compiled_iterations` has the same ones for numba. Arguments as in kernels, rows in the order of elimination; `runs`:
+the contact points between the same two blocks (see band.Runs); `stored` is work space for a matrix of that `pattern`
+(see elimination); `scale`: weight, size and step of the program, and the certificate that is accepted. Both write the
+displacements x (m,) and contact forces (c, 2) that they find, and return the number of factorisations and the
 residuals (as kernels.residuals), infinite where nothing is found.
 """
 
@@ -16,9 +16,9 @@ from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.solvers import kernels
 from mechanics.solvers.band import Runs
+from mechanics.solvers.elimination import Pattern
 from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, Residuals
 
-PADDING = 0  # columns beyond the band
 CORRECTIONS = 7  # of the contact states
 MOST_ITERATIONS = 40  # from the inside
 TO_THE_BOUND = 0.995  # share of the way to the cone that a step goes
@@ -39,20 +39,20 @@ def worst(residuals: Residuals, weight: float, step: float) -> float:
     )
 
 
-def factorise(band: Array, _: Index) -> bool:
+def factorise(stored: Array, pattern: Pattern) -> bool:
     """The factor L of LLᵀ in place of a positive definite matrix; False where it is none."""
-    _, failed = lapack.dpbtrf(band.T, lower=1, overwrite_ab=1)
+    _, failed = lapack.dpbtrf(stored.reshape(-1, pattern.places).T, lower=1, overwrite_ab=1)
     return not failed
 
 
-def substitute(band: Array, _: Index, x: Array) -> None:
+def substitute(stored: Array, pattern: Pattern, x: Array) -> None:
     """The solution of LLᵀx = b in place of b (m,)."""
-    x[:] = lapack.dpbtrs(band.T, x, lower=1)[0]
+    x[:] = lapack.dpbtrs(stored.reshape(-1, pattern.places).T, x, lower=1)[0]
 
 
 def semismooth(
     row: Index, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, state: Index, band: Array, envelope: Index,
+    load: Array, x: Array, forces: Array, state: Index, stored: Array, pattern: Pattern,
     scale: tuple[float, float, float, float], many: int,
 ) -> tuple[int, Residuals]:  # fmt: skip
     """From known contact states (c,), corrected in place; nothing where a step changes more than `many` of them."""
@@ -69,12 +69,12 @@ def semismooth(
     changes, factorisations, good = 1, 0, NONE
     for correction in range(CORRECTIONS):
         if changes:
-            kernels.repeat_matrix(*rows, friction, soft, mass, state, band)
+            kernels.repeat_matrix(*rows, friction, soft, mass, state, stored, pattern)
             factorisations += 1
-            if not factorise(band, envelope):
+            if not factorise(stored, pattern):
                 return factorisations, NONE
         dx = load + total - mass * at
-        substitute(band, envelope, dx)
+        substitute(stored, pattern, dx)
         if changes and correction:
             dx *= kernels.line_search(*rows, centred, friction, soft, mass, load, at, dx)
         at += dx
@@ -99,7 +99,7 @@ def semismooth(
 
 def interior(
     row: Index, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Index, runs: Runs, band: Array, envelope: Index,
+    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Index, runs: Runs, stored: Array, pattern: Pattern,
     scale: tuple[float, float, float, float],
 ) -> tuple[int, Residuals]:  # fmt: skip
     """From forces s and gaps z (c, 2) along the rays of the friction cones, all positive, left at those found.
@@ -119,13 +119,13 @@ def interior(
     best, iteration = NONE, 0
     while iteration < MOST_ITERATIONS:
         iteration += 1
-        kernels.interior_matrix(*rows, *law, mass, s, z, inverse, band)
-        if not factorise(band, envelope):
+        kernels.interior_matrix(*rows, *law, mass, s, z, inverse, stored, pattern)
+        if not factorise(stored, pattern):
             break
         point = (u, s, z, product, inverse)
         for corrects in (False, True):
             kernels.interior_rhs(*rows, *law, mass, load, at, *point, dx)
-            substitute(band, envelope, dx)
+            substitute(stored, pattern, dx)
             reach = kernels.interior_step(*rows, *law, *point, dx, du, ds, dz)
             if not corrects:
                 kernels.interior_centre(s, z, ds, dz, *reach, product)

@@ -1,7 +1,7 @@
 """The array loops of the Newton solver: geometry, contact law with its stiffness, certificate.
 
 Rows of blocks: `row` (c, 2) is the first of the three rows of block a and of block b of each contact point, −1 for a
-support. Matrices are banded: entry (i, j), i ≥ j, of a symmetric matrix stands at [j, i − j].
+support. Matrices are banded: entry (i, j), i ≥ j, of a symmetric matrix stands at j places + i − j (see elimination).
 These are the plain NumPy loops; `compiled` has the same ones for numba, used where it is installed.
 """
 
@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib
 import sys
 from types import ModuleType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from mechanics.block import Array
 from mechanics.contacts import Contacts, kinematics
 from mechanics.joints import Index
 from mechanics.program import Certificate, Program
+
+if TYPE_CHECKING:
+    from mechanics.solvers.elimination import Pattern
 
 NAME = "numpy"
 OPEN, STICKING, SLIDING_ON, SLIDING_BACK = 0, 1, 2, 3  # the slip of a sliding contact: w_t < 0, w_t > 0
@@ -65,12 +69,15 @@ def repeat_matrix(
     compliance: Array,
     mass: Array,
     state: Index,
-    band: Array,
+    stored: Array,
+    pattern: Pattern,
 ) -> None:
-    """M̄ + A₀KA₀ᵀ into `band`, K the stiffness of contacts that keep their `state`."""
+    """M̄ + A₀KA₀ᵀ into `stored`, K the stiffness of contacts that keep their `state`."""
     stick = np.where((state == STICKING)[:, None], 1.0 / compliance, 0.0)
     mu, ray = _ray(friction, compliance, state)
-    _assemble(row, normal, tangent, stick[:, 0] + ray, mu * ray, stick[:, 1] + mu * mu * ray, mass, band)
+    _assemble(
+        row, normal, tangent, stick[:, 0] + ray, mu * ray, stick[:, 1] + mu * mu * ray, mass, stored, pattern
+    )
 
 
 def repeat_forces(
@@ -235,9 +242,10 @@ def interior_matrix(
     s: Array,
     z: Array,
     inverse: Array,
-    band: Array,
+    stored: Array,
+    pattern: Pattern,
 ) -> None:
-    """M̄ + B(RᵀCR + Z/S)⁻¹Bᵀ into `band`, the inverse (first, second, off the diagonal) into `inverse` (c, 3).
+    """M̄ + B(RᵀCR + Z/S)⁻¹Bᵀ into `stored`, the inverse (first, second, off the diagonal) into `inverse` (c, 3).
 
     R holds the unit rays of the cones, `ray` (c, 2) their normal and tangential components ∝ (1, ±μ); B = A₀R;
     s (c, 2) > 0 are the forces along them, z > 0 their gaps.
@@ -250,7 +258,7 @@ def interior_matrix(
     a, b, c = (cn + ct + second) / det, (cn + ct + first) / det, (ct - cn) / det
     inverse[:] = np.stack([a, b, c], axis=1)
     knn, knt, ktt = n * n * (a + b + 2.0 * c), n * t * (a - b), t * t * (a + b - 2.0 * c)
-    _assemble(row, normal, tangent, knn, knt, ktt, mass, band)
+    _assemble(row, normal, tangent, knn, knt, ktt, mass, stored, pattern)
 
 
 def interior_rhs(
@@ -417,7 +425,15 @@ def _apply(inverse: Array, v: Array) -> Array:
 
 
 def _assemble(
-    row: Index, normal: Array, tangent: Array, knn: Array, knt: Array, ktt: Array, mass: Array, band: Array
+    row: Index,
+    normal: Array,
+    tangent: Array,
+    knn: Array,
+    knt: Array,
+    ktt: Array,
+    mass: Array,
+    stored: Array,
+    pattern: Pattern,
 ) -> None:
     first = knn[:, None] * normal + knt[:, None] * tangent
     second = knt[:, None] * normal + ktt[:, None] * tangent
@@ -426,9 +442,11 @@ def _assemble(
     i = np.broadcast_to(rows[:, :, None], stiffness.shape)
     j = np.broadcast_to(rows[:, None, :], stiffness.shape)
     lower = (i >= j) & (j >= 0)
-    flat = np.bincount(j[lower] * band.shape[1] + i[lower] - j[lower], stiffness[lower], minlength=band.size)
-    band[:] = flat.reshape(band.shape)
-    band[:, 0] += mass
+    flat = np.bincount(
+        j[lower] * pattern.places + i[lower] - j[lower], stiffness[lower], minlength=len(stored)
+    )
+    stored[:] = flat
+    stored[:: pattern.places] += mass
 
 
 def _resultant(row: Index, normal: Array, tangent: Array, forces: Array, size: int) -> Array:

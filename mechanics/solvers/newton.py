@@ -1,4 +1,4 @@
-"""The program with mass, by Newton's method on banded matrices (design.md §3).
+"""The program with mass, by Newton's method on matrices in a band or in fronts (design.md §3).
 
 The contact forces are eliminated; what is left has three rows a block and, the blocks ordered by reverse
 Cuthill–McKee or by a sweep, a narrow band. Two methods share it. The first repeats the contact states (open, sticking,
@@ -19,7 +19,7 @@ from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.program import Program, Solution
 from mechanics.solvers import kernels
-from mechanics.solvers.band import Band, runs
+from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.iterations import PROXIMAL, worst
 from mechanics.solvers.kernels import OPEN, SLIDING_ON, STICKING, certificate, fastest
 
@@ -32,7 +32,7 @@ START = 0.01  # least distance from the cone at which it starts, per weight and 
 
 @dataclass(eq=False)
 class Newton:
-    """The solver laid out once for the contacts of an assembly: order of the blocks, width of the band, work space.
+    """The solver laid out once for the contacts of an assembly: order of the blocks, pattern and work space.
 
     `dof` (c, 6) as in Program; `centres` (m/3, 2): of the movable blocks, m. `state` (c,): contact states of the last
     solution; `factorisations`, `repeated` (steps solved by repeating states) and `solved` count. `newest`: share of the
@@ -48,14 +48,12 @@ class Newton:
     newest: float = 1.0
 
     def __post_init__(self) -> None:
-        layout = Band.of(self.dof, self.centres)
+        layout = Elimination.of(self.dof, self.centres, self.kernels is not kernels)
         self.order, self.back, self.row = layout.order, layout.back, layout.row
-        self.runs, self.envelope = runs(self.row), layout.envelope
+        self.runs, self.pattern, self.stored = layout.runs, layout.pattern, layout.matrix()
         self.iterations: Any = import_module(
             "mechanics.solvers." + ("iterations" if self.kernels is kernels else "compiled_iterations")
         )
-        self.width = layout.width
-        self.band: Array = np.zeros((len(layout.order), layout.width + self.iterations.PADDING))
         self.state: Index | None = None
         self.pause, self.next_try = 0, 0
         self.along: Array | None = None
@@ -132,7 +130,7 @@ class Newton:
 
     def _work_space(self, program: Program) -> tuple[Any, ...]:
         scale = program.weight, program.size, program.step, ACCEPTED
-        return self.band, self.envelope, scale
+        return self.stored, self.pattern, scale
 
     def close(self, mass: Array, normal: Array, tangent: Array, gap: Array, held: Index) -> Array:
         """The smallest displacements (m,), in the norm of the mass (m,), that close gaps and slides (c, 2).
@@ -145,12 +143,12 @@ class Newton:
         compliance = np.repeat(mobility[:, None] / PROXIMAL, 2, axis=1)
         frictionless = np.zeros(len(gap))
         rows = (self.row, normal, tangent)
-        self.kernels.repeat_matrix(*rows, frictionless, compliance, scaled, state, self.band)
+        self.kernels.repeat_matrix(*rows, frictionless, compliance, scaled, state, self.stored, self.pattern)
         self.factorisations += 1
-        definite = self.iterations.factorise(self.band, self.envelope)
+        definite = self.iterations.factorise(self.stored, self.pattern)
         assert definite
         forces, total, still = np.empty((len(gap), 2)), np.empty_like(mass), np.zeros_like(mass)
         self.kernels.repeat_forces(*rows, gap, frictionless, compliance, still, state, forces, total)
-        self.iterations.substitute(self.band, self.envelope, total)
+        self.iterations.substitute(self.stored, self.pattern, total)
         moved: Array = total[self.back]
         return moved

@@ -14,7 +14,7 @@ from mechanics import load_control, pushover
 from mechanics.block import Array
 from mechanics.program import Neighbour, Program, Solution, certify
 from mechanics.solvers import central_path, interior_point, linear, solve
-from mechanics.solvers.band import Band
+from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.kernels import fastest
 from mechanics.solvers.newton import Newton
 from tests.stress.corpus import assemblies, dynamic, static
@@ -29,7 +29,7 @@ def banded(program: Program) -> Solution | None:
     n = len(program.gap)
     carried = np.column_stack([np.full(n, program.weight), np.zeros(n)])
     near = Neighbour(carried, carried * program.step / program.weight, 0.0)
-    return central_path.solve(program, Band.of(program.dof), near)
+    return central_path.solve(program, Elimination.of(program.dof), near)
 
 
 def strain(program: Program, one: Solution, other: Solution) -> float:

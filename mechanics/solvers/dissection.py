@@ -1,0 +1,187 @@
+"""Blocks by nested dissection: fewer entries in the factors of large models than a band has (George, 1973).
+
+A line of blocks whose removal leaves two parts that do not touch is eliminated last, and so on in either part. The
+blocks of a line, or of a part too small to divide, are a front: what they fill, among themselves and in the rows of
+the later blocks that they reach, is stored as one dense panel by columns.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechanics.block import Array
+from mechanics.joints import Index
+
+Flags = NDArray[np.bool_]
+
+SMALLEST = 10  # blocks: parts that are not divided any more
+DIRECTIONS, TILT = 8, 0.01  # lines that are tried (of π), and the angle (rad) that keeps them off the joints
+SHARES = (0.42, 0.5, 0.58)  # of the blocks before the line
+UNEVEN = 0.15  # of the blocks: a line that divides them as unevenly counts as longer by as much again
+OVERHANG = 7  # rows of zeros below a panel, for tiles that reach over its edge
+
+
+_none: Index = np.zeros(0, np.intp)
+
+
+class Fronts(NamedTuple):
+    """The panels of f fronts, in the order of their elimination, in one array of `size` numbers.
+
+    `first` (f + 1,): first row of each front; `base` (f,): place of its panel's first number, `height` (f,): from
+    there to the next column, OVERHANG included. Below its own rows a panel has those of the later blocks reached,
+    whose first rows are below[start[k]:start[k + 1]]. What a front takes from later ones, its targets, from
+    targets[aim[k]] to targets[aim[k + 1]] (t, 4): the later front, the first and the end of the blocks below that are
+    its own, and where in `place` the rows in that later panel begin, of these blocks and of those that follow;
+    `together` counts, from each of them, the rows that lie side by side there as well. `largest`: numbers that a front
+    takes from later ones, by whole tiles.
+    """
+
+    first: Index
+    base: Index
+    height: Index
+    start: Index
+    below: Index
+    aim: Index
+    targets: Index
+    place: Index
+    together: Index
+    size: int
+    largest: int
+
+    def products(self) -> float:
+        """Of a factorisation."""
+        own, rows = np.diff(self.first), self.height - OVERHANG
+        below = rows - own
+        return (
+            float((rows * (rows + 1.0) * (2 * rows + 1.0) - below * (below + 1.0) * (2 * below + 1.0)).sum())
+            / 12.0
+        )
+
+    def where(self, row: Index, column: Index) -> tuple[Index, Index]:
+        """Place of these entries of the lower triangle (n,) by rows of blocks, and the step to the next column."""
+        count = len(self.base)
+        k = np.searchsorted(self.first, column, side="right") - 1
+        # a front's own rows and those below it, ascending, then the next front's: one list to search
+        owner = np.repeat(np.arange(count), np.diff(self.start))
+        far = self.first[-1] + 1
+        at = np.searchsorted(owner * far + self.below, k * far + row) - self.start[k]
+        inside = row < self.first[k + 1]
+        position = np.where(inside, row - self.first[k], self.first[k + 1] - self.first[k] + 3 * at)
+        place: Index = self.base[k] + (column - self.first[k]) * self.height[k] + position
+        return place, self.height[k]
+
+
+def dissected(linked: Index, centres: Array) -> tuple[Index, Index]:
+    """An order of the blocks (b,) at these centres (b, 2), linked by pairs (l, 2), and the first place of each front.
+
+    The latter ends with b.
+    """
+    parts: list[Index] = []
+    _divide(np.arange(len(centres)), np.unique(np.sort(linked, axis=1), axis=0), centres, parts)
+    lengths = [len(part) for part in parts]
+    return np.concatenate(parts), np.cumsum([0, *lengths])
+
+
+def _divide(blocks: Index, linked: Index, centres: Array, parts: list[Index]) -> None:
+    """Fronts of some blocks, linked by pairs of places in `blocks`, onto `parts`."""
+    if len(blocks) <= SMALLEST:
+        if len(blocks):
+            parts.append(blocks)
+        return
+    line, before = _shortest_line(linked, centres[blocks])
+    for side in (before & ~line, ~before & ~line):
+        place = np.cumsum(side) - 1
+        _divide(blocks[side], place[linked[side[linked].all(axis=1)]], centres, parts)
+    if line.any():
+        parts.append(blocks[line])
+
+
+def _shortest_line(linked: Index, centres: Array) -> tuple[Flags, Flags]:
+    """The blocks (b,) of the shortest line that divides them about evenly, and those on one side of it."""
+    best, found = np.inf, None
+    b = len(centres)
+    for angle in np.pi * np.arange(DIRECTIONS) / DIRECTIONS + TILT:
+        rank = np.empty(b, dtype=np.intp)
+        rank[np.argsort(centres @ (np.cos(angle), np.sin(angle)), kind="stable")] = np.arange(b)
+        for share in SHARES:
+            before = rank < share * b
+            crossing = linked[before[linked[:, 0]] != before[linked[:, 1]]]
+            for side in (before, ~before):
+                line = np.zeros(b, dtype=bool)
+                line[crossing[side[crossing]]] = True
+                uneven = abs((before & ~line).sum() - (~before & ~line).sum()) / b
+                length = line.sum() * (1.0 + uneven / UNEVEN)
+                if length < best:
+                    best, found = length, (line, before)
+    assert found is not None
+    return found
+
+
+def fronts(linked: Index, bounds: Index) -> Fronts:
+    """The fronts of blocks in the order of their elimination, linked by pairs (l, 2); `bounds`: as of `dissected`."""
+    reached = _reached(linked, bounds)
+    count = np.array([len(rows) for rows in reached])
+    width = 3 * np.diff(bounds)
+    height = width + 3 * count + OVERHANG
+    base = np.cumsum([0, *(width * height)])
+    aim, targets, place, together = [0], [_none.reshape(0, 4)], [_none], [_none]
+    laid = 0
+    for rows in reached:
+        for k, begin, end in _spans(np.searchsorted(bounds, rows, side="right") - 1):
+            there = np.concatenate([np.arange(bounds[k], bounds[k + 1]), reached[k]])
+            at = np.searchsorted(there, rows[begin:])
+            targets.append(np.array([[k, begin, end, laid]]))
+            place.append(3 * at)
+            together.append(3 * _to_the_end_of_each(_spans(at - np.arange(len(at)))))
+            laid += len(at)
+        aim.append(len(targets) - 1)
+    return Fronts(
+        first=3 * bounds.astype(np.intp),
+        base=base[:-1].astype(np.intp),
+        height=height.astype(np.intp),
+        start=np.cumsum([0, *count]).astype(np.intp),
+        below=3 * np.concatenate([_none, *reached]),
+        aim=np.array(aim, np.intp),
+        targets=np.concatenate(targets).astype(np.intp),
+        place=np.concatenate(place).astype(np.intp),
+        together=np.concatenate(together).astype(np.intp),
+        size=int(base[-1]),
+        largest=int(((3 * count + OVERHANG - 1) * (3 * count + OVERHANG)).max(initial=0)),
+    )
+
+
+def _reached(linked: Index, bounds: Index) -> list[Index]:
+    """The later blocks that each front fills: those linked with its own, and what earlier fronts leave to it.
+
+    A front leaves all that it reaches to the first front reached.
+    """
+    pairs = np.sort(linked, axis=1)
+    pairs = pairs[np.argsort(pairs[:, 0], kind="stable")]
+    begins = np.searchsorted(pairs[:, 0], bounds)
+    reached: list[Index] = []
+    left: list[list[Index]] = [[] for _ in bounds[1:]]
+    for k, end in enumerate(bounds[1:]):
+        rows = np.unique(np.concatenate([pairs[begins[k] : begins[k + 1], 1], *left[k]]))
+        rows = rows[rows >= end].astype(np.intp)
+        reached.append(rows)
+        if len(rows):
+            left[int(np.searchsorted(bounds, rows[0], side="right")) - 1].append(rows)
+    return reached
+
+
+def _spans(values: Index) -> list[tuple[int, int, int]]:
+    """Of equal values in a row: the value, the first and the end."""
+    bounds = [0, *(1 + np.flatnonzero(np.diff(values))), len(values)]
+    return [(int(values[i]), int(i), int(j)) for i, j in pairwise(bounds) if i < j]
+
+
+def _to_the_end_of_each(spans: list[tuple[int, int, int]]) -> Index:
+    """From every place in the spans the distance to the end of its own."""
+    return np.concatenate([np.arange(end - begin, 0, -1) for _, begin, end in spans])
+
+
+NO_FRONTS = Fronts(_none, _none, _none, _none, _none, _none, _none.reshape(0, 4), _none, _none, 0, 0)

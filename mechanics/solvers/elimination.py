@@ -1,0 +1,108 @@
+"""In which order the rows of equilibrium are eliminated, and where the matrices that follow are stored.
+
+In a band where that is narrow; compiled, and for large models, in the fronts of a nested dissection.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from mechanics.block import Array
+from mechanics.joints import Index
+from mechanics.solvers import kernels
+from mechanics.solvers.band import Runs, envelope, half_band, narrowest_order, runs
+from mechanics.solvers.dissection import NO_FRONTS, Fronts, dissected, fronts
+
+PADDING = 13  # places of a band beyond its width, for compiled tiles that reach over its edge
+WORTH_WHILE = 4e6  # products of a factorisation in the band, from which dissection is tried
+DEARER = 1.5  # a product in a front than one in the band
+
+
+class Pattern(NamedTuple):
+    """Where the lower triangle of a matrix stands in an array of numbers.
+
+    Its blocks of three by three are stored by columns. `own` (m/3,): place of the first number of those on the
+    diagonal, `step` (m/3,) from there to the next column; `between`, `stride` (c,): the same of those between the two
+    blocks of a contact point, −1 where one is a support. In a band a column takes `places`, of which the factor fills
+    those in the `envelope` (m, 2); or there are `fronts` (see dissection).
+    """
+
+    own: Index
+    step: Index
+    between: Index
+    stride: Index
+    places: int
+    envelope: Index
+    fronts: Fronts
+
+
+@dataclass(frozen=True, eq=False)
+class Elimination:
+    """Rows of equilibrium in the order of their blocks.
+
+    `order` (m,): the program's row at each place, `back` (m,) its inverse; `row` (c, 2): first of the three places of
+    block a and of block b of each contact point, −1 for a support; `places`: of a column in the band; `fronts`: empty
+    where the matrix is banded.
+    """
+
+    order: Index
+    back: Index
+    row: Index
+    places: int
+    fronts: Fronts
+
+    @classmethod
+    def of(cls, dof: Index, centres: Array | None = None, compiled: bool | None = None) -> Elimination:
+        """The order for contact points of rows `dof` (c, 6), as in Program; `centres` (m/3, 2) of the blocks help.
+
+        `compiled`: for the compiled loops, by default where there are any.
+        """
+        if compiled is None:
+            compiled = kernels.fastest() is not kernels
+        blocks = (int(dof.max(initial=-1)) + 1) // 3 if centres is None else len(centres)
+        pairs = dof[:, [0, 3]] // 3
+        linked = np.unique(np.sort(pairs[(pairs >= 0).all(axis=1)], axis=1), axis=0)
+        order, found = narrowest_order(linked, blocks, centres), NO_FRONTS
+        width = 3 * half_band(linked, order) + 3
+        in_band = 0.5 * 3 * blocks * width**2
+        if compiled and centres is not None and in_band >= WORTH_WHILE:
+            other, bounds = dissected(linked, centres)
+            panels = fronts(np.argsort(other)[linked], bounds)
+            if DEARER * panels.products() < in_band:
+                order, found = other, panels
+        rank = np.argsort(order)
+        rows = (3 * order[:, None] + np.arange(3)).ravel()
+        # contiguous by points: compiled loops are compiled once for each layout of their arrays
+        row = np.ascontiguousarray(np.where(pairs >= 0, 3 * rank[pairs], -1), dtype=np.intp)
+        return cls(rows, np.argsort(rows), row, width + PADDING * compiled, found)
+
+    def take(self, index: Index) -> Elimination:
+        """The same order for a choice of the contact points."""
+        return Elimination(self.order, self.back, self.row[index], self.places, self.fronts)
+
+    def matrix(self) -> Array:
+        """Work space for a matrix."""
+        return np.zeros(self.fronts.size or len(self.order) * self.places)
+
+    @cached_property
+    def pattern(self) -> Pattern:
+        """Where its numbers stand."""
+        size = len(self.order)
+        first = 3 * np.arange(size // 3)
+        low, high = self.row.min(axis=1), self.row.max(axis=1)
+        if len(self.fronts.first):
+            (own, step), (between, stride) = self.fronts.where(first, first), self.fronts.where(high, low)
+        else:
+            own, step = first * self.places, np.full(len(first), self.places - 1)
+            between, stride = low * self.places + high - low, np.full(len(low), self.places - 1)
+        between = np.where(low >= 0, between, -1)
+        return Pattern(own, step, between, stride, self.places, envelope(self.row, size), self.fronts)
+
+    @cached_property
+    def runs(self) -> Runs:
+        """The contact points of the same two blocks, see `runs`."""
+        return runs(self.row)
