@@ -146,72 +146,29 @@ def _take_off(panels: Array, fronts: Any, k: int, update: Array, tall: int) -> N
                 i = j
                 while i < count:
                     beside = fronts.together[laid + i - first]
-                    to = column + fronts.place[laid + i - first]
-                    of = (3 * j + e) * tall + 3 * i
-                    _less(panels[to : to + beside], update[of : of + beside])
+                    to = panels[column + fronts.place[laid + i - first] :]
+                    of = update[(3 * j + e) * tall + 3 * i :]
+                    for r in range(beside):
+                        to[r] -= of[r]
                     i += beside // 3
                 column += fronts.height[later]
 
 
 @compiled
-def _less(to: Array, of: Array) -> None:
-    for i in range(len(to)):
-        to[i] -= of[i]
-
-
-@compiled
 def _through_band(band: Array, places: int, envelope: Any, x: Array) -> None:
-    n = len(x)
-    for j in range(0, n, 3):
-        _forward(band, j * places, places - 1, x[j : envelope[j + 2, 1] + 1])
-    for j in range(n - 3, -1, -3):
-        _backward(band, j * places, places - 1, x[j : envelope[j + 2, 1] + 1])
-
-
-@compiled
-def _forward(matrix: Array, at: int, height: int, x: Array) -> None:
-    """Three rows from `at` on the diagonal, and what those below lose by them."""
-    p, q, r = _three(matrix, at, height, len(x))
-    a = x[0] * p[0]
-    b = (x[1] - p[1] * a) * q[0]
-    c = (x[2] - p[2] * a - q[1] * b) * r[0]
-    x[0], x[1], x[2] = a, b, c
-    below = x[3:]
-    p, q, r = p[3:], q[2:], r[1:]
-    for e in range(len(below)):
-        below[e] -= a * p[e] + b * q[e] + c * r[e]
-
-
-@compiled
-def _backward(matrix: Array, at: int, height: int, x: Array) -> None:
-    """Three rows from `at` on the diagonal, less what those below bring."""
-    p, q, r = _three(matrix, at, height, len(x))
-    below, u, v, w = x[3:], p[3:], q[2:], r[1:]
-    a, b, c = 0.0, 0.0, 0.0
-    for e in range(len(below)):
-        a += u[e] * below[e]
-        b += v[e] * below[e]
-        c += w[e] * below[e]
-    c = (x[2] - c) * r[0]
-    b = (x[1] - b - q[1] * c) * q[0]
-    x[0], x[1], x[2] = (x[0] - a - p[1] * b - p[2] * c) * p[0], b, c
-
-
-@compiled
-def _three(matrix: Array, at: int, height: int, length: int) -> tuple[Array, Array, Array]:
-    """Three columns of a matrix from the diagonal down, as far as the first one's length leads."""
-    second, third, end = at + height + 1, at + 2 * height + 2, at + length
-    return matrix[at:end], matrix[second : end + height], matrix[third : end + 2 * height]
+    last = envelope[:, 1]
+    _forward(band, places - 1, len(x), last, x)
+    _backward(band, places - 1, len(x), last, x)
 
 
 @compiled
 def _through_fronts(panels: Array, fronts: Any, x: Array) -> None:
-    seen = np.empty(fronts.height.max())
+    tallest = fronts.height.max()
+    seen, last = np.empty(tallest), np.empty(tallest, np.intp)
     count = len(fronts.base)
     for k in range(count):
-        first, own, rows = _see(fronts, k, x, seen)
-        for j in range(0, own, 3):
-            _forward(panels, fronts.base[k] + j * (fronts.height[k] + 1), fronts.height[k], seen[j:rows])
+        first, own = _see(fronts, k, x, seen, last)
+        _forward(panels[fronts.base[k] :], fronts.height[k], own, last, seen)
         x[first : first + own] = seen[:own]
         at = own
         for i in range(fronts.start[k], fronts.start[k + 1]):
@@ -219,15 +176,14 @@ def _through_fronts(panels: Array, fronts: Any, x: Array) -> None:
             x[row], x[row + 1], x[row + 2] = seen[at], seen[at + 1], seen[at + 2]
             at += 3
     for k in range(count - 1, -1, -1):
-        first, own, rows = _see(fronts, k, x, seen)
-        for j in range(own - 3, -1, -3):
-            _backward(panels, fronts.base[k] + j * (fronts.height[k] + 1), fronts.height[k], seen[j:rows])
+        first, own = _see(fronts, k, x, seen, last)
+        _backward(panels[fronts.base[k] :], fronts.height[k], own, last, seen)
         x[first : first + own] = seen[:own]
 
 
 @compiled
-def _see(fronts: Any, k: int, x: Array, seen: Array) -> tuple[int, int, int]:
-    """The first row of a front, the number of its own and of all its rows, whose values in x are written to `seen`."""
+def _see(fronts: Any, k: int, x: Array, seen: Array, last: Any) -> tuple[int, int]:
+    """The first row of a front and the number of its own: those of x that it reaches go to `seen`."""
     first = fronts.first[k]
     own = fronts.first[k + 1] - first
     seen[:own] = x[first : first + own]
@@ -236,4 +192,42 @@ def _see(fronts: Any, k: int, x: Array, seen: Array) -> tuple[int, int, int]:
         row = fronts.below[i]
         seen[at], seen[at + 1], seen[at + 2] = x[row], x[row + 1], x[row + 2]
         at += 3
-    return first, own, at
+    last[:own] = at - 1
+    return first, own
+
+
+@compiled
+def _forward(matrix: Array, height: int, own: int, last: Any, x: Array) -> None:
+    """X of so many columns by threes, each from the diagonal to its `last` row, and what the rows below lose by it.
+
+    `height`: from a number of the matrix to its neighbour in the same row.
+    """
+    step = height + 1
+    for j in range(0, own, 3):
+        p, q, r = matrix[j * step :], matrix[(j + 1) * step :], matrix[(j + 2) * step :]
+        a = x[j] * p[0]
+        b = (x[j + 1] - p[1] * a) * q[0]
+        c = (x[j + 2] - p[2] * a - q[1] * b) * r[0]
+        x[j], x[j + 1], x[j + 2] = a, b, c
+        below = x[j + 3 : last[j + 2] + 1]
+        p, q, r = p[3 : 3 + len(below)], q[2 : 2 + len(below)], r[1 : 1 + len(below)]
+        for e in range(len(below)):
+            below[e] -= a * p[e] + b * q[e] + c * r[e]
+
+
+@compiled
+def _backward(matrix: Array, height: int, own: int, last: Any, x: Array) -> None:
+    """The same from the last columns to the first, each less what the rows below bring."""
+    step = height + 1
+    for j in range(own - 3, -1, -3):
+        p, q, r = matrix[j * step :], matrix[(j + 1) * step :], matrix[(j + 2) * step :]
+        below = x[j + 3 : last[j + 2] + 1]
+        u, v, w = p[3 : 3 + len(below)], q[2 : 2 + len(below)], r[1 : 1 + len(below)]
+        a, b, c = 0.0, 0.0, 0.0
+        for e in range(len(below)):
+            a += u[e] * below[e]
+            b += v[e] * below[e]
+            c += w[e] * below[e]
+        c = (x[j + 2] - c) * r[0]
+        b = (x[j + 1] - b - q[1] * c) * q[0]
+        x[j], x[j + 1], x[j + 2] = (x[j] - a - p[1] * b - p[2] * c) * p[0], b, c

@@ -105,34 +105,24 @@ def stiffen(part: Any, runs: Any, lever: Array, work: Array, matrix: Array, patt
         if i < 0:
             continue
         at, step = pattern.own[i // 3], pattern.step[i // 3]
-        _add_own(matrix, at, step, xx, xz, xm, zz, zm, mm)
+        p, q, r = matrix[at:], matrix[at + step :], matrix[at + 2 * step :]
+        p[0], p[1], p[2], q[1], q[2], r[2] = p[0] + xx, p[1] + xz, p[2] + xm, q[1] + zz, q[2] + zm, r[2] + mm
         if o < 0:
             continue
         lx, lz = lever[j, 0], lever[j, 1]
         # the last column of the stiffness against motions of the other block, which turns about its own centre
         tx, tz, tm = xm + lx * xz - lz * xx, zm + lx * zz - lz * xz, mm + lx * zm - lz * xm
+        mm = tm + lx * tz - lz * tx
         at, step = pattern.own[o // 3], pattern.step[o // 3]
-        _add_own(matrix, at, step, xx, xz, tx, zz, tz, tm + lx * tz - lz * tx)
+        p, q, r = matrix[at:], matrix[at + step :], matrix[at + 2 * step :]
+        p[0], p[1], p[2], q[1], q[2], r[2] = p[0] + xx, p[1] + xz, p[2] + tx, q[1] + zz, q[2] + tz, r[2] + mm
+        if i < o:  # the columns are the first block's
+            tx, xm, tz, zm = xm, tx, zm, tz
         at, step = pattern.between[runs.start[j]], pattern.stride[runs.start[j]]
-        between = ((xx, xz, tx), (xz, zz, tz), (xm, zm, tm))
-        for h in range(3):
-            for e in range(3):
-                if i > o:
-                    matrix[at + e * step + h] -= between[h][e]
-                else:
-                    matrix[at + h * step + e] -= between[h][e]
-
-
-@compiled
-def _add_own(
-    matrix: Array, at: int, step: int, xx: float, xz: float, xm: float, zz: float, zm: float, mm: float
-) -> None:
-    matrix[at] += xx
-    matrix[at + 1] += xz
-    matrix[at + 2] += xm
-    matrix[at + step + 1] += zz
-    matrix[at + step + 2] += zm
-    matrix[at + 2 * step + 2] += mm
+        p, q, r = matrix[at:], matrix[at + step :], matrix[at + 2 * step :]
+        p[0], p[1], p[2] = p[0] - xx, p[1] - xz, p[2] - xm
+        q[0], q[1], q[2] = q[0] - xz, q[1] - zz, q[2] - zm
+        r[0], r[1], r[2] = r[0] - tx, r[1] - tz, r[2] - tm
 
 
 @compiled
