@@ -10,16 +10,16 @@ import pytest
 from assessment import figures
 from assessment.benchmark.dynamics import shaking
 from assessment.cli import TEMPLATES, main
-from assessment.coarse_joints import ENOUGH
+from assessment.coarse_joints import ENOUGH, coarse_joints
 from assessment.model import build_model
 from assessment.new_project import new_project
 from assessment.project import load_project
 from assessment.translation import translated
 from assessment.words import words_of
-from mechanics import pushdown, time_history
-from tests.block_project import PUSHED, block, edit, write_block
+from mechanics import Assembly, Block, Material, pushdown, time_history
+from tests.block_project import PUSHED, block, write_block
 from tests.every_stage import write_wave
-from tests.structures import block_on_base
+from tests.structures import block_on_base, rectangle
 
 HISTORY = '[[history]]\nrecord = "wave.csv"\ncontacts = "elastic"\n'
 SEARCH = '[incremental]\nrecords = ["wave.csv"]\ncontacts = "elastic"\n'
@@ -68,19 +68,29 @@ def test_nothing_is_said_where_the_report_tells_the_error(tmp_path, accuracy, wa
     assert len(warned(folder)) == warnings
 
 
-def test_the_keys_are_those_that_decide(tmp_path):
-    """Of two blocks the one that asks for more: between pier and springing the pier's layer."""
-    new_project(tmp_path / "arch", "buttressed-arch", {})
-    source = tmp_path / "arch" / "project.toml"
-    source.write_text(source.read_text(encoding="utf-8") + HISTORY.replace("wave", "records/artificial"))
-    piers = "layers.PIERS.segments_per_joint"
-    [text] = warned(tmp_path / "arch")
-    assert text.startswith(f"project.toml: geometry.segments_per_joint (4), {piers} (8): ")
-    edit(tmp_path / "arch", "segments_per_joint = 4 ", "segments_per_joint = 16 ")
-    [text] = warned(tmp_path / "arch")
-    assert text.startswith(f"project.toml: {piers} (8): ")
-    edit(tmp_path / "arch", "segments_per_joint = 8 ", "segments_per_joint = 16 ")
-    assert warned(tmp_path / "arch") == []
+PIERS = "layers.PIERS.segments_per_joint (8)"
+
+
+@pytest.mark.parametrize(
+    ("own", "given", "keys"),
+    [
+        ([None, 8, 8, None], 4, PIERS),  # every joint touches a pier, whose segments are more
+        ([None, 8, 8, None], 12, f"{PIERS}, geometry.segments_per_joint (12)"),  # between the piers theirs
+        ([None, 8, None, None], 4, f"geometry.segments_per_joint (4), {PIERS}"),
+        ([None, 8, 8, None], 16, PIERS),
+        ([None, 8, None, None], 16, None),
+    ],
+)
+def test_the_keys_are_those_that_decide(tmp_path, own, given, keys):
+    """A stack of blocks: of two the one that asks for more decides."""
+    project = load_project(written(tmp_path / "block", block() + HISTORY))
+    stone = Material(18.0, 0.7, 1e6)
+    stack = [
+        Block(rectangle(0, z, 1, z + 1), 1.0, stone, None if z else "base", segments=segments, layer="PIERS")
+        for z, segments in enumerate(own)
+    ]
+    said = coarse_joints(project, Assembly(stack, given))
+    assert [text.partition(": too few")[0] for text in said] == [f"project.toml: {keys}"] * (keys is not None)
 
 
 def test_an_italian_report_says_it_in_italian(tmp_path):
