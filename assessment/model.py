@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from assessment.coarse_joints import coarse_joints
 from assessment.macro_blocks import chosen_mechanisms
 from assessment.messages import ProjectError
 from mechanics import Assembly, DrawingError, Material
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """The assembly of a project and what its drawing gave cause to warn about."""
+    """The assembly of a project and what its drawing, and the segments of its joints, gave cause to warn about."""
 
     assembly: Assembly
     warnings: tuple[str, ...]
@@ -67,7 +68,7 @@ def build_model(project: Project) -> Model:
                 f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}"
             ) from None
     chosen_mechanisms(project, assembly)  # what is wrong in them is told before any analysis
-    return Model(assembly, warnings)
+    return Model(assembly, (*warnings, *coarse_joints(project, assembly)))
 
 
 def _asks_for_elastic(project: Project) -> bool:

@@ -204,6 +204,32 @@ def test_not_converged_is_told_from_infeasible(monkeypatch, solved):
         solve(program)
 
 
+def test_what_balances_the_loads_decides_where_the_auxiliary_program_does_not(monkeypatch, solved):
+    program, good = solved
+
+    def undecided(*_):
+        raise ConvergenceError("least acceleration was not solved")
+
+    monkeypatch.setattr(solvers, "_by_bands", lambda *_: None)
+    monkeypatch.setattr(solvers, "imbalance", undecided)
+    for by_bands in (
+        True,
+        False,
+    ):  # the auxiliary program is asked before the first attempt of PIQP, or after it
+        monkeypatch.setattr(solvers, "banded", lambda contacts, first=by_bands: first)
+        monkeypatch.setattr(solvers, "_attempts", lambda _, wait=by_bands: late(good, 1 - wait))
+        assert solve(program).alpha == pytest.approx(good.alpha, abs=1e-9)
+        monkeypatch.setattr(solvers, "_attempts", lambda _: iter([lambda: None, lambda: None]))
+        with pytest.raises(ConvergenceError, match="least acceleration"):
+            solve(program)
+
+
+def late(solution, failures):
+    """Attempts of which the first ones fail."""
+    yield from [lambda: None] * failures
+    yield lambda: (solution.forces, solution.alpha, solution.displacement)
+
+
 def test_a_poor_answer_is_solved_again_by_another_solver(monkeypatch, solved):
     program, good = solved
     calls = []

@@ -35,7 +35,7 @@ def solve(program: Program, near: Neighbour | None = None, layout: Elimination |
     where one is given, on matrices of that `layout`; a small one, or one that it does not solve, to PIQP. A poor
     certificate is met by a tighter and sturdier run, then by another solver; no status is ever trusted. Raises
     NoEquilibriumError where the loads cannot be balanced (decided by a program of its own, see imbalance) and
-    ConvergenceError where they can but no solver shows how.
+    ConvergenceError where they can but no solver shows how, or where not even that program is solved.
     """
     static = program.mass is None
     by_bands = static and (near is not None or banded(len(program.gap)))
@@ -44,9 +44,14 @@ def solve(program: Program, near: Neighbour | None = None, layout: Elimination |
         if found is not None:
             return found
     best: Solution | None = None
-    acceleration = 0.0
+    acceleration, undecided = 0.0, None
     for count, attempt in enumerate(_attempts(program), start=int(by_bands)):
-        if count == 1 and static and (acceleration := imbalance(program, layout)) > BALANCED:
+        if count == 1 and static:
+            try:
+                acceleration = imbalance(program, layout)
+            except ConvergenceError as error:  # of no account where an attempt finds a certified solution
+                undecided = error
+        if acceleration > BALANCED:
             break
         answer = attempt()
         if answer is not None:
@@ -60,6 +65,8 @@ def solve(program: Program, near: Neighbour | None = None, layout: Elimination |
             best = _by_bands(program, best.neighbour(program), layout, best.displacement) or best
         if _worst(program, best) <= USABLE:
             return best
+    if undecided is not None:
+        raise undecided
     if acceleration > MARGINAL:
         raise NoEquilibriumError(f"no equilibrium: some block would start to move with {acceleration:.2g} g")
     raise ConvergenceError("equilibrium exists, but no solver found it to the required accuracy")
