@@ -30,8 +30,8 @@ class State:
 
     `positions` (b, 3): x, z (m) of each centroid and rotation (rad) from the drawing, supports included;
     `velocities` (b, 3): their rates; `shear`: tangential contact forces (kN) carried by joints of finite
-    tangential stiffness, None where there are none; `carrying` (c,): rigid contact points that carry, closed whatever
-    gap dilatant sliding has left under them, None where that is not known.
+    tangential stiffness, None where there are none; `carrying` (c,): contact points that carry in the equilibrium that
+    led here, rigid ones closed whatever gap dilatant sliding has left under them; None where none did.
     """
 
     positions: Array

@@ -12,6 +12,7 @@ from mechanics.equilibrium import check_self_weight, rest, rest_size
 from mechanics.errors import NoEquilibriumError, UnstableError
 from mechanics.limit import limit_analysis
 from mechanics.program import Certificate
+from mechanics.relaxation import come_to_rest
 from mechanics.static_step import Step, find_step
 
 FIRST = 0.02  # of the rigid multiplier: the first step of an elastic curve
@@ -84,7 +85,7 @@ def settled(model: Assembly, state: State | None) -> Step:
     """
     check_self_weight(model)
     try:
-        step = rest(model, "elastic", model.starting(state))
+        step = come_to_rest(model, rest(model, "elastic", model.starting(state)))
     except NoEquilibriumError as fall:
         raise UnstableError(
             f"with elastic joints the structure cannot stand under its own weight: {fall}"

@@ -13,6 +13,7 @@ from mechanics.equilibrium import check_self_weight, reaction, rest, rest_size
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, require
 from mechanics.other_steps import ACROSS, other_shares
 from mechanics.program import Certificate
+from mechanics.relaxation import come_to_rest
 from mechanics.static_step import Step, find_step
 
 MOST_CLOSINGS = 6  # without an improvement
@@ -140,7 +141,11 @@ def pushdown(
             crossed.append((here, here + stride))
         others, by = None, min(increment, 1.5 * by)
         if final is None and path[-1] >= full * (1.0 - 1e-9):
-            final = settle(model, contacts, step, increment, certificates)
+            try:
+                final = settle(model, contacts, step, increment, certificates)
+            except NoEquilibriumError as stop:
+                ultimate, end = here, str(stop)
+                break
         elif final is not None and rotation == 0.0 and _rides(model, now, step.state, stride / full * target):
             end = "the structure moves with its support as a whole"
             break
@@ -155,6 +160,10 @@ def pushdown(
         tuple(steps),
         tuple(certificates),
     )
+    if final is None and path[-1] >= full * (1.0 - 1e-9):
+        raise CollapseError(
+            f"the structure collapses after the whole movement of {full:.4g} m: {end}", path_so_far
+        )
     if final is None:
         raise CollapseError(
             f"the structure collapses at a movement of {path[-1]:.4g} m, before the whole of {full:.4g} m: {end}",
@@ -179,7 +188,7 @@ def _rides(model: Assembly, before: State, after: State, moved: Array) -> bool:
 def settle(
     model: Assembly, contacts: Behaviour, step: Step, size: float, certificates: list[Certificate]
 ) -> State:
-    """Close the gaps that dilatant sliding left under joints that carry, with no further movement.
+    """Close the gaps that dilatant sliding left under joints that carry, with no further movement of the support.
 
     What slides as it comes down lifts something else a little less, as a rule: the state with the least gaps is taken.
     """
@@ -189,7 +198,7 @@ def settle(
         return float(gap[step.state.carrying].max(initial=0.0))
 
     if contacts == "elastic":
-        return step.state
+        return come_to_rest(model, step).state
     best, least, since = step, lifted(step), 0
     while least > SETTLED * model.size and since < MOST_CLOSINGS:
         step = rest(model, contacts, step.state, size, step)

@@ -53,6 +53,7 @@ class Scene:
     """What does not change in a motion, laid out once; and the count of what was done.
 
     `speed` (m/s): √(g·size); `mobility` (b, 3): 1/mass, 0 for supports; `smallest` (m): size of the smallest block.
+    `lifted` (c,) m: gaps that count as none, those of joints that carried as the motion began.
     `damping` (s): viscous contact force per elastic one and rate of gap; `restitution`: of normal velocity at impacts.
     `impacts`: located ones; `fallbacks`: rests of steps left to the implicit step without locating more of them;
     `solves`: programs, of them `resolved`: those that the Newton solver left to PIQP.
@@ -76,6 +77,7 @@ class Scene:
         self.movable = np.flatnonzero(model.movable)
         self.newton = Newton(self.dof, model.initial.positions[self.movable, :2])
         self.mass = model.mass[self.movable].ravel()
+        self.lifted = np.zeros(len(contacts))
         self.compliance, self.stiffness = np.zeros((len(contacts), 2)), np.full(len(contacts), np.inf)
         if self.behaviour == "elastic":
             self.compliance, self.stiffness = 1.0 / contacts.stiffness, contacts.stiffness[:, 0].copy()
@@ -105,6 +107,7 @@ class Scene:
         c, k = len(self.contacts), self.contacts
         gap, normal, tangent = np.empty((c, 2)), np.empty((c, 6)), np.empty((c, 6))
         self.newton.kernels.geometry(k.a, k.b, k.p, k.q, k.n, x, gap, normal, tangent)
+        gap[:, 0] -= self.lifted
         self._configuration = key, (gap, normal, tangent)
         return gap, normal, tangent
 

@@ -207,7 +207,7 @@ class Sought:
                 found,
                 np.zeros_like(found),
                 solution.forces[:, 1] if has_shear else None,
-                solution.forces[:, 0] > CARRYING * self.model.weight if rigid else None,
+                solution.forces[:, 0] > CARRYING * self.model.weight,
             ),
             at,
             program,

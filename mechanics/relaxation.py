@@ -1,0 +1,55 @@
+"""Where a structure on elastic joints comes to rest when sliding has left it short of equilibrium.
+
+In the program of a step what slides dilates (associated friction); in the geometry that the step leads to it does not.
+There, joints that slid while they carried are less compressed than their forces ask for: by as much that geometry is no
+equilibrium yet, and released it would fall until it is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from mechanics.assembly import Assembly, State
+from mechanics.block import GRAVITY
+from mechanics.equilibrium import rest
+from mechanics.errors import NoEquilibriumError
+from mechanics.integrators import implicit_euler
+from mechanics.scene import Motion, Scene
+from mechanics.static_step import Step
+
+LIFTED = 5e-5  # of the block size: what may be left of a lift, and what a step at rest moves
+MOST_STEPS = 300
+
+
+def lifted(model: Assembly, step: Step) -> float:
+    """By how much (m) elastic joints that carry lack the compression of their forces, at most."""
+    gap = model.kinematics("elastic", step.state.positions).gap
+    missing = gap + step.program.compliance[:, 0] * step.forces[:, 0]
+    return float(missing[step.state.carrying].max(initial=0.0))
+
+
+def come_to_rest(model: Assembly, step: Step) -> Step:
+    """The rest under gravity near that of a step; itself where no joint of it is lifted.
+
+    Sought by steps of implicit Euler that all begin at rest, which are short of an equilibrium of their own only by the
+    inertia: none fails, as a static step may whose geometry goes to and fro. Raises NoEquilibriumError where they lead
+    to no rest.
+    """
+    least = LIFTED * model.size
+    if lifted(model, step) <= least:
+        return step
+    scene, still = Scene(model, "elastic"), np.zeros_like(step.state.positions)
+    duration = 0.5 * float(np.sqrt(model.size / GRAVITY))
+    motion = Motion(step.state.positions, still, step.forces, step.forces[:, 1])
+    for _ in range(MOST_STEPS):
+        moved = implicit_euler(scene, motion, lambda _: model.dead_load, 0.0, duration)
+        far = float(abs((moved.x - motion.x)[:, :2]).max())
+        motion = replace(moved, v=still)
+        if far <= least:
+            springs = None if step.state.shear is None else motion.shear
+            return rest(model, "elastic", State(motion.x, still, springs))
+    raise NoEquilibriumError(
+        f"left to itself on its elastic joints the structure comes to no rest: it goes on moving by {far:.2g} m"
+    )
