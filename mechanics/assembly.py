@@ -109,6 +109,13 @@ class Assembly:
             raise ValueError("normal_stiffness: elastic contacts need it for the material of every block")
         return self.elastic_contacts
 
+    def carrying(self, state: State) -> Mask:
+        """Rigid contact points (c,) that carry in a state, as far as that is known: elastic joints may have more."""
+        count = len(self.rigid_contacts)
+        if state.carrying is None or len(state.carrying) != count:
+            return np.zeros(count, dtype=bool)
+        return state.carrying
+
     @cached_property
     def joints_in_a_row(self) -> int:
         """The most joints between a block and the support nearest to it."""

@@ -79,7 +79,10 @@ class Energy:
 
 
 def first_frequency(scene: Scene) -> float:
-    """The lowest circular frequency (rad/s) of the blocks as drawn, all contacts closed and sticking."""
+    """The lowest circular frequency (rad/s) of the blocks as drawn, all contacts closed and sticking.
+
+    Nothing where some blocks are loose.
+    """
     newton, k = scene.newton, scene.contacts.stiffness
     _, normal, tangent = scene.geometry(scene.model.initial.positions)
     compliance = 1.0 / np.stack([k[:, 0], np.minimum(k[:, 1], RIGID_SHEAR * k[:, 0])], axis=1)

@@ -29,12 +29,7 @@ def closed_program(model: Assembly, state: State, lateral: Array | None = None) 
     program = assemble(
         model, "rigid", state, state.positions, model.dead_load, size, lateral, size * model.weight
     )
-    closed_already = program.gap[:, 0] <= CLOSED * model.size
-    if state.carrying is not None and len(state.carrying) == len(
-        closed_already
-    ):  # elastic joints have more points
-        closed_already |= state.carrying
-    closed = np.flatnonzero(closed_already)
+    closed = np.flatnonzero((program.gap[:, 0] <= CLOSED * model.size) | model.carrying(state))
     taken = program.take(closed)
     return replace(taken, gap=np.zeros_like(taken.gap)), closed
 

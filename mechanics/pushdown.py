@@ -198,7 +198,10 @@ def settle(
         return float(gap[step.state.carrying].max(initial=0.0))
 
     if contacts == "elastic":
-        return come_to_rest(model, step).state
+        rested = come_to_rest(model, step)
+        if rested is not step:
+            certificates.append(rested.certificate)
+        return rested.state
     best, least, since = step, lifted(step), 0
     while least > SETTLED * model.size and since < MOST_CLOSINGS:
         step = rest(model, contacts, step.state, size, step)

@@ -12,12 +12,12 @@ from dataclasses import replace
 import numpy as np
 
 from mechanics.assembly import Assembly, State
-from mechanics.block import GRAVITY
+from mechanics.block import GRAVITY, Array
 from mechanics.equilibrium import rest
 from mechanics.errors import NoEquilibriumError
 from mechanics.integrators import implicit_euler
 from mechanics.scene import Motion, Scene
-from mechanics.static_step import Step
+from mechanics.static_step import JUMP, TURN, Step
 
 LIFTED = 5e-5  # of the block size: what may be left of a lift, and what a step at rest moves
 MOST_STEPS = 300
@@ -30,23 +30,35 @@ def lifted(model: Assembly, step: Step) -> float:
     return float(missing[step.state.carrying].max(initial=0.0))
 
 
+def way(model: Assembly, one: Array, other: Array) -> float:
+    """The longest (m) of a block from positions (b, 3) to others; a turn counts at a block's size."""
+    return float((abs(other - one) * (1.0, 1.0, model.size)).max())
+
+
 def come_to_rest(model: Assembly, step: Step) -> Step:
     """The rest under gravity near that of a step; itself where no joint of it is lifted.
 
     Sought by steps of implicit Euler that all begin at rest, which are short of an equilibrium of their own only by the
     inertia: none fails, as a static step may whose geometry goes to and fro. Raises NoEquilibriumError where they lead
-    to no rest.
+    to no rest, or only to one so far that what comes down has fallen.
     """
-    least = LIFTED * model.size
-    if lifted(model, step) <= least:
+    least, lift = LIFTED * model.size, lifted(model, step)
+    if lift <= least:
         return step
+    farthest = min(JUMP * lift, TURN * model.size)
     scene, still = Scene(model, "elastic"), np.zeros_like(step.state.positions)
     duration = 0.5 * float(np.sqrt(model.size / GRAVITY))
     motion = Motion(step.state.positions, still, step.forces, step.forces[:, 1])
     for _ in range(MOST_STEPS):
         moved = implicit_euler(scene, motion, lambda _: model.dead_load, 0.0, duration)
-        far = float(abs((moved.x - motion.x)[:, :2]).max())
+        far = way(model, motion.x, moved.x)
         motion = replace(moved, v=still)
+        whole = way(model, step.state.positions, motion.x)
+        if whole > farthest:
+            raise NoEquilibriumError(
+                f"the structure falls: left to itself on elastic joints lifted by {lift:.2g} m "
+                f"it moves by {whole:.2g} m"
+            )
         if far <= least:
             springs = None if step.state.shear is None else motion.shear
             return rest(model, "elastic", State(motion.x, still, springs))

@@ -18,7 +18,7 @@ from mechanics.impacts import midpoint_with_impacts
 from mechanics.integrators import RINGING, implicit_euler, midpoint
 from mechanics.mechanism import overruns
 from mechanics.program import Certificate
-from mechanics.relaxation import come_to_rest
+from mechanics.relaxation import LIFTED, come_to_rest, way
 from mechanics.scene import Load, Motion, Scene
 from mechanics.solvers.threads import one_thread
 
@@ -105,12 +105,15 @@ def time_history(
     point = None if control is None else (np.asarray(control, dtype=float), model.block_at(control))
     scene = Scene(model, contacts, restitution=restitution)
     start, forces, shear = _settled(model, contacts, state or model.initial)
-    if contacts == "rigid" and start.carrying is not None and len(start.carrying) == len(scene.contacts):
-        # dilatant sliding has left gaps there, from which loose blocks would begin to fall
+    if contacts == "rigid":
+        # dilatant sliding has left gaps under joints that carry, from which loose blocks would begin to fall
         gap = model.kinematics(contacts, start.positions).gap
-        scene.lifted = np.where(start.carrying, gap.clip(0.0), 0.0)
+        scene.lifted = np.where(model.carrying(start), gap.clip(0.0), 0.0)
     if damping_ratio > 0.0:
-        scene.damping = 2.0 * damping_ratio / first_frequency(scene)
+        frequency = first_frequency(scene)
+        require(frequency > 0.0, "damping_ratio", damping_ratio,
+                "0 where nothing holds some block as drawn: there is no frequency to refer it to")  # fmt: skip
+        scene.damping = 2.0 * damping_ratio / frequency
     advance = implicit_euler
     if integrator == "second-order" and contacts == "elastic":
         advance, scene.newton.newest = midpoint, RINGING
@@ -192,6 +195,11 @@ def _settled(model: Assembly, contacts: Behaviour, state: State) -> tuple[State,
         if state.carrying is None:
             check_self_weight(model, state)
         step = come_to_rest(model, rest(model, contacts, state))
+        moved = way(model, state.positions, step.state.positions)
+        if (
+            state.carrying is not None and moved > LIFTED * model.size
+        ):  # a pushed state carries more than gravity
+            check_self_weight(model, state)
     except (UnstableError, NoEquilibriumError):
         return state, none, shear
     return step.state, step.forces, step.forces[:, 1]

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from assessment.benchmark.structures import assembly, block_on_base
-from mechanics import Assembly, NoEquilibriumError, State, TimeHistory, pushdown, time_history
+from mechanics import Assembly, NoEquilibriumError, State, TimeHistory, pushdown, pushover, time_history
 from mechanics.equilibrium import rest
 from mechanics.relaxation import LIFTED, come_to_rest, lifted
+from mechanics.static_step import Step
 from tests.structures import arch_on_piers
 
 WALL = assembly("wall")
@@ -66,11 +67,43 @@ def test_joints_that_only_turn_are_at_rest_already() -> None:
     assert come_to_rest(model, step) is step
 
 
-def test_what_comes_to_no_rest_is_refused() -> None:
-    """A block far above its base, as if a step had led there, falls on and on."""
-    model = block_on_base(0.6, 4.2, stiffness=1e6)
+def raised(model: Assembly, height: float) -> Step:
+    """The rest of a block on its base, as if a step had led it to a height (m) above."""
     step = rest(model, "elastic", model.initial)
     over = step.state.positions.copy()
-    over[model.movable, 1] += 1e4
-    with pytest.raises(NoEquilibriumError, match=r"comes to no rest: it goes on moving by"):
-        come_to_rest(model, replace(step, state=replace(step.state, positions=over)))
+    over[model.movable, 1] += height
+    return replace(step, state=replace(step.state, positions=over))
+
+
+def test_what_falls_does_not_come_to_rest() -> None:
+    """A block far above its base falls on it, one turned beyond its edge on its head: not the rest sought."""
+    model = block_on_base(0.6, 4.2, stiffness=1e6)
+    with pytest.raises(NoEquilibriumError, match=r"falls: left to itself on elastic joints lifted by 2 m"):
+        come_to_rest(model, raised(model, 2.0))
+    step, turned = rest(model, "elastic", model.initial), model.rotated(1, (0.6, 0.0), -0.2)
+    with pytest.raises(NoEquilibriumError, match=r"falls: left to itself"):
+        come_to_rest(model, replace(step, state=replace(step.state, positions=turned.positions)))
+
+
+def test_what_comes_to_no_rest_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = block_on_base(0.6, 4.2, stiffness=1e6)
+    assert lifted(model, come_to_rest(model, raised(model, 0.1))) <= LIFTED * model.size
+    monkeypatch.setattr("mechanics.relaxation.MOST_STEPS", 1)
+    with pytest.raises(NoEquilibriumError, match=r"comes to no rest: it goes on moving by 0\.1 m"):
+        come_to_rest(model, raised(model, 0.1))
+
+
+def test_what_comes_to_rest_is_certified() -> None:
+    path = pushdown(WALL, **SETTLED, contacts="elastic")
+    assert len(path.certificates) == len(path.steps) + 2  # the reaction as the movement begins, and the rest
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+@pytest.mark.parametrize("stiffness", [1e4, 1e6])
+def test_a_block_pulled_aside_is_released_where_it_was_pulled_to(contacts: str, stiffness: float) -> None:
+    """What carried a block aside is no equilibrium under gravity alone, however near on soft joints one is."""
+    model = block_on_base(0.6, 4.2, stiffness=stiffness)
+    pulled = pushover(model, (0.3, 4.2), "+x", contacts, 0.02, until=0.3).states[-1]
+    motion = unshaken(model, pulled, "elastic")
+    assert np.array_equal(motion.start.positions, pulled.positions)
+    assert farthest(motion.positions[-1], pulled.positions) > 1e-3
