@@ -20,7 +20,9 @@ def towers(*, apart: float = 4.0, above: float = 0.0, turned: float = 0.0) -> As
     second = np.array([rectangle(0.0, i, 1.0, i + 1.0) for i in range(2)]) @ [[cos, sin], [-sin, cos]]
     first = [rectangle(0.0, i, 1.0, i + 1.0) for i in range(2)]
     base = Block(rectangle(-1.0, -1.0, 6.0, 0.0), 1.0, STONE, support="base")
-    return Assembly([base, *(Block(v, 1.0, STONE) for v in [*first, *(second + np.array([apart, above]))])], 2)
+    return Assembly(
+        [base, *(Block(v, 1.0, STONE) for v in [*first, *(second + np.array([apart, above]))])], 2
+    )
 
 
 def dense(scene: Scene) -> float:
