@@ -53,9 +53,12 @@ def dense(scene: Scene) -> float:
     ],
 )
 def test_first_frequency_is_that_of_the_dense_problem(model: Assembly) -> None:
-    found = [first_frequency(Scene(model, "elastic")) for _ in range(2)]
-    assert found[0] == pytest.approx(dense(Scene(model, "elastic")), rel=1e-8)
-    assert found[0] == found[1]
+    assert first_frequency(Scene(model, "elastic")) == pytest.approx(dense(Scene(model, "elastic")), rel=1e-8)
+
+
+def test_first_frequency_is_repeatable_where_few_modes_differ() -> None:
+    model = towers()
+    assert len({first_frequency(Scene(model, "elastic")) for _ in range(100)}) == 1
 
 
 @pytest.mark.parametrize("turned", [0.0, 0.3, 1.1])

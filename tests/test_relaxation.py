@@ -117,7 +117,7 @@ def test_a_lift_counts_from_the_compression_that_forces_ask_for() -> None:
 
 def test_a_turn_is_a_way_too() -> None:
     model = block_on_base(0.6, 4.2)
-    turned = model.initial.positions + [[0.0, 0.0, 0.0], [1e-3, -2e-3, -0.01]]
+    turned = model.initial.positions + np.array([[0.0, 0.0, 0.0], [1e-3, -2e-3, -0.01]])
     assert way(model, model.initial.positions, turned) == pytest.approx(0.01 * model.size)
 
 
@@ -176,7 +176,7 @@ def test_an_elastic_settlement_with_hinges_is_at_rest() -> None:
 def test_what_lies_in_its_base_is_pushed_out_by_a_step_of_implicit_euler() -> None:
     """A gap that carries counts as none, a penetration does not."""
     model = block_on_base(0.6, 4.2)
-    below = model.initial.positions - [[0.0, 0.0, 0.0], [0.0, 1e-5, 0.0]]
+    below = model.initial.positions - np.array([[0.0, 0.0, 0.0], [0.0, 1e-5, 0.0]])
     bears = np.full(len(model.contacts("rigid")), True)
     state = State(below, np.zeros_like(below), carrying=bears)
     motion = time_history(model, np.zeros(3), 0.005, "rigid", state, integrator="implicit-euler")
