@@ -12,7 +12,7 @@ from mechanics.errors import UnstableError
 from mechanics.joints import Index
 from mechanics.program import Program
 from mechanics.solvers import BALANCED, imbalance
-from mechanics.static_step import Step, assemble, band_of, find_step
+from mechanics.static_step import Step, assemble, elimination_of, find_step
 
 CLOSED = 1e-3  # of the block size: a gap that is none (dilatant sliding leaves some in a settled state)
 
@@ -37,7 +37,7 @@ def closed_program(model: Assembly, state: State, lateral: Array | None = None) 
 def check_self_weight(model: Assembly, state: State | None = None) -> None:
     """Raise UnstableError where gravity alone cannot be carried in a state (default: as drawn)."""
     program, closed = closed_program(model, state or model.initial)
-    acceleration = imbalance(program, band_of(model, "rigid").take(closed))
+    acceleration = imbalance(program, elimination_of(model, "rigid").take(closed))
     if acceleration > BALANCED:
         raise UnstableError(
             "the structure cannot stand under its own weight: some block would start to move with "

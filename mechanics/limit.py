@@ -11,8 +11,8 @@ from mechanics.block import Array
 from mechanics.equilibrium import check_self_weight, closed_program
 from mechanics.errors import NoEquilibriumError
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Solution
-from mechanics.solvers import banded, solve
-from mechanics.static_step import GEOMETRY_TOLERANCE, Step, assemble, band_of
+from mechanics.solvers import solve, suits_central_path
+from mechanics.static_step import GEOMETRY_TOLERANCE, Step, assemble, elimination_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,12 +60,12 @@ def limit_of(model: Assembly, direction: Direction, step: Step) -> Step:
 
 
 def _limit(model: Assembly, direction: Direction, state: State, last: Step | None = None) -> Limit:
-    """Limit analysis in a state, sought near the step that led to it where it is solved by bands."""
+    """Limit analysis in a state, sought near the step that led to it where it is solved on central_path."""
     onset, closed = closed_program(model, state, model.lateral_load(direction))
     near = None
-    if last is not None and banded(len(closed)):
+    if last is not None and suits_central_path(len(closed)):
         near = last.neighbour.take(closed, onset.step / last.program.step)
-    solution = solve(onset, near, band_of(model, "rigid").take(closed))
+    solution = solve(onset, near, elimination_of(model, "rigid").take(closed))
     if solution.alpha > 0.99 * LARGEST_MULTIPLIER:
         raise NoEquilibriumError(
             f"{direction}: no mechanism, the load only wedges the blocks (α > {LARGEST_MULTIPLIER:g})"

@@ -17,7 +17,7 @@ from mechanics.onset import SETTLED_FIRST, elastic_onset, mechanism_onset, no_wa
 from mechanics.other_steps import ACROSS, HALVINGS, other_shares
 from mechanics.program import Certificate
 from mechanics.solvers import solve
-from mechanics.static_step import Step, band_of, find_step
+from mechanics.static_step import Step, elimination_of, find_step
 
 MOST_STEPS = 5000
 SNAP = 4.0  # of the settlement's largest displacement: across which one of its hinges may snap shut
@@ -288,7 +288,7 @@ def _mechanism(model: Assembly, state: State, lateral: Array, motion: Array) -> 
     """Virtual displacements (b, 3) over the contacts that touch or carry in a state; without any, its motion."""
     program, closed = closed_program(model, state, lateral)
     try:
-        found = solve(program, layout=band_of(model, "rigid").take(closed))
+        found = solve(program, layout=elimination_of(model, "rigid").take(closed))
     except (NoEquilibriumError, ConvergenceError):
         return motion
     mechanism = np.zeros_like(motion)

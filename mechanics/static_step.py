@@ -13,7 +13,7 @@ from mechanics.block import Array
 from mechanics.errors import NoEquilibriumError
 from mechanics.joints import Index
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Neighbour, Program, Solution
-from mechanics.solvers import banded, kernels, solve
+from mechanics.solvers import kernels, solve, suits_central_path
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.kernels import fastest
 
@@ -89,7 +89,7 @@ def find_step(
     sought = Sought(model, behaviour, start, size, pose)
     near = last.neighbour if last is not None and sought.large else None
     rigid, scale = behaviour == "rigid", np.array([1.0, 1.0, model.size])
-    layout = band_of(model, behaviour) if banded(len(model.contacts(behaviour))) else None
+    layout = elimination_of(model, behaviour) if suits_central_path(len(model.contacts(behaviour))) else None
     at, earlier, ahead = guess, np.full_like(guess, np.inf), 1.0
     for count in range(1, MOST_ITERATIONS + 1):
         followed = sought.followed(at, near) if near is not None and count == 1 else None
@@ -174,7 +174,7 @@ class Sought:
         def pose(x: Array) -> Program:
             return self.pose(self.checked(_displaced(self.model, at, x)))
 
-        layout = band_of(self.model, self.behaviour)
+        layout = elimination_of(self.model, self.behaviour)
         try:
             ended = central_path.follow(pose, layout, near)
             if ended is None:
@@ -219,8 +219,8 @@ class Sought:
 
 
 @lru_cache(maxsize=8)
-def band_of(model: Assembly, behaviour: Behaviour) -> Elimination:
-    """Order and band of the matrices of a model's programs."""
+def elimination_of(model: Assembly, behaviour: Behaviour) -> Elimination:
+    """In which order the matrices of a model's programs are eliminated."""
     return Elimination.of(_rows(model, behaviour), model.initial.positions[model.movable, :2])
 
 
@@ -265,7 +265,7 @@ def programs(
     with them the rounding in the gaps.
     """
     contacts, movable = model.contacts(behaviour), model.movable
-    geometry = (fastest() if banded(len(contacts)) else kernels).geometry
+    geometry = (fastest() if suits_central_path(len(contacts)) else kernels).geometry
     compliance = np.zeros((len(contacts), 2)) if behaviour == "rigid" else 1.0 / contacts.stiffness
 
     def kinematics(positions: Array) -> tuple[Array, Array, Array]:

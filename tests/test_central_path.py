@@ -1,4 +1,4 @@
-"""The banded interior-point method of the statics against PIQP, and what it follows: the geometry of a step."""
+"""The interior-point method of the statics against PIQP, and what it follows: the geometry of a step."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_it_solves_a_program_as_piqp_does(model, behaviour, lateral):
 def test_a_step_followed_and_a_step_of_programs_are_the_same(behaviour, monkeypatch):
     model, control = running_bond(5, 6, friction=3.0), (2.0, 1.05)  # no sliding, no path dependence
     for module in ("mechanics.static_step", "mechanics.solvers"):
-        monkeypatch.setattr(f"{module}.banded", lambda contacts: False)
+        monkeypatch.setattr(f"{module}.suits_central_path", lambda contacts: False)
     apart = pushover(model, control, contacts=behaviour, increment=0.01)
     monkeypatch.undo()
     monkeypatch.setattr("mechanics.static_step.LARGE", 0)

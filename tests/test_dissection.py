@@ -68,6 +68,24 @@ def test_what_a_front_reaches_is_later_and_held_by_the_first_front_reached(block
             assert {row for row in rows if owner[row] > parent} <= reached[parent]
 
 
+def test_products_are_half_the_squares_of_the_columns_below_the_diagonal() -> None:
+    centres, linked = scattered(400, 1.0)
+    order, bounds = dissected(linked, centres)
+    found = fronts(np.argsort(order)[linked], bounds)
+    rows = 3 * (np.diff(bounds) + np.diff(found.start))
+    columns = [range(n, n - 3 * own, -1) for n, own in zip(rows, np.diff(bounds), strict=True)]
+    assert found.products() == pytest.approx(0.5 * sum(n**2 for column in columns for n in column))
+
+
+def test_rows_that_lie_side_by_side_are_taken_off_together() -> None:
+    centres, linked = scattered(400, 1.0)
+    order, bounds = dissected(linked, centres)
+    found = fronts(np.argsort(order)[linked], bounds)
+    assert found.together.max() > 9
+    for i, rows in enumerate(found.together // 3):
+        assert np.array_equal(found.place[i : i + rows] - found.place[i], 3 * np.arange(rows))
+
+
 def dense(stored: Array, layout: Elimination) -> Array:
     """The matrix that is stored, rows in the order of elimination."""
     size, pattern = len(layout.order), layout.pattern
@@ -150,6 +168,7 @@ def test_walls_are_dissected_from_some_size_on_and_arches_are_not() -> None:
 
     wall, small, arch = layout(running_bond(31, 32)), layout(running_bond(9, 10)), layout(arch_on_piers())
     assert not len(small.fronts.base) and not len(arch.fronts.base)
+    assert not len(layout(running_bond(60, 20)).fronts.base), "too flat for fronts to pay"
     assert len(wall.fronts.base) and wall.fronts.size < 0.8 * len(wall.order) * wall.places
     assert wall.fronts.products() < 0.5 * (0.5 * len(wall.order) * wall.places**2)
 

@@ -13,10 +13,11 @@ from scipy.linalg import lapack
 from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.solvers import iterations, kernels
-from mechanics.solvers.band import envelope, runs
+from mechanics.solvers.band import envelope
 from mechanics.solvers.dissection import NO_FRONTS
 from mechanics.solvers.elimination import PADDING, Elimination, Pattern
 from mechanics.solvers.iterations import worst
+from mechanics.solvers.runs import runs
 from mechanics.solvers.threads import _libraries, one_thread
 from tests.steps import euler_step
 from tests.structures import arch_on_piers, running_bond
@@ -168,7 +169,7 @@ def test_contacts_of_two_blocks_form_one_run() -> None:
 
 
 def test_points_of_runs_alike_alternate_in_parts_of_some_hundred(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("mechanics.solvers.band.PART", 6)
+    monkeypatch.setattr("mechanics.solvers.runs.PART", 6)
     found = runs(np.repeat([[0, 3], [3, 6], [6, 9], [9, -1]], 2, axis=0))
     assert found.parts.tolist() == [[0, 3, 2, 0], [3, 4, 2, 6]]
     assert found.column.tolist() == [0, 3, 1, 4, 2, 5, 6, 7]

@@ -198,7 +198,7 @@ def test_imbalance_is_zero_where_gravity_is_carried(model):
 def test_not_converged_is_told_from_infeasible(monkeypatch, solved):
     # solvers that give up on a program that has a solution: no mechanical statement is made of it
     program = solved[0]
-    monkeypatch.setattr(solvers, "banded", lambda contacts: False)
+    monkeypatch.setattr(solvers, "suits_central_path", lambda contacts: False)
     monkeypatch.setattr(solvers, "_attempts", lambda _: iter([lambda: None, lambda: None]))
     with pytest.raises(ConvergenceError, match="equilibrium exists"):
         solve(program)
@@ -210,14 +210,14 @@ def test_what_balances_the_loads_decides_where_the_auxiliary_program_does_not(mo
     def undecided(*_):
         raise ConvergenceError("least acceleration was not solved")
 
-    monkeypatch.setattr(solvers, "_by_bands", lambda *_: None)
+    monkeypatch.setattr(solvers, "_by_central_path", lambda *_: None)
     monkeypatch.setattr(solvers, "imbalance", undecided)
-    for by_bands in (
+    for by_central_path in (
         True,
         False,
     ):  # the auxiliary program is asked before the first attempt of PIQP, or after it
-        monkeypatch.setattr(solvers, "banded", lambda contacts, first=by_bands: first)
-        monkeypatch.setattr(solvers, "_attempts", lambda _, wait=by_bands: late(good, 1 - wait))
+        monkeypatch.setattr(solvers, "suits_central_path", lambda contacts, first=by_central_path: first)
+        monkeypatch.setattr(solvers, "_attempts", lambda _, wait=by_central_path: late(good, 1 - wait))
         assert solve(program).alpha == pytest.approx(good.alpha, abs=1e-9)
         monkeypatch.setattr(solvers, "_attempts", lambda _: iter([lambda: None, lambda: None]))
         with pytest.raises(ConvergenceError, match="least acceleration"):
@@ -238,7 +238,7 @@ def test_a_poor_answer_is_solved_again_by_another_solver(monkeypatch, solved):
         calls.append(1)
         return 1.01 * good.forces, good.alpha, good.displacement
 
-    monkeypatch.setattr(solvers, "banded", lambda contacts: False)
+    monkeypatch.setattr(solvers, "suits_central_path", lambda contacts: False)
     monkeypatch.setattr(interior_point, "solve", poor)
     monkeypatch.setattr(solvers, "imbalance", lambda *_: 0.0)
     assert solve(program).alpha == pytest.approx(good.alpha, abs=1e-9)

@@ -18,12 +18,12 @@ Answer = tuple[Array, float, Array]
 GOOD = 1e-8  # a certificate that needs no second opinion
 USABLE = 1e-6  # the worst that is accepted when every solver has been asked
 BALANCED = 1e-6  # of gravity: an acceleration that is none
-WORTH_WHILE = 40, 400  # contact points from which banded matrices are: compiled, and in plain NumPy
+WORTH_WHILE = 40, 400  # contact points from which central_path is: compiled, and in plain NumPy
 MARGINAL = 1e-8  # of gravity: one that decides where no solver finds an answer
 
 
-def banded(contacts: int) -> bool:
-    """Whether the method on banded matrices is quicker than PIQP for a static program of so many contact points."""
+def suits_central_path(contacts: int) -> bool:
+    """Whether central_path is quicker than PIQP for a static program of so many contact points."""
     compiled, plain = WORTH_WHILE
     return contacts >= (plain if kernels.fastest() is kernels else compiled)
 
@@ -31,21 +31,21 @@ def banded(contacts: int) -> bool:
 def solve(program: Program, near: Neighbour | None = None, layout: Elimination | None = None) -> Solution:
     """The first certified solution.
 
-    A static program of some size goes to the banded interior-point method, which begins `near` the solution of another
+    A static program of some size goes to central_path, which begins `near` the solution of another
     where one is given, on matrices of that `layout`; a small one, or one that it does not solve, to PIQP. A poor
     certificate is met by a tighter and sturdier run, then by another solver; no status is ever trusted. Raises
     NoEquilibriumError where the loads cannot be balanced (decided by a program of its own, see imbalance) and
     ConvergenceError where they can but no solver shows how, or where not even that program is solved.
     """
     static = program.mass is None
-    by_bands = static and (near is not None or banded(len(program.gap)))
-    if by_bands:
-        found = _by_bands(program, near, layout)
+    by_central_path = static and (near is not None or suits_central_path(len(program.gap)))
+    if by_central_path:
+        found = _by_central_path(program, near, layout)
         if found is not None:
             return found
     best: Solution | None = None
     acceleration, undecided = 0.0, None
-    for count, attempt in enumerate(_attempts(program), start=int(by_bands)):
+    for count, attempt in enumerate(_attempts(program), start=int(by_central_path)):
         if count == 1 and static:
             try:
                 acceleration = imbalance(program, layout)
@@ -62,7 +62,7 @@ def solve(program: Program, near: Neighbour | None = None, layout: Elimination |
                 return best
     if best is not None and acceleration <= BALANCED:
         if static and _worst(program, best) > USABLE:
-            best = _by_bands(program, best.neighbour(program), layout, best.displacement) or best
+            best = _by_central_path(program, best.neighbour(program), layout, best.displacement) or best
         if _worst(program, best) <= USABLE:
             return best
     if undecided is not None:
@@ -72,10 +72,10 @@ def solve(program: Program, near: Neighbour | None = None, layout: Elimination |
     raise ConvergenceError("equilibrium exists, but no solver found it to the required accuracy")
 
 
-def _by_bands(
+def _by_central_path(
     program: Program, near: Neighbour | None, layout: Elimination | None, start: Array | None = None
 ) -> Solution | None:
-    """A static program's solution by the banded interior-point method."""
+    """A static program's solution by central_path."""
     from mechanics.solvers import central_path
 
     return central_path.solve(program, layout or Elimination.of(program.dof), near, start)
@@ -94,8 +94,8 @@ def imbalance(program: Program, layout: Elimination | None = None) -> float:
     """
     still, stiff = np.zeros_like(program.gap), np.zeros_like(program.compliance)
     closed = replace(program, gap=still, compliance=stiff, work=0.0)
-    if banded(len(program.gap)):
-        standing = _by_bands(closed, None, layout)
+    if suits_central_path(len(program.gap)):
+        standing = _by_central_path(closed, None, layout)
         if standing is not None and standing.certificate.equilibrium <= GOOD:
             return 0.0
     mass = np.full(len(program.load), program.weight / GRAVITY)

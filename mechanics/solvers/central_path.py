@@ -1,4 +1,4 @@
-"""The static program by a primal-dual interior-point method on banded matrices.
+"""The static program by a primal-dual interior-point method on matrices in a band or in fronts.
 
 Two things make it quicker than a method for one program after another: it can begin at the last solution of a path, a
 little off the bounds, and it can follow the geometry while it converges, so that a step, which takes PIQP four or five

@@ -151,7 +151,7 @@ def _push(row: Any, k: int, fn: float, ft: float, normal: Array, tangent: Array,
 
 @compiled
 def _stiffen(
-    row: Any, k: int, knn: float, knt: float, ktt: float, normal: Array, tangent: Array, matrix: Array, pattern: Any
+    row: Any, k: int, knn: float, knt: float, ktt: float, normal: Array, tangent: Array, stored: Array, pattern: Any
 ) -> None:  # fmt: skip
     for side in range(2):
         if row[k, side] >= 0:
@@ -160,7 +160,7 @@ def _stiffen(
                 n, t = normal[k, 3 * side + h], tangent[k, 3 * side + h]
                 pn, pt = knn * n + knt * t, knt * n + ktt * t
                 for e in range(h, 3):
-                    matrix[at + h * step + e] += pn * normal[k, 3 * side + e] + pt * tangent[k, 3 * side + e]
+                    stored[at + h * step + e] += pn * normal[k, 3 * side + e] + pt * tangent[k, 3 * side + e]
     at, step = pattern.between[k], pattern.stride[k]
     if at >= 0:
         high, low = (0, 3) if row[k, 0] > row[k, 1] else (3, 0)
@@ -168,16 +168,16 @@ def _stiffen(
             n, t = normal[k, low + h], tangent[k, low + h]
             pn, pt = knn * n + knt * t, knt * n + ktt * t
             for e in range(3):
-                matrix[at + h * step + e] += pn * normal[k, high + e] + pt * tangent[k, high + e]
+                stored[at + h * step + e] += pn * normal[k, high + e] + pt * tangent[k, high + e]
 
 
 @compiled
-def diagonal(mass: Array, matrix: Array, pattern: Any) -> None:
+def diagonal(mass: Array, stored: Array, pattern: Any) -> None:
     """The matrix is that of the masses (m,)."""
-    matrix[:] = 0.0
+    stored[:] = 0.0
     for j in range(len(pattern.own)):
         for e in range(3):
-            matrix[pattern.own[j] + e * (pattern.step[j] + 1)] = mass[3 * j + e]
+            stored[pattern.own[j] + e * (pattern.step[j] + 1)] = mass[3 * j + e]
 
 
 @compiled
@@ -189,21 +189,21 @@ def repeat_matrix(
     compliance: Array,
     mass: Array,
     state: Any,
-    matrix: Array,
+    stored: Array,
     pattern: Any,
 ) -> None:
     """See kernels.repeat_matrix."""
-    diagonal(mass, matrix, pattern)
+    diagonal(mass, stored, pattern)
     for k in range(len(row)):
         if state[k] == OPEN:
             continue
         cn, ct = compliance[k, 0], compliance[k, 1]
         if state[k] == STICKING:
-            _stiffen(row, k, 1.0 / cn, 0.0, 1.0 / ct, normal, tangent, matrix, pattern)
+            _stiffen(row, k, 1.0 / cn, 0.0, 1.0 / ct, normal, tangent, stored, pattern)
         else:
             mu = friction[k] if state[k] == SLIDING_ON else -friction[k]
             w = 1.0 / (cn + mu * mu * ct)
-            _stiffen(row, k, w, mu * w, mu * mu * w, normal, tangent, matrix, pattern)
+            _stiffen(row, k, w, mu * w, mu * mu * w, normal, tangent, stored, pattern)
 
 
 @compiled

@@ -1,6 +1,6 @@
 """The loops of an interior-point iteration over runs of contact points, compiled by numba.
 
-The contact points of two blocks lie side by side (see band.Runs): their motion is that of one block seen from the
+The contact points of two blocks lie side by side (see runs.Runs): their motion is that of one block seen from the
 other, and their forces act on both alike. So blocks are looked up, and matrices written, once a run. `work` holds what
 belongs to the points of a part, a row for each quantity; of its first columns, after a sum, what belongs to the runs.
 """
@@ -94,8 +94,8 @@ def act(part: Any, ends: Any, lever: Array, work: Array, total: Array) -> None:
 
 
 @compiled
-def stiffen(part: Any, runs: Any, lever: Array, work: Array, matrix: Array, pattern: Any) -> None:
-    """The stiffness against motions of first blocks as seen from the others, six rows of points, into the matrix."""
+def stiffen(part: Any, runs: Any, lever: Array, work: Array, stored: Array, pattern: Any) -> None:
+    """The stiffness against motions of first blocks as seen from the others, six rows of points, into a matrix."""
     _sum(part, work, 6)
     first, last, _, _ = part
     for j in range(first, last):
@@ -105,7 +105,7 @@ def stiffen(part: Any, runs: Any, lever: Array, work: Array, matrix: Array, patt
         if i < 0:
             continue
         at, step = pattern.own[i // 3], pattern.step[i // 3]
-        p, q, r = matrix[at:], matrix[at + step :], matrix[at + 2 * step :]
+        p, q, r = stored[at:], stored[at + step :], stored[at + 2 * step :]
         p[0], p[1], p[2], q[1], q[2], r[2] = p[0] + xx, p[1] + xz, p[2] + xm, q[1] + zz, q[2] + zm, r[2] + mm
         if o < 0:
             continue
@@ -114,12 +114,12 @@ def stiffen(part: Any, runs: Any, lever: Array, work: Array, matrix: Array, patt
         tx, tz, tm = xm + lx * xz - lz * xx, zm + lx * zz - lz * xz, mm + lx * zm - lz * xm
         mm = tm + lx * tz - lz * tx
         at, step = pattern.own[o // 3], pattern.step[o // 3]
-        p, q, r = matrix[at:], matrix[at + step :], matrix[at + 2 * step :]
+        p, q, r = stored[at:], stored[at + step :], stored[at + 2 * step :]
         p[0], p[1], p[2], q[1], q[2], r[2] = p[0] + xx, p[1] + xz, p[2] + tx, q[1] + zz, q[2] + tz, r[2] + mm
         if i < o:  # the columns are the first block's
             tx, xm, tz, zm = xm, tx, zm, tz
         at, step = pattern.between[runs.start[j]], pattern.stride[runs.start[j]]
-        p, q, r = matrix[at:], matrix[at + step :], matrix[at + 2 * step :]
+        p, q, r = stored[at:], stored[at + step :], stored[at + 2 * step :]
         p[0], p[1], p[2] = p[0] - xx, p[1] - xz, p[2] - xm
         q[0], q[1], q[2] = q[0] - xz, q[1] - zz, q[2] - zm
         r[0], r[1], r[2] = r[0] - tx, r[1] - tz, r[2] - tm

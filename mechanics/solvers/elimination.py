@@ -14,8 +14,9 @@ import numpy as np
 from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.solvers import kernels
-from mechanics.solvers.band import Runs, envelope, half_band, narrowest_order, runs
+from mechanics.solvers.band import envelope, half_band, narrowest_order
 from mechanics.solvers.dissection import NO_FRONTS, Fronts, dissected, fronts
+from mechanics.solvers.runs import Runs, runs
 
 PADDING = 13  # places of a band beyond its width, for compiled tiles that reach over its edge
 WORTH_WHILE = 4e6  # products of a factorisation in the band, from which dissection is tried

@@ -4,7 +4,7 @@ The unknowns are Δx, α, the forces s ≥ 0 along the rays of the friction cone
 eliminated, which leaves three rows a block in a sparse matrix, bordered by α. Proximal terms, whose centre is the
 iterate itself, bound the stiffness of closed contacts and hold blocks that nothing holds, without a trace in the
 solution. `compiled_interior_step` has the same functions for numba. `posed`: row, normal, tangent, gap, friction and
-compliance of the contact points, as in kernels, and their runs (see band); `scale`: weight, size and step of the
+compliance of the contact points, as in kernels, and their runs (see runs); `scale`: weight, size and step of the
 program; `stored`: work space for a matrix of that `pattern` (see elimination).
 """
 
@@ -15,10 +15,10 @@ import numpy as np
 from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.solvers import kernels
-from mechanics.solvers.band import Runs
 from mechanics.solvers.elimination import Pattern
 from mechanics.solvers.iterations import factorise, substitute
 from mechanics.solvers.kernels import Residuals
+from mechanics.solvers.runs import Runs
 
 STIFFEST = 1e12  # of closed contacts, per weight and step
 HOLDING, FIRMER, FIRM = (

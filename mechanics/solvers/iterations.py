@@ -1,7 +1,7 @@
 """The two iterations of the Newton solver (see newton) in plain NumPy: from contact states, and from the inside.
 
 `compiled_iterations` has the same ones for numba. Arguments as in kernels, rows in the order of elimination; `runs`:
-the contact points between the same two blocks (see band.Runs); `stored` is work space for a matrix of that `pattern`
+the contact points between the same two blocks (see runs.Runs); `stored` is work space for a matrix of that `pattern`
 (see elimination); `scale`: weight, size and step of the program, and the certificate that is accepted. Both write the
 displacements x (m,) and contact forces (c, 2) that they find, and return the number of factorisations and the
 residuals (as kernels.residuals), infinite where nothing is found.
@@ -15,9 +15,9 @@ from scipy.linalg import lapack
 from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.solvers import kernels
-from mechanics.solvers.band import Runs
 from mechanics.solvers.elimination import Pattern
 from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, Residuals
+from mechanics.solvers.runs import Runs
 
 CORRECTIONS = 7  # of the contact states
 MOST_ITERATIONS = 40  # from the inside

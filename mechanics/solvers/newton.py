@@ -1,7 +1,7 @@
 """The program with mass, by Newton's method on matrices in a band or in fronts (design.md §3).
 
-The contact forces are eliminated; what is left has three rows a block and, the blocks ordered by reverse
-Cuthill–McKee or by a sweep, a narrow band. Two methods share it. The first repeats the contact states (open, sticking,
+The contact forces are eliminated; what is left has three rows a block, which elimination puts in an order of
+few numbers. Two methods share it. The first repeats the contact states (open, sticking,
 sliding) of the last step and corrects them a few times, a semismooth Newton method with an exact line search: one
 factorisation where they are right. The second is a primal-dual interior point method in the rays of the friction cone
 (as interior_point), which needs no such luck: some eight factorisations where a tenth of the contacts change state.

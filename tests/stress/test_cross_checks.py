@@ -1,6 +1,6 @@
 """Solvers and formulations of different kinds against each other on random assemblies (paper, eqs 2–5).
 
-PIQP, the banded interior-point method (statics), Newton's method (dynamics) and HiGHS (linear programs) solve eq. 3,
+PIQP, central_path (statics), Newton's method (dynamics) and HiGHS (linear programs) solve eq. 3,
 forces; eq. 2, displacements, is set up here on its own and solved by PIQP's dense solver.
 """
 
@@ -23,8 +23,8 @@ from tests.structures import arch_on_piers, block_on_base, running_bond
 STATICS, DYNAMICS, DISPLACEMENTS = 200, 200, 60
 
 
-def banded(program: Program) -> Solution | None:
-    """By the banded interior-point method, which knows no more than that all contacts carry and open a little."""
+def on_central_path(program: Program) -> Solution | None:
+    """By central_path, which knows no more than that all contacts carry and open a little."""
 
     n = len(program.gap)
     carried = np.column_stack([np.full(n, program.weight), np.zeros(n)])
@@ -44,7 +44,11 @@ def test_multipliers_and_displacements_of_statics():
     compared, apart, as_asked = {"rigid": 0, "elastic": 0}, [], []
     for number, model in assemblies(STATICS):
         program = static(model, "rigid")
-        piqp, highs, found = interior_point.solve(program, 1e-11, 200), linear.solve(program), banded(program)
+        piqp, highs, found = (
+            interior_point.solve(program, 1e-11, 200),
+            linear.solve(program),
+            on_central_path(program),
+        )
         assert piqp is not None and highs is not None
         reference = Solution(*piqp, certify(program, *piqp))
         assert highs[1] == pytest.approx(reference.alpha, abs=1e-7), number
@@ -59,7 +63,7 @@ def test_multipliers_and_displacements_of_statics():
         # with compliance the error of α goes with the root of the duality gap
         tight = interior_point.solve(program, 1e-13, 200)
         assert tight is not None
-        reference, found = Solution(*tight, certify(program, *tight)), banded(program)
+        reference, found = Solution(*tight, certify(program, *tight)), on_central_path(program)
         assert reference.certificate.worst(program.step) <= 1e-8, number
         as_asked.append(abs(solve(program).alpha - reference.alpha))
         if found is not None:
