@@ -204,7 +204,13 @@ def settle(
         return rested.state
     best, least, since = step, lifted(step), 0
     while least > SETTLED * model.size and since < MOST_CLOSINGS:
-        step = rest(model, contacts, step.state, size, step)
+        try:
+            step = rest(model, contacts, step.state, size, step)
+        except (
+            NoEquilibriumError,
+            ConvergenceError,
+        ):  # closing loses what stood: the best so far stands as well
+            break
         certificates.append(step.certificate)
         gap, since = lifted(step), since + 1
         if gap < least:

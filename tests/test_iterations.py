@@ -71,7 +71,7 @@ def test_compiled_factorisation_is_that_of_lapack(blocks: int, reach: int, share
         inside = min(width, len(band) - k)
         assert band[k, :inside] == pytest.approx(factor.T[k, :inside], rel=1e-12, abs=1e-13)
         assert not band[k, inside:].any(), "what is beyond the band stays zero"
-        assert not band[k, pattern.envelope[k, 1] + 1 - k :].any()
+        assert not band[k, pattern.last[k] + 1 - k :].any()
 
 
 @pytest.mark.parametrize("row", [0, 4, 11])
@@ -86,9 +86,9 @@ def test_a_matrix_that_is_not_positive_definite_is_told(row: int) -> None:
 
 def test_envelope_of_a_few_links() -> None:
     """Five blocks, the first linked with the third, the second with the fourth; the last stands alone."""
-    reached = envelope(np.array([[0, 6], [9, 3], [-1, 12]]), 15)
-    assert reached[:, 0].tolist() == [0] * 3 + [3] * 3 + [0] * 3 + [3] * 3 + [12] * 3
-    assert reached[:, 1].tolist() == [8] * 3 + [11] * 9 + [14] * 3
+    first, last = envelope(np.array([[0, 6], [9, 3], [-1, 12]]), 15)
+    assert first.tolist() == [0] * 3 + [3] * 3 + [0] * 3 + [3] * 3 + [12] * 3
+    assert last.tolist() == [8] * 3 + [11] * 9 + [14] * 3
 
 
 @pytest.mark.parametrize("behaviour", ["rigid", "elastic"])

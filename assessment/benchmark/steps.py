@@ -30,19 +30,19 @@ its peak, not by 0.02 % (arch at 1e-6: 0.07 %), its peak without damping by 0.27
 iterations, 0.05 %, 0.16 %.
 
 The exponent, over 95 to 2997 blocks: the iterations alone grow from 4.5 to 12 a step (elastic), from 3.4 to 5.6
-(rigid), a power of 0.3 and 0.1. The fronts of a nested dissection need 7.2 and 37 million products a factorisation of the
-walls of 1008 and 2997 blocks where the band has 14 and 124 (250 and 1250 at 10 050), and take 0.55 and 2.4 ms where it
-takes 0.80 and 6.0; a substitution 0.45 ms at 2997 blocks, not 1.6. Of 351 blocks they need 1.3 million products, not 1.8,
-in the same time, and lose in substitutions: there the band stays. Parts of 4 to 20 blocks left undivided, more directions
-and shares of the dividing lines: the same within a tenth. Substitutions whose loops were functions of their own, called
-for every three columns: 0.051 ms at 351 blocks, not 0.026.
+(rigid), a power of 0.3 and 0.1. The fronts of a nested dissection need 7.2 and 37 million products a factorisation of
+the walls of 1008 and 2997 blocks where the band has 14 and 124 (250 and 1250 at 10 050), and take 0.55 and 2.4 ms
+where it takes 0.80 and 6.0; a substitution 0.45 ms at 2997 blocks, not 1.6. Of 351 blocks they need 1.3 million
+products, not 1.8, in the same time, and lose in substitutions: there the band stays. Parts of 4 to 20 blocks left
+undivided, more directions and shares of the dividing lines: the same within a tenth. Substitutions whose loops were
+functions of their own, called for every three columns: 0.051 ms at 351 blocks, not 0.026.
 
-Of the iterations at 2997 blocks (elastic, the first ten steps, 12.2): one, two, three and six of Gondzio's correctors 10.4,
-9.3, 9.1 and 8.4, each at a fifth of an iteration; Mehrotra's corrector by the best of nine shares 12.0, with one of
-Gondzio's 9.8; a distance from the cone of a tenth to ten times 12.9 to 13.4 (the first fifteen: 12.8). Steps that a few
-rays in a thousand do not hold up, these being stopped at the cone: 23 where 10 (1008 blocks), since what they lack of
-equilibrium comes back. Semismooth Newton from the iterates: it finds the solution from the last two or three only, by
-three to six factorisations.
+Of the iterations at 2997 blocks (elastic, the first ten steps, 12.2): one, two, three and six of Gondzio's correctors
+10.4, 9.3, 9.1 and 8.4, each at a fifth of an iteration; Mehrotra's corrector by the best of nine shares 12.0, with one
+of Gondzio's 9.8; a distance from the cone of a tenth to ten times 12.9 to 13.4 (the first fifteen: 12.8). Steps that a
+few rays in a thousand do not hold up, these being stopped at the cone: 23 where 10 (1008 blocks), since what they lack
+of equilibrium comes back. Semismooth Newton from the iterates: it finds the solution from the last two or three only,
+by three to six factorisations.
 """
 
 from __future__ import annotations

@@ -31,8 +31,8 @@ def half_band(linked: Index, order: Index) -> int:
     return int(abs(rank[linked[:, 0]] - rank[linked[:, 1]]).max(initial=0))
 
 
-def envelope(row: Index, size: int) -> Index:
-    """First column and last row that rows and columns of the factor reach, (size, 2); contact points as in Elimination.
+def envelope(row: Index, size: int) -> tuple[Index, Index]:
+    """First column and last row (size,) that rows and columns of the factor reach; contact points as in Elimination.
 
     No row of a Cholesky factor begins before that of its matrix; a column ends with the last row that has begun.
     """
@@ -42,4 +42,4 @@ def envelope(row: Index, size: int) -> Index:
         np.minimum.at(first, pairs[:, 1] + e, pairs[:, 0])
     last = np.arange(size)
     np.maximum.at(last, first, np.arange(size))
-    return np.stack([first, np.maximum.accumulate(last)], axis=1).astype(np.intp)
+    return first.astype(np.intp), np.maximum.accumulate(last).astype(np.intp)

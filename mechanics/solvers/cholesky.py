@@ -22,7 +22,7 @@ def factorise(matrix: Array, pattern: Any) -> bool:
     """The factor L of LLᵀ in place of a positive definite matrix; False if it is none."""
     if len(pattern.fronts.first):
         return _fronts(matrix, pattern.fronts)
-    return _band(matrix, pattern.places, pattern.envelope)
+    return _band(matrix, pattern.places, pattern.first, pattern.last)
 
 
 @compiled
@@ -33,23 +33,24 @@ def substitute(matrix: Array, pattern: Any, x: Array) -> None:
     if len(pattern.fronts.first):
         _through_fronts(matrix, pattern.fronts, x)
     else:
-        _through_band(matrix, pattern.places, pattern.envelope, x)
+        _forward(matrix, pattern.places - 1, len(x), pattern.last, x)
+        _backward(matrix, pattern.places - 1, len(x), pattern.last, x)
 
 
 @compiled
-def _band(band: Array, places: int, envelope: Any) -> bool:
-    n = len(envelope)
+def _band(band: Array, places: int, reached: Any, last: Any) -> bool:
+    n = len(last)
     tile, inverse = np.empty((COLUMNS, ROWS)), np.empty(COLUMNS)
     base, stride = band.ctypes.data, BYTES * (places - 1)
     for j in range(0, n, COLUMNS):
         columns = min(COLUMNS, n - j)
-        end = envelope[j + columns - 1, 1] + 1
-        first = _first(envelope, j, end)
+        end = last[j + columns - 1] + 1
+        first = _first(reached, j, end)
         column = base + BYTES * (first * places + j - first)
         if not _tile(band, j * places, places - 1, column, j - first, columns, tile, inverse):
             return False
         for i in range(j + ROWS, end, ROWS):
-            first = min(j, _first(envelope, i, end))
+            first = min(j, _first(reached, i, end))
             below(
                 base + BYTES * (first * places + j - first), j - first, stride, BYTES * (i - j),
                 base + BYTES * j * places, inverse.ctypes.data,
@@ -81,11 +82,11 @@ def _tile(
 
 
 @compiled
-def _first(envelope: Any, i: int, end: int) -> int:
+def _first(reached: Any, i: int, end: int) -> int:
     """The first column that the rows of a tile reach."""
     first = i
     for r in range(i, min(i + ROWS, end)):
-        first = min(first, envelope[r, 0])
+        first = min(first, reached[r])
     return int(first)
 
 
@@ -152,13 +153,6 @@ def _take_off(panels: Array, fronts: Any, k: int, update: Array, tall: int) -> N
                         to[r] -= of[r]
                     i += beside // 3
                 column += fronts.height[later]
-
-
-@compiled
-def _through_band(band: Array, places: int, envelope: Any, x: Array) -> None:
-    last = envelope[:, 1]
-    _forward(band, places - 1, len(x), last, x)
-    _backward(band, places - 1, len(x), last, x)
 
 
 @compiled

@@ -29,7 +29,8 @@ class Pattern(NamedTuple):
     Its blocks of three by three are stored by columns. `own` (m/3,): place of the first number of those on the
     diagonal, `step` (m/3,) from there to the next column; `between`, `stride` (c,): the same of those between the two
     blocks of a contact point, −1 where one is a support. In a band a column takes `places`, of which the factor fills
-    those in the `envelope` (m, 2); or there are `fronts` (see dissection).
+    those from the diagonal to its `last` (m,) row, and a row begins at its `first` (m,) column (see band); or there
+    are `fronts` (see dissection).
     """
 
     own: Index
@@ -37,7 +38,8 @@ class Pattern(NamedTuple):
     between: Index
     stride: Index
     places: int
-    envelope: Index
+    first: Index
+    last: Index
     fronts: Fronts
 
 
@@ -101,7 +103,7 @@ class Elimination:
             own, step = first * self.places, np.full(len(first), self.places - 1)
             between, stride = low * self.places + high - low, np.full(len(low), self.places - 1)
         between = np.where(low >= 0, between, -1)
-        return Pattern(own, step, between, stride, self.places, envelope(self.row, size), self.fronts)
+        return Pattern(own, step, between, stride, self.places, *envelope(self.row, size), self.fronts)
 
     @cached_property
     def runs(self) -> Runs:
