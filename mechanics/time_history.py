@@ -196,9 +196,8 @@ def _settled(model: Assembly, contacts: Behaviour, state: State) -> tuple[State,
             check_self_weight(model, state)
         step = come_to_rest(model, rest(model, contacts, state))
         moved = way(model, state.positions, step.state.positions)
-        if (
-            state.carrying is not None and moved > LIFTED * model.size
-        ):  # a pushed state carries more than gravity
+        # what carries in a pushed state carries more than gravity
+        if state.carrying is not None and moved > LIFTED * model.size:
             check_self_weight(model, state)
     except (UnstableError, NoEquilibriumError):
         return state, none, shear

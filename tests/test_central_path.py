@@ -104,7 +104,9 @@ def test_compiled_iterations_are_the_plain_ones(model, behaviour, lateral, monke
             seen.append(loops.measured(*arguments)[0])
             return loops.measured(*arguments)
 
-        watched = SimpleNamespace(measured=noted, advance=loops.advance, restore=loops.restore)
+        watched = SimpleNamespace(
+            handed=loops.handed, measured=noted, advance=loops.advance, restore=loops.restore
+        )
         monkeypatch.setattr(central_path, "_loops", lambda watched=watched: watched)
         found = central_path.solve(program, layout, near)
         assert found is not None

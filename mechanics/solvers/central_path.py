@@ -84,7 +84,7 @@ def _run(
     at = _begin(program, near)
     if start is not None:
         at.x[:] = start[layout.order]
-    stored = layout.matrix()
+    stored, pattern = layout.matrix(), loops.handed(layout)
     lateral = np.zeros(0) if program.lateral is None else program.lateral[layout.order]
     scale = program.weight, program.size, program.step
     accepted = min(PER_BLOCK * len(x) / 3, MOST)
@@ -111,7 +111,7 @@ def _run(
         holding = max(LET_GO * holding, HOLDING)
         led, at.alpha, holding = loops.advance(
             posed, lack, lateral, program.work, scale, holding, at.x, at.alpha, at.s, at.z, at.last, stored,
-            layout.pattern,
+            pattern,
         )  # fmt: skip
         if not led or abs(at.alpha) > LARGEST_MULTIPLIER:
             return None
@@ -172,7 +172,7 @@ def _restored(
     """The iterate with forces changed by the least shares of themselves that restore equilibrium."""
     s, scale = at.s.copy(), (program.weight, program.size, program.step)
     load = program.load[layout.order]
-    alpha = loops.restore(posed, load, lateral, scale, s, at.alpha, stored, layout.pattern)
+    alpha = loops.restore(posed, load, lateral, scale, s, at.alpha, stored, loops.handed(layout))
     n = 1.0 / np.hypot(1.0, program.friction)
     forces = np.stack([n * (s[:, 0] + s[:, 1]), program.friction * n * (s[:, 0] - s[:, 1])], axis=1)
     displacement = at.x[layout.back]

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from mechanics.block import Array
+from mechanics.joints import Index
 from mechanics.solvers.cholesky import factorise, substitute
 from mechanics.solvers.compiled import compiled
 from mechanics.solvers.compiled_columns import (
@@ -22,7 +23,9 @@ from mechanics.solvers.compiled_columns import (
     right_hand_side,
     work_space,
 )
-from mechanics.solvers.compiled_runs import packed
+from mechanics.solvers.compiled_pattern import unpacked
+from mechanics.solvers.compiled_runs import pack
+from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior_step import (
     FIRM,
     FIRMER,
@@ -36,15 +39,20 @@ from mechanics.solvers.interior_step import (
     TO_THE_BOUND,
 )
 
-__all__ = ["advance", "measured", "restore"]
+__all__ = ["advance", "handed", "measured", "restore"]
 LOW, HIGH = OUTLIERS
+
+
+def handed(layout: Elimination) -> Index:
+    """See interior_step.handed."""
+    return layout.packed
 
 
 @compiled
 def measured(posed: Any, load: Array, x: Array, s: Array, z: Array, size: float) -> Any:
     """See interior_step.measured."""
     row, normal, tangent, gap, friction, compliance, runs = posed
-    lever, arm, law = packed(row, normal, tangent, friction, compliance, runs)
+    lever, arm, law = pack(row, normal, tangent, friction, compliance, runs)
     along, apart, work = columns(s, runs), columns(z, runs), work_space(runs)
     r, short = np.empty_like(along), load.copy()
     lacking(runs, lever, arm, law, columns(gap, runs), x, along, apart, r, work, short)
@@ -63,9 +71,10 @@ def measured(posed: Any, load: Array, x: Array, s: Array, z: Array, size: float)
 @compiled
 def advance(
     posed: Any, lack: Any, lateral: Array, work: float, scale: Any, holding: float, x: Array, alpha: float, s: Array,
-    z: Array, last: Array, stored: Array, pattern: Any,
+    z: Array, last: Array, stored: Array, packed: Any,
 ) -> tuple[bool, float, float]:  # fmt: skip
     """See interior_step.advance."""
+    pattern = unpacked(packed)
     lever, arm, law, r, short, along, apart = lack
     runs, c = posed[6], len(s)
     weight, size, step = scale
@@ -149,11 +158,12 @@ def _change(
 
 @compiled
 def restore(
-    posed: Any, load: Array, lateral: Array, scale: Any, s: Array, alpha: float, stored: Array, pattern: Any
+    posed: Any, load: Array, lateral: Array, scale: Any, s: Array, alpha: float, stored: Array, packed: Any
 ) -> float:
     """See interior_step.restore."""
+    pattern = unpacked(packed)
     row, normal, tangent, _, friction, compliance, runs = posed
-    lever, arm, law = packed(row, normal, tangent, friction, np.zeros_like(compliance), runs)
+    lever, arm, law = pack(row, normal, tangent, friction, np.zeros_like(compliance), runs)
     weight, size, _ = scale
     inverse, room, along = np.empty((5, len(s))), work_space(runs), columns(s, runs)
     held = np.full(len(load), HOLDING * weight)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from mechanics.block import Array
+from mechanics.joints import Index
 from mechanics.solvers.cholesky import factorise, substitute
 from mechanics.solvers.compiled import (
     compiled,
@@ -27,7 +28,9 @@ from mechanics.solvers.compiled_columns import (
     right_hand_side,
     work_space,
 )
-from mechanics.solvers.compiled_runs import packed
+from mechanics.solvers.compiled_pattern import unpacked
+from mechanics.solvers.compiled_runs import pack
+from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.iterations import (
     CORRECTIONS,
     LIKELY,
@@ -40,17 +43,23 @@ from mechanics.solvers.iterations import (
 )
 from mechanics.solvers.kernels import Residuals
 
-__all__ = ["factorise", "interior", "semismooth", "substitute"]
+__all__ = ["factorise", "handed", "interior", "semismooth", "substitute"]
 
 _worst: Any = compiled(worst)
+
+
+def handed(layout: Elimination) -> Index:
+    """See iterations.handed."""
+    return layout.packed
 
 
 @compiled
 def semismooth(
     row: Any, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, state: Any, stored: Array, pattern: Any, scale: Any, many: int,
+    load: Array, x: Array, forces: Array, state: Any, stored: Array, packed: Any, scale: Any, many: int,
 ) -> tuple[int, Residuals]:  # fmt: skip
     """See iterations.semismooth."""
+    pattern = unpacked(packed)
     weight, size, step, accepted = scale
     soft, centred, extra = np.empty_like(gap), np.empty_like(gap), np.zeros_like(gap)
     for k in range(len(row)):
@@ -104,7 +113,7 @@ def semismooth(
 @compiled
 def interior(
     row: Any, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
-    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Any, runs: Any, stored: Array, pattern: Any,
+    load: Array, x: Array, forces: Array, s: Array, z: Array, state: Any, runs: Any, stored: Array, packed: Any,
     scale: Any,
 ) -> tuple[int, Residuals]:  # fmt: skip
     """See iterations.interior.
@@ -112,9 +121,10 @@ def interior(
     In exact arithmetic a step of a share of the way leaves the rest of the linear residuals: `short` of equilibrium and
     `r` of z, which are therefore not computed again.
     """
+    pattern = unpacked(packed)
     weight, size, step, accepted = scale
     c = len(row)
-    lever, arm, law = packed(row, normal, tangent, friction, compliance, runs)
+    lever, arm, law = pack(row, normal, tangent, friction, compliance, runs)
     along, apart, work = columns(s, runs), columns(z, runs), work_space(runs)
     r, short = np.empty((2, c)), load - mass * x
     lacking(runs, lever, arm, law, columns(gap, runs), x, along, apart, r, work, short)

@@ -19,7 +19,7 @@ _apart = compiler(apart=True)
 
 
 @compiled
-def packed(
+def pack(
     row: Any, normal: Array, tangent: Array, friction: Array, compliance: Array, runs: Any
 ) -> tuple[Array, Array, Array]:
     """What the loops need of the runs and, by columns, of their contact points.

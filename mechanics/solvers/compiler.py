@@ -16,7 +16,8 @@ from numba.extending import intrinsic
 
 SOURCES = (
     "cholesky", "compiled", "compiled_columns", "compiled_impacts", "compiled_interior_step", "compiled_iterations",
-    "compiled_runs", "compiler", "interior_step", "iterations", "kernels", "tiles",
+    "compiled_pattern", "compiled_runs", "compiler", "dissection", "elimination", "interior_step", "iterations",
+    "kernels", "tiles",
 )  # fmt: skip
 
 

@@ -43,6 +43,18 @@ class Pattern(NamedTuple):
     fronts: Fronts
 
 
+def packed(pattern: Pattern) -> Index:
+    """The lists of a pattern in one: each array that is handed to a compiled function costs it 0.3 microseconds.
+
+    First where the lists begin, counted from the first one, then three numbers, and the lists.
+    """
+    *most, fronts = pattern
+    lists = [np.ravel(part) for part in (*most, *fronts) if isinstance(part, np.ndarray)]
+    begins = np.cumsum([0, *(len(part) for part in lists)])
+    numbers = [pattern.places, fronts.size, fronts.largest]
+    return np.concatenate([begins, numbers, *lists]).astype(np.intp)
+
+
 @dataclass(frozen=True, eq=False)
 class Elimination:
     """Rows of equilibrium in the order of their blocks.
@@ -104,6 +116,11 @@ class Elimination:
             between, stride = low * self.places + high - low, np.full(len(low), self.places - 1)
         between = np.where(low >= 0, between, -1)
         return Pattern(own, step, between, stride, self.places, *envelope(self.row, size), self.fronts)
+
+    @cached_property
+    def packed(self) -> Index:
+        """The same in one array, for compiled iterations."""
+        return packed(self.pattern)
 
     @cached_property
     def runs(self) -> Runs:

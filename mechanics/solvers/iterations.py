@@ -15,7 +15,7 @@ from scipy.linalg import lapack
 from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.solvers import kernels
-from mechanics.solvers.elimination import Pattern
+from mechanics.solvers.elimination import Elimination, Pattern
 from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, Residuals
 from mechanics.solvers.runs import Runs
 
@@ -27,6 +27,11 @@ STATES = np.array([[OPEN, SLIDING_BACK], [SLIDING_ON, STICKING]])  # by which of
 LIKELY = 2e2  # accepted complementarities: products s z beyond them are not worth the look
 
 NONE = (np.inf, np.inf, np.inf, np.inf)
+
+
+def handed(layout: Elimination) -> Pattern:
+    """What the functions here take for the pattern of a matrix."""
+    return layout.pattern
 
 
 def worst(residuals: Residuals, weight: float, step: float) -> float:

@@ -54,6 +54,7 @@ class Newton:
         self.iterations: Any = import_module(
             "mechanics.solvers." + ("iterations" if self.kernels is kernels else "compiled_iterations")
         )
+        self.handed: Any = self.iterations.handed(layout)
         self.state: Index | None = None
         self.pause, self.next_try = 0, 0
         self.along: Array | None = None
@@ -130,7 +131,7 @@ class Newton:
 
     def _work_space(self, program: Program) -> tuple[Any, ...]:
         scale = program.weight, program.size, program.step, ACCEPTED
-        return self.stored, self.pattern, scale
+        return self.stored, self.handed, scale
 
     def close(self, mass: Array, normal: Array, tangent: Array, gap: Array, held: Index) -> Array:
         """The smallest displacements (m,), in the norm of the mass (m,), that close gaps and slides (c, 2).
