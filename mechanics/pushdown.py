@@ -13,7 +13,7 @@ from mechanics.equilibrium import check_self_weight, reaction, rest, rest_size
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, require
 from mechanics.other_steps import ACROSS, other_shares
 from mechanics.program import Certificate
-from mechanics.relaxation import come_to_rest
+from mechanics.relaxation import come_to_rest, lifted
 from mechanics.static_step import Step, find_step
 
 MOST_CLOSINGS = 6  # without an improvement
@@ -160,11 +160,11 @@ def pushdown(
         tuple(steps),
         tuple(certificates),
     )
-    if final is None and path[-1] >= full * (1.0 - 1e-9):
-        raise CollapseError(
-            f"the structure collapses after the whole movement of {full:.4g} m: {end}", path_so_far
-        )
     if final is None:
+        if path[-1] >= full * (1.0 - 1e-9):
+            raise CollapseError(
+                f"the structure collapses after the whole movement of {full:.4g} m: {end}", path_so_far
+            )
         raise CollapseError(
             f"the structure collapses at a movement of {path[-1]:.4g} m, before the whole of {full:.4g} m: {end}",
             path_so_far,
@@ -192,27 +192,19 @@ def settle(
 
     What slides as it comes down lifts something else a little less, as a rule: the state with the least gaps is taken.
     """
-
-    def lifted(step: Step) -> float:
-        gap = model.kinematics(contacts, step.state.positions).gap
-        return float(gap[step.state.carrying].max(initial=0.0))
-
     if contacts == "elastic":
         rested = come_to_rest(model, step)
         if rested is not step:
             certificates.append(rested.certificate)
         return rested.state
-    best, least, since = step, lifted(step), 0
+    best, least, since = step, lifted(model, contacts, step), 0
     while least > SETTLED * model.size and since < MOST_CLOSINGS:
         try:
             step = rest(model, contacts, step.state, size, step)
-        except (
-            NoEquilibriumError,
-            ConvergenceError,
-        ):  # closing loses what stood: the best so far stands as well
-            break
+        except (NoEquilibriumError, ConvergenceError):
+            break  # what stood is lost in closing: the best so far stands
         certificates.append(step.certificate)
-        gap, since = lifted(step), since + 1
+        gap, since = lifted(model, contacts, step), since + 1
         if gap < least:
             best, least, since = step, gap, 0
     return best.state

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mechanics.assembly import Assembly, State
+from mechanics.assembly import Assembly, Behaviour, State
 from mechanics.block import GRAVITY, Array
 from mechanics.equilibrium import rest
 from mechanics.errors import NoEquilibriumError
@@ -23,9 +23,9 @@ LIFTED = 5e-5  # of the block size: what may be left of a lift, and what a step 
 MOST_STEPS = 300
 
 
-def lifted(model: Assembly, step: Step) -> float:
-    """By how much (m) elastic joints that carry lack the compression of their forces, at most."""
-    gap = model.kinematics("elastic", step.state.positions).gap
+def lifted(model: Assembly, contacts: Behaviour, step: Step) -> float:
+    """By how much (m) joints that carry lack the compression of their forces, at most; rigid ones: the gap there."""
+    gap = model.kinematics(contacts, step.state.positions).gap
     missing = gap + step.program.compliance[:, 0] * step.forces[:, 0]
     return float(missing[step.state.carrying].max(initial=0.0))
 
@@ -42,7 +42,7 @@ def come_to_rest(model: Assembly, step: Step) -> Step:
     inertia: none fails, as a static step may whose geometry goes to and fro. Raises NoEquilibriumError where they lead
     to no rest, or only to one so far that what comes down has fallen.
     """
-    least, lift = LIFTED * model.size, lifted(model, step)
+    least, lift = LIFTED * model.size, lifted(model, "elastic", step)
     if lift <= least:
         return step
     farthest = min(JUMP * lift, TURN * model.size)

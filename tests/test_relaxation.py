@@ -45,8 +45,8 @@ def farthest(positions: np.ndarray, others: np.ndarray) -> float:
 def test_joints_that_slid_in_a_settlement_are_lifted_until_it_comes_to_rest() -> None:
     path = pushdown(WALL, **SETTLED, contacts="elastic")
     settled = path.steps[-1]
-    assert lifted(WALL, settled) > 1e-3
-    assert lifted(WALL, come_to_rest(WALL, settled)) <= STILL
+    assert lifted(WALL, "elastic", settled) > 1e-3
+    assert lifted(WALL, "elastic", come_to_rest(WALL, settled)) <= STILL
 
 
 def test_an_elastic_settlement_ends_where_a_motion_without_shaking_stays() -> None:
@@ -102,7 +102,7 @@ def test_what_falls_does_not_come_to_rest() -> None:
 
 def test_what_comes_to_no_rest_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     model = block_on_base(0.6, 4.2, stiffness=1e6)
-    assert lifted(model, come_to_rest(model, raised(model, 0.1))) <= 1e-4
+    assert lifted(model, "elastic", come_to_rest(model, raised(model, 0.1))) <= 1e-4
     monkeypatch.setattr("mechanics.relaxation.MOST_STEPS", 1)
     with pytest.raises(NoEquilibriumError, match=r"comes to no rest: it goes on moving by 0\.1 m"):
         come_to_rest(model, raised(model, 0.1))
@@ -111,8 +111,10 @@ def test_what_comes_to_no_rest_is_refused(monkeypatch: pytest.MonkeyPatch) -> No
 def test_a_lift_counts_from_the_compression_that_forces_ask_for() -> None:
     model = block_on_base(0.6, 4.2, stiffness=1e4)
     compression = 4.2 * 20.0 / 1e4
-    assert lifted(model, raised(model, 0.0)) <= 1e-9
-    assert lifted(model, raised(model, 0.3 * compression)) == pytest.approx(0.3 * compression, rel=1e-6)
+    assert lifted(model, "elastic", raised(model, 0.0)) <= 1e-9
+    assert lifted(model, "elastic", raised(model, 0.3 * compression)) == pytest.approx(
+        0.3 * compression, rel=1e-6
+    )
 
 
 def test_a_turn_is_a_way_too() -> None:
@@ -143,9 +145,9 @@ def test_a_settlement_that_does_not_come_to_rest_is_a_collapse(monkeypatch: pyte
 def test_an_elastic_curve_begins_at_rest() -> None:
     """From a rigid settlement, whose joints in equilibrium are lifted once they are compressed."""
     state = pushdown(WALL, **SETTLED).final
-    assert lifted(WALL, rest(WALL, "elastic", state)) > 1e-4
+    assert lifted(WALL, "elastic", rest(WALL, "elastic", state)) > 1e-4
     start = pushover(WALL, WALL.blocks[-1].centroid, "+x", "elastic", 0.01, state=state, until=0.01).steps[0]
-    assert lifted(WALL, start) <= STILL
+    assert lifted(WALL, "elastic", start) <= STILL
 
 
 def test_shears_of_springs_go_on_to_rest() -> None:
@@ -158,7 +160,7 @@ def test_shears_of_springs_go_on_to_rest() -> None:
     ]
     model = Assembly(blocks, WALL.segments_per_joint)
     path = pushdown(model, **SETTLED, contacts="elastic")
-    assert lifted(model, path.steps[-1]) > 1e-4
+    assert lifted(model, "elastic", path.steps[-1]) > 1e-4
     motion = unshaken(model, path.final, "elastic")
     assert path.final.shear is not None and abs(path.final.shear).max() > 0.1
     assert farthest(motion.positions[-1], path.final.positions) < STILL

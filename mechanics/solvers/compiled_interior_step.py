@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from mechanics.block import Array
-from mechanics.joints import Index
 from mechanics.solvers.cholesky import factorise, substitute
 from mechanics.solvers.compiled import compiled
 from mechanics.solvers.compiled_columns import (
@@ -23,9 +22,8 @@ from mechanics.solvers.compiled_columns import (
     right_hand_side,
     work_space,
 )
-from mechanics.solvers.compiled_pattern import unpacked
+from mechanics.solvers.compiled_pattern import handed, unpacked
 from mechanics.solvers.compiled_runs import pack
-from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior_step import (
     FIRM,
     FIRMER,
@@ -41,11 +39,6 @@ from mechanics.solvers.interior_step import (
 
 __all__ = ["advance", "handed", "measured", "restore"]
 LOW, HIGH = OUTLIERS
-
-
-def handed(layout: Elimination) -> Index:
-    """See interior_step.handed."""
-    return layout.packed
 
 
 @compiled

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from mechanics.block import Array
-from mechanics.joints import Index
 from mechanics.solvers.cholesky import factorise, substitute
 from mechanics.solvers.compiled import (
     compiled,
@@ -28,9 +27,8 @@ from mechanics.solvers.compiled_columns import (
     right_hand_side,
     work_space,
 )
-from mechanics.solvers.compiled_pattern import unpacked
+from mechanics.solvers.compiled_pattern import handed, unpacked
 from mechanics.solvers.compiled_runs import pack
-from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.iterations import (
     CORRECTIONS,
     LIKELY,
@@ -46,11 +44,6 @@ from mechanics.solvers.kernels import Residuals
 __all__ = ["factorise", "handed", "interior", "semismooth", "substitute"]
 
 _worst: Any = compiled(worst)
-
-
-def handed(layout: Elimination) -> Index:
-    """See iterations.handed."""
-    return layout.packed
 
 
 @compiled

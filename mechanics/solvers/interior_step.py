@@ -15,8 +15,8 @@ import numpy as np
 from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.solvers import kernels
-from mechanics.solvers.elimination import Elimination, Pattern
-from mechanics.solvers.iterations import factorise, substitute
+from mechanics.solvers.elimination import Pattern
+from mechanics.solvers.iterations import factorise, handed, substitute
 from mechanics.solvers.kernels import Residuals
 from mechanics.solvers.runs import Runs
 
@@ -38,11 +38,6 @@ Lack = tuple[Array, Array]
 Direction = tuple[Array, float, Array, Array, float, float]
 
 __all__ = ["advance", "handed", "measured", "restore"]
-
-
-def handed(layout: Elimination) -> Pattern:
-    """What the functions here take for the pattern of a matrix."""
-    return layout.pattern
 
 
 def measured(posed: Posed, load: Array, x: Array, s: Array, z: Array, size: float) -> tuple[Residuals, Lack]:
