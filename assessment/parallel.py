@@ -121,10 +121,10 @@ class Workers:
         if not numbers or not (worthwhile or (self.jobs > 1 and len(numbers) > 1)):
             for number in numbers:
                 self.show.under_way(titles[number])
-                yield number, packed(function(*tasks[number]))
+                yield number, _packed(function, tasks[number], self.processes)
             return
-        pool = self._pool()
-        pending = {pool.submit(_packed, function, tasks[number]): number for number in numbers}
+        pool, threads = self._pool(), max(self.processes // len(numbers), 1)
+        pending = {pool.submit(_packed, function, tasks[number], threads): number for number in numbers}
         while pending:
             for future in wait(pending, return_when=FIRST_COMPLETED).done:
                 yield pending.pop(future), future.result()
@@ -132,8 +132,13 @@ class Workers:
     def _pool(self) -> ProcessPoolExecutor:
         """Return the processes, started when first needed and kept for the stages to come."""
         if self.pool is None:
-            self.pool = ProcessPoolExecutor(self.jobs or os.cpu_count() or 1, initializer=belong_to_parent)
+            self.pool = ProcessPoolExecutor(self.processes, initializer=belong_to_parent)
         return self.pool
+
+    @property
+    def processes(self) -> int:
+        """At work at once, or threads of fewer."""
+        return self.jobs or os.cpu_count() or 1
 
     def __enter__(self) -> Self:
         return self
@@ -149,5 +154,10 @@ def large(*models: Assembly) -> bool:
     return sum(len(model.elastic_contacts) for model in models) > SMALL
 
 
-def _packed(function: Callable[..., Any], task: tuple[Any, ...]) -> str:
-    return packed(function(*task))
+def _packed(function: Callable[..., Any], task: tuple[Any, ...], threads: int) -> str:
+    from mechanics.solvers.threads import (
+        at_most,  # NumPy, which a run that takes over all results does not need
+    )
+
+    with at_most(threads):
+        return packed(function(*task))

@@ -60,7 +60,7 @@ def test_a_step_is_timed_in_blocks_without_the_state_at_rest(monkeypatch):
 
     monkeypatch.setattr(histories, "_settled", taking(100.0, settled))
     monkeypatch.setattr(histories, "collapse", taking(1.0, collapse))
-    monkeypatch.setattr(steps, "time", SimpleNamespace(process_time=lambda: clock.now))
+    monkeypatch.setattr(steps, "time", SimpleNamespace(perf_counter=lambda: clock.now))
     model = block_on_base(0.6, 4.2, stiffness=1e6)
     blocks = steps._blocks(lambda record: time_history(model, record, 0.005, "elastic"), np.zeros(47))
     assert blocks.tolist() == [0.0, 19.0, 20.0, 7.0]

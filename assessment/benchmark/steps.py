@@ -162,8 +162,8 @@ def measured(
     counts, programs = _counted(run, record)
     blocks: list[Array] = []
     solved: list[list[float]] = []
-    began = time.process_time()
-    while len(blocks) < ROUNDS or time.process_time() - began < enough:
+    began = time.perf_counter()
+    while len(blocks) < ROUNDS or time.perf_counter() - began < enough:
         blocks.append(_blocks(run, record))
         solved.append([piqp(program) for program in programs])
     step = 1e3 * float(np.min(blocks, axis=0).sum()) / counts["steps"]
@@ -213,24 +213,24 @@ def _blocks(run: Callable[[Array], TimeHistory], record: Array) -> Array:
     """Processor time (s) of a motion in blocks of so many steps, without the state at rest that it begins from."""
     histories = sys.modules["mechanics.time_history"]  # its name in the package is the function's
     settled, collapse = histories._settled, histories.collapse
-    stamps, steps = [time.process_time()], 0
+    stamps, steps = [time.perf_counter()], 0
 
     def at_rest(*arguments: Any) -> Any:
-        stamps.append(time.process_time())
+        stamps.append(time.perf_counter())
         state = settled(*arguments)
-        stamps.append(time.process_time())
+        stamps.append(time.perf_counter())
         return state
 
     def after_a_step(*arguments: Any) -> str:
         nonlocal steps
         steps += 1
         if steps % EVERY == 0:
-            stamps.append(time.process_time())
+            stamps.append(time.perf_counter())
         return str(collapse(*arguments))
 
     with patch.object(histories, "_settled", at_rest), patch.object(histories, "collapse", after_a_step):
         run(record)
-    stamps.append(time.process_time())
+    stamps.append(time.perf_counter())
     return np.delete(np.diff(stamps), 1)
 
 

@@ -12,29 +12,49 @@ import numpy as np
 
 from mechanics.block import Array
 from mechanics.solvers.compiler import compiler
+from mechanics.solvers.meeting import add_up, add_up_rows
 from mechanics.solvers.tiles import BYTES, COLUMNS, ROWS, below, half_below, sums
 
 compiled = compiler("contract", "reassoc")
 
 
 @compiled
-def factorise(matrix: Array, pattern: Any) -> bool:
-    """The factor L of LLᵀ in place of a positive definite matrix; False if it is none."""
-    if len(pattern.fronts.first):
-        return _fronts(matrix, pattern.fronts)
-    return _band(matrix, pattern.places, pattern.first, pattern.last)
+def factorise(matrix: Array, pattern: Any, shared: Any = None) -> bool:
+    """The factor L of LLᵀ in place of a positive definite matrix; False if it is none.
+
+    `shared`: where the last front is that of two halves (see meeting), of which this is one.
+    """
+    fronts = pattern.fronts
+    if len(fronts.first) == 0:
+        return _band(matrix, pattern.places, pattern.first, pattern.last)
+    line = len(fronts.base) - 1
+    last = matrix[fronts.base[line] :]
+    if not _fronts(matrix, fronts, 0, line):
+        last[:] = np.nan  # which the other half is told as well
+    add_up(shared, last)
+    return _fronts(matrix, fronts, line, line + 1)
 
 
 @compiled
-def substitute(matrix: Array, pattern: Any, x: Array) -> None:
+def substitute(matrix: Array, pattern: Any, x: Array, shared: Any = None) -> None:
     """The solution of LLᵀx = b in place of b (m,), three rows a block; of an empty b none."""
     if len(x) == 0:
         return
-    if len(pattern.fronts.first):
-        _through_fronts(matrix, pattern.fronts, x)
-    else:
+    fronts = pattern.fronts
+    if len(fronts.first) == 0:
         _forward(matrix, pattern.places - 1, len(x), pattern.last, x)
         _backward(matrix, pattern.places - 1, len(x), pattern.last, x)
+        return
+    tallest, line = fronts.height.max(), len(fronts.base) - 1
+    seen, last = np.empty(tallest), np.empty(tallest, np.intp)
+    for k in range(line):
+        _forward_through(matrix, fronts, k, x, seen, last)
+    add_up_rows(shared, x)
+    _forward_through(matrix, fronts, line, x, seen, last)
+    for k in range(line, -1, -1):
+        first, own = _see(fronts, k, x, seen, last)
+        _backward(matrix[fronts.base[k] :], fronts.height[k], own, last, seen)
+        x[first : first + own] = seen[:own]
 
 
 @compiled
@@ -91,11 +111,11 @@ def _first(reached: Any, i: int, end: int) -> int:
 
 
 @compiled
-def _fronts(panels: Array, fronts: Any) -> bool:
+def _fronts(panels: Array, fronts: Any, begin: int, end: int) -> bool:
     """Front by front: its own columns, then what later fronts lose by them (supernodal, right-looking)."""
     tile, inverse = np.empty((COLUMNS, ROWS)), np.empty(COLUMNS)
     update = np.empty(fronts.largest)
-    for k in range(len(fronts.base)):
+    for k in range(begin, end):
         height, own = fronts.height[k], fronts.first[k + 1] - fronts.first[k]
         if not _panel(panels, fronts.base[k], height, own, tile, inverse):
             return False
@@ -156,23 +176,15 @@ def _take_off(panels: Array, fronts: Any, k: int, update: Array, tall: int) -> N
 
 
 @compiled
-def _through_fronts(panels: Array, fronts: Any, x: Array) -> None:
-    tallest = fronts.height.max()
-    seen, last = np.empty(tallest), np.empty(tallest, np.intp)
-    count = len(fronts.base)
-    for k in range(count):
-        first, own = _see(fronts, k, x, seen, last)
-        _forward(panels[fronts.base[k] :], fronts.height[k], own, last, seen)
-        x[first : first + own] = seen[:own]
-        at = own
-        for i in range(fronts.start[k], fronts.start[k + 1]):
-            row = fronts.below[i]
-            x[row], x[row + 1], x[row + 2] = seen[at], seen[at + 1], seen[at + 2]
-            at += 3
-    for k in range(count - 1, -1, -1):
-        first, own = _see(fronts, k, x, seen, last)
-        _backward(panels[fronts.base[k] :], fronts.height[k], own, last, seen)
-        x[first : first + own] = seen[:own]
+def _forward_through(panels: Array, fronts: Any, k: int, x: Array, seen: Array, last: Any) -> None:
+    first, own = _see(fronts, k, x, seen, last)
+    _forward(panels[fronts.base[k] :], fronts.height[k], own, last, seen)
+    x[first : first + own] = seen[:own]
+    at = own
+    for i in range(fronts.start[k], fronts.start[k + 1]):
+        row = fronts.below[i]
+        x[row], x[row + 1], x[row + 2] = seen[at], seen[at + 1], seen[at + 2]
+        at += 3
 
 
 @compiled

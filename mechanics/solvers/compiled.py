@@ -9,6 +9,7 @@ import numpy as np
 from mechanics.block import Array
 from mechanics.solvers.compiler import compiler
 from mechanics.solvers.kernels import FLAT, OPEN, SEARCHES, SLIDING_BACK, SLIDING_ON, STICKING
+from mechanics.solvers.meeting import add_up_rows, largest, together
 
 NAME = "numba"
 compiled = compiler()
@@ -285,8 +286,9 @@ def line_search(
     load: Array,
     x: Array,
     dx: Array,
+    shared: Any = None,
 ) -> float:
-    """See kernels.line_search."""
+    """See kernels.line_search; along the step of both halves where this is one (see meeting)."""
     c = len(row)
     u, du = np.empty((c, 2)), np.empty((c, 2))
     constant, linear = 0.0, 0.0
@@ -309,6 +311,7 @@ def line_search(
                 friction[k],
             )
             slope -= fn * du[k, 0] + ft * du[k, 1]
+        (slope,) = together(shared, (slope,))
         if trial == 0:
             at_low, steep, share = slope, abs(slope), 1.0
             continue
@@ -338,8 +341,9 @@ def residuals(
     x: Array,
     forces: Array,
     size: float,
+    shared: Any = None,
 ) -> tuple[float, float, float, float]:
-    """See kernels.residuals."""
+    """See kernels.residuals; of both halves where this is one (see meeting)."""
     residual = load - mass * x
     cone, power, penetration = 0.0, 0.0, 0.0
     for k in range(len(row)):
@@ -354,7 +358,10 @@ def residuals(
             if first >= 0:
                 for e in range(3):
                     residual[first + e] += fn * normal[k, 3 * side + e] + ft * tangent[k, 3 * side + e]
+    add_up_rows(shared, residual)
     unbalanced = 0.0
     for i in range(len(x)):
         unbalanced = max(unbalanced, abs(residual[i]) / (size if i % 3 == 2 else 1.0))
+    unbalanced, cone, penetration = largest(shared, (unbalanced, cone, penetration))
+    (power,) = together(shared, (power,))
     return unbalanced, cone, power, penetration

@@ -16,6 +16,7 @@ from mechanics.block import Array
 from mechanics.solvers.compiled import diagonal
 from mechanics.solvers.compiled_runs import act, part_of, see, stiffen
 from mechanics.solvers.compiler import compiler, larger
+from mechanics.solvers.meeting import largest, together
 
 WORK = 6  # numbers of a point
 compiled = compiler("contract", "reassoc")
@@ -109,9 +110,9 @@ def right_hand_side(
 @compiled
 def changes_with(
     runs: Any, lever: Array, arm: Array, law: Array, s: Array, z: Array, r: Array, p: Array, inverse: Array,
-    dx: Array, ds: Array, dz: Array, work: Array,
+    dx: Array, ds: Array, dz: Array, work: Array, shared: Any = None,
 ) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """As kernels.interior_step, and the sums of z ds, s dz and ds dz."""
+    """As kernels.interior_step, and the sums of z ds, s dz and ds dz; of both halves together where this is one."""
     of_force, of_gap, zds, sdz, both = 1.0, 1.0, 0.0, 0.0, 0.0
     for q in range(len(runs.parts)):
         part = part_of(runs, q)
@@ -126,6 +127,8 @@ def changes_with(
         )  # fmt: skip
         of_force, of_gap = max(of_force, found[0]), max(of_gap, found[1])
         zds, sdz, both = zds + found[2], sdz + found[3], both + found[4]
+    of_force, of_gap = largest(shared, (of_force, of_gap))
+    zds, sdz, both = together(shared, (zds, sdz, both))
     return 1.0 / of_force, 1.0 / of_gap, zds, sdz, both
 
 

@@ -40,6 +40,7 @@ from mechanics.solvers.iterations import (
     worst,
 )
 from mechanics.solvers.kernels import Residuals
+from mechanics.solvers.meeting import share_of, together
 
 __all__ = ["factorise", "handed", "interior", "semismooth", "substitute"]
 
@@ -50,8 +51,9 @@ _worst: Any = compiled(worst)
 def semismooth(
     row: Any, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
     load: Array, x: Array, forces: Array, state: Any, stored: Array, packed: Any, scale: Any, many: int,
+    shared: Any = None,
 ) -> tuple[int, Residuals]:  # fmt: skip
-    """See iterations.semismooth."""
+    """See iterations.semismooth; of a half of the model where `shared` is told (see meeting)."""
     pattern = unpacked(packed)
     weight, size, step, accepted = scale
     soft, centred, extra = np.empty_like(gap), np.empty_like(gap), np.zeros_like(gap)
@@ -59,7 +61,7 @@ def semismooth(
         mobility = 0.0
         for side in range(2):
             if row[k, side] >= 0:
-                mobility += 1.0 / mass[row[k, side]]
+                mobility += share_of(shared, row[k, side], len(mass)) / mass[row[k, side]]
         for e in range(2):
             if compliance[k, e] == 0.0:
                 extra[k, e] = mobility / PROXIMAL
@@ -77,16 +79,18 @@ def semismooth(
         if changes:
             repeat_matrix(row, normal, tangent, friction, soft, mass, state, stored, pattern)
             factorisations += 1
-            if not factorise(stored, pattern):
+            if not factorise(stored, pattern, shared):
                 return factorisations, NONE
         for i in range(len(x)):
             dx[i] = load[i] + total[i] - mass[i] * at[i]
-        substitute(stored, pattern, dx)
+        substitute(stored, pattern, dx, shared)
         if changes and correction:
-            dx *= line_search(row, normal, tangent, centred, friction, soft, mass, load, at, dx)
+            dx *= line_search(row, normal, tangent, centred, friction, soft, mass, load, at, dx, shared)
         at += dx
-        changes = contact_law(row, normal, tangent, centred, friction, soft, at, state, found, total)
-        here = residuals(row, normal, tangent, gap, friction, compliance, mass, load, at, found, size)
+        changes = _all(
+            shared, contact_law(row, normal, tangent, centred, friction, soft, at, state, found, total)
+        )
+        here = residuals(row, normal, tangent, gap, friction, compliance, mass, load, at, found, size, shared)
         if _worst(here, weight, step) <= accepted:
             again = good[0] < np.inf
             x[:], forces[:], kept[:], good = at, found, state, here
@@ -96,7 +100,9 @@ def semismooth(
             return factorisations, NONE
         if not changes:
             centred = gap - extra * found
-            changes = contact_law(row, normal, tangent, centred, friction, soft, at, state, found, total)
+            changes = _all(
+                shared, contact_law(row, normal, tangent, centred, friction, soft, at, state, found, total)
+            )
             if good[0] < np.inf and changes:
                 break
     state[:] = kept
@@ -104,12 +110,19 @@ def semismooth(
 
 
 @compiled
+def _all(shared: Any, count: int) -> int:
+    """Of both halves."""
+    (counted,) = together(shared, (float(count),))
+    return int(counted)
+
+
+@compiled
 def interior(
     row: Any, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
     load: Array, x: Array, forces: Array, s: Array, z: Array, state: Any, runs: Any, stored: Array, packed: Any,
-    scale: Any,
+    scale: Any, shared: Any = None,
 ) -> tuple[int, Residuals]:  # fmt: skip
-    """See iterations.interior.
+    """See iterations.interior; of a half of the model where `shared` is told (see meeting).
 
     In exact arithmetic a step of a share of the way leaves the rest of the linear residuals: `short` of equilibrium and
     `r` of z, which are therefore not computed again.
@@ -123,25 +136,26 @@ def interior(
     lacking(runs, lever, arm, law, columns(gap, runs), x, along, apart, r, work, short)
     p, ds, dz = along * apart, np.empty_like(r), np.empty_like(r)
     inverse, dx = np.empty((5, c)), np.empty_like(x)
-    product = p.sum()
+    rays, product = together(shared, (2.0 * c, p.sum()))
     at, found, best, iteration = x.copy(), np.empty_like(forces), NONE, 0
     while iteration < MOST_ITERATIONS:
         iteration += 1
         matrix(runs, lever, arm, law, mass, along, apart, inverse, work, stored, pattern)
-        if not factorise(stored, pattern):
+        if not factorise(stored, pattern, shared):
             break
         right_hand_side(runs, lever, arm, law, r, p, inverse, short, work, dx)
-        substitute(stored, pattern, dx)
+        substitute(stored, pattern, dx, shared)
         to_force, to_gap, zds, sdz, both = changes_with(
-            runs, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work
+            runs, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work, shared
         )
         ahead = product + to_force * zds + to_gap * sdz + to_force * to_gap * both
-        corrected(p.ravel(), ds.ravel(), dz.ravel(), (ahead / product) ** 3 * product / (2 * c))
+        corrected(p.ravel(), ds.ravel(), dz.ravel(), (ahead / product) ** 3 * product / rays)
         right_hand_side(runs, lever, arm, law, r, p, inverse, short, work, dx)
-        substitute(stored, pattern, dx)
-        reach = changes_with(runs, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work)
+        substitute(stored, pattern, dx, shared)
+        reach = changes_with(runs, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work, shared)
         share = min(1.0, TO_THE_BOUND * min(reach[0], reach[1]))
-        product = advance(share, along.ravel(), apart.ravel(), ds.ravel(), dz.ravel(), r.ravel(), p.ravel())
+        left = advance(share, along.ravel(), apart.ravel(), ds.ravel(), dz.ravel(), r.ravel(), p.ravel())
+        (product,) = together(shared, (left,))
         at += share * dx
         short *= 1.0 - share
         if product <= LIKELY * accepted * weight * step or iteration == MOST_ITERATIONS:
@@ -149,7 +163,9 @@ def interior(
                 i = runs.column[k]
                 found[k, 0] = law[0, i] * (along[0, i] + along[1, i])
                 found[k, 1] = law[1, i] * (along[0, i] - along[1, i])
-            here = residuals(row, normal, tangent, gap, friction, compliance, mass, load, at, found, size)
+            here = residuals(
+                row, normal, tangent, gap, friction, compliance, mass, load, at, found, size, shared
+            )
             if _worst(here, weight, step) < _worst(best, weight, step):
                 x[:], forces[:], best = at, found, here
             if _worst(best, weight, step) <= accepted:

@@ -15,9 +15,9 @@ from numba.core.types import float64
 from numba.extending import intrinsic
 
 SOURCES = (
-    "cholesky", "compiled", "compiled_columns", "compiled_impacts", "compiled_interior_step", "compiled_iterations",
-    "compiled_pattern", "compiled_runs", "compiler", "dissection", "elimination", "interior_step", "iterations",
-    "kernels", "tiles",
+    "cholesky", "compiled", "compiled_columns", "compiled_halves", "compiled_impacts", "compiled_interior_step",
+    "compiled_iterations", "compiled_pattern", "compiled_runs", "compiler", "dissection", "elimination",
+    "interior_step", "iterations", "kernels", "meeting", "tiles",
 )  # fmt: skip
 
 
@@ -46,9 +46,9 @@ def compiler(*fastmath: str, apart: bool = False) -> Callable[[Callable[..., Any
 
     def compile_(function: Callable[..., Any]) -> Any:
         function.__qualname__ += f"_{_sources()}"
-        return numba.njit(cache=True, fastmath=set(fastmath), error_model="numpy", pipeline_class=pipeline)(
-            function
-        )
+        return numba.njit(
+            cache=True, nogil=True, fastmath=set(fastmath), error_model="numpy", pipeline_class=pipeline
+        )(function)
 
     return compile_
 

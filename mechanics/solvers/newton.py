@@ -18,7 +18,7 @@ import numpy as np
 from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.program import Program, Solution
-from mechanics.solvers import kernels
+from mechanics.solvers import kernels, threads
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.iterations import PROXIMAL, worst
 from mechanics.solvers.kernels import OPEN, SLIDING_ON, STICKING, certificate, fastest
@@ -55,6 +55,9 @@ class Newton:
             "mechanics.solvers." + ("iterations" if self.kernels is kernels else "compiled_iterations")
         )
         self.handed: Any = self.iterations.handed(layout)
+        self.iterate: Any = self.iterations
+        if len(layout.fronts.base) and threads.at_hand() > 1:
+            self.iterate = import_module("mechanics.solvers.halves").Halves.of(layout) or self.iterations
         self.state: Index | None = None
         self.pause, self.next_try = 0, 0
         self.along: Array | None = None
@@ -98,7 +101,7 @@ class Newton:
     ) -> Solution | None:
         """From known contact states, none where a step changes more than `many` of them."""
         x, forces, state = x.copy(), forces.copy(), state.copy()
-        count, residuals = self.iterations.semismooth(
+        count, residuals = self.iterate.semismooth(
             *self._posed(program, mass, load), x, forces, state, *self._work_space(program), many
         )
         self.factorisations += count
@@ -113,7 +116,7 @@ class Newton:
         z = np.zeros((c, 2)) if self.apart is None else self.apart
         s, z = np.maximum(s, START * program.weight), np.maximum(z, START * program.step)
         x, forces, state = x.copy(), np.empty((c, 2)), np.empty(c, np.intp)
-        count, residuals = self.iterations.interior(
+        count, residuals = self.iterate.interior(
             *self._posed(program, mass, load), x, forces, s, z, state, self.runs, *self._work_space(program)
         )
         self.factorisations += count

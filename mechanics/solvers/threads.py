@@ -1,16 +1,36 @@
-"""One thread for the BLAS of NumPy and SciPy while many small systems are solved."""
+"""How many threads may work at once: here, and in the BLAS of NumPy and SciPy."""
 
 from __future__ import annotations
 
 import ctypes
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import scipy
+
+_told: ContextVar[int] = ContextVar("threads at hand")
+
+
+def at_hand() -> int:
+    """Threads that a large model may take: one for each core of the process, unless it was told otherwise."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return _told.get(cores or 1)
+
+
+@contextmanager
+def at_most(threads: int) -> Iterator[None]:
+    """So many threads at hand: other processes are at work as well."""
+    token = _told.set(threads)
+    try:
+        yield
+    finally:
+        _told.reset(token)
 
 
 @contextmanager

@@ -1,0 +1,146 @@
+"""What two threads at the halves of a model tell each other (see halves), inside compiled loops.
+
+Either runs the same loop on its own half, in the same steps: at a meeting it tells some numbers and goes on with those
+of the other. `shared`: `gate` (2,), the meetings that either has come to; `board` (2, 2, n), of even and of odd ones
+what either tells; which of the two this one is; and the number of rows, the last ones, that both halves have. A loop
+that is alone has None, and nothing of this is compiled into it.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.cpython.unsafe.tuple import tuple_setitem
+from numba.extending import intrinsic
+
+from mechanics.block import Array
+from mechanics.solvers.compiler import compiler
+
+compiled = compiler()
+_cgutils: Any = cgutils
+_intrinsic: Any = intrinsic
+_with: Any = tuple_setitem
+
+BYTES = 8  # of a number of meetings
+PATIENCE = 20000  # looks at the gate before the processor is offered to others
+YIELDS = os.name == "posix"
+
+
+@_intrinsic
+def _come_to(typing_context: Any, address: Any, count: Any) -> Any:
+    """Tell the number of meetings come to: whoever sees it sees all that was written before."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        address, count = arguments
+        builder.store_atomic(count, builder.inttoptr(address, count.type.as_pointer()), "release", BYTES)
+        return context.get_dummy_value()
+
+    return types.void(types.intp, types.intp), generate
+
+
+@_intrinsic
+def _has_come_to(typing_context: Any, address: Any) -> Any:
+    """The number of meetings that the other has come to."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        count = ir.IntType(64)
+        return builder.load_atomic(builder.inttoptr(arguments[0], count.as_pointer()), "acquire", BYTES)
+
+    return types.intp(types.intp), generate
+
+
+@_intrinsic
+def _let_others(typing_context: Any) -> Any:
+    """Offer the processor to other threads."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        if YIELDS:
+            of_the_system = ir.FunctionType(ir.IntType(32), [])
+            builder.call(_cgutils.get_or_insert_function(builder.module, of_the_system, "sched_yield"), [])
+        return context.get_dummy_value()
+
+    return types.void(), generate
+
+
+@compiled
+def _meet(shared: Any) -> None:
+    """What this one has put on the board is told, and what the other has is there."""
+    gate, _, member, _ = shared
+    count = gate[member] + 1
+    own, other = gate.ctypes.data + BYTES * member, gate.ctypes.data + BYTES * (1 - member)
+    _come_to(own, count)
+    looks = 0
+    while _has_come_to(other) < count:
+        looks += 1
+        if looks > PATIENCE:
+            _let_others()
+
+
+@compiled
+def _sides(shared: Any) -> tuple[Array, Array]:
+    """What this one tells on the board at the next meeting, and the other."""
+    gate, board, member, _ = shared
+    turn = gate[member] % 2
+    return board[turn, member], board[turn, 1 - member]
+
+
+@compiled
+def add_up(shared: Any, numbers: Array) -> None:
+    """Numbers (k,) of either become those of both together."""
+    if shared is not None:
+        own, others = _sides(shared)
+        for k in range(len(numbers)):
+            own[k] = numbers[k]
+        _meet(shared)
+        for k in range(len(numbers)):
+            numbers[k] += others[k]
+
+
+@compiled
+def share_of(shared: Any, row: int, rows: int) -> float:
+    """Of the mass and load of one of so many rows, what counts here: half of the line's."""
+    if shared is None:
+        return 1.0
+    return 1.0 if row < rows - shared[3] else 0.5
+
+
+@compiled
+def add_up_rows(shared: Any, x: Array) -> None:
+    """The rows of x (m,) that both halves have become those of both together."""
+    if shared is not None:
+        add_up(shared, x[len(x) - shared[3] :])
+
+
+@compiled
+def together(shared: Any, numbers: Any) -> Any:
+    """These few numbers of both halves together."""
+    if shared is None:
+        return numbers
+    own, others = _sides(shared)
+    for k in range(len(numbers)):
+        own[k] = numbers[k]
+    _meet(shared)
+    sums = numbers
+    for k in range(len(numbers)):
+        sums = _with(sums, k, numbers[k] + others[k])
+    return sums
+
+
+@compiled
+def largest(shared: Any, numbers: Any) -> Any:
+    """The larger ones of these few numbers of either half; no number where either has none."""
+    if shared is None:
+        return numbers
+    own, others = _sides(shared)
+    for k in range(len(numbers)):
+        own[k] = numbers[k]
+    _meet(shared)
+    found = numbers
+    for k in range(len(numbers)):
+        if not numbers[k] >= others[k] and not np.isnan(numbers[k]):
+            found = _with(found, k, others[k])
+    return found
