@@ -19,20 +19,37 @@ compiled = compiler("contract", "reassoc")
 
 
 @compiled
-def factorise(matrix: Array, pattern: Any, shared: Any = None) -> bool:
-    """The factor L of LLᵀ in place of a positive definite matrix; False if it is none.
-
-    `shared`: where the last front is that of two halves (see meeting), of which this is one.
-    """
+def factorise(matrix: Array, pattern: Any) -> bool:
+    """The factor L of LLᵀ in place of a positive definite matrix; False if it is none."""
     fronts = pattern.fronts
     if len(fronts.first) == 0:
         return _band(matrix, pattern.places, pattern.first, pattern.last)
+    return _fronts(matrix, fronts, 0, len(fronts.base), np.empty(0))
+
+
+@compiled
+def solve(matrix: Array, pattern: Any, x: Array, shared: Any = None) -> bool:
+    """The factor in place of the matrix, and of b (m,) the solution of LLᵀx = b; False if the matrix has no factor.
+
+    Each front is substituted into as soon as it is eliminated, while it is in fast memory. `shared`: where the last
+    front is that of two halves (see meeting), of which this is one.
+    """
+    fronts = pattern.fronts
+    if len(fronts.first) == 0:
+        found = _band(matrix, pattern.places, pattern.first, pattern.last)
+        if found:
+            substitute(matrix, pattern, x)
+        return found
     line = len(fronts.base) - 1
     last = matrix[fronts.base[line] :]
-    if not _fronts(matrix, fronts, 0, line):
+    if not _fronts(matrix, fronts, 0, line, x):
         last[:] = np.nan  # which the other half is told as well
     add_up(shared, last)
-    return _fronts(matrix, fronts, line, line + 1)
+    add_up_rows(shared, x)
+    if not _fronts(matrix, fronts, line, line + 1, x):
+        return False
+    _backward_through(matrix, fronts, x)
+    return True
 
 
 @compiled
@@ -45,16 +62,12 @@ def substitute(matrix: Array, pattern: Any, x: Array, shared: Any = None) -> Non
         _forward(matrix, pattern.places - 1, len(x), pattern.last, x)
         _backward(matrix, pattern.places - 1, len(x), pattern.last, x)
         return
-    tallest, line = fronts.height.max(), len(fronts.base) - 1
-    seen, last = np.empty(tallest), np.empty(tallest, np.intp)
-    for k in range(line):
+    seen, last = _room(fronts)
+    for k in range(len(fronts.base) - 1):
         _forward_through(matrix, fronts, k, x, seen, last)
     add_up_rows(shared, x)
-    _forward_through(matrix, fronts, line, x, seen, last)
-    for k in range(line, -1, -1):
-        first, own = _see(fronts, k, x, seen, last)
-        _backward(matrix[fronts.base[k] :], fronts.height[k], own, last, seen)
-        x[first : first + own] = seen[:own]
+    _forward_through(matrix, fronts, len(fronts.base) - 1, x, seen, last)
+    _backward_through(matrix, fronts, x)
 
 
 @compiled
@@ -111,16 +124,19 @@ def _first(reached: Any, i: int, end: int) -> int:
 
 
 @compiled
-def _fronts(panels: Array, fronts: Any, begin: int, end: int) -> bool:
-    """Front by front: its own columns, then what later fronts lose by them (supernodal, right-looking)."""
+def _fronts(panels: Array, fronts: Any, begin: int, end: int, x: Array) -> bool:
+    """Front by front: its own columns, what later fronts lose by them (supernodal, right-looking), and x, if any."""
     tile, inverse = np.empty((COLUMNS, ROWS)), np.empty(COLUMNS)
     update = np.empty(fronts.largest)
+    seen, last = _room(fronts)
     for k in range(begin, end):
         height, own = fronts.height[k], fronts.first[k + 1] - fronts.first[k]
         if not _panel(panels, fronts.base[k], height, own, tile, inverse):
             return False
         _update(panels, fronts.base[k], height, own, update)
         _take_off(panels, fronts, k, update, height - own)
+        if len(x) > 0:
+            _forward_through(panels, fronts, k, x, seen, last)
     return True
 
 
@@ -176,6 +192,13 @@ def _take_off(panels: Array, fronts: Any, k: int, update: Array, tall: int) -> N
 
 
 @compiled
+def _room(fronts: Any) -> tuple[Array, Any]:
+    """For what a front sees of x, and the last rows of its columns."""
+    tallest = fronts.height.max()
+    return np.empty(tallest), np.empty(tallest, np.intp)
+
+
+@compiled
 def _forward_through(panels: Array, fronts: Any, k: int, x: Array, seen: Array, last: Any) -> None:
     first, own = _see(fronts, k, x, seen, last)
     _forward(panels[fronts.base[k] :], fronts.height[k], own, last, seen)
@@ -185,6 +208,15 @@ def _forward_through(panels: Array, fronts: Any, k: int, x: Array, seen: Array, 
         row = fronts.below[i]
         x[row], x[row + 1], x[row + 2] = seen[at], seen[at + 1], seen[at + 2]
         at += 3
+
+
+@compiled
+def _backward_through(panels: Array, fronts: Any, x: Array) -> None:
+    seen, last = _room(fronts)
+    for k in range(len(fronts.base) - 1, -1, -1):
+        first, own = _see(fronts, k, x, seen, last)
+        _backward(panels[fronts.base[k] :], fronts.height[k], own, last, seen)
+        x[first : first + own] = seen[:own]
 
 
 @compiled

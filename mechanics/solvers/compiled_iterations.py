@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mechanics.block import Array
-from mechanics.solvers.cholesky import factorise, substitute
+from mechanics.solvers.cholesky import factorise, solve, substitute
 from mechanics.solvers.compiled import (
     compiled,
     contact_law,
@@ -76,14 +76,15 @@ def semismooth(
     changes, factorisations, good = 1, 0, NONE
     dx = np.empty_like(load)
     for correction in range(CORRECTIONS):
+        for i in range(len(x)):
+            dx[i] = load[i] + total[i] - mass[i] * at[i]
         if changes:
             repeat_matrix(row, normal, tangent, friction, soft, mass, state, stored, pattern)
             factorisations += 1
-            if not factorise(stored, pattern, shared):
+            if not solve(stored, pattern, dx, shared):
                 return factorisations, NONE
-        for i in range(len(x)):
-            dx[i] = load[i] + total[i] - mass[i] * at[i]
-        substitute(stored, pattern, dx, shared)
+        else:
+            substitute(stored, pattern, dx, shared)
         if changes and correction:
             dx *= line_search(row, normal, tangent, centred, friction, soft, mass, load, at, dx, shared)
         at += dx
@@ -141,10 +142,9 @@ def interior(
     while iteration < MOST_ITERATIONS:
         iteration += 1
         matrix(runs, lever, arm, law, mass, along, apart, inverse, work, stored, pattern)
-        if not factorise(stored, pattern, shared):
-            break
         right_hand_side(runs, lever, arm, law, r, p, inverse, short, work, dx)
-        substitute(stored, pattern, dx, shared)
+        if not solve(stored, pattern, dx, shared):
+            break
         to_force, to_gap, zds, sdz, both = changes_with(
             runs, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work, shared
         )
