@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -37,7 +36,7 @@ def wall(monkeypatch: pytest.MonkeyPatch) -> Assembly:
 def newton_for(model: Assembly, program: Program, at_once: int) -> Newton:
     with threads.at_most(at_once):
         newton = Newton(program.dof, model.initial.positions[model.movable, :2], compiled)
-    assert isinstance(newton.iterate, ModuleType) == (at_once == 1), "two halves, if two threads are at hand"
+    assert newton.threads == at_once, "two halves, if two threads are at hand"
     return newton
 
 

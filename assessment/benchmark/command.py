@@ -132,6 +132,7 @@ STEP_COLUMNS: tuple[Column, ...] = (
     ("points", "points", str),
     ("contacts", "contacts", str),
     ("integrator", "integrator", str),
+    ("threads", "threads", str),
     ("step_ms", "step, ms", number),
     ("piqp_ms", "PIQP, ms", number),
     RATIO,
@@ -166,13 +167,14 @@ BENCHMARKS = {
         _collapse,
     ),
     "steps": Benchmark(
-        "a step of 5 ms of a time history, in the mean over 7 s of strong motion: of every 20 steps, and of each "
-        "program of PIQP, the quickest of three rounds or more.",
+        "a step of 5 ms of a time history, in the mean over 7 s of strong motion, elapsed: of every 20 steps, and of "
+        "each program of PIQP, the quickest of three rounds or more.",
         steps.steps,
         plain(*STEP_COLUMNS),
     ),
     "growth": Benchmark(
-        "the same as walls grow, and the exponent of its time over the number of blocks.",
+        "the same as walls grow, and the exponent of its time over the number of blocks; then by one thread alone "
+        "what two have worked at.",
         steps.growth,
         plain(*STEP_COLUMNS),
     ),

@@ -63,6 +63,11 @@ class Newton:
         self.along: Array | None = None
         self.apart: Array | None = None
 
+    @property
+    def threads(self) -> int:
+        """That work at a program."""
+        return 1 if self.iterate is self.iterations else 2
+
     def solve(self, program: Program, guess: Array, forces: Array) -> Solution | None:
         """The certified solution near displacements `guess` (m,) and contact forces (c, 2); None where none is found.
 
