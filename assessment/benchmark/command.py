@@ -168,7 +168,7 @@ BENCHMARKS = {
     ),
     "steps": Benchmark(
         "a step of 5 ms of a time history, in the mean over 7 s of strong motion, elapsed: of every 20 steps, and of "
-        "each program of PIQP, the quickest of three rounds or more.",
+        "each program of PIQP, the quickest of six rounds or more.",
         steps.steps,
         plain(*STEP_COLUMNS),
     ),

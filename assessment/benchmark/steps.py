@@ -46,14 +46,14 @@ of equilibrium comes back. Semismooth Newton from the iterates: it finds the sol
 by three to six factorisations.
 
 Two threads, each at a half of the model (see halves): an iteration at 2997 blocks 2.5 ms, not 4.8, at 1008 blocks 0.69,
-not 1.15. At 351 blocks, in fronts for their sake, 1.4 to 1.9 ms a solve where one thread takes 1.9 in the band: there it
-stays. A meeting of the two takes a microsecond; numba's own loops in parallel as little with OpenMP, which does not
-survive that a process forks, and 76 to 100 with the layer that does. A thread of its own for each solve takes 0.13 ms to
-come and go, one that is kept 0.05. Taking what is a half's out of the whole took 1.8 of 8.2 ms at 1008 blocks in NumPy,
-0.3 compiled. Substituting into each front as soon as it is eliminated: a thirtieth less. Loops over the contact points
-that pass over a quarter fewer numbers (what s z and z lack not stored, the predictor's right-hand side beside the matrix,
-its changes not written): six per cent of an iteration by one thread, three by two; given up, as it moves the last digits
-of statics, and with them the scatter of sliding joints.
+not 1.15. At 351 blocks, in fronts for their sake, 1.4 to 1.9 ms a solve where one thread takes 1.9 in the band: there
+it stays. A meeting of the two takes a microsecond; numba's own loops in parallel as little with OpenMP, which does not
+survive that a process forks, and 76 to 100 with the layer that does. A thread of its own for each solve takes 0.13 ms
+to come and go, one that is kept 0.05. Taking what is a half's out of the whole took 1.8 of 8.2 ms at 1008 blocks in
+NumPy, 0.3 compiled. Substituting into each front as soon as it is eliminated: a thirtieth less. Loops over the contact
+points with a quarter fewer numbers to read and write (what s z and z lack not stored, the predictor's right-hand side
+beside the matrix, its changes not written): six per cent of an iteration by one thread, three by two; given up, as it
+moves the last digits of statics, and with them the scatter of sliding joints.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ WALLS = ((9, 10), (18, 19), (31, 32), (54, 55))
 QUICK_WALLS = ((6, 6), (9, 10), (14, 14))
 SHARE = 0.07  # of the record, for the walls
 EVERY = 20  # steps of a block; of so many programs PIQP solves one
-ROUNDS, ENOUGH, QUICK = 3, 8.0, 0.0  # at least; and s of a row
+ROUNDS, ENOUGH, QUICK = 6, 8.0, 0.0  # at least; and s of a row
 PARTS = 4  # of the record in the first of which the parts of a step are watched
 
 

@@ -178,17 +178,19 @@ def _take_off(panels: Array, fronts: Any, k: int, update: Array, tall: int) -> N
     for aim in range(fronts.aim[k], fronts.aim[k + 1]):
         later, first, end, laid = fronts.targets[aim]
         for j in range(first, end):
-            column = fronts.base[later] + fronts.place[laid + j - first] * fronts.height[later]
-            for e in range(3):
-                i = j
-                while i < count:
-                    beside = fronts.together[laid + i - first]
-                    to = panels[column + fronts.place[laid + i - first] :]
-                    of = update[(3 * j + e) * tall + 3 * i :]
-                    for r in range(beside):
-                        to[r] -= of[r]
-                    i += beside // 3
-                column += fronts.height[later]
+            height = fronts.height[later]
+            column = fronts.base[later] + fronts.place[laid + j - first] * height
+            i = j
+            while i < count:
+                beside = fronts.together[laid + i - first]
+                at, of = column + fronts.place[laid + i - first], 3 * (j * tall + i)
+                p, q, r = panels[at:], panels[at + height :], panels[at + 2 * height :]
+                u, v, w = update[of:], update[of + tall :], update[of + 2 * tall :]
+                for e in range(beside):
+                    p[e] -= u[e]
+                    q[e] -= v[e]
+                    r[e] -= w[e]
+                i += beside // 3
 
 
 @compiled
