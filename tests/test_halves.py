@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -22,14 +23,16 @@ from tests.test_newton import shaken
 
 compiled = pytest.importorskip("mechanics.solvers.compiled")
 halves: Any = pytest.importorskip("mechanics.solvers.halves")
+meeting: Any = pytest.importorskip("mechanics.solvers.meeting")
 
 BEHAVIOURS = ["rigid", "elastic"]
 
 
 @pytest.fixture
 def wall(monkeypatch: pytest.MonkeyPatch) -> Assembly:
-    """In fronts, small as it is."""
+    """In fronts, small as it is, and with two cores, whatever there are."""
     in_fronts(monkeypatch)
+    monkeypatch.setattr(threads, "cores", lambda: 2)
     return running_bond(7, 9, stiffness=1e6)
 
 
@@ -108,11 +111,13 @@ def test_both_halves_end_where_the_matrix_of_either_is_not_definite(
 ) -> None:
     """In the first half, in the second and on the line: none waits for the other."""
     program = euler_step(wall, "elastic", shaken(wall, 0), 0.3)
-    newton = newton_for(wall, program, 2)
+    newtons = [newton_for(wall, program, at_once) for at_once in (1, 2)]
     assert program.mass is not None
-    row = newton.order[round(place * (len(program.mass) - 1))]
+    row = newtons[0].order[round(place * (len(program.mass) - 1))]
     program.mass[row] = value * program.mass.max()
-    assert newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap)) is None
+    for newton in newtons:
+        assert newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap)) is None
+        assert newton.factorisations == 2, "once in either attempt, at once"
 
 
 @pytest.mark.parametrize("member", [0, 1])
@@ -135,6 +140,23 @@ def test_a_half_that_fails_ends_the_other(
     assert newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap)) is not None
 
 
+@pytest.mark.parametrize(
+    ("numbers", "expected"), [((1.0, 2.0), 2.0), ((np.nan, 1.0), np.nan), ((1.0, np.nan), np.nan)]
+)
+def test_both_halves_take_the_same_number_for_the_larger(
+    numbers: tuple[float, float], expected: float
+) -> None:
+    """What is no number among them: otherwise they go different ways from there, and meet no more."""
+    gate, board = np.zeros(2, np.int64), np.empty((2, 2, 1))
+
+    def found(member: int) -> float:
+        (number,) = meeting.largest((gate, board, member, 0), (numbers[member],))
+        return float(number)
+
+    with ThreadPoolExecutor(2) as pool:
+        assert list(pool.map(found, range(2))) == pytest.approx([expected] * 2, nan_ok=True)
+
+
 def test_what_falls_into_no_two_halves_is_left_to_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     def layout(model: Assembly) -> Elimination:
         contacts = model.contacts("rigid")
@@ -149,8 +171,8 @@ def test_what_falls_into_no_two_halves_is_left_to_one_thread(monkeypatch: pytest
     assert halves.Halves.of(layout(running_bond(7, 9))) is None, "the larger half has most of the work"
 
 
-def threads_at_hand() -> int:
-    return threads.at_hand()
+def threads_told() -> int:
+    return threads._told.get(0)
 
 
 @pytest.mark.parametrize(
@@ -159,14 +181,18 @@ def threads_at_hand() -> int:
 def test_analyses_side_by_side_share_the_threads(jobs: int, tasks: int, expected: int) -> None:
     for worthwhile in (True, False):
         with Workers(jobs) as workers:
-            found = workers.each("", threads_at_hand, [()] * tasks, [""] * tasks, worthwhile)
+            found = workers.each("", threads_told, [()] * tasks, [""] * tasks, worthwhile)
         alone = not worthwhile and (jobs == 1 or tasks == 1)
         assert found == [jobs if alone else expected] * tasks
 
 
-def test_threads_at_hand_are_those_of_the_process() -> None:
+def test_threads_at_hand_are_the_cores_of_the_process_or_fewer(monkeypatch: pytest.MonkeyPatch) -> None:
     if hasattr(os, "sched_getaffinity"):
-        assert threads.at_hand() == len(os.sched_getaffinity(0))
-    with threads.at_most(3):
-        assert threads.at_hand() == 3
-    assert threads.at_hand() != 3 or os.cpu_count() == 3
+        assert threads.cores() == len(os.sched_getaffinity(0))
+    monkeypatch.setattr(threads, "cores", lambda: 4)
+    assert threads.at_hand() == 4
+    for told, expected in ((3, 3), (8, 4)):
+        with threads.at_most(told):
+            assert threads.at_hand() == expected
+    monkeypatch.setattr(os, "name", "nt")
+    assert threads.at_hand() == 1, "where no thread can sleep while it waits"

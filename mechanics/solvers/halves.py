@@ -27,8 +27,8 @@ from mechanics.solvers.kernels import Residuals
 from mechanics.solvers.runs import Runs
 
 MOST = 0.7  # of the products of the whole: where the larger half needs more, one thread does as well
-Shared = tuple[Index, Array, int, int]
-GONE = np.iinfo(np.int64).max // 2  # meetings that a thread has come to which ends
+Shared = tuple[Index, Array, int, int]  # see meeting
+GONE = np.iinfo(np.int64).max // 2  # more meetings than any loop makes: the other waits no longer
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ class Halves:
         count = len(layout.fronts.base)
         if count < 3:
             return None
-        second = _sides(layout)
+        second = _second(layout)
         first, other = (_half(layout, np.flatnonzero(second == side), not side) for side in (False, True))
         if max(half.layout.fronts.products() for half in (first, other)) > MOST * layout.fronts.products():
             return None
@@ -126,7 +126,7 @@ class Halves:
         return found
 
 
-def _sides(layout: Elimination) -> NDArray[np.bool_]:
+def _second(layout: Elimination) -> NDArray[np.bool_]:
     """Of every front but the last whether it belongs to the second half."""
     bounds = layout.fronts.first // 3
     line = bounds[-2]

@@ -8,7 +8,6 @@ that is alone has None, and nothing of this is compiled into it.
 
 from __future__ import annotations
 
-import os
 from typing import Any
 
 import numpy as np
@@ -26,8 +25,10 @@ _intrinsic: Any = intrinsic
 _with: Any = tuple_setitem
 
 BYTES = 8  # of a number of meetings
-PATIENCE = 20000  # looks at the gate before the processor is offered to others
-YIELDS = os.name == "posix"
+PATIENCE = (
+    200_000  # looks at the gate, a quarter of a millisecond: after them a thread sleeps from look to look
+)
+NAP = 50  # microseconds
 
 
 @_intrinsic
@@ -54,58 +55,42 @@ def _has_come_to(typing_context: Any, address: Any) -> Any:
 
 
 @_intrinsic
-def _let_others(typing_context: Any) -> Any:
-    """Offer the processor to other threads."""
+def _sleep(typing_context: Any) -> Any:
+    """For a NAP: the other has no core. One that is offered would be some other program's for milliseconds."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        if YIELDS:
-            of_the_system = ir.FunctionType(ir.IntType(32), [])
-            builder.call(_cgutils.get_or_insert_function(builder.module, of_the_system, "sched_yield"), [])
+        whole = ir.IntType(32)
+        of_the_system = ir.FunctionType(whole, [whole])
+        builder.call(_cgutils.get_or_insert_function(builder.module, of_the_system, "usleep"), [whole(NAP)])
         return context.get_dummy_value()
 
     return types.void(), generate
 
 
 @compiled
-def _meet(shared: Any) -> None:
-    """What this one has put on the board is told, and what the other has is there."""
-    gate, _, member, _ = shared
+def _exchanged(shared: Any, numbers: Any) -> Array:
+    """These numbers are told at a meeting: those of the other."""
+    gate, board, member, _ = shared
     count = gate[member] + 1
-    own, other = gate.ctypes.data + BYTES * member, gate.ctypes.data + BYTES * (1 - member)
-    _come_to(own, count)
-    looks = 0
+    told = board[count % 2, member]
+    for k in range(len(numbers)):
+        told[k] = numbers[k]
+    _come_to(gate.ctypes.data + BYTES * member, count)
+    other, looks = gate.ctypes.data + BYTES * (1 - member), 0
     while _has_come_to(other) < count:
         looks += 1
         if looks > PATIENCE:
-            _let_others()
-
-
-@compiled
-def _sides(shared: Any) -> tuple[Array, Array]:
-    """What this one tells on the board at the next meeting, and the other."""
-    gate, board, member, _ = shared
-    turn = gate[member] % 2
-    return board[turn, member], board[turn, 1 - member]
+            _sleep()
+    return board[count % 2, 1 - member]
 
 
 @compiled
 def add_up(shared: Any, numbers: Array) -> None:
     """Numbers (k,) of either become those of both together."""
     if shared is not None:
-        own, others = _sides(shared)
-        for k in range(len(numbers)):
-            own[k] = numbers[k]
-        _meet(shared)
+        others = _exchanged(shared, numbers)
         for k in range(len(numbers)):
             numbers[k] += others[k]
-
-
-@compiled
-def share_of(shared: Any, row: int, rows: int) -> float:
-    """Of the mass and load of one of so many rows, what counts here: half of the line's."""
-    if shared is None:
-        return 1.0
-    return 1.0 if row < rows - shared[3] else 0.5
 
 
 @compiled
@@ -120,11 +105,7 @@ def together(shared: Any, numbers: Any) -> Any:
     """These few numbers of both halves together."""
     if shared is None:
         return numbers
-    own, others = _sides(shared)
-    for k in range(len(numbers)):
-        own[k] = numbers[k]
-    _meet(shared)
-    sums = numbers
+    others, sums = _exchanged(shared, numbers), numbers
     for k in range(len(numbers)):
         sums = _with(sums, k, numbers[k] + others[k])
     return sums
@@ -135,12 +116,16 @@ def largest(shared: Any, numbers: Any) -> Any:
     """The larger ones of these few numbers of either half; no number where either has none."""
     if shared is None:
         return numbers
-    own, others = _sides(shared)
-    for k in range(len(numbers)):
-        own[k] = numbers[k]
-    _meet(shared)
-    found = numbers
+    others, found = _exchanged(shared, numbers), numbers
     for k in range(len(numbers)):
         if not numbers[k] >= others[k] and not np.isnan(numbers[k]):
             found = _with(found, k, others[k])
     return found
+
+
+@compiled
+def share_of(shared: Any, row: int, rows: int) -> float:
+    """Of the mass and load of one of so many rows, what counts here: half of the line's."""
+    if shared is None:
+        return 1.0
+    return 1.0 if row < rows - shared[3] else 0.5

@@ -18,14 +18,20 @@ _told: ContextVar[int] = ContextVar("threads at hand")
 
 
 def at_hand() -> int:
-    """Threads that a large model may take: one for each core of the process, unless it was told otherwise."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return _told.get(cores or 1)
+    """Threads that a large model may take: as many as the process has cores, or was told to take at most."""
+    if os.name != "posix":  # a thread that waits for another has to be able to sleep
+        return 1
+    return min(cores(), _told.get(cores()))
+
+
+def cores() -> int:
+    """Those that the process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager
 def at_most(threads: int) -> Iterator[None]:
-    """So many threads at hand: other processes are at work as well."""
+    """So many threads at hand: other analyses are at work as well."""
     token = _told.set(threads)
     try:
         yield
