@@ -155,9 +155,8 @@ def large(*models: Assembly) -> bool:
 
 
 def _packed(function: Callable[..., Any], task: tuple[Any, ...], threads: int) -> str:
-    from mechanics.solvers.threads import (
-        at_most,  # NumPy, which a run that takes over all results does not need
-    )
+    # with NumPy, which a run that takes over all results does not need
+    from mechanics.solvers.threads import at_most
 
     with at_most(threads):
         return packed(function(*task))

@@ -52,7 +52,10 @@ class Half:
 
 @dataclass(frozen=True, eq=False)
 class Halves:
-    """The two halves, work space for their matrices, and where they meet; `common`: rows of the line."""
+    """The two halves, `stored` for their matrices, and the `board` (2, 2, n) of their meetings (see meeting).
+
+    `common`: rows of the line; `pool`: the second thread, kept from one program to the next.
+    """
 
     halves: tuple[Half, Half]
     common: int
