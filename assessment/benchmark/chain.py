@@ -6,18 +6,18 @@ import resource
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from assessment.benchmark.measure import Row, once_a_step, seconds_of
+from assessment.benchmark.measure import Row, beside_piqp, sample
 from assessment.benchmark.structures import assembly, template
 from assessment.stages import mirror_of
 from assessment.states import PAST_PEAK
 from mechanics import pushdown, pushover
 from mechanics.assembly import Behaviour, Direction
-from mechanics.program import Program
+from mechanics.pushdown import Pushdown
 from mechanics.pushover import Pushover
 
 WAYS: tuple[Direction, ...] = ("+x", "-x")
@@ -41,28 +41,23 @@ def analyses(name: str) -> Iterator[Row]:
     increment, spoken = project.pushover.increment_m, name.replace("-", " ")
     rows = []
     for contacts in CONTACTS:
-        seconds, path = seconds_of(
-            partial(pushdown, model, table.support, table.displacement_m, 0.0, table.increment_m, contacts)
+        settle = partial(
+            pushdown, model, table.support, table.displacement_m, 0.0, table.increment_m, contacts
         )
-        rows.append(_row(f"{spoken}, pushdown, {contacts}", seconds, [s.program for s in path.steps]))
+        path = settle()
+        rows.append(_row(f"{spoken}, pushdown, {contacts}", settle, path))
         yield rows[-1]
         for title, state in (("original", None), ("settled", path.final)):
             curve: Pushover | None = None
             for way in WAYS:
                 control = project.pushover_control(way).point_m
                 until = PAST_PEAK if contacts == "elastic" else 0.0
-                done = partial(pushover, model, control, way, contacts, increment, state, until)
+                push = partial(pushover, model, control, way, contacts, increment, state, until)
                 if state is None and curve is not None:
-                    done = partial(mirror_of(model, contacts).pushover, curve)
-                seconds, pushed = seconds_of(done)
-                curve = pushed
-                row = _row(
-                    f"{spoken}, {title}, pushover {way}, {contacts}",
-                    seconds,
-                    [s.program for s in pushed.steps],
-                )
-                rows.append(row)
-                yield row
+                    push = partial(mirror_of(model, contacts).pushover, curve)
+                curve = push()
+                rows.append(_row(f"{spoken}, {title}, pushover {way}, {contacts}", push, curve))
+                yield rows[-1]
     total = sum(row["seconds"] for row in rows)
     baseline = sum(row["seconds"] / row["ratio"] for row in rows)
     yield {
@@ -74,12 +69,14 @@ def analyses(name: str) -> Iterator[Row]:
     }
 
 
-def _row(case: str, seconds: float, programs: list[Program]) -> Row:
+def _row(case: str, run: Callable[[], object], path: Pushdown | Pushover) -> Row:
+    programs = [step.program for step in path.steps]
+    seconds, each = beside_piqp(run, sample(programs))
     return {
         "case": case,
         "steps": len(programs),
         "seconds": seconds,
-        "ratio": seconds / once_a_step(programs),
+        "ratio": seconds / len(programs) / each,
     }
 
 

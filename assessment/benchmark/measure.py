@@ -10,13 +10,15 @@ import resource
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 from unittest.mock import patch
 
 import numpy as np
 
+from mechanics.block import Array
 from mechanics.program import Program, Solution
 from mechanics.solvers import interior_point
 from mechanics.solvers.newton import Newton
@@ -28,8 +30,7 @@ Answer = TypeVar("Answer")
 
 TOLERANCE = 1e-9  # of the baseline: what the statics ask of PIQP
 SAMPLES = 20  # programs of a path that the baseline solves
-ENOUGH = 0.3  # s: a call is repeated so long, twice at least, and the quickest counts
-AGAIN = 5  # so often every program of the baseline
+ROUNDS, ENOUGH = 3, 1.5  # calls that take turns: at least so many of each, and for so many seconds
 
 
 def seconds_of(work: Callable[[], Answer]) -> tuple[float, Answer]:
@@ -39,14 +40,22 @@ def seconds_of(work: Callable[[], Answer]) -> tuple[float, Answer]:
     return time.process_time() - began, answer
 
 
-def best(work: Callable[[], Answer]) -> tuple[float, Answer]:
-    """The least processor time (s) of some calls, and what the last one returns."""
-    least, answer = seconds_of(work)
-    spent, calls = least, 1
-    while calls < 2 or spent < ENOUGH:
-        seconds, answer = seconds_of(work)
-        least, spent, calls = min(least, seconds), spent + seconds, calls + 1
-    return least, answer
+def in_turn(*works: Callable[[], object]) -> Array:
+    """The least processor time (s) of each of some calls (k,), which take turns.
+
+    A machine may be slow for seconds at a time: all of them are so then, and their ratios stay.
+    """
+    rounds: list[list[float]] = []
+    while len(rounds) < ROUNDS or np.sum(rounds) < ENOUGH:
+        rounds.append([seconds_of(work)[0] for work in works])
+    least: Array = np.min(rounds, axis=0)
+    return least
+
+
+def beside_piqp(work: Callable[[], object], programs: Sequence[Program]) -> tuple[float, float]:
+    """Least processor time (s) of a call and, in the mean over some programs, of PIQP: in turn, see there."""
+    seconds, *solves = in_turn(work, *(partial(piqp, program) for program in programs))
+    return seconds, float(np.mean(solves))
 
 
 def piqp(program: Program) -> float:
@@ -54,40 +63,24 @@ def piqp(program: Program) -> float:
     return seconds_of(lambda: interior_point.solve(program, TOLERANCE))[0]
 
 
-def once_a_step(programs: Sequence[Program]) -> float:
-    """Processor time (s) of PIQP called once for each program of a static path, from a sample of them."""
-    sample = programs[:: max(len(programs) // SAMPLES, 1)]
-    return len(programs) / len(sample) * sum(min(piqp(p) for _ in range(AGAIN)) for p in sample)
-
-
-@dataclass
-class Beside:
-    """What PIQP took beside time histories: `spent` (s) on `sampled` of the `solves` programs."""
-
-    spent: float = 0.0
-    sampled: int = 0
-    solves: int = 0
-
-    @property
-    def each(self) -> float:
-        """Processor time (s) of PIQP on one program, in the mean; NaN where none was sampled."""
-        return self.spent / self.sampled if self.sampled else float("nan")
+def sample(programs: Sequence[Program]) -> Sequence[Program]:
+    """Some of the programs of a static path."""
+    return programs[:: max(len(programs) // SAMPLES, 1)]
 
 
 @contextmanager
-def piqp_beside(every: int) -> Iterator[Beside]:
-    """Have PIQP solve every so manieth program of the time histories within, too."""
-    beside, solve = Beside(), Newton.solve
+def programs_kept(every: int) -> Iterator[list[Program]]:
+    """Every so manieth program that the time histories within solve."""
+    programs: list[Program] = []
+    solve = Newton.solve
 
-    def both(newton: Newton, program: Program, *near: Any) -> Solution | None:
-        beside.solves += 1
-        if beside.solves % every == 0:
-            beside.spent += piqp(program)
-            beside.sampled += 1
+    def kept(newton: Newton, program: Program, *near: Any) -> Solution | None:
+        if newton.solved % every == 0:
+            programs.append(replace(program, gap=program.gap.copy()))  # gaps are shifted in place
         return solve(newton, program, *near)
 
-    with patch.object(Newton, "solve", both):
-        yield beside
+    with patch.object(Newton, "solve", kept):
+        yield programs
 
 
 @contextmanager

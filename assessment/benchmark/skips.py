@@ -18,7 +18,7 @@ import numpy as np
 
 from assessment.artificial_record import RECORD
 from assessment.benchmark.dynamics import DAMPING, EXACT, certified_to, pulse, shaking
-from assessment.benchmark.measure import Row, newtons_laid_out, seconds_of
+from assessment.benchmark.measure import Row, in_turn, newtons_laid_out
 from assessment.benchmark.structures import assembly, block_on_base, segments_apart, template
 from assessment.idealisation import SECANT_SHARE
 from assessment.incremental import find_collapse
@@ -64,8 +64,8 @@ def skips(quick: bool) -> Iterator[Row]:
     """A row for every skip; quick: the same, since all of it takes seconds."""
     for skip in all_skips():
         skip.done()  # what is imported and compiled once
-        seconds, (answer, count) = seconds_of(skip.done)
-        seconds_without, (whole, count_without) = seconds_of(skip.without)
+        (answer, count), (whole, count_without) = skip.done(), skip.without()
+        seconds, seconds_without = in_turn(skip.done, skip.without)
         yield {
             "case": skip.name,
             "counted": skip.of,

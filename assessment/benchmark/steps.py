@@ -62,7 +62,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 from unittest.mock import patch
 
@@ -70,13 +70,13 @@ import numpy as np
 
 from assessment.artificial_record import RECORD
 from assessment.benchmark.dynamics import INTEGRATORS, Integrator
-from assessment.benchmark.measure import Row, exponent, newtons_laid_out, peak_memory, piqp
+from assessment.benchmark.measure import Row, exponent, newtons_laid_out, peak_memory, piqp, programs_kept
 from assessment.benchmark.structures import arch_on_piers, assembly, block_on_base, running_bond, template
 from mechanics import Assembly, TimeHistory, time_history
 from mechanics.assembly import Behaviour
 from mechanics.block import Array
 from mechanics.ground_motion import read_record
-from mechanics.program import Program, Solution
+from mechanics.program import Program
 from mechanics.scene import Scene
 from mechanics.solvers.newton import Newton
 from mechanics.solvers.threads import at_most
@@ -213,15 +213,7 @@ def measured(
 
 def _counted(run: Callable[[Array], TimeHistory], record: Array) -> tuple[Row, list[Program]]:
     """What is counted in a motion, and every so manieth of its programs."""
-    programs: list[Program] = []
-    solve = Newton.solve
-
-    def kept(newton: Newton, program: Program, *near: Any) -> Solution | None:
-        if newton.solved % EVERY == 0:
-            programs.append(replace(program, gap=program.gap.copy()))  # gaps are shifted in place
-        return solve(newton, program, *near)
-
-    with patch.object(Newton, "solve", kept), newtons_laid_out() as newtons:
+    with programs_kept(EVERY) as programs, newtons_laid_out() as newtons:
         motion = run(record)
     n, newton = len(motion.time) - 1, newtons[0]  # the second one brings the structure to rest
     counts = {
