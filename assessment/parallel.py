@@ -88,7 +88,11 @@ class Workers:
         What was computed goes the same way through JSON as what is taken over: both are equal to the last bit.
         """
         keys = [fingerprint(function, task) for task in tasks] if self.store else []
-        known = {} if self.fresh else {n: text for n, key in enumerate(keys) if (text := self._find(key))}
+        known = (
+            {}
+            if self.fresh
+            else {n: unpacked(text) for n, key in enumerate(keys) if (text := self._find(key))}
+        )
         unknown = [number for number in range(len(tasks)) if number not in known]
         self.taken += len(known)
         if not tasks:
@@ -97,11 +101,11 @@ class Workers:
         for number, text in self._compute(function, tasks, titles, unknown, worthwhile):
             if self.store:
                 self.store.keep(keys[number], text)
-            known[number] = text
+            known[number] = unpacked(text)  # now, while other processes are at work
             self.computed += 1
             self.show.advance()
         self.show.end()
-        return [unpacked(known[number]) for number in range(len(tasks))]
+        return [known[number] for number in range(len(tasks))]
 
     def _find(self, key: str) -> str | None:
         return self.store.find(key) if self.store else None
@@ -123,16 +127,17 @@ class Workers:
                 self.show.under_way(titles[number])
                 yield number, _packed(function, tasks[number], self.processes)
             return
-        pool, threads = self._pool(), max(self.processes // len(numbers), 1)
+        pool, threads = self._pool(worthwhile), max(self.processes // len(numbers), 1)
         pending = {pool.submit(_packed, function, tasks[number], threads): number for number in numbers}
         while pending:
             for future in wait(pending, return_when=FIRST_COMPLETED).done:
                 yield pending.pop(future), future.result()
 
-    def _pool(self) -> ProcessPoolExecutor:
+    def _pool(self, worthwhile: bool) -> ProcessPoolExecutor:
         """Return the processes, started when first needed and kept for the stages to come."""
         if self.pool is None:
-            self.pool = ProcessPoolExecutor(self.processes, initializer=belong_to_parent)
+            begin = _make_ready if worthwhile else belong_to_parent
+            self.pool = ProcessPoolExecutor(self.processes, initializer=begin)
         return self.pool
 
     @property
@@ -152,6 +157,14 @@ class Workers:
 def large(*models: Assembly) -> bool:
     """Return whether a static analysis of each model is work enough for a process of its own."""
     return sum(len(model.elastic_contacts) for model in models) > SMALL
+
+
+def _make_ready() -> None:
+    """Load the compiled solver, for half a second: in all processes at once, before each finds that it needs it."""
+    from mechanics.solvers.central_path import load
+
+    belong_to_parent()
+    load()
 
 
 def _packed(function: Callable[..., Any], task: tuple[Any, ...], threads: int) -> str:

@@ -97,7 +97,7 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
 
     standing = [r for r in requests if r.settlement is None or reached[id(r)].reached is not None]
     pushing = [(request, together) for request in standing for together in _together(request)]
-    pushing.sort(key=lambda asked: asked[0].behaviour)  # elastic first: those that take longest
+    pushing.sort(key=lambda asked: asked[0].behaviour, reverse=True)  # rigid first: those that take longest
     pushed = workers.each(
         f"{prefix}pushover",
         push,

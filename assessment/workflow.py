@@ -224,6 +224,8 @@ def _without_nan(value: Any) -> Any:
     """JSON has no NaN and no infinity: null in their place."""
     if isinstance(value, float):  # first: they are most
         return float(value) if math.isfinite(value) else None
+    if type(value) is list and set(map(type, value)) == {float} and math.isfinite(sum(value)):
+        return value  # most of them, of numbers that came out of JSON
     if isinstance(value, list | tuple):
         return [_without_nan(item) for item in value]
     if isinstance(value, Mapping):

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,6 +19,7 @@ from mechanics.solvers.elimination import Elimination
 from mechanics.static_step import find_step, programs
 from tests.structures import arch_on_piers, running_bond, semicircular_arch
 
+ROOT = Path(__file__).parents[1]
 WALL = running_bond(8, 10)
 ARCH = semicircular_arch(21, 0.2, friction=0.8, segments=3)
 
@@ -211,3 +215,22 @@ def test_a_geometry_that_goes_to_and_fro_is_followed_no_longer():
     assert certificate.worst(size) <= central_path.MOST
     assert abs(solution.displacement).max() > 1e-2 * size
     assert len(posed) > central_path.STALLED
+
+
+def test_what_is_loaded_is_what_a_model_needs():
+    """A process that makes ready has nothing more to load or compile for its first check under self-weight."""
+    pytest.importorskip("numba")
+    code = (
+        "from mechanics.equilibrium import check_self_weight\n"
+        "from mechanics.solvers import central_path, compiled_interior_step as loops\n"
+        "from tests.structures import running_bond\n"
+        "def loaded():\n"
+        "    return [loop.signatures for loop in (loops.advance, loops.measured, loops.restore)]\n"
+        "central_path.load()\n"
+        "ready = loaded()\n"
+        "check_self_weight(running_bond(8, 10))\n"
+        "assert [len(each) for each in ready] == [1, 1, 1], ready\n"
+        "assert loaded() == ready\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from assessment import output, workflow
@@ -100,3 +101,13 @@ def test_files_that_are_not_ours_stay(project, tmp_path):
     assert run(project, "--out", str(out)) == 0
     for name in ("tables/mine.txt", "tables/mine.csv", "figures/sub/mine.svg", "report.pdf"):
         assert (out / name).read_text(encoding="utf-8") == "mine"
+
+
+def test_what_is_no_number_is_null():
+    """Lists of nothing but finite floats are left as they are; all else is looked through."""
+    plain = [0.5, -1e300]
+    results = {"a": plain, "b": (1, np.float64(0.5), np.inf), "c": [[0.5, np.nan], [np.int64(2), None, "x"]]}
+    clean = workflow._without_nan(results)
+    assert clean == {"a": [0.5, -1e300], "b": [1, 0.5, None], "c": [[0.5, None], [2, None, "x"]]}
+    assert type(clean["c"][1][0]) is int and type(clean["b"][1]) is float
+    assert clean["a"] is plain

@@ -11,10 +11,12 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from assessment.benchmark.measure import Row, beside_piqp, sample
+from assessment.benchmark.measure import ROUNDS, Row, beside_piqp, sample
 from assessment.benchmark.structures import assembly, template
+from assessment.model import build_model
 from assessment.stages import mirror_of
 from assessment.states import PAST_PEAK
+from assessment.workflow import run, select
 from mechanics import pushdown, pushover
 from mechanics.assembly import Behaviour, Direction
 from mechanics.pushdown import Pushdown
@@ -29,6 +31,7 @@ def chain(quick: bool) -> Iterator[Row]:
     names = ("buttressed-arch",) if quick else ("buttressed-arch", "triumphal-arch")
     for name in names:
         yield from analyses(name)
+        yield side_by_side(name)
     yield from commands(quick)
 
 
@@ -80,6 +83,32 @@ def _row(case: str, run: Callable[[], object], path: Pushdown | Pushover) -> Row
     }
 
 
+def side_by_side(name: str) -> Row:
+    """Time elapsed of the same analyses on all processors, from the drawing to the curves: the least of some."""
+    runs = []
+    for _ in range(ROUNDS):
+        done = subprocess.run(
+            [sys.executable, "-m", __name__, name], check=True, capture_output=True, text=True
+        )
+        runs.append(float(done.stdout))
+    return {
+        "case": f"{name.replace('-', ' ')}, static chain, from the drawing, on all processors",
+        "whole": True,
+        "elapsed_s": min(runs),
+    }
+
+
+def _elapsed(name: str) -> float:
+    """Time elapsed (s) in a process of its own, where nothing has been loaded but the analyses themselves."""
+    project = select(template(name), ("pushdown", "pushover"))
+    (table,) = project.settlements
+    settlements = (table.model_copy(update={"to_collapse": False}),)
+    project = project.model_copy(update={"settlements": settlements})
+    began = time.perf_counter()
+    run(project, build_model(project))
+    return time.perf_counter() - began
+
+
 def commands(quick: bool) -> Iterator[Row]:
     """Processor time and time elapsed of whole commands."""
     yield _command("assesto --help", "--help")
@@ -106,3 +135,7 @@ def _children() -> float:
     """Processor time (s) of finished child processes."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
+
+
+if __name__ == "__main__":
+    print(_elapsed(sys.argv[1]))

@@ -58,6 +58,17 @@ def follow(
     return _run(pose(np.zeros(len(layout.order))), layout, near, None, pose)
 
 
+def load() -> None:
+    """Have the loops at hand: numba takes half a second to load them, in a process that has solved nothing."""
+    one = np.ones(1)
+    block = Program(
+        dof=np.array([[-1, -1, -1, 0, 1, 2]]), normal=np.eye(6)[None, 4], tangent=np.eye(6)[None, 3],
+        gap=np.zeros((1, 2)), friction=one, compliance=np.zeros((1, 2)), load=np.array([0.0, -1.0, 0.0]),
+        lateral=None, work=0.0, mass=None, weight=1.0, size=1.0, step=1.0,
+    )  # fmt: skip
+    solve(block, Elimination.of(block.dof))
+
+
 @dataclass(eq=False)
 class _Iterate:
     """Displacements (m,) in the order of elimination, multiplier, forces (c, 2) kN and gaps (c, 2) m along the rays.
