@@ -116,7 +116,7 @@ def time_history(
         scene.damping = 2.0 * damping_ratio / frequency
     advance = implicit_euler
     if integrator == "second-order" and contacts == "elastic":
-        advance, scene.newton.newest = midpoint, RINGING
+        advance, scene.newton.start.newest = midpoint, RINGING
     elif integrator == "second-order":
         advance = midpoint_with_impacts
 

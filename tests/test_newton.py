@@ -231,7 +231,7 @@ def counted(
         (arch_on_piers(), 0.04, "rigid", 1.3, 0.95),
         (arch_on_piers(), 0.04, "elastic", 7.0, 0.15),
         (running_bond(6, 6, stiffness=1e7), 0.5, "elastic", 5.0, 0.3),
-        (running_bond(6, 6, stiffness=1e7), 0.5, "rigid", 3.0, 0.8),
+        (running_bond(6, 6, stiffness=1e7), 0.5, "rigid", 3.0, 0.75),
     ],
     ids=lambda value: f"{len(value.blocks)} blocks" if isinstance(value, Assembly) else str(value),
 )

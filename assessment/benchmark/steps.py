@@ -45,10 +45,22 @@ few rays in a thousand do not hold up, these being stopped at the cone: 23 where
 of equilibrium comes back. Semismooth Newton from the iterates: it finds the solution from the last two or three only,
 by three to six factorisations.
 
+A start that keeps off the cone by as much as solutions change from step to step (see warm_start), not always by a
+hundredth of a weight and a step: elastic walls of 95 to 2997 blocks 4.6, 7.0, 8.5 and 11.4 iterations where 4.9, 7.6,
+9.0 and 12.3, the triumphal arch 11.1 and 11.3 (second order) where 11.7 and 12.4, rigid ones 3.3 to 4.9 where 3.4 to
+5.3; arches of 30 to 70 blocks the same within a twentieth; rigid walls of 40 blocks 2.6, not 2.5. Forces by their whole
+change, whether rays changed sides or not: 11.3 at 2997 blocks, but rigid 4.9 where 3.5. Gaps no nearer than 0.002 of a
+step: 11.2, but rigid walls of 70 blocks 3.2, not 2.9. From products s z all alike where forces are large: 15.
+Correctors of Gondzio's only where a step is held up, below a fifth to nine tenths of the way: 12.5 to 10.8 iterations
+for one to ten of them, at a fifth of an iteration each.
+
 Two threads, each at a half of the model (see halves): an iteration at 2997 blocks 2.5 ms, not 4.8, at 1008 blocks 0.69,
 not 1.15. At 351 blocks, in fronts for their sake, 1.4 to 1.9 ms a solve where one thread takes 1.9 in the band: there
 it stays. A meeting of the two takes a microsecond; numba's own loops in parallel as little with OpenMP, which does not
-survive that a process forks, and 76 to 100 with the layer that does. A thread of its own for each solve takes 0.13 ms
+survive that a process forks, and 76 to 100 with the layer that does. A thread that waits looks for a tenth of a
+millisecond before it sleeps: after 200 000 looks, which took a third of that here, 4.1 ms an iteration at 2997 blocks
+where 3.4; beside two busy programs 21 ms a solve at 1008 blocks, not 18 (one thread: 14), and twice as much now and then
+where it looks for longer. A thread of its own for each solve takes 0.13 ms
 to come and go, one that is kept 0.05. Taking what is a half's out of the whole took 1.8 of 8.2 ms at 1008 blocks in
 NumPy, 0.3 compiled. Substituting into each front as soon as it is eliminated: a thirtieth less. Loops over the contact
 points with a quarter fewer numbers to read and write (what s z and z lack not stored, the predictor's right-hand side

@@ -22,12 +22,12 @@ from mechanics.solvers import kernels, threads
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.iterations import PROXIMAL, worst
 from mechanics.solvers.kernels import OPEN, SLIDING_ON, STICKING, certificate, fastest
+from mechanics.solvers.warm_start import WarmStart
 
 ACCEPTED = 1e-6  # certificate; worse ones are left to the interior point method of PIQP
 FEW, MANY = 40, 0.015  # contacts, and share of them: where more change state, it takes over at once
 FINISHING = 8  # contacts: the same after it, where its solution is to be made exact
 LONGEST_PAUSE = 7  # solves left to it at once, the other having failed again and again
-START = 0.01  # least distance from the cone at which it starts, per weight and step
 
 
 @dataclass(eq=False)
@@ -35,8 +35,8 @@ class Newton:
     """The solver laid out once for the contacts of an assembly: order of the blocks, pattern and work space.
 
     `dof` (c, 6) as in Program; `centres` (m/3, 2): of the movable blocks, m. `state` (c,): contact states of the last
-    solution; `factorisations`, `repeated` (steps solved by repeating states) and `solved` count. `newest`: share of the
-    last solution in the start of the next interior point solve, the rest being what the last one began from.
+    solution; `factorisations`, `repeated` (steps solved by repeating states) and `solved` count. `start` is that of
+    the next interior point solve.
     """
 
     dof: Index
@@ -45,9 +45,9 @@ class Newton:
     factorisations: int = 0
     repeated: int = 0
     solved: int = 0
-    newest: float = 1.0
 
     def __post_init__(self) -> None:
+        self.start = WarmStart(self.kernels)
         layout = Elimination.of(self.dof, self.centres, self.kernels is not kernels)
         self.order, self.back, self.row = layout.order, layout.back, layout.row
         self.runs, self.pattern, self.stored = layout.runs, layout.pattern, layout.matrix()
@@ -60,8 +60,6 @@ class Newton:
             self.iterate = import_module("mechanics.solvers.halves").Halves.of(layout) or self.iterations
         self.state: Index | None = None
         self.pause, self.next_try = 0, 0
-        self.along: Array | None = None
-        self.apart: Array | None = None
 
     @property
     def threads(self) -> int:
@@ -90,8 +88,7 @@ class Newton:
             self.next_try = self.solved + 1 + self.pause
         inner = self._interior(program, mass, load, near)
         if inner is None or inner.certificate.worst(program.step) > ACCEPTED:
-            # the last solution was no start for this one
-            self.along = self.apart = None
+            self.start.forget()
             inner = self._interior(program, mass, load, near)
         if inner is None or self.state is None or paused or (tried and program.compliance[:, 0].any()):
             return inner
@@ -117,20 +114,17 @@ class Newton:
 
     def _interior(self, program: Program, mass: Array, load: Array, x: Array) -> Solution | None:
         c = len(program.gap)
-        s = np.zeros((c, 2)) if self.along is None else self.along
-        z = np.zeros((c, 2)) if self.apart is None else self.apart
-        s, z = np.maximum(s, START * program.weight), np.maximum(z, START * program.step)
+        s, z = self.start.begin(c, program.weight, program.step)
         x, forces, state = x.copy(), np.empty((c, 2)), np.empty(c, np.intp)
         count, residuals = self.iterate.interior(
             *self._posed(program, mass, load), x, forces, s, z, state, self.runs, *self._work_space(program)
         )
         self.factorisations += count
         if not np.isfinite(worst(residuals, program.weight, program.step)):
-            self.along, self.apart = None, None
+            self.start.forget()
             return None
-        if self.newest < 1.0 and self.along is not None and self.apart is not None:
-            s, z = (old + self.newest * (new - old) for old, new in ((self.along, s), (self.apart, z)))
-        self.along, self.apart, self.state = s, z, state
+        self.start.keep(s, z, program.weight, program.step)
+        self.state = state
         return Solution(forces, 0.0, x[self.back], certificate(residuals, program))
 
     def _posed(self, program: Program, mass: Array, load: Array) -> tuple[Any, ...]:
