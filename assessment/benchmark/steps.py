@@ -58,9 +58,9 @@ Two threads, each at a half of the model (see halves): an iteration at 2997 bloc
 not 1.15. At 351 blocks, in fronts for their sake, 1.4 to 1.9 ms a solve where one thread takes 1.9 in the band: there
 it stays. A meeting of the two takes a microsecond; numba's own loops in parallel as little with OpenMP, which does not
 survive that a process forks, and 76 to 100 with the layer that does. A thread that waits looks for a tenth of a
-millisecond before it sleeps: after 200 000 looks, which took a third of that here, 4.1 ms an iteration at 2997 blocks
-where 3.4; beside two busy programs 21 ms a solve at 1008 blocks, not 18 (one thread: 14), and twice as much now and then
-where it looks for longer. A thread of its own for each solve takes 0.13 ms
+millisecond before it sleeps: after 200 000 looks, a third of that here, 4.1 ms an iteration at 2997 blocks, not 3.4;
+beside two busy programs 21 ms a solve at 1008 blocks, not 18 (one thread: 14), and twice as much now and then where it
+looks for longer. A thread of its own for each solve takes 0.13 ms
 to come and go, one that is kept 0.05. Taking what is a half's out of the whole took 1.8 of 8.2 ms at 1008 blocks in
 NumPy, 0.3 compiled. Substituting into each front as soon as it is eliminated: a thirtieth less. Loops over the contact
 points with a quarter fewer numbers to read and write (what s z and z lack not stored, the predictor's right-hand side
