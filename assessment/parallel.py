@@ -6,6 +6,7 @@ finished, whatever becomes of the others.
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
@@ -88,11 +89,8 @@ class Workers:
         What was computed goes the same way through JSON as what is taken over: both are equal to the last bit.
         """
         keys = [fingerprint(function, task) for task in tasks] if self.store else []
-        known = (
-            {}
-            if self.fresh
-            else {n: unpacked(text) for n, key in enumerate(keys) if (text := self._find(key))}
-        )
+        sought = () if self.fresh else enumerate(keys)
+        known = {number: unpacked(text) for number, key in sought if (text := self._find(key))}
         unknown = [number for number in range(len(tasks)) if number not in known]
         self.taken += len(known)
         if not tasks:
@@ -136,8 +134,11 @@ class Workers:
     def _pool(self, worthwhile: bool) -> ProcessPoolExecutor:
         """Return the processes, started when first needed and kept for the stages to come."""
         if self.pool is None:
-            begin = _make_ready if worthwhile else belong_to_parent
-            self.pool = ProcessPoolExecutor(self.processes, initializer=begin)
+            if worthwhile and multiprocessing.get_start_method() == "fork":
+                from mechanics.solvers.central_path import load
+
+                load()  # what they have from this process they need not load, half a second each
+            self.pool = ProcessPoolExecutor(self.processes, initializer=belong_to_parent)
         return self.pool
 
     @property
@@ -157,14 +158,6 @@ class Workers:
 def large(*models: Assembly) -> bool:
     """Return whether a static analysis of each model is work enough for a process of its own."""
     return sum(len(model.elastic_contacts) for model in models) > SMALL
-
-
-def _make_ready() -> None:
-    """Load the compiled solver, for half a second: in all processes at once, before each finds that it needs it."""
-    from mechanics.solvers.central_path import load
-
-    belong_to_parent()
-    load()
 
 
 def _packed(function: Callable[..., Any], task: tuple[Any, ...], threads: int) -> str:

@@ -12,7 +12,7 @@ from assessment.parallel import Workers
 
 def test_as_many_processes_as_asked_for():
     with Workers(jobs=2) as workers:
-        pids = workers.each("wait", _pid, [(k,) for k in range(6)], [""] * 6, worthwhile=True)
+        pids = workers.each("wait", _pid, [(k,) for k in range(6)], [""] * 6, worthwhile=False)
     assert len({*pids} - {os.getpid()}) == 2
     with Workers(jobs=1) as workers:
         assert workers.each("wait", _pid, [(1,), (2,)], ["", ""], worthwhile=False) == [os.getpid()] * 2

@@ -62,8 +62,10 @@ def test_the_first_solution_and_one_that_failed_leave_the_default():
 
 def test_what_rings_is_begun_from_the_mean():
     start = kept(([[BEARS, 0.0]], [[0.0, OPEN]]), ([[0.0, BEARS]], [[OPEN, 0.0]]), newest=0.25)
-    assert start.along == pytest.approx(np.array([[0.75, 0.25]]) * BEARS)
-    assert start.apart == pytest.approx(np.array([[0.25, 0.75]]) * OPEN)
+    assert start.last is not None
+    along, apart = start.last
+    assert along == pytest.approx(np.array([[0.75, 0.25]]) * BEARS)
+    assert apart == pytest.approx(np.array([[0.25, 0.75]]) * OPEN)
 
 
 def test_it_takes_fewer_iterations_than_one_that_always_keeps_off_as_much(monkeypatch):

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from assessment.benchmark.measure import ROUNDS, Row, beside_piqp, sample
+from assessment.benchmark.measure import ROUNDS, Row, once_a_step
 from assessment.benchmark.structures import assembly, template
 from assessment.model import build_model
 from assessment.stages import mirror_of
@@ -27,7 +27,7 @@ CONTACTS: tuple[Behaviour, ...] = ("rigid", "elastic")
 
 
 def chain(quick: bool) -> Iterator[Row]:
-    """Pushdown, rigid and elastic pushover of both states in both directions; then whole commands."""
+    """Pushdown, rigid and elastic pushover of both states and directions, one by one and together; whole commands."""
     names = ("buttressed-arch",) if quick else ("buttressed-arch", "triumphal-arch")
     for name in names:
         yield from analyses(name)
@@ -72,15 +72,9 @@ def analyses(name: str) -> Iterator[Row]:
     }
 
 
-def _row(case: str, run: Callable[[], object], path: Pushdown | Pushover) -> Row:
-    programs = [step.program for step in path.steps]
-    seconds, each = beside_piqp(run, sample(programs))
-    return {
-        "case": case,
-        "steps": len(programs),
-        "seconds": seconds,
-        "ratio": seconds / len(programs) / each,
-    }
+def _row(case: str, work: Callable[[], object], path: Pushdown | Pushover) -> Row:
+    seconds, ratio = once_a_step(work, [step.program for step in path.steps])
+    return {"case": case, "steps": len(path.steps), "seconds": seconds, "ratio": ratio}
 
 
 def side_by_side(name: str) -> Row:

@@ -195,8 +195,8 @@ BENCHMARKS = {
         ),
     ),
     "chain": Benchmark(
-        "pushdown and pushover, rigid and elastic, both states and directions, on one processor; whole commands on "
-        "all. Each analysis is in the CSV.",
+        "pushdown and pushover, rigid and elastic, both states and directions, on one processor, then on all, "
+        "as whole commands are. Each analysis is in the CSV.",
         chain.chain,
         lambda rows: listed([row for row in rows if row.get("whole")], CHAIN_COLUMNS),
     ),

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from assessment.benchmark.measure import Row, beside_piqp, sample
+from assessment.benchmark.measure import Row, once_a_step
 from assessment.benchmark.structures import assembly, block_on_base, running_bond, template
 from mechanics import Assembly, pushdown, pushover
 from mechanics.assembly import Behaviour
@@ -61,7 +61,7 @@ def precision(case: Case) -> Iterator[Row]:
         run = partial(case.run, value)
         result = run()
         programs = [result[0]] if isinstance(result, tuple) else [step.program for step in result.steps]
-        seconds, each = beside_piqp(run, sample(programs))
+        seconds, ratio = once_a_step(run, programs)
         for quantity, found in case.measure(result).items():
             yield {
                 "case": case.name,
@@ -73,7 +73,7 @@ def precision(case: Case) -> Iterator[Row]:
                 "error": abs(found / exact[quantity] - 1.0),
                 "steps": len(programs),
                 "seconds": seconds,
-                "ratio": seconds / len(programs) / each,
+                "ratio": ratio,
             }
 
 

@@ -329,6 +329,21 @@ def line_search(
 
 
 @compiled
+def changed(
+    s: Array, z: Array, before: Array, apart: Array, weight: float, step: float
+) -> tuple[float, float, float]:
+    """See kernels.changed."""
+    sides, forces, gaps = 0, 0.0, 0.0
+    for k in range(len(s)):
+        for e in range(2):
+            sides += (s[k, e] * step > z[k, e] * weight) != (before[k, e] * step > apart[k, e] * weight)
+            forces += (s[k, e] - before[k, e]) ** 2
+            gaps += (z[k, e] - apart[k, e]) ** 2
+    rays = 2.0 * len(s)
+    return sides / rays, np.sqrt(forces / rays) / weight, np.sqrt(gaps / rays) / step
+
+
+@compiled
 def residuals(
     row: Any,
     normal: Array,
@@ -365,18 +380,3 @@ def residuals(
     unbalanced, cone, penetration = largest(shared, (unbalanced, cone, penetration))
     (power,) = together(shared, (power,))
     return unbalanced, cone, power, penetration
-
-
-@compiled
-def changed(
-    s: Array, z: Array, before: Array, apart: Array, weight: float, step: float
-) -> tuple[float, float, float]:
-    """See kernels.changed."""
-    sides, forces, gaps = 0, 0.0, 0.0
-    for k in range(len(s)):
-        for e in range(2):
-            sides += (s[k, e] * step > z[k, e] * weight) != (before[k, e] * step > apart[k, e] * weight)
-            forces += (s[k, e] - before[k, e]) ** 2
-            gaps += (z[k, e] - apart[k, e]) ** 2
-    rays = 2.0 * len(s)
-    return sides / rays, np.sqrt(forces / rays) / weight, np.sqrt(gaps / rays) / step

@@ -344,6 +344,19 @@ def interior_advance(
     forces[:, 1] = ray[:, 1] * (s[:, 0] - s[:, 1])
 
 
+def changed(
+    s: Array, z: Array, before: Array, apart: Array, weight: float, step: float
+) -> tuple[float, float, float]:
+    """From forces and gaps (c, 2) along the rays, `before` and `apart`, to s and z: how much.
+
+    The share of the rays that bear and did not, or the other way round, and the root mean squares of the changes of
+    forces, per weight, and of gaps, per step.
+    """
+    sides = np.mean((s * step > z * weight) != (before * step > apart * weight))
+    forces, gaps = (s - before) / weight, (z - apart) / step
+    return float(sides), float(np.sqrt(np.mean(forces**2))), float(np.sqrt(np.mean(gaps**2)))
+
+
 def residuals(
     row: Index,
     normal: Array,
@@ -455,16 +468,3 @@ def _resultant(row: Index, normal: Array, tangent: Array, forces: Array, size: i
     moving = rows >= 0
     total: Array = np.bincount(rows[moving], entries[moving], minlength=size).astype(float)
     return total
-
-
-def changed(
-    s: Array, z: Array, before: Array, apart: Array, weight: float, step: float
-) -> tuple[float, float, float]:
-    """From forces and gaps (c, 2) along the rays, `before` and `apart`, to s and z: how much.
-
-    The share of the rays that bear and did not, or the other way round, and the root mean squares of the changes of
-    forces, per weight, and of gaps, per step.
-    """
-    sides = np.mean((s * step > z * weight) != (before * step > apart * weight))
-    forces, gaps = (s - before) / weight, (z - apart) / step
-    return float(sides), float(np.sqrt(np.mean(forces**2))), float(np.sqrt(np.mean(gaps**2)))

@@ -26,9 +26,9 @@ _intrinsic: Any = intrinsic
 _with: Any = tuple_setitem
 
 BYTES = 8  # of a number of meetings
-CLOCK = getattr(time, "CLOCK_MONOTONIC", 1)
-LOOKS = 1024  # at the gate, about a microsecond, from one look at the clock to the next
-PATIENCE = 100_000  # nanoseconds: after them a thread sleeps from look to look
+CLOCK = getattr(time, "CLOCK_MONOTONIC", 0)  # Windows has none, and nothing that waits
+LOOKS = 1024  # at the gate, a microsecond at most, from one look at the clock to the next
+PATIENCE = 100_000  # nanoseconds: after them a thread sleeps before it looks so often again
 NAP = 50  # microseconds
 
 

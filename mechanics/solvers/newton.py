@@ -120,10 +120,11 @@ class Newton:
             *self._posed(program, mass, load), x, forces, s, z, state, self.runs, *self._work_space(program)
         )
         self.factorisations += count
-        if not np.isfinite(worst(residuals, program.weight, program.step)):
-            self.start.forget()
+        quality = worst(residuals, program.weight, program.step)
+        if not np.isfinite(quality):
             return None
-        self.start.keep(s, z, program.weight, program.step)
+        if quality <= ACCEPTED:
+            self.start.keep(s, z, program.weight, program.step)
         self.state = state
         return Solution(forces, 0.0, x[self.back], certificate(residuals, program))
 
