@@ -30,8 +30,8 @@ takes 6.4 iterations, not 7.8 (2 s, 5 % damping), but the motion of the wall's t
 its peak, not by 0.02 % (arch at 1e-6: 0.07 %), its peak without damping by 0.27 %, not 0.03 %. At 3e-6: 7.1
 iterations, 0.05 %, 0.16 %.
 
-The exponent, over 95 to 2997 blocks: the iterations alone grow from 4.5 to 12 a step (elastic), from 3.4 to 5.6
-(rigid), a power of 0.3 and 0.1. The fronts of a nested dissection need 7.2 and 37 million products a factorisation of
+The exponent, over 95 to 2997 blocks: the iterations alone grow from 4.5 to 11 a step (elastic), from 3.2 to 5.3
+(rigid), a power of 0.25 and 0.15. The fronts of a nested dissection need 7.2 and 37 million products a factorisation of
 the walls of 1008 and 2997 blocks where the band has 14 and 124 (250 and 1250 at 10 050), and take 0.55 and 2.4 ms
 where it takes 0.80 and 6.0; a substitution 0.45 ms at 2997 blocks, not 1.6. Of 351 blocks they need 1.3 million
 products, not 1.8, in the same time, and lose in substitutions: there the band stays. Parts of 4 to 20 blocks left
@@ -46,26 +46,26 @@ of equilibrium comes back. Semismooth Newton from the iterates: it finds the sol
 by three to six factorisations.
 
 A start that keeps off the cone by as much as solutions change from step to step (see warm_start), not always by a
-hundredth of a weight and a step: elastic walls of 95 to 2997 blocks 4.6, 7.0, 8.5 and 11.4 iterations where 4.9, 7.6,
-9.0 and 12.3, the triumphal arch 11.1 and 11.3 (second order) where 11.7 and 12.4, rigid ones 3.3 to 4.9 where 3.4 to
-5.3; arches of 30 to 70 blocks the same within a twentieth; rigid walls of 40 blocks 2.6, not 2.5. Forces by their whole
-change, whether rays changed sides or not: 11.3 at 2997 blocks, but rigid 4.9 where 3.5. Gaps no nearer than 0.002 of a
-step: 11.2, but rigid walls of 70 blocks 3.2, not 2.9. From products s z all alike where forces are large: 15.
-Correctors of Gondzio's only where a step is held up, below a fifth to nine tenths of the way: 12.5 to 10.8 iterations
-for one to ten of them, at a fifth of an iteration each.
+hundredth of a weight and a step: elastic walls of 95 to 2997 blocks 4.5, 5.8, 8.5 and 10.9 iterations where 4.5, 6.3,
+9.0 and 12.1, rigid ones 3.2, 3.6, 4.5 and 5.3 where 3.4, 3.9, 4.9 and 5.5, the triumphal arch 11.1 and 11.3 (second
+order) where 11.7 and 12.4; arches of 30 to 70 blocks the same within a tenth; rigid walls of 40 blocks 2.6, not 2.5.
+Forces by their whole change, whether rays changed sides or not: 11.3 at 2997 blocks, but rigid 4.9 where 3.5. Gaps no
+nearer than 0.002 of a step: 11.2, but rigid walls of 70 blocks 3.2, not 2.9. From products s z all alike where forces
+are large: 15. Correctors of Gondzio's only where a step is held up, below a fifth to nine tenths of the way: 12.5 to
+10.8 iterations for one to ten of them, at a fifth of an iteration each.
 
-Two threads, each at a half of the model (see halves): an iteration at 2997 blocks 2.5 ms, not 4.8, at 1008 blocks 0.69,
-not 1.15. At 351 blocks, in fronts for their sake, 1.4 to 1.9 ms a solve where one thread takes 1.9 in the band: there
-it stays. A meeting of the two takes a microsecond; numba's own loops in parallel as little with OpenMP, which does not
-survive that a process forks, and 76 to 100 with the layer that does. A thread that waits looks for a tenth of a
-millisecond before it sleeps: after 200 000 looks, a third of that here, 4.1 ms an iteration at 2997 blocks, not 3.4;
-beside two busy programs 21 ms a solve at 1008 blocks, not 18 (one thread: 14), and twice as much now and then where it
-looks for longer. A thread of its own for each solve takes 0.13 ms
-to come and go, one that is kept 0.05. Taking what is a half's out of the whole took 1.8 of 8.2 ms at 1008 blocks in
-NumPy, 0.3 compiled. Substituting into each front as soon as it is eliminated: a thirtieth less. Loops over the contact
-points with a quarter fewer numbers to read and write (what s z and z lack not stored, the predictor's right-hand side
-beside the matrix, its changes not written): six per cent of an iteration by one thread, three by two; given up, as it
-moves the last digits of statics, and with them the scatter of sliding joints.
+Two threads, each at a half of the model (see halves): an iteration at 2997 blocks 3.4 ms, not 5.9, at 1008 blocks 0.85,
+not 1.6 (Intel Xeon; AMD EPYC 2.5, not 4.8, and 0.69, not 1.15). At 351 blocks, in fronts for their sake, 1.4 to 1.9 ms
+a solve where one thread takes 1.9 in the band: there it stays. A meeting of the two takes a microsecond; numba's own
+loops in parallel as little with OpenMP, which does not survive that a process forks, and 76 to 100 with the layer that
+does. A thread that waits looks for a tenth of a millisecond before it sleeps: after 200 000 looks, however long these
+take, an iteration at 2997 blocks took 4.1 ms, not 3.4 (Intel Xeon), and beside two busy programs a solve at 1008 blocks
+21 ms, not 18 (one thread: 14); twice as much now and then where it looks for longer. A thread of its own for each solve
+takes 0.13 ms to come and go, one that is kept 0.05. Taking what is a half's out of the whole took 1.8 of 8.2 ms at 1008
+blocks in NumPy, 0.3 compiled. Substituting into each front as soon as it is eliminated: a thirtieth less. Loops over
+the contact points with a quarter fewer numbers to read and write (what s z and z lack not stored, the predictor's
+right-hand side beside the matrix, its changes not written): six per cent of an iteration by one thread, three by two;
+given up, as it moves the last digits of statics, and with them the scatter of sliding joints.
 """
 
 from __future__ import annotations
