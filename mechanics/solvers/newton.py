@@ -120,11 +120,9 @@ class Newton:
             *self._posed(program, mass, load), x, forces, s, z, state, self.runs, *self._work_space(program)
         )
         self.factorisations += count
-        quality = worst(residuals, program.weight, program.step)
-        if not np.isfinite(quality):
+        if not np.isfinite(worst(residuals, program.weight, program.step)):
             return None
-        if quality <= ACCEPTED:
-            self.start.keep(s, z, program.weight, program.step)
+        self.start.keep(s, z, program.weight, program.step)  # a poor one, too: it is better than none
         self.state = state
         return Solution(forces, 0.0, x[self.back], certificate(residuals, program))
 
