@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from mechanics.solvers import kernels
 from mechanics.solvers.kernels import fastest
+from mechanics.solvers.newton import ACCEPTED
 from mechanics.solvers.warm_start import FORCES, GAPS, WarmStart
+from tests.steps import euler_step
 from tests.structures import running_bond
-from tests.test_newton import counted
+from tests.test_newton import counted, newton_for, shaken
 
 WEIGHT, STEP = 2.0, 0.005
 BEARS, OPEN = 4.0 * WEIGHT, 0.6 * STEP
@@ -58,6 +62,22 @@ def test_the_first_solution_and_one_that_failed_leave_the_default():
     start.forget()
     along, apart = start.begin(1, WEIGHT, STEP)
     assert (along == FORCES * WEIGHT).all() and (apart == GAPS[1] * STEP).all()
+
+
+def test_a_poor_solution_is_a_better_start_than_none():
+    """Thrown away, it leaves the next solve to begin from nothing, which fails again where joints hardly hold."""
+    model = running_bond(3, 3)
+    program = euler_step(model, "elastic", shaken(model, 1), 0.3)
+    solver, calls = newton_for(model, program, fastest()), []
+
+    def poor(*arguments):
+        calls.append(solver.iterations.interior(*arguments))
+        return calls[-1][0], (1e3 * ACCEPTED * program.weight, 0.0, 0.0, 0.0)
+
+    solver.iterate = SimpleNamespace(interior=poor, semismooth=solver.iterations.semismooth)
+    assert solver.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap)) is not None
+    assert len(calls) == 2
+    assert solver.start.last is not None
 
 
 def test_what_rings_is_begun_from_the_mean():

@@ -55,7 +55,7 @@ def in_turn(*works: Callable[[], object]) -> Array:
 
 def beside_piqp(work: Callable[[], object], programs: Sequence[Program]) -> tuple[float, float]:
     """Least processor time (s) of a call and, in the mean over some programs, of PIQP: in turn, see there."""
-    seconds, *solves = in_turn(work, *(partial(piqp, program) for program in programs))
+    seconds, *solves = in_turn(work, *(partial(interior_point.solve, p, TOLERANCE) for p in programs))
     return seconds, float(np.mean(solves))
 
 

@@ -88,7 +88,7 @@ class Newton:
             self.next_try = self.solved + 1 + self.pause
         inner = self._interior(program, mass, load, near)
         if inner is None or inner.certificate.worst(program.step) > ACCEPTED:
-            self.start.forget()
+            self.start.forget()  # it was none for this program
             inner = self._interior(program, mass, load, near)
         if inner is None or self.state is None or paused or (tried and program.compliance[:, 0].any()):
             return inner

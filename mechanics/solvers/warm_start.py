@@ -22,9 +22,9 @@ GAPS = 0.003, 0.01  # least and most per step
 class WarmStart:
     """The start of the next solution.
 
-    `kernels`: the loops of the solver; `last`: forces and gaps (c, 2) along the rays of the last solution that it has
-    found; `newest`: its share in them, the rest being what it began from. `forces`, `gaps`: distance from the cone at
-    which the next one is sought, per weight and step.
+    `kernels`: the loops of the solver; `last`: forces (c, 2) kN and gaps (c, 2) m along the rays of the last solution
+    that it has found; `newest`: its share in them, the rest being what it began from. `forces`, `gaps`: distance from
+    the cone at which the next one is sought, per weight and step.
     """
 
     kernels: Any
@@ -34,12 +34,12 @@ class WarmStart:
     gaps: float = GAPS[1]
 
     def begin(self, count: int, weight: float, step: float) -> tuple[Array, Array]:
-        """Forces and gaps (c, 2) to begin at, of so many contact points."""
+        """Forces kN and gaps m (c, 2) to begin at, of so many contact points."""
         s, z = self.last or (np.zeros((count, 2)), np.zeros((count, 2)))
         return np.maximum(s, self.forces * weight), np.maximum(z, self.gaps * step)
 
     def keep(self, s: Array, z: Array, weight: float, step: float) -> None:
-        """Those of a solution (c, 2)."""
+        """Forces kN and gaps m (c, 2) of a solution, from which the next one begins."""
         if self.last is not None:
             sides, forces, gaps = self.kernels.changed(s, z, *self.last, weight, step)
             self.forces = max(FORCES, sides**0.5 * forces)
