@@ -6,6 +6,7 @@ finished, whatever becomes of the others.
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 from collections.abc import Callable, Iterator, Sequence
@@ -138,6 +139,7 @@ class Workers:
                 from mechanics.solvers.central_path import load
 
                 load()  # what they have from this process they need not load, half a second each
+            gc.freeze()  # nor need it be looked through for garbage, here or there: a tenth of a second each time
             self.pool = ProcessPoolExecutor(self.processes, initializer=belong_to_parent)
         return self.pool
 
@@ -152,6 +154,7 @@ class Workers:
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         if self.pool is not None:
             dismiss(self.pool, at_once=kind is not None)
+            gc.unfreeze()
             self.pool = None
 
 

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from assessment.checks import assess, assess_chosen, governing
@@ -224,10 +225,18 @@ def _without_nan(value: Any) -> Any:
     """JSON has no NaN and no infinity: null in their place."""
     if isinstance(value, float):  # first: they are most
         return float(value) if math.isfinite(value) else None
-    if type(value) is list and set(map(type, value)) == {float} and math.isfinite(sum(value)):
-        return value  # most of them, of numbers that came out of JSON
+    if type(value) is list and _finite(value):
+        return value
     if isinstance(value, list | tuple):
         return [_without_nan(item) for item in value]
     if isinstance(value, Mapping):
         return {key: _without_nan(item) for key, item in value.items()}
     return value.item() if hasattr(value, "item") else value
+
+
+def _finite(values: list[Any]) -> bool:
+    """Whether lists, and lists within, hold finite floats alone: as those out of JSON do, with most of all numbers."""
+    kinds = set(map(type, values))
+    if kinds == {list}:
+        return _finite(list(chain.from_iterable(values)))
+    return kinds == {float} and math.isfinite(sum(values))

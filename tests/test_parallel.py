@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import multiprocessing
 import os
 import time
 
@@ -30,3 +32,15 @@ def test_an_error_in_another_process_is_the_error():
 
 def _inverse(number: int) -> float:
     return 1.0 / number
+
+
+@pytest.mark.skipif(multiprocessing.get_start_method() != "fork", reason="nothing is shared")
+def test_what_processes_share_is_looked_through_for_garbage_by_none():
+    with Workers(jobs=2) as workers:
+        [shared] = workers.each("count", _left_alone, [(0,)], [""], worthwhile=True)
+    assert shared > 0
+    assert gc.get_freeze_count() == 0
+
+
+def _left_alone(_: int) -> int:
+    return gc.get_freeze_count()

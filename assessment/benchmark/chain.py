@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import resource
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from tempfile import TemporaryDirectory
 
 from assessment.benchmark.measure import ROUNDS, Row, once_a_step
 from assessment.benchmark.structures import assembly, template
+from assessment.cli import NEW_OBJECTS
 from assessment.model import build_model
 from assessment.stages import mirror_of
 from assessment.states import PAST_PEAK
@@ -94,6 +96,7 @@ def side_by_side(name: str) -> Row:
 
 def _elapsed(name: str) -> float:
     """Time elapsed (s) in a process of its own, where nothing has been loaded but the analyses themselves."""
+    gc.set_threshold(NEW_OBJECTS)  # as the command
     project = select(template(name), ("pushdown", "pushover"))
     (table,) = project.settlements
     settlements = (table.model_copy(update={"to_collapse": False}),)
