@@ -71,7 +71,7 @@ class GeometryTable(Table):
     segments_per_joint: Segments = Field(
         default=8,
         description="contact interfaces along each joint, four contact points each; 1 is exact where rigid, "
-        "elastic needs 8 to 16, motions 16 or more",
+        "elastic needs 16 or more",
     )
     tolerance_m: Positive | None = Field(
         default=None, description="edges closer than this, m, form a joint; default from the drawing's size"

@@ -96,7 +96,7 @@ def _block(values: Values) -> dict[str, Any]:
     return _content(
         "Rocking block",
         depth=1.0,
-        segments=4,
+        segments=16,
         material=_stone(18.0, 0.7, 5e8),
         layers={"BASE": {"support": "base"}},
         control=[_point("top right", half, height), _point("top left", -half, height)],
@@ -120,7 +120,7 @@ def _wall(values: Values) -> dict[str, Any]:
     return _content(
         "Running-bond wall",
         depth=0.3,
-        segments=1,
+        segments=16,
         material=_stone(18.0, 0.65, 1e6),
         layers={"BASE_LEFT": {"support": "left"}, "BASE_RIGHT": {"support": "right"}},
         control=[_point("top right", length, height), _point("top left", 0.0, height)],
@@ -143,7 +143,7 @@ def _arch(values: Values) -> dict[str, Any]:
     return _content(
         "Arch",
         depth=1.0,
-        segments=4,
+        segments=16,
         material=_stone(20.0, 0.6, 1e6),
         layers={"BASE_LEFT": {"support": "left"}, "BASE_RIGHT": {"support": "right"}},
         control=[_point("crown", 0.0, crown)],

@@ -50,11 +50,11 @@ def test_joints_that_slid_in_a_settlement_are_lifted_until_it_comes_to_rest() ->
 
 
 def test_an_elastic_settlement_ends_where_a_motion_without_shaking_stays() -> None:
-    """From the last point of its path, where joints are lifted, the blocks move by a quarter of a millimetre."""
+    """From the last point of its path, where joints are lifted, the blocks move by more than a millimetre."""
     path = pushdown(WALL, **SETTLED, contacts="elastic")
     motion = unshaken(WALL, path.final, "elastic")
     assert farthest(motion.positions[-1], path.final.positions) < STILL
-    assert farthest(path.final.positions, path.states[-1].positions) > 1e-4
+    assert farthest(path.final.positions, path.states[-1].positions) > 1e-3
 
 
 def test_a_rigid_settlement_comes_to_rest_on_elastic_joints_before_it_is_shaken() -> None:
