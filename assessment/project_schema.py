@@ -69,7 +69,7 @@ class GeometryTable(Table):
     unit: Literal["mm", "cm", "m"] = Field(description="unit of the drawing: mm, cm or m")
     depth_m: Positive = Field(description="out-of-plane depth, m; default of every layer")
     segments_per_joint: Segments = Field(
-        default=8,
+        default=16,
         description="contact interfaces along each joint, four contact points each; 1 is exact where rigid, "
         "elastic needs 16 or more",
     )

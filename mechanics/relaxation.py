@@ -41,8 +41,8 @@ def come_to_rest(model: Assembly, step: Step) -> Step:
 
     Sought by steps of implicit Euler that all begin at rest, which are short of an equilibrium of their own only by the
     inertia: none fails, as a static step may whose geometry goes to and fro. They grow, since what creeps to rest
-    hardly moves in a short one, but not without end: each lifts again a little what slides in it. Raises NoEquilibriumError where they lead
-    to no rest, or only to one so far that what comes down has fallen.
+    hardly moves in a short one, but not without end: each lifts again a little what slides in it. Raises
+    NoEquilibriumError where they lead to no rest, or only to one so far that what comes down has fallen.
     """
     least, lift = LIFTED * model.size, lifted(model, "elastic", step)
     if lift <= least:

@@ -312,7 +312,7 @@ def _shaken() -> tuple[Array, int]:
 
 
 def shared() -> tuple[Array, int]:
-    """α_u of the buttressed arch with the default of eight segments (sixteen in its piers)."""
+    """α_u of the buttressed arch with eight segments a joint (sixteen in its piers)."""
     return _elastic_peak(assembly("buttressed-arch", 2.0))
 
 
