@@ -25,10 +25,8 @@ Errors = dict[str, float]
 
 INCREMENTS, FINEST_INCREMENT = (4.0, 2.0, 1.0, 0.5), 0.25  # times the template's
 FEWER_INCREMENTS, FEWER_FINEST = (4.0, 2.0, 1.0), 0.5
-SEGMENTS, FINEST_SEGMENTS = (
-    (1, 2, 4, 8, 16, 32),
-    64,
-)  # of a joint; the buttressed arch has twice as many in the piers
+# of a joint; the buttressed arch has twice as many in its piers
+SEGMENTS, FINEST_SEGMENTS = (1, 2, 4, 8, 16, 32), 64
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12)
 WIDTH, HEIGHT, STIFFNESS = 1.0, 4.0, 1e6  # of the block with an elastic joint: m, m, kN/m³
 
