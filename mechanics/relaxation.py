@@ -21,7 +21,6 @@ from mechanics.static_step import JUMP, TURN, Step
 
 LIFTED = 5e-5  # of the block size: what may be left of a lift, and what a step at rest moves
 MOST_STEPS = 300
-GROWTH, LONGEST = 2.0**0.5, 8.0  # of the steps' duration: what creeps to rest hardly moves in a short one
 
 
 def lifted(model: Assembly, contacts: Behaviour, step: Step) -> float:
@@ -40,9 +39,8 @@ def come_to_rest(model: Assembly, step: Step) -> Step:
     """The rest under gravity near that of a step; itself where no joint of it is lifted.
 
     Sought by steps of implicit Euler that all begin at rest, which are short of an equilibrium of their own only by the
-    inertia: none fails, as a static step may whose geometry goes to and fro. They grow, since what creeps to rest
-    hardly moves in a short one, but not without end: each lifts again a little what slides in it. Raises
-    NoEquilibriumError where they lead to no rest, or only to one so far that what comes down has fallen.
+    inertia: none fails, as a static step may whose geometry goes to and fro. Raises NoEquilibriumError where they lead
+    to no rest, or only to one so far that what comes down has fallen.
     """
     least, lift = LIFTED * model.size, lifted(model, "elastic", step)
     if lift <= least:
@@ -50,7 +48,6 @@ def come_to_rest(model: Assembly, step: Step) -> Step:
     farthest = min(JUMP * lift, TURN * model.size)
     scene, still = Scene(model, "elastic"), np.zeros_like(step.state.positions)
     duration = 0.5 * float(np.sqrt(model.size / GRAVITY))
-    longest = LONGEST * duration
     motion = Motion(step.state.positions, still, step.forces, step.forces[:, 1])
     for _ in range(MOST_STEPS):
         moved = implicit_euler(scene, motion, lambda _: model.dead_load, 0.0, duration)
@@ -62,10 +59,9 @@ def come_to_rest(model: Assembly, step: Step) -> Step:
                 f"the structure falls: left to itself on elastic joints lifted by {lift:.2g} m "
                 f"it moves by {whole:.2g} m"
             )
-        if far <= least and duration == longest:
+        if far <= least:
             springs = None if step.state.shear is None else motion.shear
             return rest(model, "elastic", State(motion.x, still, springs))
-        duration = min(GROWTH * duration, longest)
     raise NoEquilibriumError(
         f"left to itself on its elastic joints the structure comes to no rest: it goes on moving by {far:.2g} m"
     )

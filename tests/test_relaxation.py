@@ -28,7 +28,7 @@ from mechanics.scene import Motion, Scene
 from mechanics.static_step import Step
 from tests.structures import arch_on_piers
 
-WALL = assembly("wall")
+WALL = Assembly(assembly("wall").blocks)  # one segment a joint
 STILL = 2e-5  # m: a twentieth of a thousandth of its blocks
 SETTLED = {"support": "right", "displacement": (0.0, -0.015), "increment": 0.003}
 
@@ -50,11 +50,11 @@ def test_joints_that_slid_in_a_settlement_are_lifted_until_it_comes_to_rest() ->
 
 
 def test_an_elastic_settlement_ends_where_a_motion_without_shaking_stays() -> None:
-    """From the last point of its path, where joints are lifted, the blocks move by more than a millimetre."""
+    """From the last point of its path, where joints are lifted, the blocks move by a quarter of a millimetre."""
     path = pushdown(WALL, **SETTLED, contacts="elastic")
     motion = unshaken(WALL, path.final, "elastic")
     assert farthest(motion.positions[-1], path.final.positions) < STILL
-    assert farthest(path.final.positions, path.states[-1].positions) > 1e-3
+    assert farthest(path.final.positions, path.states[-1].positions) > 1e-4
 
 
 def test_a_rigid_settlement_comes_to_rest_on_elastic_joints_before_it_is_shaken() -> None:
