@@ -241,6 +241,14 @@ def test_degraded_forms_render(form, tmp_path):
         assert "must be reviewed" in html
 
 
+def test_segments_of_layers_are_told_beside_those_of_the_drawing(tmp_path):
+    """On the buttressed arch "every joint has 4" was not true of the piers."""
+    results = results_example("en")
+    results["echo"]["layers"]["BASE_LEFT"]["segments_per_joint"] = 16
+    write_figures(Crew(results), tmp_path)
+    assert "the one that asks for more decides: 4, 16." in render_html(results, tmp_path, words_of(results))
+
+
 def test_judgement_names_the_governing_condition():
     results = results_example("en")
     checks = [
