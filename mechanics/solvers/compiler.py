@@ -17,7 +17,7 @@ from numba.extending import intrinsic
 SOURCES = (
     "cholesky", "compiled", "compiled_columns", "compiled_halves", "compiled_impacts", "compiled_interior_step",
     "compiled_iterations", "compiled_pattern", "compiled_runs", "compiler", "dissection", "elimination",
-    "interior_step", "iterations", "kernels", "meeting", "tiles",
+    "interior_step", "iterations", "kernels", "meeting", "tiles", "loops/joint", "loops/bed", "loops/matrix", "loops/interior", "loops/ldlt",
 )  # fmt: skip
 
 
@@ -69,7 +69,7 @@ def larger(typing_context: Any, a: Any, b: Any) -> Any:
 
 @cache
 def _sources() -> str:
-    return digest(Path(__file__).with_name(f"{name}.py") for name in SOURCES)
+    return digest(Path(__file__).parent / f"{name}.py" for name in SOURCES)
 
 
 def digest(paths: Iterable[Path]) -> str:

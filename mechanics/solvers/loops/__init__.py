@@ -1,0 +1,1 @@
+"""The compiled loops of the solvers; each is the only source of its loop."""
