@@ -15,9 +15,9 @@ from numba.core.types import float64
 from numba.extending import intrinsic
 
 SOURCES = (
-    "cholesky", "compiled", "compiled_columns", "compiled_halves", "compiled_impacts", "compiled_interior_step",
-    "compiled_iterations", "compiled_pattern", "compiled_runs", "compiler", "dissection", "elimination",
-    "interior_step", "iterations", "kernels", "meeting", "tiles",
+    "band", "cholesky", "compiled", "compiled_columns", "compiled_impacts", "compiled_interior_step",
+    "compiled_iterations", "compiled_pattern", "compiled_runs", "compiler", "dissection", "elimination", "kernels",
+    "runs", "tiles",
 )  # fmt: skip
 
 
