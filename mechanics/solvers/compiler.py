@@ -15,7 +15,7 @@ from typing import Any
 
 import numba
 from llvmlite import ir
-from numba.core.caching import FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.compiler import Compiler
 from numba.core.types import float64
 from numba.extending import intrinsic
@@ -30,7 +30,9 @@ SOURCES = (
 _Compiler: Any = Compiler
 _config: Any = numba.config
 _FunctionCache: Any = FunctionCache
+_Implementation: Any = CompileResultCacheImpl
 _intrinsic: Any = intrinsic
+_Place: Any = _CacheLocator
 
 
 class _Apart(_Compiler):  # type: ignore[misc]
@@ -53,18 +55,41 @@ def compiler(*fastmath: str, apart: bool = False) -> Callable[[Callable[..., Any
 
     def compile_(function: Callable[..., Any]) -> Any:
         loop: Any = numba.njit(fastmath=set(fastmath), error_model="numpy", pipeline_class=pipeline)(function)
-        folder = cache_folder()
-        if folder is not None:
-            before, _config.CACHE_DIR = _config.CACHE_DIR, str(folder)
+        if cache_folder() is not None:
             loop._cache = _Cache(function)
-            _config.CACHE_DIR = before
         return loop
 
     return compile_
 
 
+class _Locator(_Place):  # type: ignore[misc]
+    """Tells numba that code is in cache_folder, wherever the sources are."""
+
+    def __init__(self, function: Callable[..., Any], path: str) -> None:
+        self._py_file, self._lineno = path, function.__code__.co_firstlineno
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], path: str) -> Any:
+        return cls(function, path)
+
+    def get_cache_path(self) -> str:
+        return str(cache_folder())
+
+    def get_source_stamp(self) -> str:
+        return digest([Path(self._py_file)])
+
+    def get_disambiguator(self) -> str:
+        return str(self._lineno)
+
+
+class _Kept(_Implementation):  # type: ignore[misc]
+    _locator_classes = (_Locator,)
+
+
 class _Cache(_FunctionCache):  # type: ignore[misc]
     """Code that cannot be read, from a damaged file, is compiled again; code that cannot be written is not kept."""
+
+    _impl_class = _Kept
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         try:
@@ -84,8 +109,8 @@ def cache_folder() -> Path | None:
     """Where compiled code is kept: in the first of these folders in which files can be made; None if there is none.
 
     NUMBA_CACHE_DIR; __pycache__ beside the sources; the user's folder for caches; a folder of the user's own among the
-    temporary files. numba sees whether the file of a function has changed, not those of the functions and constants
-    that it uses: so the code is in a folder named after the sources of all.
+    temporary files. The folder is named after the sources of all loops: a function's code is out of date, too, when a
+    function or a constant that it uses has changed in another file.
     """
     sources = digest(Path(__file__).with_name(f"{name}.py") for name in SOURCES)
     return next((folder / sources for folder in _folders() if _takes_files(folder / sources)), None)
