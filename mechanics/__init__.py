@@ -11,28 +11,4 @@ from mechanics.errors import (
     NoEquilibriumError,
     UnstableError,
 )
-from mechanics.limit import limit_analysis
-from mechanics.load_control import load_control
-from mechanics.pushdown import pushdown
-from mechanics.pushover import pushover
-from mechanics.time_history import TimeHistory, time_history
-
-__all__ = [
-    "Assembly",
-    "Block",
-    "CollapseError",
-    "ControlError",
-    "ConvergenceError",
-    "DrawingError",
-    "Material",
-    "NoEquilibriumError",
-    "State",
-    "TimeHistory",
-    "UnstableError",
-    "limit_analysis",
-    "load_control",
-    "pushdown",
-    "pushover",
-    "read_drawing",
-    "time_history",
-]
+from mechanics.procedures.limit_analysis import limit_analysis

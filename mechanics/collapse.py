@@ -6,8 +6,8 @@ import numpy as np
 import shapely
 
 from mechanics.assembly import Assembly, State
-from mechanics.block import Array
 from mechanics.scene import Motion, Scene
+from mechanics.types import Array
 
 TURNED = 1.0  # rad from the beginning: a block that has turned so far does not come back
 THROUGH = 0.01  # of a block's area: an overlap that is none

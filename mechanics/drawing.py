@@ -27,9 +27,10 @@ from ezdxf.filemanagement import readfile
 from ezdxf.lldxf.const import DXFError
 from ezdxf.math import Matrix44, Vec3
 
-from mechanics.block import Array, Block, Material
 from mechanics.errors import DrawingError, require
 from mechanics.layout import itemised, listed
+from mechanics.block import Block, Material
+from mechanics.types import Array
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
 INSUNITS = {"mm": "Millimeters", "cm": "Centimeters", "m": "Meters"}  # as ezdxf names them

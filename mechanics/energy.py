@@ -9,11 +9,11 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from mechanics.assembly import Assembly
-from mechanics.block import Array
+from mechanics.kernels.cholesky import factorise, substitute
 from mechanics.scene import Motion, Scene
-from mechanics.solvers.cholesky import factorise, substitute
 from mechanics.solvers.compiled import repeat_matrix
 from mechanics.solvers.kernels import STICKING
+from mechanics.types import Array
 
 RIGID_SHEAR = 1e3  # normal stiffnesses: what stands for an infinite tangential one in the first frequency
 

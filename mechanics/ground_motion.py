@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 from scipy.linalg import solveh_banded
 
-from mechanics.block import Array
 from mechanics.errors import require
 from mechanics.record_formats import parse_record
+from mechanics.types import Array
 
 HIGHEST_CREDIBLE_PGA = 10.0  # g; beyond it the unit is wrong
 SAME_TIME = 1e-6  # of a time step: times closer than this are one

@@ -7,12 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from mechanics.block import GRAVITY, Array
 from mechanics.errors import ConvergenceError
 from mechanics.integrators import implicit_euler
-from mechanics.joints import Index
 from mechanics.scene import Load, Motion, Scene
 from mechanics.solvers import compiled_impacts as loops
+from mechanics.types import GRAVITY, Array, Index
 
 CLOSED = 1e-6  # of the block size: a gap that is none
 RESTING = 1e-5  # of √(g·size): an approach that is none

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechanics.block import Array
 from mechanics.scene import Load, Motion, Scene
 from mechanics.solvers.compiled import at_start, springs
+from mechanics.types import Array
 
 RINGING = 0.3  # share of the last forces in the start of a midpoint step: it keeps what rings
 

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from mechanics.block import Array, Block
+from mechanics.block import Block
 from mechanics.errors import DrawingError
-from mechanics.joints import Index, Joints, find_joints
+from mechanics.joints import Joints
+from mechanics.joints import find_joints
+from mechanics.types import Array, Index
 
 NEAR = 20.0  # edges that face each other within so many tolerances were likely meant to touch
 LISTED = 20  # problems of one kind that are told in full

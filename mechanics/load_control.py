@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mechanics.assembly import Assembly, Direction, State
-from mechanics.block import Array
 from mechanics.equilibrium import rest_size
 from mechanics.errors import ConvergenceError, NoEquilibriumError, require
 from mechanics.onset import settled
 from mechanics.static_step import Step, find_step
+from mechanics.types import Array
 
 HALVINGS = 6
 

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mechanics.assembly import Assembly, Behaviour, Direction, State
-from mechanics.block import Array
 from mechanics.equilibrium import local
-from mechanics.joints import Index
+from mechanics.types import Array, Index
 
 NOTICEABLE = 0.02  # of the largest relative motion in the mechanism
 OVERRUN = 0.1  # of a block: a slide past an edge that is worth a warning

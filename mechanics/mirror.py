@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mechanics.assembly import Assembly, Behaviour, State
-from mechanics.block import Array
-from mechanics.joints import Index
 from mechanics.program import Neighbour, Program
 from mechanics.pushover import Pushover
 from mechanics.static_step import Step
+from mechanics.types import Array, Index
 
 EXACT = 1e-9  # of the model's extent, and of its loads and stiffnesses: a difference that is rounding
 TURNED = np.array([-1.0, 1.0, -1.0])  # what the image of x, z, ω is multiplied by

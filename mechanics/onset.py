@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from mechanics.assembly import Assembly, Direction, State
-from mechanics.block import Array
 from mechanics.equilibrium import check_self_weight, rest, rest_size
 from mechanics.errors import NoEquilibriumError, UnstableError
 from mechanics.limit import limit_analysis
 from mechanics.program import Certificate
 from mechanics.relaxation import come_to_rest
 from mechanics.static_step import Step, find_step
+from mechanics.types import Array
 
 FIRST = 0.02  # of the rigid multiplier: the first step of an elastic curve
 SETTLED_FIRST = 0.1  # of an increment: the first step from a settled state, whose open hinges may close first

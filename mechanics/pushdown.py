@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mechanics.assembly import Assembly, Behaviour, State
-from mechanics.block import Array
 from mechanics.equilibrium import check_self_weight, reaction, rest, rest_size
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, require
 from mechanics.other_steps import ACROSS, other_shares
 from mechanics.program import Certificate
 from mechanics.relaxation import come_to_rest, lifted
 from mechanics.static_step import Step, find_step
+from mechanics.types import Array
 
 MOST_CLOSINGS = 6  # without an improvement
 FINEST = 0.01  # of an increment: the last of the ever smaller steps towards the whole movement

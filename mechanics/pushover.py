@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mechanics.assembly import Assembly, Behaviour, Direction, State
-from mechanics.block import Array
 from mechanics.equilibrium import closed_program
 from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError, require
 from mechanics.limit import limit_of
@@ -18,6 +17,7 @@ from mechanics.other_steps import ACROSS, HALVINGS, other_shares
 from mechanics.program import Certificate
 from mechanics.solvers import solve
 from mechanics.static_step import Step, elimination_of, find_step
+from mechanics.types import Array
 
 MOST_STEPS = 5000
 SNAP = 4.0  # of the settlement's largest displacement: across which one of its hinges may snap shut

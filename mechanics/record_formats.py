@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mechanics.block import GRAVITY, Array
+from mechanics.types import GRAVITY, Array
 
 Samples = tuple[Array, float]  # acceleration (n,), g; time step, s
 

@@ -12,12 +12,12 @@ from dataclasses import replace
 import numpy as np
 
 from mechanics.assembly import Assembly, Behaviour, State
-from mechanics.block import GRAVITY, Array
 from mechanics.equilibrium import rest
 from mechanics.errors import NoEquilibriumError
 from mechanics.integrators import implicit_euler
 from mechanics.scene import Motion, Scene
 from mechanics.static_step import JUMP, TURN, Step
+from mechanics.types import GRAVITY, Array
 
 LIFTED = 5e-5  # of the block size: what may be left of a lift, and what a step at rest moves
 MOST_STEPS = 300

@@ -11,11 +11,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mechanics.assembly import Assembly, Behaviour
-from mechanics.block import GRAVITY, Array
 from mechanics.errors import ConvergenceError
 from mechanics.program import Certificate, Program, Solution
 from mechanics.solvers import compiled, solve
 from mechanics.solvers.newton import ACCEPTED, Newton
+from mechanics.types import GRAVITY, Array
 
 POOREST = 1e-5  # certificate: a step worse than this has failed
 

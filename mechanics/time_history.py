@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mechanics.assembly import Assembly, Behaviour, State
-from mechanics.block import GRAVITY, Array
 from mechanics.collapse import collapse, control_displacement, passing_through
 from mechanics.energy import Energy, first_frequency
 from mechanics.equilibrium import check_self_weight, rest
@@ -21,6 +20,7 @@ from mechanics.program import Certificate
 from mechanics.relaxation import LIFTED, come_to_rest, way
 from mechanics.scene import Load, Motion, Scene
 from mechanics.solvers.threads import one_thread
+from mechanics.types import GRAVITY, Array
 
 Integrator = Literal["implicit-euler", "second-order"]
 

@@ -8,12 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
-from mechanics.block import Array, Block
-from mechanics.joints import Index, Joints
-from mechanics.solvers.loops.joint import (
+from mechanics.block import Block
+from mechanics.joints import Joints
+from mechanics.kernels.joint import (
     A1,
     A2,
-    ARM,
     B1,
     B2,
     FACE,
@@ -39,6 +38,7 @@ from mechanics.solvers.loops.joint import (
     V,
     place,
 )
+from mechanics.types import Array, Index
 
 MOST_FRICTION = 1e6  # a tangent; friction beyond it, infinite too, lets nothing slide
 
@@ -47,9 +47,10 @@ MOST_FRICTION = 1e6  # a tangent; friction beyond it, infinite too, lets nothing
 class Contacts:
     """Pairs of faces of blocks `a` and `b` (j,), those of the drawn joints first.
 
-    `faces` (j, FACE): see solvers.loops.joint. `friction` (j,); `bed` (j,) kN/m² and `shear` (j,) kN/m: stiffness per
+    `faces` (j, FACE): see kernels.joint. `friction` (j,); `bed` (j,) kN/m² and `shear` (j,) kN/m: stiffness per
     length of the joint and of the whole joint in shear (NaN where a block has no stiffness); `strength` (j,) kN/m: the
-    most that a length of it bears. `edges` (j, 2): which edges of the blocks the faces are, among all edges.
+    most that a length of it bears; `segments` (j,) of a bed of points, 0 for the exact bed. `edges` (j, 2): which edges
+    of the blocks the faces are, among all edges.
     `tolerance` m: corners closer than this meet.
     """
 
@@ -60,6 +61,7 @@ class Contacts:
     bed: Array
     shear: Array
     strength: Array
+    segments: Index
     edges: Index
     tolerance: float
 
@@ -81,7 +83,7 @@ class Contacts:
         return Contacts(**arrays, tolerance=self.tolerance)
 
     def places(self, positions: Array) -> Array:
-        """Where the joints are (j, PLACE) for block positions (b, 3): see solvers.loops.joint."""
+        """Where the joints are (j, PLACE) for block positions (b, 3): see kernels.joint."""
         found = np.empty((len(self), PLACE))
         place(self.a, self.b, self.faces, positions, self.tolerance, found)
         return found
@@ -118,7 +120,7 @@ def rows(places: Array) -> Array:
     return found
 
 
-def drawn_contacts(blocks: Sequence[Block], joints: Joints, tolerance: float) -> Contacts:
+def drawn_contacts(blocks: Sequence[Block], joints: Joints, segments: int, tolerance: float) -> Contacts:
     """The contacts of the joints as drawn, closed there: a drawing's inaccuracy within the tolerance is no gap."""
     centroid = np.array([b.centroid for b in blocks])
     middle, half = joints.ends.mean(axis=1), 0.5 * joints.length[:, None]
@@ -126,17 +128,21 @@ def drawn_contacts(blocks: Sequence[Block], joints: Joints, tolerance: float) ->
     faces[:, [PX, PZ]], faces[:, [QX, QZ]] = middle - centroid[joints.a], middle - centroid[joints.b]
     faces[:, [TAX, TAZ]] = faces[:, [TBX, TBZ]] = joints.tangent
     faces[:, [A1, A2]], faces[:, [B1, B2]] = joints.room_a - half, joints.room_b - half
-    return between(blocks, joints.a, joints.b, faces, joints.edges, tolerance)
+    return between(blocks, joints.a, joints.b, faces, segments, joints.edges, tolerance)
 
 
 def between(
-    blocks: Sequence[Block], a: Index, b: Index, faces: Array, edges: Index, tolerance: float
+    blocks: Sequence[Block], a: Index, b: Index, faces: Array, segments: int, edges: Index, tolerance: float
 ) -> Contacts:
-    """Contacts of these faces (j, FACE): of unlike stones the two halves act in series, the lesser μ and depth govern."""
+    """Contacts of these faces (j, FACE): of unlike stones the two halves act in series, the lesser μ and depth govern.
+
+    `segments`: of joints whose blocks ask for none of their own, 0 for the exact bed.
+    """
     depth = np.array([block.depth for block in blocks])
     mu = np.array([block.material.friction for block in blocks])
     k = np.array([(b.material.normal_stiffness or np.nan, b.material.tangential_stiffness) for b in blocks])
     strength = np.array([block.material.compressive_strength for block in blocks])
+    wished = np.array([block.segments or segments for block in blocks], dtype=np.intp)
     with np.errstate(divide="ignore"):
         series = 2.0 / (1.0 / k[a] + 1.0 / k[b])
     thin = np.minimum(depth[a], depth[b])
@@ -149,6 +155,7 @@ def between(
         bed=series[:, 0] * thin,
         shear=series[:, 1] * thin * length,
         strength=np.minimum(strength[a], strength[b]) * thin,
+        segments=np.maximum(wished[a], wished[b]),
         edges=edges,
         tolerance=tolerance,
     )
@@ -167,12 +174,8 @@ def end_points(contacts: Contacts, positions: Array) -> Array:
     tangent = turned(f[:, [TAX, TAZ]], a), turned(f[:, [TBX, TBZ]], b)
     p = positions[a, :2] + turned(f[:, [PX, PZ]], a)
     q = positions[b, :2] + turned(f[:, [QX, QZ]], b)
-    upper = places[:, ARM] <= 0.0
     slid = places[:, V]
     high = np.minimum(f[:, A2], f[:, B2] - slid)
     low = np.maximum(f[:, A1], f[:, B1] - slid)
-    del upper
-    ends = [
-        0.5 * (p + s[:, None] * tangent[0] + q + (s + slid)[:, None] * tangent[1]) for s in (low, high)
-    ]
+    ends = [0.5 * (p + s[:, None] * tangent[0] + q + (s + slid)[:, None] * tangent[1]) for s in (low, high)]
     return np.stack(ends, axis=1)

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from mechanics.block import Array
-from mechanics.solvers.compiler import compiler
-from mechanics.solvers.loops.joint import LX, LZ, MPHI, MU, MV, NX, NZ
+from mechanics.kernels.jit import compiler
+from mechanics.kernels.joint import LX, LZ, MPHI, MU, MV, NX, NZ
+from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
 
@@ -61,7 +61,11 @@ def stiffen(k: int, p: Array, i: int, j: int, d: Array, stored: Array, pattern: 
         at, step = pattern.own[i // 3], pattern.step[i // 3]
         own = stored[at:]
         own[0], own[1], own[2] = own[0] + xx, own[1] + xz, own[2] + xt
-        own[step + 1], own[step + 2], own[2 * step + 2] = own[step + 1] + zz, own[step + 2] + zt, own[2 * step + 2] + tt
+        own[step + 1], own[step + 2], own[2 * step + 2] = (
+            own[step + 1] + zz,
+            own[step + 2] + zt,
+            own[2 * step + 2] + tt,
+        )
     if j < 0:
         return
     lx, lz = p[LX], p[LZ]

@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.block import Array
-from mechanics.solvers.compiler import compiler
+from mechanics.kernels.jit import compiler
+from mechanics.types import Array
 
 compiled = compiler()
 
@@ -103,6 +103,8 @@ def curvature(p: Array, n: float, m: float, t: float, out: Array) -> None:
     skew = rest - beta
     out[4] = n * (-skew * na - beta**2 * w) + t * (-skew * ta - beta**2 * p[ALONG]) + bend
     out[5] = (
-        n * (rest * na - beta * nb - beta * rest * w) + t * (rest * ta - beta * tb - beta * rest * p[ALONG]) - bend
+        n * (rest * na - beta * nb - beta * rest * w)
+        + t * (rest * ta - beta * tb - beta * rest * p[ALONG])
+        - bend
     )
     out[6] = n * (-skew * nb - rest**2 * w) + t * (-skew * tb - rest**2 * p[ALONG]) + bend

@@ -15,14 +15,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechanics.block import Array
-from mechanics.solvers.compiler import compiler
+from mechanics.kernels.jit import compiler
 
 compiled = compiler("contract", "reassoc")
 
 MOST_SEGMENTS = 64  # of a bed of points
 NEWTON, HALVINGS = 60, 30  # iterations for the displacements of a bed of finite strength, and halvings of one
 EXACT = 1e-13  # of the force: an imbalance of the bed that is none
+
 
 @compiled
 def closures(n1: float, n2: float, soft: float) -> tuple[float, float]:
@@ -134,7 +134,9 @@ def under(n1: float, n2: float, half: float, stiffness: float, strength: float) 
         else:
             du, dphi = (c2 * rn - c1 * rp) / det, (c0 * rp - c1 * rn) / det
         share, slope = 1.0, rn * du + rp * dphi
-        for _ in range(HALVINGS):  # the slope of the convex energy along the step must not turn by more than half
+        for _ in range(
+            HALVINGS
+        ):  # the slope of the convex energy along the step must not turn by more than half
             f, p, c0, c1, c2 = crushed(u + share * du, phi + share * dphi / half, half, stiffness, strength)
             if (f - n) * du + (p - m) / half * dphi >= -0.5 * slope:
                 break
@@ -157,7 +159,9 @@ def softness(
 
 
 @compiled
-def points_under(n1: float, n2: float, segments: int, soft: float) -> tuple[float, float, float, float, float]:
+def points_under(
+    n1: float, n2: float, segments: int, soft: float
+) -> tuple[float, float, float, float, float]:
     """Gaps of the ends and C₁₁, −C₁₂, C₂₂ of a bed of points at the ends of equal segments; `soft` = 1/(kL).
 
     The points in contact are those of one side; those that open leave, until none does.

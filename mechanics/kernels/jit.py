@@ -166,14 +166,6 @@ def larger(typing_context: Any, a: Any, b: Any) -> Any:
     return float64(float64, float64), generate
 
 
-<<<<<<< HEAD
-@cache
-def _sources() -> str:
-    return digest(Path(__file__).parent / f"{name}.py" for name in SOURCES)
-
-
-=======
->>>>>>> plain
 def digest(paths: Iterable[Path]) -> str:
     """A short name for what is in files."""
     return sha256(b"\0".join(path.read_bytes() for path in paths)).hexdigest()[:16]

@@ -22,14 +22,14 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.block import Array
-from mechanics.solvers.cholesky import factorise, substitute
-from mechanics.solvers.compiled_pattern import unpacked
-from mechanics.solvers.compiler import compiler
-from mechanics.solvers.loops.bed import closures, compliance, linearised, points_under, softness, under
-from mechanics.solvers.loops.joint import PHI, H, U, V
-from mechanics.solvers.loops.ldlt import factorise_signed, substitute_signed
-from mechanics.solvers.loops.matrix import bend, diagonal, motion, push, stiffen, turn
+from mechanics.kernels.bed import closures, linearised, points_under, softness, under
+from mechanics.kernels.cholesky import factorise, substitute
+from mechanics.kernels.jit import compiler
+from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
+from mechanics.kernels.pattern import unpacked
+from mechanics.kernels.signed_factors import factorise_signed, substitute_signed
+from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
 
@@ -40,9 +40,19 @@ LAW = 7
 
 STIFFEST = 1e-10  # compliance, per step and weight, that bounds the stiffness of closed and of stuck joints
 TO_THE_BOUND = 0.995  # share of the way to the bounds that an iteration goes
-CENTRED, BEHIND = 0.3, 0.01  # products left while gaps are missed by more than those; all of them, where by far more
-HOLDING, FIRMER, FIRM = 1e-8, 10.0, 1.0  # stiffness, per weight and step, that holds blocks; its growth; its most
-REFINEMENTS, ROUNDING = 3, 1e-3  # of the forces of an iteration, and the share of their imbalance that is left
+CENTRED, BEHIND = (
+    0.3,
+    0.01,
+)  # products left while gaps are missed by more than those; all of them, where by far more
+HOLDING, FIRMER, FIRM = (
+    1e-8,
+    10.0,
+    1.0,
+)  # stiffness, per weight and step, that holds blocks; its growth; its most
+REFINEMENTS, ROUNDING = (
+    3,
+    1e-3,
+)  # of the forces of an iteration, and the share of their imbalance that is left
 WIDE = 1e-4  # gaps count for so much less than forces and products in what is accepted
 IDLE = 10  # iterations without progress after which the method ends
 

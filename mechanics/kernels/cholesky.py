@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.block import Array
-from mechanics.solvers.compiler import compiler
-from mechanics.solvers.tiles import BYTES, COLUMNS, ROWS, below, half_below, sums
+from mechanics.kernels.jit import compiler
+from mechanics.kernels.simd_tiles import BYTES, COLUMNS, ROWS, below, half_below, sums
+from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from mechanics.block import Array
-from mechanics.solvers.compiler import compiler
+from mechanics.kernels.jit import compiler
+from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
 SMALL = 1e-14

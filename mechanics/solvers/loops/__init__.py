@@ -1,1 +1,0 @@
-"""The compiled loops of the solvers; each is the only source of its loop."""

@@ -1,0 +1,326 @@
+"""One static step: the program in the geometry in which its forces act, solved until the two agree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Literal
+
+import numpy as np
+
+from mechanics.assembly import Assembly, Behaviour, State
+from mechanics.errors import ConvergenceError, NoEquilibriumError
+from mechanics.kernels.interior_iteration import BED, FRICTION, LAW, LIFT, SEGMENTS, SHEAR, SLID, STRENGTH
+from mechanics.kernels.joint import ARM, BETA, MV, PHI, H, U, V, curvature
+from mechanics.model.contacts import Contacts, end_gaps
+from mechanics.program import (
+    LARGEST_MULTIPLIER,
+    Certificate,
+    Program,
+    Solution,
+    bed_gaps,
+    certify,
+    end_forces,
+)
+from mechanics.solvers import interior, solve
+from mechanics.solvers.elimination import Elimination
+from mechanics.solvers.interior import Iterate
+from mechanics.types import Array, Index
+
+Sliding = Literal["coulomb", "associative"]
+
+STAGES = (1e-2, 1e-4, 1e-6, 1e-8)  # what is missed, per weight and step, when the geometry is taken anew
+DISTANCE = 0.03  # per weight and step, from the bounds: where the first stage begins near an earlier solution
+CLOSER = 0.1  # of what the last stage missed: the same of the next one
+SETTLED = 1e-6  # certificate of the forces in the geometry to which they lead
+MOST_ROUNDS = 12  # more stages, of the last kind, until they agree
+CARRYING = 1e-6  # of the weight: a force that is one
+JUMP = 30.0  # a step this many times larger than asked is a fall, not a path of equilibrium
+TURN = 0.5  # rad: a step that turns a block by more leaves the range in which its geometry is linear
+VANISHED = 1e-9  # of the block size: an overlap that is none
+
+
+@dataclass(frozen=True, eq=False)
+class StaticSystem:
+    """What does not change along a path: an assembly, how its joints behave, and where blocks touch.
+
+    `law` (j, LAW): see kernels.interior_iteration, but for the slip from which slides count.
+    """
+
+    model: Assembly
+    behaviour: Behaviour
+    sliding: Sliding
+    contacts: Contacts
+
+    @property
+    def rigid(self) -> bool:
+        """Whether joints are rigid."""
+        return self.behaviour == "rigid"
+
+    @cached_property
+    def law(self) -> Array:
+        """What each joint obeys (j, LAW)."""
+        c = self.contacts
+        law = np.zeros((len(c), LAW))
+        law[:, FRICTION] = np.maximum(c.friction, LEAST_FRICTION)
+        law[:, LIFT] = law[:, FRICTION] if self.sliding == "associative" else 0.0
+        law[:, STRENGTH], law[:, BED] = c.strength, np.inf
+        if not self.rigid:
+            law[:, BED], law[:, SEGMENTS] = c.bed, c.segments
+            with np.errstate(divide="ignore"):
+                law[:, SHEAR] = np.where(np.isinf(c.shear), 0.0, 1.0 / c.shear)
+        return law
+
+    @cached_property
+    def dof(self) -> Index:
+        """Degrees of freedom (j, 6) of blocks a and b of each joint."""
+        dof = self.model.dof
+        return np.concatenate([dof[self.contacts.a], dof[self.contacts.b]], axis=1)
+
+    @cached_property
+    def layout(self) -> Elimination:
+        """In which order the matrices are eliminated; signed factors, of elastic joints, stand in a band."""
+        centres = self.model.initial.positions[self.model.movable, :2]
+        return Elimination.of(self.dof, centres, banded=not self.rigid)
+
+    @property
+    def weight(self) -> float:
+        """The size of a force, kN: the mean weight of the movable blocks."""
+        return self.model.weight / float(self.model.movable.sum())
+
+
+LEAST_FRICTION = 1e-9  # a joint without friction has this
+
+
+@lru_cache(maxsize=8)
+def static_system(model: Assembly, behaviour: Behaviour, sliding: Sliding = "associative") -> StaticSystem:
+    """The system of an assembly with its joints as drawn."""
+    model.check_behaviour(behaviour)
+    return StaticSystem(model, behaviour, sliding, model.contacts)
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """Forces and a geometry that agree: a point of a path.
+
+    `places` (j, PLACE) of the `contacts` in the state; `forces` (j, 3): N, P and T, kN and kNm; `alpha` of the lateral
+    load; `iterate` near which the next one is sought; `certificate` of the forces in this geometry; `penetration` m:
+    deepest true interpenetration that no bed explains; `solves`: programs solved to get there.
+    """
+
+    state: State
+    contacts: Contacts
+    places: Array
+    forces: Array
+    alpha: float
+    iterate: Iterate | None
+    certificate: Certificate
+    penetration: float
+    solves: int
+
+
+@dataclass(frozen=True, eq=False)
+class StepProblem:
+    """The equilibrium sought about `size` (m) from `start`, under `load` (b, 3) or load + α·`lateral` doing `work`.
+
+    `mass` (b, 3), Mg/s²: of a step from rest in a time whose square divides it; None in statics.
+    """
+
+    system: StaticSystem
+    start: State
+    load: Array
+    size: float
+    lateral: Array | None = None
+    work: float = 0.0
+    mass: Array | None = None
+
+    @cached_property
+    def slid(self) -> Array:
+        """Slips (j,) from which slides count: those at the start, less what the springs of joints have taken."""
+        system = self.system
+        slid: Array = system.contacts.places(self.start.positions)[:, V]
+        if self.start.shear is not None and not system.rigid:
+            slid = slid.copy()
+            count = len(self.start.shear)
+            slid[:count] += system.law[:count, SHEAR] * self.start.shear
+        return slid
+
+    def pose(self, at: Array, forces: Array | None) -> tuple[Program, Index]:
+        """The program counted from the positions `at` (b, 3), in their geometry, and the joints that overlap there.
+
+        `forces` (j, 3): about what the joints carry, None: nothing known; what they change with the geometry belongs to
+        an elastic program.
+        """
+        system, model, movable = self.system, self.system.model, self.system.model.movable
+        places = system.contacts.places(at)
+        if not system.rigid and forces is not None:
+            turned = (at - self.start.positions)[:, 2]
+            lay_shear(places, forces, turned[system.contacts.a] - turned[system.contacts.b])
+        index = np.flatnonzero(places[:, H] > VANISHED * model.size)
+        law = system.law[index].copy()
+        law[:, SLID] = self.slid[index]
+        curved = None
+        if not system.rigid and forces is not None:
+            curved = np.empty((len(index), 7))
+            for k, j in enumerate(index):
+                curvature(places[j], *forces[j], curved[k])
+        moved = (at - self.start.positions)[movable].ravel()
+        load = self.load[movable].ravel()
+        mass = None if self.mass is None else self.mass[movable].ravel()
+        lateral = None if self.lateral is None else self.lateral[movable].ravel()
+        program = Program(
+            dof=system.dof[index],
+            places=places[index],
+            law=law,
+            load=load if mass is None else load - mass * moved,
+            lateral=lateral,
+            work=self.work - (0.0 if lateral is None else float(lateral @ moved)),
+            mass=mass,
+            weight=system.weight,
+            size=model.size,
+            step=self.size,
+            curved=curved,
+        )
+        return program, index
+
+
+def lay_shear(places: Array, forces: Array, turned: Array) -> None:
+    """Let T act where the pressure does, midway between the faces: in places (j, PLACE), which are changed.
+
+    At a corner (β = 0 or 1) it would act along the face that the corner touches, though both are pressed into each
+    other. `forces` (j, 3); `turned` (j,): what a has turned against b since slips are counted.
+    """
+    n = np.maximum(forces[:, 0], 1e-300)
+    e = np.clip(forces[:, 1] / n, -abs(places[:, H]), abs(places[:, H]))
+    at_corner = np.minimum(places[:, U] - places[:, ARM] * places[:, PHI], 0.0)
+    at_pressure = np.minimum(places[:, U] + e * places[:, PHI], 0.0)
+    height = np.where(forces[:, 0] > 0.0, (0.5 - places[:, BETA]) * (at_pressure - 2.0 * at_corner), 0.0)
+    places[:, V] -= height * turned
+    places[:, MV] -= height
+
+
+def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | None = None) -> Equilibrium:
+    """The equilibrium near a `guess` (b, 3) of the positions; those of the supports are imposed.
+
+    A sequence of programs: each is convex in the geometry of the positions that it begins at, with what the last forces
+    change as that geometry does, and is solved as far as it is worth before the geometry is taken anew (Newton's method
+    for geometry and forces together). `last`: a point of the path near which this one is sought. Raises
+    NoEquilibriumError where none lies near, ConvergenceError where that cannot be decided.
+    """
+    system = problem.system
+    at, forces, iterate, solves = guess, None if last is None else last.forces, None, 0
+    if last is not None and last.iterate is not None and len(last.iterate.forces) == len(system.contacts):
+        iterate, distance = last.iterate, DISTANCE
+    for stage in range(len(STAGES) + MOST_ROUNDS):
+        accepted = STAGES[min(stage, len(STAGES) - 1)]
+        program, index = problem.pose(at, forces)
+        layout = system.layout.take(index)
+        begun = interior.cold(program) if iterate is None else _taken(iterate, index).warm(program, distance)
+        found, outcome = interior.run(program, layout, begun, accepted)
+        solves += 1
+        if not outcome.accepted and program.curved is not None and iterate is None:
+            # from nowhere: first without what the forces change
+            found, outcome = interior.run(interior.frozen(program), layout, begun, accepted)
+            solves += 1
+        if not outcome.accepted:
+            _refuse(problem, program, layout, outcome.unstable, found)
+        at = _checked(problem, _displaced(system.model, at, found.displacement))
+        forces = _spread(interior.solution(program, found).forces, index, len(system.contacts))
+        iterate, distance = _expanded(found, index, iterate, len(system.contacts)), CLOSER * accepted
+        if stage >= len(STAGES) - 1:
+            settled = _settled(problem, at, forces, found.alpha, iterate, solves)
+            if settled is not None:
+                return settled
+    block = int(np.argmax(abs(found.displacement.reshape(-1, 3)[:, :2]).max(axis=1)))
+    block = int(np.flatnonzero(system.model.movable)[block])
+    raise NoEquilibriumError(
+        f"the geometry of the step does not settle: loss of stability, at block {block} first"
+    )
+
+
+def _settled(
+    problem: StepProblem, at: Array, forces: Array, alpha: float, iterate: Iterate, solves: int
+) -> Equilibrium | None:
+    """The equilibrium of forces and positions where they agree; None where they do not."""
+    system = problem.system
+    program, index = problem.pose(at, forces)
+    certificate = certify(program, forces[index], alpha, np.zeros(len(program.load)))
+    if certificate.worst(problem.size) > SETTLED:
+        return None
+    places = system.contacts.places(at)
+    carrying = forces[:, 0] > CARRYING * system.model.weight
+    has_shear = bool(system.law[:, SHEAR].any())
+    drawn = len(system.model.contacts)
+    state = State(at, np.zeros_like(at), forces[:drawn, 2] if has_shear else None, carrying[:drawn])
+    return Equilibrium(
+        state,
+        system.contacts,
+        places,
+        forces,
+        alpha,
+        iterate,
+        certificate,
+        _penetration(system, places, forces),
+        solves,
+    )
+
+
+def _refuse(
+    problem: StepProblem, program: Program, layout: Elimination, unstable: bool, found: Iterate
+) -> None:
+    """Raise NoEquilibriumError or ConvergenceError, whichever holds, where a program was not solved."""
+    if abs(found.alpha) > 0.99 * LARGEST_MULTIPLIER:
+        raise NoEquilibriumError("no mechanism: the load only wedges the blocks, the multiplier has no bound")
+    if unstable:
+        raise NoEquilibriumError("loss of stability: the stiffness of the structure is no longer positive")
+    solve(interior.frozen(program), layout)  # raises where there is no equilibrium
+    raise ConvergenceError("a step of the path was not solved to the required accuracy")
+
+
+def _checked(problem: StepProblem, found: Array) -> Array:
+    """The positions (b, 3) found; NoEquilibriumError where the path does not lead there."""
+    model, size = problem.system.model, problem.size
+    motion = abs(found - problem.start.positions)
+    moved = float((motion * (1.0, 1.0, model.size)).max())
+    farthest = max(JUMP, 0.0 if problem.system.rigid else model.joints_in_a_row) * size
+    if moved > farthest:
+        raise NoEquilibriumError(f"the structure falls: a step of {size:.3g} m moves it by {moved:.3g} m")
+    turned = float(motion[model.movable, 2].max())
+    if turned > TURN:
+        raise NoEquilibriumError(f"a step of {size:.3g} m turns a block by {turned:.2g} rad")
+    return found
+
+
+def _displaced(model: Assembly, positions: Array, displacement: Array) -> Array:
+    moved = positions.copy()
+    moved[model.movable] += displacement.reshape(-1, 3)
+    return moved
+
+
+def _taken(iterate: Iterate, index: Index) -> Iterate:
+    return replace(iterate, forces=iterate.forces[index], gaps=iterate.gaps[index])
+
+
+def _spread(values: Array, index: Index, count: int) -> Array:
+    out = np.zeros((count, values.shape[1]))
+    out[index] = values
+    return out
+
+
+def _expanded(found: Iterate, index: Index, before: Iterate | None, count: int) -> Iterate:
+    """An iterate over all joints: those without overlap carry nothing."""
+    return replace(found, forces=_spread(found.forces, index, count), gaps=_spread(found.gaps, index, count))
+
+
+def _penetration(system: StaticSystem, places: Array, forces: Array) -> float:
+    overlapping = places[:, H] > VANISHED * system.model.size
+    p, f = places[overlapping], forces[overlapping]
+    gaps = end_gaps(p)
+    if not system.rigid:
+        gaps = gaps - bed_gaps(end_forces(f, p[:, H]), p[:, H], system.law[overlapping])
+    return float(max(0.0, -gaps.min(initial=0.0)))
+
+
+def unsolved(solution: Solution, size: float) -> bool:
+    """Whether a solution misses more than is accepted of one."""
+    return solution.certificate.worst(size) > SETTLED
