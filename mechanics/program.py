@@ -76,7 +76,7 @@ class Certificate:
 
     `equilibrium`: largest unbalanced force (moments by the block size) per weight; `cone`: largest violation of the
     bounds of P and T per weight; `complementarity`: forces times the gaps and slips that they should not have, per weight
-    and step; `penetration` m: deepest interpenetration that no bed explains; `work`: |f_LᵀΔx − γ| per weight and step.
+    of the structure and step; `penetration` m: deepest interpenetration that no bed explains; `work`: |f_LᵀΔx − γ| per weight and step.
     """
 
     equilibrium: float
@@ -170,7 +170,7 @@ def certify(program: Program, forces: Array, alpha: float, displacement: Array) 
     return Certificate(
         equilibrium=float(abs(residual).max(initial=0.0) / p.weight),
         cone=float(max((abs(t) - mu * n).max(initial=0.0), (-margin).max(initial=0.0)) / p.weight),
-        complementarity=float(idle / (p.weight * p.step)),
+        complementarity=float(idle / (p.weight * p.step * len(p.load) / 3)),
         penetration=float((-gaps).max(initial=0.0)),
         work=work,
     )

@@ -38,22 +38,24 @@ compiled = compiler("contract", "reassoc")
 FRICTION, LIFT, SHEAR, BED, SLID, STRENGTH, SEGMENTS = range(7)
 LAW = 7
 
-STIFFEST = 1e-10  # compliance, per step and weight, that bounds the stiffness of closed and of stuck joints
+STIFFEST = 1e-11  # compliance, per step and weight, that bounds the stiffness of closed and of stuck joints
 TO_THE_BOUND = 0.995  # share of the way to the bounds that an iteration goes
 CENTRED, BEHIND = (
     0.3,
     0.01,
 )  # products left while gaps are missed by more than those; all of them, where by far more
-HOLDING, FIRMER, FIRM = (
-    1e-8,
-    10.0,
-    1.0,
-)  # stiffness, per weight and step, that holds blocks; its growth; its most
+HOLDING = 1e-8  # stiffness, per weight and step, that holds blocks; its growth; its most
+FIRMER = 10.0
+FIRM = 1.0
 REFINEMENTS, ROUNDING = (
     3,
     1e-3,
 )  # of the forces of an iteration, and the share of their imbalance that is left
+ROUNDED = 3e-15  # an imbalance, per weight, that is none
 WIDE = 1e-4  # gaps count for so much less than forces and products in what is accepted
+LEAST = 0.1  # of the target: products below, and above the next one, stray
+MOST = 10.0
+FARTHER = 1.5  # times as far as a step leads, products are looked at
 IDLE = 10  # iterations without progress after which the method ends
 
 # what an iteration knows of a joint, columns of (j, KNOWN): forces and gaps; what the laws miss; bounds of T; λ/z; D of the
@@ -165,11 +167,45 @@ def follow(d: Array, u: float, phi: float, v: float, df: Array) -> None:
 
 
 @compiled
+def agree(know: Array, h: float, law: Array, df: Array, target: float, stiff: float) -> None:
+    """Let forces that are nearly nothing be those that their wide gaps and slips ask for: changes of N, P, T, df (3,).
+
+    As differences of large forces they would have lost their digits. `stiff`: weight per step.
+    """
+    u, phi, v, lift = know[DU], know[DPHI], know[DV], law[LIFT]
+    one, other = know[LP] * stiff > know[ZP], know[LM] * stiff > know[ZM]
+    if one == other or know[BETA] > 0.0:
+        return
+    slip = v + law[SHEAR] * df[2] - know[SLIP]
+    bound = law[FRICTION] * df[0] if lift > 0.0 else 0.0
+    if one:
+        lm = know[KM] - know[PM] * (bound - df[2])
+        lp = lm + slip
+    else:
+        lp = know[KP] - know[PP] * (bound + df[2])
+        lm = lp - slip
+    couple = df[1] / h
+    d1, d2 = 0.5 * (df[0] - couple), 0.5 * (df[0] + couple)
+    w = u - lift * (lp + lm)
+    if know[Y1] * stiff > know[N1]:
+        y1 = w - h * phi - know[E1] + know[S11] * d1 - know[S12] * d2
+        d1 = (target - know[G1] * know[Y1] - know[C1] - know[G1] * y1) / know[Y1]
+    if know[Y2] * stiff > know[N2]:
+        y2 = w + h * phi - know[E2] + know[S22] * d2 - know[S12] * d1
+        d2 = (target - know[G2] * know[Y2] - know[C2] - know[G2] * y2) / know[Y2]
+    df[0], df[1] = d1 + d2, h * (d2 - d1)
+    bound = law[FRICTION] * df[0] if lift > 0.0 else 0.0
+    if one:
+        df[2] = (target - know[LP] * know[ZP] - know[BP] - know[ZP] * lp) / know[LP] - bound
+    else:
+        df[2] = bound - (target - know[LM] * know[ZM] - know[BM] - know[ZM] * lm) / know[LM]
+
+
+@compiled
 def change(know: Array, h: float, law: Array, df: Array, target: float, stiff: float, out: Array) -> None:
     """Changes of N₁, N₂, T; y₁, y₂, λ₊, λ₋; g₁, g₂, μN ± T that go with motions and forces, into `out` (11,).
 
-    Of a wide gap the change is that of the motion, of a narrow one that which the product asks for: neither is known
-    from the other's digits. `stiff`: weight per step.
+    Of a wide gap or slip the change is that of the motion, of a narrow one that which the product asks for.
     """
     u, phi, v, beta = know[DU], know[DPHI], know[DV], know[BETA]
     couple, lift = df[1] / h, law[LIFT]
@@ -192,6 +228,13 @@ def change(know: Array, h: float, law: Array, df: Array, target: float, stiff: f
         y2 = w + h * phi - know[E2] + know[S22] * d2 - know[S12] * d1
     out[0], out[1], out[2], out[3], out[4], out[5], out[6] = d1, d2, df[2], y1, y2, lp, lm
     out[7], out[8], out[9], out[10] = g1, g2, zp, zm
+
+
+@compiled
+def _stray(product: float, target: float) -> float:
+    """What is added to the correction of a product that would become this."""
+    wanted = min(max(product, LEAST * target), MOST * target)
+    return -max(wanted - product, -MOST * target)
 
 
 @compiled
@@ -239,6 +282,7 @@ def iterate(
     for k in range(c):
         tied |= law[k, BED] < np.inf
     know, d, df, out = np.zeros((c, KNOWN)), np.empty((c, 6)), np.empty((c, 3)), np.empty((c, 11))
+    kept, kept_dx, kept_f, kept_g, kept_alpha = np.empty((c, 11)), np.empty(count), 0.0, 0.0, 0.0
     residual, dx, swayed, held, fine = (
         np.empty(count), np.empty(count), np.empty(count), np.empty(count), np.empty(count),
     )  # fmt: skip
@@ -271,8 +315,9 @@ def iterate(
         if max(force, WIDE * gap, product) <= accepted:
             break
         progress = max(off, product)
-        since = 0 if progress < 0.5 * best else since + 1
-        best = min(best, progress)
+        since += 1
+        if progress < 0.5 * best:
+            best, since = progress, 0
         if iteration == most or since > IDLE:
             break
         iteration += 1
@@ -308,7 +353,7 @@ def iterate(
         target, dalpha, most_f, most_g, reach_f, reach_g = 0.0, 0.0, 0.0, 0.0, 1.0, 1.0
         for k in range(c):
             know[k, C1], know[k, C2], know[k, BP], know[k, BM] = 0.0, 0.0, 0.0, 0.0
-        for corrects in range(2):
+        for corrects in range(3):
             dx[:] = residual
             for k in range(c):
                 s = know[k]
@@ -323,6 +368,8 @@ def iterate(
                 u, phi, v = motion(places[k], row[k, 0], row[k, 1], dx)
                 know[k, DU], know[k, DPHI], know[k, DV] = u, phi, v
                 follow(d[k], u, phi, v, df[k])
+                if corrects:
+                    agree(know[k], places[k, H], law[k], df[k], target, 1.0 / unit)
             for _ in range(REFINEMENTS if corrects else 0):
                 # closed and stuck joints are stiff: forces that follow from motions lose their digits there
                 fine[:] = residual
@@ -334,7 +381,7 @@ def iterate(
                     push(places[k], row[k, 0], row[k, 1], df[k, 0], df[k, 1], df[k, 2], fine)
                     if bent:
                         turn(curved[k], row[k, 0], row[k, 1], dx, fine)
-                if unbalanced(fine, size) <= ROUNDING * max(force_off, accepted * weight):
+                if unbalanced(fine, size) <= max(ROUNDING * force_off, ROUNDED * weight):
                     break
                 _back(stored, pattern, bent, fine)
                 if pushed:
@@ -346,6 +393,7 @@ def iterate(
                     s = know[k]
                     s[DU], s[DPHI], s[DV] = s[DU] + u, s[DPHI] + phi, s[DV] + v
                     follow(d[k], u, phi, v, df[k])
+                    agree(s, places[k, H], law[k], df[k], target, 1.0 / unit)
                 dx += fine
             most_f, most_g, ahead = 0.0, 0.0, 0.0
             for k in range(c):
@@ -357,7 +405,25 @@ def iterate(
                     s[C1], s[C2], s[BP], s[BM] = o[7] * o[3], o[8] * o[4], o[9] * o[5], o[10] * o[6]
             if tied:
                 most_f = most_g = max(most_f, most_g)
+            if corrects == 2:
+                if max(most_f, most_g) > max(kept_f, kept_g):  # the earlier step leads farther
+                    most_f, most_g, dalpha = kept_f, kept_g, kept_alpha
+                    dx[:], out[:] = kept_dx, kept
+                break
             reach_f, reach_g = 1.0 / max(most_f, 1.0), 1.0 / max(most_g, 1.0)
+            if corrects == 1:
+                if max(most_f, most_g) <= 1.0:
+                    break
+                # products that would stray from their target are corrected once more (Gondzio)
+                kept_f, kept_g, kept_alpha = most_f, most_g, dalpha
+                kept_dx[:], kept[:] = dx, out
+                to_f, to_g = min(1.0, FARTHER * reach_f + 0.1), min(1.0, FARTHER * reach_g + 0.1)
+                for k in range(c):
+                    s, o = know[k], out[k]
+                    s[C1] += _stray((s[G1] + to_f * o[7]) * (s[Y1] + to_g * o[3]), target)
+                    s[C2] += _stray((s[G2] + to_f * o[8]) * (s[Y2] + to_g * o[4]), target)
+                    s[BP] += _stray((s[ZP] + to_f * o[9]) * (s[LP] + to_g * o[5]), target)
+                    s[BM] += _stray((s[ZM] + to_f * o[10]) * (s[LM] + to_g * o[6]), target)
             if corrects == 0:
                 for k in range(c):
                     s, o = know[k], out[k]

@@ -40,7 +40,7 @@ from mechanics.kernels.joint import (
 )
 from mechanics.types import Array, Index
 
-MOST_FRICTION = 1e6  # a tangent; friction beyond it, infinite too, lets nothing slide
+MOST_FRICTION = 1e3  # a tangent; friction beyond it, infinite too, lets nothing slide
 
 
 @dataclass(frozen=True, eq=False)

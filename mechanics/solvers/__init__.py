@@ -16,7 +16,7 @@ from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
 from mechanics.types import GRAVITY
 
-ACCEPTED = 1e-9  # per weight and step: what an interior-point solution may miss
+ACCEPTED = 1e-10  # per weight and step: what an interior-point solution may miss
 GOOD = 1e-8  # a certificate that needs no second opinion
 USABLE = 1e-6  # the worst that is accepted when every solver has been asked
 BALANCED = 1e-6  # of gravity: an acceleration that is none

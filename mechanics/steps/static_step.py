@@ -29,7 +29,8 @@ from mechanics.types import Array, Index
 
 Sliding = Literal["coulomb", "associative"]
 
-STAGES = (1e-2, 1e-4, 1e-6, 1e-8)  # what is missed, per weight and step, when the geometry is taken anew
+# what is missed, per weight and step, when the geometry is taken anew; rigid joints have no give in a wrong one
+STAGES = {"rigid": (1e-5, 1e-8), "elastic": (1e-2, 1e-4, 1e-6, 1e-8)}
 DISTANCE = 0.03  # per weight and step, from the bounds: where the first stage begins near an earlier solution
 CLOSER = 0.1  # of what the last stage missed: the same of the next one
 SETTLED = 1e-6  # certificate of the forces in the geometry to which they lead
@@ -211,8 +212,9 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     at, forces, iterate, solves = guess, None if last is None else last.forces, None, 0
     if last is not None and last.iterate is not None and len(last.iterate.forces) == len(system.contacts):
         iterate, distance = last.iterate, DISTANCE
-    for stage in range(len(STAGES) + MOST_ROUNDS):
-        accepted = STAGES[min(stage, len(STAGES) - 1)]
+    stages = STAGES[system.behaviour]
+    for stage in range(len(stages) + MOST_ROUNDS):
+        accepted = stages[min(stage, len(stages) - 1)]
         program, index = problem.pose(at, forces)
         layout = system.layout.take(index)
         begun = interior.cold(program) if iterate is None else _taken(iterate, index).warm(program, distance)
@@ -227,7 +229,7 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
         at = _checked(problem, _displaced(system.model, at, found.displacement))
         forces = _spread(interior.solution(program, found).forces, index, len(system.contacts))
         iterate, distance = _expanded(found, index, iterate, len(system.contacts)), CLOSER * accepted
-        if stage >= len(STAGES) - 1:
+        if stage >= len(stages) - 1:
             settled = _settled(problem, at, forces, found.alpha, iterate, solves)
             if settled is not None:
                 return settled

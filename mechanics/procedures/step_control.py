@@ -1,0 +1,55 @@
+"""How long a step of a path is, and what is done where none leads on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mechanics.errors import ConvergenceError, NoEquilibriumError
+from mechanics.steps.rest import motion_to_rest
+from mechanics.steps.static_step import Equilibrium, StepProblem, find_equilibrium
+from mechanics.types import Array
+
+HALVINGS = 5  # down to which the end of a path is located
+GROWTH = 1.5  # of steps that have been halved, or begin small
+
+
+@dataclass(slots=True)
+class Bisection:
+    """The `length` of the next step of a path: halved where one fails, down to 1/32 of the `increment`, and back up."""
+
+    increment: float
+    length: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.length = self.length or self.increment
+
+    def shorter(self) -> bool:
+        """Half of it, where that is long enough."""
+        if self.length <= self.increment * 0.5**HALVINGS * (1.0 + 1e-9):
+            return False
+        self.length *= 0.5
+        return True
+
+    def longer(self) -> None:
+        """Towards the increment again."""
+        self.length = min(self.increment, GROWTH * self.length)
+
+
+def reach(
+    problem: StepProblem, guess: Array, last: Equilibrium | None
+) -> tuple[Equilibrium, bool]:
+    """The equilibrium of a step, and whether blocks were let go to find it.
+
+    Collapse is a fact and not a failed step: where there is no equilibrium nearby, the motion that follows decides.
+    Raises NoEquilibriumError where it runs away.
+    """
+    try:
+        return find_equilibrium(problem, guess, last), False
+    except (NoEquilibriumError, ConvergenceError) as stop:
+        begun = problem.start.positions.copy()
+        fixed = ~problem.system.model.movable
+        begun[fixed] = guess[fixed]
+        try:
+            return motion_to_rest(problem, begun), True
+        except NoEquilibriumError as fall:
+            raise NoEquilibriumError(f"{fall} ({stop})") from stop
