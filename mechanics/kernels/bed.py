@@ -159,6 +159,76 @@ def softness(
 
 
 @compiled
+def bent(
+    u: float, phi: float, half: float, stiffness: float, kink: float, u0: float, phi0: float, below: float, above: float
+) -> tuple[float, float, float, float, float]:  # fmt: skip
+    """As crushed, of a bed under displacements u + φs, its gap at the start u₀ + φ₀s times one factor below the kink.
+
+    And times another above it: the two parts of the face have beds of their own.
+    """
+    n, m, c0, c1, c2 = 0.0, 0.0, 0.0, 0.0, 0.0
+    for side in range(2):
+        low, high, factor = (-half, kink, below) if side == 0 else (kink, half, above)
+        part, middle = 0.5 * (high - low), 0.5 * (high + low)
+        if part > 0.0:
+            tilt = phi + factor * phi0
+            dn, dm, d0, d1, d2 = _bed(u + factor * u0 + middle * tilt, tilt, part, stiffness)
+            n, m = n + dn, m + dm + middle * dn
+            c0, c1, c2 = c0 + d0, c1 + d1 + middle * d0, c2 + d2 + 2.0 * middle * d1 + middle * middle * d0
+    return n, m, c0, c1, c2
+
+
+@compiled
+def bent_under(
+    n1: float, n2: float, half: float, stiffness: float, kink: float, u0: float, phi0: float, below: float, above: float
+) -> tuple[float, float, float, float, float]:  # fmt: skip
+    """Displacements of the two ends of a bent bed under forces, and C₁₁, −C₁₂, C₂₂ (Newton, as in under)."""
+    n, m = n1 + n2, half * (n2 - n1)
+    w1, w2 = closures(n1, n2, 1.0 / (2.0 * half * stiffness))
+    factor = above if n2 > n1 else below
+    u, phi = 0.5 * (w1 + w2) - factor * u0, 0.5 * (w2 - w1) / half - factor * phi0
+    c0, c1, c2 = 0.0, 0.0, 0.0
+    for _ in range(NEWTON):
+        f, p, c0, c1, c2 = bent(u, phi, half, stiffness, kink, u0, phi0, below, above)
+        rn, rp = f - n, (p - m) / half
+        c1, c2 = c1 / half, c2 / (half * half)
+        if abs(rn) + abs(rp) <= EXACT * n:
+            break
+        det = c0 * c2 - c1 * c1
+        if not det > 1e-14 * c0 * c0:  # nothing, or nearly nothing, is in contact: towards it
+            du, dphi = rn / (stiffness * half), rp / (stiffness * half)
+        else:
+            du, dphi = (c2 * rn - c1 * rp) / det, (c0 * rp - c1 * rn) / det
+        share, slope = 1.0, rn * du + rp * dphi
+        for _ in range(HALVINGS):
+            f, p, _, _, _ = bent(
+                u + share * du, phi + share * dphi / half, half, stiffness, kink, u0, phi0, below, above
+            )
+            if (f - n) * du + (p - m) / half * dphi >= -0.5 * slope:
+                break
+            share *= 0.5
+        u, phi = u + share * du, phi + share * dphi / half
+    d11, d22, d12 = 0.25 * (c0 - 2.0 * c1 + c2), 0.25 * (c0 + 2.0 * c1 + c2), 0.25 * (c0 - c2)
+    det = max(d11 * d22 - d12 * d12, 1e-300)
+    return u - half * phi, u + half * phi, d22 / det, d12 / det, d11 / det
+
+
+@compiled
+def stored(u: float, phi: float, half: float, stiffness: float) -> float:
+    """Energy of a bed under gaps u + φs: ½k ∫⟨−w⟩² ds."""
+    first, second = u - half * phi, u + half * phi
+    low, high = min(first, second), max(first, second)
+    if low >= 0.0:
+        return 0.0
+    length = 2.0 * half
+    if high > 0.0:
+        length *= low / (low - high)
+    pressed_less = max(-high, 0.0)
+    mean, spread = 0.5 * (pressed_less - low), -low - pressed_less
+    return 0.5 * stiffness * length * (mean * mean + spread * spread / 12.0)
+
+
+@compiled
 def points_under(
     n1: float, n2: float, segments: int, soft: float
 ) -> tuple[float, float, float, float, float]:

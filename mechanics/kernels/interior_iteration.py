@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.bed import closures, linearised, points_under, softness, under
+from mechanics.kernels.bed import bent_under, closures, linearised, points_under, softness, under
 from mechanics.kernels.cholesky import factorise, substitute
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, H, U, V
@@ -36,7 +36,10 @@ compiled = compiler("contract", "reassoc")
 # columns of the law of a joint (j, LAW): friction; friction that lifts (0: Coulomb's); compliance in shear, m/kN; stiffness
 # of the bed, kN/m² (inf: rigid); slip from which the slide counts, m; strength, kN/m; segments of a bed of points (0: exact)
 FRICTION, LIFT, SHEAR, BED, SLID, STRENGTH, SEGMENTS = range(7)
-LAW = 7
+# and of a bed whose gap is bent, in time stepping: where (from the middle of the overlap), 0: nowhere it is; u and φ of the
+# gaps at the start; by what they are multiplied below and above
+KINK, U0, PHI0, BELOW, ABOVE = range(7, 12)
+LAW = 12
 
 STIFFEST = 1e-11  # compliance, per step and weight, that bounds the stiffness of closed and of stuck joints
 TO_THE_BOUND = 0.995  # share of the way to the bounds that an iteration goes
@@ -81,7 +84,11 @@ def missing(
     c11, c12, c22, w1, w2, off = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if law[BED] < np.inf:
         soft = 1.0 / (2.0 * h * law[BED])
-        if law[STRENGTH] < np.inf:
+        if law[BELOW] != law[ABOVE]:
+            w1, w2, c11, c12, c22 = bent_under(
+                n1, n2, h, law[BED], law[KINK], law[U0], law[PHI0], law[BELOW], law[ABOVE]
+            )
+        elif law[STRENGTH] < np.inf:
             w1, w2 = under(n1, n2, h, law[BED], law[STRENGTH])
             c11, c12, c22 = softness(w1, w2, h, law[BED], law[STRENGTH])
         elif law[SEGMENTS] > 0.0:
@@ -303,7 +310,7 @@ def iterate(
                 turn(curved[k], i, j, x, residual)
             gap_off = max(gap_off, s[OFF])
             mean += s[G1] * s[Y1] + s[G2] * s[Y2] + s[LP] * s[ZP] + s[LM] * s[ZM]
-        mean /= 4.0 * c
+        mean /= max(4.0 * c, 1.0)
         force_off = unbalanced(residual, size)
         lacking = work - dot(lateral, x) if pushed else 0.0
         force, gap, product = (
@@ -431,7 +438,7 @@ def iterate(
                     ahead += (s[G2] + reach_f * o[8]) * (s[Y2] + reach_g * o[4])
                     ahead += (s[ZP] + reach_f * o[9]) * (s[LP] + reach_g * o[5])
                     ahead += (s[ZM] + reach_f * o[10]) * (s[LM] + reach_g * o[6])
-                centre = (ahead / (4.0 * c * mean)) ** 3
+                centre = (ahead / (4.0 * c * mean)) ** 3 if mean > 0.0 else 0.0
                 if off > product:
                     centre = max(centre, CENTRED if product > BEHIND * off else 1.0)
                 target = centre * mean

@@ -1,0 +1,236 @@
+"""One time step of blocks in contact, and steps halved where impacts take energy: compiled.
+
+Balance, loads and springs are taken at a share θ of the step (θ = 1: implicit Euler, the paper's; θ = ½: the middle).
+
+Elastic joints: M(v₁ − v₀)/h = f + BᵀF and Δx/h = v₀ + θ(v₁ − v₀), hence the mass M/(θh²). Of a fibre of the bed that is
+closed at the start, w₀ < 0, the force is −k(w₀ + θΔw), of one that closes −kθ(w₀ + Δw); dashpots add −kβΔw/h. In one:
+−k(θ + β/h)(Δw + g), g = w₀ where open and w₀/(θ + β/h) where closed: two beds where a face is partly open.
+
+Rigid joints, at velocity level: M(v₁ − v₀)/h = f + BᵀF and the gap g₀ + h Bv₁ ≥ 0 (Moreau and Jean, without bounce), with
+x₁ = x₀ + h((1 − θ)v₀ + θv₁). What a joint that closes takes of the energy is an impact.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mechanics.kernels.bed import stored
+from mechanics.kernels.interior_iteration import (
+    ABOVE,
+    BED,
+    BELOW,
+    FRICTION,
+    KINK,
+    PHI0,
+    SHEAR,
+    SLID,
+    U0,
+    iterate,
+)
+from mechanics.kernels.jit import compiler
+from mechanics.kernels.joint import MPHI, MU, MV, NX, NZ, PHI, PLACE, H, U, V, place
+from mechanics.types import Array
+
+compiled = compiler("contract", "reassoc")
+
+# where the energy of a motion is (energy, 6): stored in springs; taken by friction, impacts, dashpots and the stepping; put in
+ELASTIC, RUBBED, IMPACT, VISCOUS, STEPPING, INPUT = range(6)
+ENERGIES = 6
+MOST_ITERATIONS = 60
+CLOSED = 1e-6  # of the block size: a gap that is none
+GONE = 1e-9  # of the block size: an overlap that is none
+
+
+@compiled
+def relative(p: Array, a: int, b: int, moved: Array) -> tuple[float, float, float]:
+    """Changes of u, φ and v of a joint at p (PLACE,) that displacements (b, 3) of its blocks cause; blocks' lever is p's."""
+    lx, lz = p[5], p[6]
+    dx = moved[a, 0] - (moved[b, 0] - lz * moved[b, 2])
+    dz = moved[a, 1] - (moved[b, 1] + lx * moved[b, 2])
+    turn = moved[a, 2] - moved[b, 2]
+    return (
+        p[NX] * dx + p[NZ] * dz + p[MU] * turn,
+        p[MPHI] * turn,
+        p[NZ] * dx - p[NX] * dz + p[MV] * turn,
+    )
+
+
+@compiled
+def strain_energy(places: Array, law: Array, shear: Array, size: float) -> float:
+    """Energy (kNm) of the beds at places (j, PLACE) and of springs in shear with forces (j,)."""
+    total = 0.0
+    for k in range(len(places)):
+        if places[k, H] > GONE * size:
+            total += stored(places[k, U], places[k, PHI], places[k, H], law[k, BED])
+        total += 0.5 * law[k, SHEAR] * shear[k] ** 2
+    return total
+
+
+@compiled
+def _apart(gap: float, closed: float) -> float:
+    """The gap of an end that its velocity has to respect: blocks that lie in each other are not thrown apart."""
+    return gap if gap > closed else 0.0
+
+
+@compiled
+def attempt(
+    a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, load: Array,
+    x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, energy: Array, h: float, theta: float, beta: float,
+    lifted: Array, scale: Any, stored_matrix: Array, packed: Any,
+) -> tuple[int, float, float, float, float]:  # fmt: skip
+    """A step of length h from positions x and velocities v (b, 3), both changed in place, as all that describes the motion.
+
+    `load` (b, 3) kN at the share θ; `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4), near which the solution is sought;
+    `shear` (j,) of springs; `energy` (ENERGIES,); `lifted` (j,): gaps that count as none. Returns the iterations, negative
+    where nothing was found, the energy that impacts and the stepping took, and the residuals: force, gap, product.
+    """
+    weight, size, span, accepted = scale
+    c, n, m = len(a), len(x), 0
+    for i in range(n):
+        m += 3 * (first[i] >= 0)
+    elastic = basic[0, BED] < np.inf
+    places, start = np.empty((c, PLACE)), np.empty((c, PLACE))
+    place(a, b, faces, x, tolerance, start)
+    half_way = np.empty((n, 3))
+    for i in range(n):
+        for e in range(3):
+            half_way[i, e] = x[i, e] + (1.0 - theta) * h * (v[i, e] + (1.0 - theta) * 0.5 * h * past[i, e])
+    place(a, b, faces, half_way, tolerance, places)
+    law = basic.copy()
+    stretch = theta + beta / h if elastic else 1.0
+    active, count = np.empty(c, np.intp), 0
+    for k in range(c):
+        p, s = places[k], start[k]
+        # gaps of the start, rows of the middle
+        p[U], p[PHI], p[V] = s[U] - lifted[k], s[PHI], s[V]
+        p[H] = min(p[H], s[H])
+        law[k, SLID] = s[V]
+        if not elastic:
+            # the velocity at the end is along the rows of the end, which differ from those of the middle as these do from
+            # those of the start
+            u0, phi0, _ = relative(s, a[k], b[k], v)
+            u1, phi1, _ = relative(p, a[k], b[k], v)
+            du, dphi = h * (u1 - u0), h * (phi1 - phi0)
+            low = _apart(p[U] - s[H] * p[PHI], CLOSED * size) + du - s[H] * dphi
+            high = _apart(p[U] + s[H] * p[PHI], CLOSED * size) + du + s[H] * dphi
+            p[U], p[PHI] = 0.5 * (low + high), 0.5 * (high - low) / max(p[H], GONE * size)
+        if p[H] <= GONE * size:
+            forces[k] = 0.0
+            continue
+        active[count] = k
+        count += 1
+        if elastic:
+            law[k, BED] *= stretch
+            law[k, SHEAR] /= stretch
+            law[k, SLID] += law[k, SHEAR] * shear[k]
+            low, high = p[U] - p[H] * p[PHI], p[U] + p[H] * p[PHI]
+            closed = 1.0 / stretch
+            if stretch != 1.0 and low * high < 0.0:
+                law[k, KINK], law[k, U0], law[k, PHI0] = -p[U] / p[PHI], p[U], p[PHI]
+                law[k, BELOW], law[k, ABOVE] = (closed, 1.0) if low < 0.0 else (1.0, closed)
+                p[U], p[PHI] = 0.0, 0.0
+            elif max(low, high) <= 0.0:
+                p[U], p[PHI] = p[U] * closed, p[PHI] * closed
+    share = theta if elastic else 1.0
+    chosen = active[:count]
+    rows, at, laws = row[chosen], places[chosen], law[chosen]
+    f, y = forces[chosen], gaps[chosen]
+    scaled, pushed, dx = np.empty(m), np.empty(m), np.empty(m)
+    for i in range(n):
+        j = first[i]
+        if j >= 0:
+            for e in range(3):
+                scaled[j + e] = mass[i, e] / (share * h * h)
+                dx[j + e] = h * v[i, e]
+                pushed[j + e] = load[i, e] + scaled[j + e] * dx[j + e]
+    none = np.empty(0)
+    for k in range(count):
+        f[k, 0], f[k, 1] = max(f[k, 0], 1e-2 * weight), max(f[k, 1], 1e-2 * weight)
+        bound = 0.98 * laws[k, FRICTION] * (f[k, 0] + f[k, 1])
+        f[k, 2] = min(max(f[k, 2], -bound), bound)
+        for e in range(4):
+            least = 1e-2 * span / (max(laws[k, FRICTION], 1.0) if e > 1 else 1.0)
+            y[k, e] = max(y[k, e], least)
+    done, _, force, gap, product = iterate(
+        rows, at, laws, pushed, none, 0.0, scaled, np.empty((0, 7)), dx, 0.0, f, y,
+        (weight, size, span, accepted), MOST_ITERATIONS, stored_matrix, packed,
+    )  # fmt: skip
+    if max(force, product) > accepted:
+        return -done, 0.0, force, gap, product
+    moved, speed = np.zeros((n, 3)), np.zeros((n, 3))
+    jerked, work = 0.0, 0.0
+    for i in range(n):
+        j = first[i]
+        if j < 0:
+            continue
+        for e in range(3):
+            if elastic:
+                moved[i, e] = dx[j + e]
+                speed[i, e] = v[i, e] + (dx[j + e] / h - v[i, e]) / theta
+            else:
+                speed[i, e] = dx[j + e] / h
+                moved[i, e] = h * ((1.0 - theta) * v[i, e] + theta * speed[i, e])
+            jerked += mass[i, e] * (speed[i, e] - v[i, e]) ** 2
+            work += load[i, e] * moved[i, e]
+    contact, rubbed, viscous = 0.0, 0.0, 0.0
+    forces[:] = 0.0
+    before = 0.0
+    after = 0.0
+    new_shear = np.zeros(c)
+    for q in range(count):
+        k = chosen[q]
+        forces[k], gaps[k] = f[q], y[q]
+        du, dphi, dv = relative(at[q], a[k], b[k], moved)
+        normal, moment, t = f[q, 0] + f[q, 1], at[q, H] * (f[q, 1] - f[q, 0]), f[q, 2]
+        contact += normal * du + moment * dphi + t * dv
+        if elastic:
+            soft = laws[q, SHEAR]
+            slip = dv + soft * (t - shear[k])
+            rubbed -= t * slip
+            s, limit = start[k], 0.0
+            stiff = basic[k, BED]
+            w0, w1 = s[U] - lifted[k], s[U] - lifted[k] + du
+            before += stored(w0, s[PHI], at[q, H], stiff) + 0.5 * basic[k, SHEAR] * shear[k] ** 2
+            limit = laws[q, FRICTION] * normal
+            new_shear[k] = min(max(shear[k] + (t - shear[k]) / stretch, -limit), limit)
+            after += stored(w1, s[PHI] + dphi, at[q, H], stiff) + 0.5 * basic[k, SHEAR] * new_shear[k] ** 2
+            if beta > 0.0:
+                length = 2.0 * at[q, H]
+                grown = normal - _pressed_force(w0, s[PHI], at[q, H], stiff)
+                viscous += beta / h / stretch * grown * grown / (stiff * length)
+                viscous += beta / h / stretch * basic[k, SHEAR] * (t - shear[k]) ** 2
+        else:
+            rubbed -= t * dv
+    shear[:] = new_shear
+    # computed from the forces, not as what is missing: the balance is a check
+    taken = (theta - 0.5) * jerked - contact - rubbed - viscous - (after - before)
+    if elastic:
+        energy[VISCOUS] += viscous
+        energy[STEPPING] += taken
+    else:
+        # what a fixed rule takes of a smooth motion is of the third order; what is more are impacts
+        energy[IMPACT] += taken if theta < 1.0 else 0.0
+        energy[STEPPING] += 0.0 if theta < 1.0 else taken
+    energy[RUBBED] += rubbed
+    energy[INPUT] += work
+    for i in range(n):
+        for e in range(3):
+            x[i, e] += moved[i, e]
+            past[i, e] = (speed[i, e] - v[i, e]) / h
+            v[i, e] = speed[i, e]
+    return done, taken, force, gap, product
+
+
+@compiled
+def _pressed_force(u: float, phi: float, half: float, stiffness: float) -> float:
+    """N of a bed under gaps u + φs."""
+    first, second = u - half * phi, u + half * phi
+    low, high = min(first, second), max(first, second)
+    if low >= 0.0:
+        return 0.0
+    length = 2.0 * half
+    if high > 0.0:
+        length *= low / (low - high)
+    return 0.5 * stiffness * length * (max(-high, 0.0) - low)
