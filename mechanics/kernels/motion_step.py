@@ -38,6 +38,8 @@ compiled = compiler("contract", "reassoc")
 # where the energy of a motion is (energy, 6): stored in springs; taken by friction, impacts, dashpots and the stepping; put in
 ELASTIC, RUBBED, IMPACT, VISCOUS, STEPPING, INPUT = range(6)
 ENERGIES = 6
+STANDARD_GRAVITY = 9.80665  # m/s²
+COLD = 10.0  # per weight and span: forces and gaps of a start from nowhere
 MOST_ITERATIONS = 60
 CLOSED = 1e-6  # of the block size: a gap that is none
 GONE = 1e-9  # of the block size: an overlap that is none
@@ -234,3 +236,97 @@ def _pressed_force(u: float, phi: float, half: float, stiffness: float) -> float
     if high > 0.0:
         length *= low / (low - high)
     return 0.5 * stiffness * length * (max(-high, 0.0) - low)
+
+
+@compiled
+def march(
+    a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, dead: Array,
+    base: Array, x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, energy: Array, h: float,
+    theta: float, beta: float, lifted: Array, sizes: Any, halving: Any, watch: float, begun: Array, xs: Array, vs: Array,
+    fs: Array, es: Array, counts: Any, stored_matrix: Array, packed: Any,
+) -> tuple[int, int]:  # fmt: skip
+    """Steps of length h under base accelerations (k + 1, 3), m/s², linear in between, recorded in xs, vs, fs and es.
+
+    `sizes`: weight, size of a block and what is accepted of a solution; `halving`: levels down to which a step is halved
+    and the share of the kinetic energy that impacts and the stepping may take before it is; `watch` (m): the way from
+    `begun` (b, 3) from which every step is looked at; `counts` (6,): programs, iterations, halvings, cold starts, and the
+    worst residuals. Returns the steps done and why no more: 0 all are, 1 a block has gone that far, 2 a program is not
+    solved (the motion is as before that step).
+    """
+    weight, size, accepted = sizes
+    levels, share = halving
+    n, c, steps = len(x), len(a), len(base) - 1
+    load, now = np.empty((n, 3)), np.empty((c, PLACE))
+    duration, level = np.empty(levels + 2), np.empty(levels + 2, np.intp)
+    kept_x, kept_v, kept_past, kept_f, kept_y, kept_s, kept_e = (
+        np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3)), np.empty((c, 3)), np.empty((c, 4)), np.empty(c),
+        np.empty(ENERGIES),
+    )  # fmt: skip
+    whole_x, whole_v, whole_past, whole_f, whole_y, whole_s, whole_e = (
+        np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3)), np.empty((c, 3)), np.empty((c, 4)), np.empty(c),
+        np.empty(ENERGIES),
+    )  # fmt: skip
+    for k in range(steps):
+        whole_x[:], whole_v[:], whole_past[:], whole_f[:] = x, v, past, forces
+        whole_y[:], whole_s[:], whole_e[:] = gaps, shear, energy
+        time, top = 0.0, 0
+        duration[0], level[0] = h, 0
+        while top >= 0:
+            step, deep = duration[top], level[top]
+            top -= 1
+            kinetic, fastest = 0.0, 0.0
+            at = (time + theta * step) / h
+            for i in range(n):
+                fastest = max(fastest, abs(v[i, 0]), abs(v[i, 1]))
+                for e in range(3):
+                    kinetic += 0.5 * mass[i, e] * v[i, e] ** 2
+                    load[i, e] = dead[i, e] - mass[i, e] * ((1.0 - at) * base[k, e] + at * base[k + 1, e])
+            kept_x[:], kept_v[:], kept_past[:], kept_f[:] = x, v, past, forces
+            kept_y[:], kept_s[:], kept_e[:] = gaps, shear, energy
+            span = max(STANDARD_GRAVITY * step * step, fastest * step)
+            solved, taken = False, 0.0
+            for start in range(2):
+                if start == 1:  # from nowhere
+                    forces[:], gaps[:] = 0.0, 0.0
+                    forces[:, :2] = COLD * weight
+                    gaps[:] = COLD * span
+                    counts[3] += 1
+                done, taken, force, gap, product = attempt(
+                    a, b, faces, basic, tolerance, row, first, mass, load, x, v, past, forces, gaps, shear, energy, step,
+                    theta, beta, lifted, (weight, size, span, accepted), stored_matrix, packed,
+                )  # fmt: skip
+                counts[0] += 1
+                counts[1] += abs(done)
+                solved = max(force, product) <= accepted
+                if solved:
+                    counts[4], counts[5] = max(counts[4], force), max(counts[5], product)
+                    break
+            small = share * (kinetic + 0.5 * weight / STANDARD_GRAVITY * (STANDARD_GRAVITY * step) ** 2)
+            if deep < levels and (not solved or abs(taken) > small):
+                x[:], v[:], past[:], forces[:] = kept_x, kept_v, kept_past, kept_f
+                gaps[:], shear[:], energy[:] = kept_y, kept_s, kept_e
+                counts[2] += 1
+                duration[top + 1], level[top + 1] = 0.5 * step, deep + 1
+                duration[top + 2], level[top + 2] = 0.5 * step, deep + 1
+                top += 2
+                continue
+            if not solved:
+                x[:], v[:], past[:], forces[:] = whole_x, whole_v, whole_past, whole_f
+                gaps[:], shear[:], energy[:] = whole_y, whole_s, whole_e
+                return k, 2
+            if abs(taken) > small:
+                past[:] = 0.0  # an impact is no acceleration
+            time += step
+        if basic[0, BED] < np.inf:
+            place(a, b, faces, x, tolerance, now)
+            energy[ELASTIC] = strain_energy(now, basic, shear, size)
+        xs[k + 1], vs[k + 1], es[k + 1] = x, v, energy
+        far = 0.0
+        for i in range(n):
+            for e in range(3):
+                far = max(far, abs(x[i, e] - begun[i, e]))
+        for q in range(c):
+            fs[k + 1, q] = forces[q]
+        if far > watch:
+            return k + 1, 1
+    return steps, 0
