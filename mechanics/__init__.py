@@ -12,3 +12,25 @@ from mechanics.errors import (
     UnstableError,
 )
 from mechanics.procedures.limit_analysis import limit_analysis
+from mechanics.procedures.pushdown import pushdown
+from mechanics.procedures.pushover import pushover
+from mechanics.procedures.time_history import TimeHistory, time_history
+
+__all__ = [
+    "Assembly",
+    "Block",
+    "CollapseError",
+    "ControlError",
+    "ConvergenceError",
+    "DrawingError",
+    "Material",
+    "NoEquilibriumError",
+    "State",
+    "TimeHistory",
+    "UnstableError",
+    "limit_analysis",
+    "pushdown",
+    "pushover",
+    "read_drawing",
+    "time_history",
+]

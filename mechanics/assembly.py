@@ -15,6 +15,7 @@ from mechanics.errors import require
 from mechanics.joints import Joints, default_tolerance, find_joints
 from mechanics.kernels.bed import MOST_SEGMENTS
 from mechanics.model.contacts import Contacts, drawn_contacts
+from mechanics.model.proximity import Outlines
 from mechanics.types import GRAVITY, Array, Index, Mask
 
 LIGHTEST = (
@@ -31,14 +32,15 @@ class State:
     """Where the blocks are and how they move.
 
     `positions` (b, 3): x, z (m) of each centroid and rotation (rad) from the drawing, supports included;
-    `velocities` (b, 3): their rates; `shear` (j,): tangential forces (kN) of the joints of finite tangential stiffness,
-    None where there are none; `carrying` (j,): joints that carry in the equilibrium that led here, closed where rigid
+    `velocities` (b, 3): their rates; `shear` (j,): tangential forces (kN) of the drawn joints, and `met` (k, 3): two
+    edges and that force, of faces that met on the way, where their stiffness is finite; `carrying` (j,): joints that carry in the equilibrium that led here, closed where rigid
     whatever gap dilatant sliding has left in them; None where no equilibrium did.
     """
 
     positions: Array
     velocities: Array
     shear: Array | None = None
+    met: Array | None = None
     carrying: Mask | None = None
 
 
@@ -46,13 +48,16 @@ class State:
 class Assembly:
     """Blocks and the dry joints between them; supports are the blocks that bear a support's name.
 
-    `segments_per_joint`: of the paper's beds of points in elastic analyses; by default the bed is exact. `tolerance` (m): edges closer than this touch (default: a thousandth of the median edge).
+    `segments_per_joint`: of the paper's beds of points in elastic analyses; by default the bed is exact.
+    `tolerance` (m): edges closer than this touch (default: a thousandth of the median edge). `collisions`: blocks that were
+    apart as drawn may come to touch.
     Raises ValueError where there is nothing to analyse.
     """
 
     blocks: Sequence[Block]
     segments_per_joint: int | None = None
     tolerance: float | None = None
+    collisions: bool = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "blocks", tuple(self.blocks))
@@ -96,6 +101,26 @@ class Assembly:
     def contacts(self) -> Contacts:
         """The contacts of the joints as drawn."""
         return drawn_contacts(self.blocks, self.joints, self.segments_per_joint or 0, self.joint_tolerance)
+
+    @cached_property
+    def outlines(self) -> Outlines:
+        """Edges and corners of the blocks."""
+        return Outlines.of(self.blocks)
+
+    @cached_property
+    def radius(self) -> Array:
+        """Distance (b,) of each block's farthest corner from its centroid, m."""
+        return np.array([np.hypot(*(b.polygon - b.centroid).T).max() for b in self.blocks])
+
+    @cached_property
+    def block_size(self) -> Array:
+        """Root of the area of each block (b,), m."""
+        return np.array([np.sqrt(b.area) for b in self.blocks])
+
+    def farthest(self, one: Array, other: Array) -> float:
+        """The longest way (m) that a corner can have gone from positions (b, 3) to others."""
+        moved = abs(other - one)
+        return float((np.hypot(moved[:, 0], moved[:, 1]) + self.radius * moved[:, 2]).max())
 
     def check_behaviour(self, behaviour: Behaviour) -> None:
         """Raise ValueError where it is none, or where elastic joints lack a stiffness."""

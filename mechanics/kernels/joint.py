@@ -36,7 +36,8 @@ PLACE = 15
 def place(a: Any, b: Any, faces: Array, positions: Array, tolerance: float, places: Array) -> None:
     """Where the joints (j,) of blocks at `positions` (b, 3) are, into `places` (j, PLACE).
 
-    A joint whose faces do not overlap has a negative half-length.
+    The half-length is negative where faces do not overlap, or lie deeper in each other than they overlap: a corner is held
+    by the face into which it has come the least.
     """
     for k in range(len(a)):
         i, j = a[k], b[k]
@@ -71,6 +72,8 @@ def place(a: Any, b: Any, faces: Array, positions: Array, tolerance: float, plac
         turn = (1.0 - beta) * np.cos((1.0 - beta) * delta) + beta * cos
         half = 0.5 * (high - low)
         arm = -half if upper else half
+        if 2.0 * half < -w:
+            half = -abs(half)
         out = places[k]
         out[NX], out[NZ] = nx, nz
         out[MU] = rax * nz - raz * nx - beta * along + arm * turn

@@ -71,8 +71,13 @@ def strain_energy(places: Array, law: Array, shear: Array, size: float) -> float
 
 
 @compiled
-def _apart(gap: float, closed: float) -> float:
-    """The gap of an end that its velocity has to respect: blocks that lie in each other are not thrown apart."""
+def _apart(gap: float, rate: float, closed: float, bounce: float) -> float:
+    """The gap of an end that its velocity has to respect: blocks that lie in each other are not thrown apart.
+
+    An end that would meet at its `rate` leaves at the share `bounce` of it: at once, not where it touches.
+    """
+    if bounce > 0.0 and gap + rate <= 0.0:
+        return bounce * min(rate, 0.0)
     return gap if gap > closed else 0.0
 
 
@@ -80,13 +85,14 @@ def _apart(gap: float, closed: float) -> float:
 def attempt(
     a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, load: Array,
     x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, energy: Array, h: float, theta: float, beta: float,
-    lifted: Array, scale: Any, stored_matrix: Array, packed: Any,
+    restitution: float, lifted: Array, scale: Any, resultants: Array, stored_matrix: Array, packed: Any,
 ) -> tuple[int, float, float, float, float]:  # fmt: skip
     """A step of length h from positions x and velocities v (b, 3), both changed in place, as all that describes the motion.
 
     `load` (b, 3) kN at the share θ; `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4), near which the solution is sought;
-    `shear` (j,) of springs; `energy` (ENERGIES,); `lifted` (j,): gaps that count as none. Returns the iterations, negative
-    where nothing was found, the energy that impacts and the stepping took, and the residuals: force, gap, product.
+    `shear` (j,) of springs; `energy` (ENERGIES,); `restitution` of velocities at which rigid ends meet; `lifted` (j,):
+    gaps that count as none; `resultants` (j, 3): N, P and T found. Returns the iterations, negative where nothing was
+    found, the energy that impacts and the stepping took, and the residuals: force, gap, product.
     """
     weight, size, span, accepted = scale
     c, n, m = len(a), len(x), 0
@@ -115,8 +121,8 @@ def attempt(
             u0, phi0, _ = relative(s, a[k], b[k], v)
             u1, phi1, _ = relative(p, a[k], b[k], v)
             du, dphi = h * (u1 - u0), h * (phi1 - phi0)
-            low = _apart(p[U] - s[H] * p[PHI], CLOSED * size) + du - s[H] * dphi
-            high = _apart(p[U] + s[H] * p[PHI], CLOSED * size) + du + s[H] * dphi
+            low = _apart(p[U] - s[H] * p[PHI], h * (u0 - s[H] * phi0), CLOSED * size, restitution) + du - s[H] * dphi
+            high = _apart(p[U] + s[H] * p[PHI], h * (u0 + s[H] * phi0), CLOSED * size, restitution) + du + s[H] * dphi
             p[U], p[PHI] = 0.5 * (low + high), 0.5 * (high - low) / max(p[H], GONE * size)
         if p[H] <= GONE * size:
             forces[k] = 0.0
@@ -177,15 +183,15 @@ def attempt(
             jerked += mass[i, e] * (speed[i, e] - v[i, e]) ** 2
             work += load[i, e] * moved[i, e]
     contact, rubbed, viscous = 0.0, 0.0, 0.0
-    forces[:] = 0.0
-    before = 0.0
-    after = 0.0
+    forces[:], resultants[:] = 0.0, 0.0
+    before, after = 0.0, 0.0
     new_shear = np.zeros(c)
     for q in range(count):
         k = chosen[q]
         forces[k], gaps[k] = f[q], y[q]
         du, dphi, dv = relative(at[q], a[k], b[k], moved)
         normal, moment, t = f[q, 0] + f[q, 1], at[q, H] * (f[q, 1] - f[q, 0]), f[q, 2]
+        resultants[k, 0], resultants[k, 1], resultants[k, 2] = normal, moment, t
         contact += normal * du + moment * dphi + t * dv
         if elastic:
             soft = laws[q, SHEAR]
@@ -242,21 +248,21 @@ def _pressed_force(u: float, phi: float, half: float, stiffness: float) -> float
 def march(
     a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, dead: Array,
     base: Array, x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, energy: Array, h: float,
-    theta: float, beta: float, lifted: Array, sizes: Any, halving: Any, watch: float, begun: Array, xs: Array, vs: Array,
-    fs: Array, es: Array, counts: Any, stored_matrix: Array, packed: Any,
+    theta: float, beta: float, restitution: float, lifted: Array, sizes: Any, halving: Any, margin: float, radius: Array,
+    begun: Array, xs: Array, vs: Array, fs: Array, es: Array, counts: Any, stored_matrix: Array, packed: Any,
 ) -> tuple[int, int]:  # fmt: skip
     """Steps of length h under base accelerations (k + 1, 3), m/s², linear in between, recorded in xs, vs, fs and es.
 
     `sizes`: weight, size of a block and what is accepted of a solution; `halving`: levels down to which a step is halved
-    and the share of the kinetic energy that impacts and the stepping may take before it is; `watch` (m): the way from
-    `begun` (b, 3) from which every step is looked at; `counts` (6,): programs, iterations, halvings, cold starts, and the
-    worst residuals. Returns the steps done and why no more: 0 all are, 1 a block has gone that far, 2 a program is not
-    solved (the motion is as before that step).
+    and the share of the kinetic energy that impacts and the stepping may take before it is; `margin` (m): how far a
+    corner may go from where it has `begun` (b, 3) before contacts are looked for anew, `radius` (b,) of blocks; `counts`
+    (6,): programs, iterations, halvings, cold starts, and the worst residuals. Returns the steps done and why no more:
+    0 all are, 1 a corner has gone that far, 2 a program is not solved (the motion is as before that step).
     """
     weight, size, accepted = sizes
     levels, share = halving
     n, c, steps = len(x), len(a), len(base) - 1
-    load, now = np.empty((n, 3)), np.empty((c, PLACE))
+    load, now, resultants = np.empty((n, 3)), np.empty((c, PLACE)), np.empty((c, 3))
     duration, level = np.empty(levels + 2), np.empty(levels + 2, np.intp)
     kept_x, kept_v, kept_past, kept_f, kept_y, kept_s, kept_e = (
         np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3)), np.empty((c, 3)), np.empty((c, 4)), np.empty(c),
@@ -293,7 +299,7 @@ def march(
                     counts[3] += 1
                 done, taken, force, gap, product = attempt(
                     a, b, faces, basic, tolerance, row, first, mass, load, x, v, past, forces, gaps, shear, energy, step,
-                    theta, beta, lifted, (weight, size, span, accepted), stored_matrix, packed,
+                    theta, beta, restitution, lifted, (weight, size, span, accepted), resultants, stored_matrix, packed,
                 )  # fmt: skip
                 counts[0] += 1
                 counts[1] += abs(done)
@@ -321,12 +327,11 @@ def march(
             place(a, b, faces, x, tolerance, now)
             energy[ELASTIC] = strain_energy(now, basic, shear, size)
         xs[k + 1], vs[k + 1], es[k + 1] = x, v, energy
+        fs[k + 1] = resultants
         far = 0.0
         for i in range(n):
-            for e in range(3):
-                far = max(far, abs(x[i, e] - begun[i, e]))
-        for q in range(c):
-            fs[k + 1, q] = forces[q]
-        if far > watch:
+            way = np.hypot(x[i, 0] - begun[i, 0], x[i, 1] - begun[i, 1]) + radius[i] * abs(x[i, 2] - begun[i, 2])
+            far = max(far, way)
+        if far > margin:
             return k + 1, 1
     return steps, 0

@@ -147,6 +147,8 @@ def between(
         series = 2.0 / (1.0 / k[a] + 1.0 / k[b])
     thin = np.minimum(depth[a], depth[b])
     length = np.minimum(faces[:, A2], faces[:, B2]) - np.maximum(faces[:, A1], faces[:, B1])
+    shorter = np.minimum(faces[:, A2] - faces[:, A1], faces[:, B2] - faces[:, B1])
+    length = np.where(length > tolerance, length, shorter)
     return Contacts(
         a=a,
         b=b,

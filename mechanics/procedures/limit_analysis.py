@@ -8,6 +8,7 @@ import numpy as np
 
 from mechanics.assembly import Assembly, Direction, State
 from mechanics.errors import NoEquilibriumError
+from mechanics.model.contacts import Contacts
 from mechanics.program import LARGEST_MULTIPLIER, Certificate
 from mechanics.solvers import solve
 from mechanics.steps.equilibrium import check_self_weight, closed_program
@@ -19,12 +20,13 @@ class Limit:
     """Onset of collapse.
 
     `alpha`; `mechanism` (b, 3): virtual displacements, the largest centroid displacement being 1; `forces` (j, 3): N, P
-    and T, kN and kNm, of the drawn joints; and the certificate.
+    and T, kN and kNm, of the `contacts`, the drawn joints first; and the certificate.
     """
 
     alpha: float
     mechanism: Array
     forces: Array
+    contacts: Contacts
     certificate: Certificate
 
 
@@ -49,6 +51,6 @@ def limit_in(model: Assembly, direction: Direction, state: State) -> Limit:
         )
     mechanism = np.zeros((len(model.blocks), 3))
     mechanism[model.movable] = solution.displacement.reshape(-1, 3)
-    forces = np.zeros((len(model.contacts), 3))
+    forces = np.zeros((len(closed.contacts), 3))
     forces[closed.index] = solution.forces
-    return Limit(solution.alpha, mechanism / abs(mechanism[:, :2]).max(), forces, solution.certificate)
+    return Limit(solution.alpha, mechanism / abs(mechanism[:, :2]).max(), forces, closed.contacts, solution.certificate)

@@ -14,6 +14,7 @@ from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
 from mechanics.steps.rest import REST, lifted, motion_to_rest
 from mechanics.steps.static_step import Equilibrium, Sliding, StepProblem, find_equilibrium, static_system
 from mechanics.kernels.joint import H
+from mechanics.model.contacts import Contacts
 from mechanics.types import Array
 
 
@@ -33,7 +34,7 @@ TOLERANCES = StartTolerances()
 
 @dataclass(frozen=True, eq=False)
 class PathStart:
-    """A curve's first point: its state, multiplier, forces (j, 3) and certificate.
+    """A curve's first point: its state, multiplier, forces (j, 3) of its contacts, and certificate.
 
     `step`: the equilibrium behind it (rigid: none); `rate` (b, 3): displacements per unit work with which the
     structure leaves it; `share`: how much of an increment the first step is.
@@ -43,6 +44,7 @@ class PathStart:
     step: Equilibrium | None
     alpha: float
     forces: Array
+    contacts: Contacts
     certificate: Certificate
     rate: Array
     share: float
@@ -53,7 +55,7 @@ def mechanism_start(model: Assembly, direction: Direction, state: State | None) 
     limit = limit_analysis(model, direction, state)
     rate = limit.mechanism / float((model.lateral_load(direction) * limit.mechanism).sum())
     share = 1.0 if state is None else TOLERANCES.settled
-    return PathStart(state or model.initial, None, limit.alpha, limit.forces, limit.certificate, rate, share)
+    return PathStart(state or model.initial, None, limit.alpha, limit.forces, limit.contacts, limit.certificate, rate, share)
 
 
 def elastic_start(
@@ -63,8 +65,8 @@ def elastic_start(
 
     Raises UnstableError.
     """
-    system = static_system(model, "elastic", sliding)
     start = settled(model, state, sliding)
+    system = start.system
     lateral = model.lateral_load(direction)
     try:
         alpha = TOLERANCES.first * limit_analysis(model, direction).alpha
@@ -81,7 +83,7 @@ def elastic_start(
     moved = begun.state.positions - start.state.positions
     share = min(1.0, float(abs(moved[:, :2]).max()) / increment)
     rate = moved / float((lateral * moved).sum())
-    return PathStart(start.state, start, 0.0, start.forces, start.certificate, rate, share)
+    return PathStart(start.state, start, 0.0, start.forces, start.contacts, start.certificate, rate, share)
 
 
 def no_way_from_rest(why: str) -> UnstableError:
@@ -98,11 +100,11 @@ def settled(model: Assembly, state: State | None, sliding: Sliding = "associativ
     Raises UnstableError where there is none, or where joints as drawn are too soft to be small beside the blocks.
     """
     check_self_weight(model)
-    system = static_system(model, "elastic", sliding)
     begun = model.starting(state)
+    system = static_system(model, "elastic", sliding).around(begun.positions, rest_size(model, "elastic"))
     try:
         step = rest(system, begun)
-        if lifted(step, system.law, model.weight) > REST.lifted * model.size:
+        if lifted(step, model.weight) > REST.lifted * model.size:
             problem = StepProblem(system, step.state, model.dead_load, rest_size(model, "elastic"))
             step = motion_to_rest(problem, step.state.positions)
     except NoEquilibriumError as fall:

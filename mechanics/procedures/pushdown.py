@@ -28,6 +28,7 @@ class PushdownTolerances:
 
 
 TOLERANCES = PushdownTolerances()
+WAY = 4.0  # expected displacements of a step, within which contacts are looked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,6 +160,7 @@ class _Path:
     def _step(self, last: Equilibrium, past: Array, here: float, by: float, size: float) -> Equilibrium:
         guess = self.moving.moved(last.state.positions + past * by, here + by)
         expected = max(self.moving.swing * max(by, size), self.smallest)
+        self.system = self.system.around(last.state.positions, WAY * expected)
         problem = StepProblem(self.system, last.state, self.model.dead_load, expected)
         # a structure at rest is no neighbour of one that begins to move: which hinges open is open
         found, self.jumped = reach(problem, guess, last if past.any() else None)
@@ -181,10 +183,10 @@ class _Path:
     def settle(self) -> State:
         """The state at rest after the movement: what sliding has lifted comes down."""
         step = self.steps[-1]
-        lift = lifted(step, self.system.law, self.model.weight)
+        lift = lifted(step, self.model.weight)
         if lift <= REST.lifted * self.model.size:
             return step.state
-        problem = StepProblem(self.system, step.state, self.model.dead_load, max(lift, self.smallest))
+        problem = StepProblem(step.system, step.state, self.model.dead_load, max(lift, self.smallest))
         rested = motion_to_rest(problem, step.state.positions)
         self.certificates.append(rested.certificate)
         return rested.state

@@ -16,6 +16,7 @@ from mechanics.program import Certificate
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, Sliding, StepProblem, static_system
 from mechanics.kernels.joint import V as SLIP
+from mechanics.model.contacts import Contacts
 from mechanics.types import Array
 
 
@@ -50,7 +51,7 @@ class Pushover:
     followed to α = 0, at its last point; `lost`: whether it ends because no equilibrium lies beyond that point; `end`:
     why it ends; `crossed` (n, 2) m: between which displacements a part moves by itself, until others hold it again.
     `certificates` of every step. `mechanism` (b, 3): virtual displacements at the point `formed`, the first with the
-    largest multiplier in which the control point moves; `forces` (j, 3): N, P and T of the joints there.
+    largest multiplier in which the control point moves; `forces` (j, 3): N, P and T of the `contacts` there.
     """
 
     displacement: Array
@@ -65,6 +66,7 @@ class Pushover:
     mechanism: Array
     formed: int
     forces: Array
+    contacts: Contacts
 
     @property
     def peak(self) -> int:
@@ -175,6 +177,7 @@ class _Curve:
     def _step(self, work: float, fastest: float) -> tuple[Equilibrium, bool]:
         """The equilibrium after so much work (kNm), and whether blocks were let go to find it."""
         now = self.states[-1]
+        self.system = self.system.around(now.positions, 2.0 * work * fastest)
         problem = StepProblem(self.system, now, self.model.dead_load, work * fastest, self.lateral, work)
         step, jumped = reach(problem, now.positions + work * self.rate, self.steps[-1] if self.steps else None)
         if self.system.rigid and self._slides(now, step):
@@ -185,7 +188,7 @@ class _Curve:
         return step, jumped
 
     def _slides(self, now: State, step: Equilibrium) -> bool:
-        before = self.system.contacts.places(now.positions)
+        before = step.contacts.places(now.positions)
         slip = abs(step.places[:, SLIP] - before[:, SLIP])[step.forces[:, 0] > 0.0]
         return bool(slip.max(initial=0.0) > TOLERANCES.slid * self.model.size)
 
@@ -274,7 +277,7 @@ class _Curve:
                 f"control = {tuple(self.control.tolist())} takes no part in the mechanism along {self.direction}, "
                 f"or the increment is too large: {self.end}"
             )
-        formed, mechanism, forces = self._mechanism()
+        formed, mechanism, forces, contacts = self._mechanism()
         return Pushover(
             np.array(self.displacement),
             np.array(self.multiplier),
@@ -288,31 +291,33 @@ class _Curve:
             mechanism,
             formed,
             forces,
+            contacts,
         )
 
-    def _mechanism(self) -> tuple[int, Array, Array]:
+    def _mechanism(self) -> tuple[int, Array, Array, Contacts]:
         """The point at which the mechanism is activated, its virtual displacements (b, 3), and the forces there."""
         peak = _peak(np.array(self.multiplier))
         for point in range(peak, len(self.states)):
-            mechanism, forces = self._mechanism_at(point)
+            mechanism, forces, contacts = self._mechanism_at(point)
             if self._takes_part(point, mechanism):
-                return point, mechanism, forces
+                return point, mechanism, forces, contacts
         return peak, *self._mechanism_at(peak)
 
-    def _mechanism_at(self, point: int) -> tuple[Array, Array]:
-        """Virtual displacements (b, 3) and forces (j, 3) at a point; elastic: the motion that follows."""
+    def _mechanism_at(self, point: int) -> tuple[Array, Array, Contacts]:
+        """Virtual displacements (b, 3), forces (j, 3) and their contacts at a point; elastic: the motion that follows."""
         rigid = self.system.rigid
         if rigid and point == 0:
-            return self.first.rate, self.first.forces
-        forces = self.steps[point - rigid].forces
+            return self.first.rate, self.first.forces, self.first.contacts
+        step = self.steps[point - rigid]
+        forces, contacts = step.forces, step.contacts
         if rigid:
             try:
                 found = limit_in(self.model, self.direction, self.states[point])
-                return found.mechanism, forces
+                return found.mechanism, forces, contacts
             except (NoEquilibriumError, ConvergenceError):
                 pass
         begin = min(point, len(self.states) - 2)
-        return self.states[begin + 1].positions - self.states[begin].positions, forces
+        return self.states[begin + 1].positions - self.states[begin].positions, forces, contacts
 
     def _takes_part(self, point: int, mechanism: Array) -> bool:
         """Whether the control point moves along the push in virtual displacements (b, 3) of a point."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.steps.rest import motion_to_rest
@@ -40,9 +40,21 @@ def reach(
 ) -> tuple[Equilibrium, bool]:
     """The equilibrium of a step, and whether blocks were let go to find it.
 
-    Collapse is a fact and not a failed step: where there is no equilibrium nearby, the motion that follows decides.
+    Collapse is a fact and not a failed step: where there is no equilibrium nearby, the motion that follows decides. A
+    step in which blocks came into each other that were too far apart to touch is repeated with their faces in contact.
     Raises NoEquilibriumError where it runs away.
     """
+    while True:
+        found, jumped = _reach(problem, guess, last)
+        system = problem.system.around(found.state.positions, 0.0)
+        if system is problem.system or not system.met_inside(problem.system, found.state.positions):
+            return found, jumped
+        problem = replace(problem, system=system)
+
+
+def _reach(
+    problem: StepProblem, guess: Array, last: Equilibrium | None
+) -> tuple[Equilibrium, bool]:
     try:
         return find_equilibrium(problem, guess, last), False
     except (NoEquilibriumError, ConvergenceError) as stop:

@@ -5,24 +5,25 @@ Everything moves in the frame of the ground: the supports rest there and base mo
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
-from mechanics.assembly import Assembly, Behaviour, State
+from mechanics.assembly import Assembly, State
 from mechanics.errors import ConvergenceError
 from mechanics.kernels.interior_iteration import BED, SHEAR
-from mechanics.kernels.joint import H, V
-from mechanics.kernels.motion_step import ENERGIES, march, strain_energy
-from mechanics.model.contacts import Contacts
+from mechanics.kernels.joint import H
+from mechanics.kernels.motion_step import ELASTIC, ENERGIES, march, strain_energy
+from mechanics.model.contacts import Contacts, rows
+from mechanics.program import end_forces
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.threads import one_thread
-from mechanics.steps.static_step import StaticSystem, static_system
+from mechanics.steps.static_step import StaticSystem, moved_over, spring_forces, static_system
 from mechanics.types import Array, Index
 
 ACCEPTED = 1e-7  # what a program may miss, per weight and span
-COLD = 10.0  # forces and gaps before the first step, per weight and span
+AHEAD = 0.05  # of the block size: how far a corner goes before contacts are looked for anew
 
 
 @dataclass(eq=False)
@@ -45,16 +46,19 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class Recorded:
-    """What steps were recorded: positions and velocities (k + 1, b, 3), forces (k + 1, j, 3), energies; and the `reason`.
+    """Positions and velocities (k + 1, b, 3), N, P and T (k + 1, j, 3) and energies (k + 1, ENERGIES) of k steps.
 
-    That no more were done: 0 all are, 1 a block has gone as far as is watched.
+    Of the first ones, from which the steps begin, the forces are unknown.
     """
 
     x: Array
     v: Array
     forces: Array
     energy: Array
-    reason: int
+
+    def until(self, last: int) -> Recorded:
+        """The first steps, up to the `last`."""
+        return Recorded(*(values[: last + 1] for values in (self.x, self.v, self.forces, self.energy)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,14 +74,14 @@ class DynamicSystem:
     """The system of a motion.
 
     `theta`: the share of a step at which balance holds; `damping` (s): viscous contact force per elastic one and rate of
-    gap; `halving` of steps; `lifted` (j,) m: gaps that count as none. `counts` (6,): programs, iterations, halvings, cold
+    gap; `restitution` of normal velocities; `halving` of steps; `lifted` (j,) m: gaps that count as none. `counts` (6,): programs, iterations, halvings, cold
     starts, and the worst residuals of force and product.
     """
 
     system: StaticSystem
-    contacts: Contacts
     theta: float
     damping: float
+    restitution: float
     halving: Halving
     lifted: Array
     counts: Array = field(default_factory=lambda: np.zeros(6))
@@ -87,12 +91,36 @@ class DynamicSystem:
         """The assembly."""
         return self.system.model
 
+    @property
+    def contacts(self) -> Contacts:
+        """Where blocks touch, or may within the way that is looked ahead."""
+        return self.system.contacts
+
     @cached_property
     def layout(self) -> Elimination:
         """In which order the matrices are eliminated."""
-        dof, model = self.model.dof, self.model
-        rows = np.concatenate([dof[self.contacts.a], dof[self.contacts.b]], axis=1)
-        return Elimination.of(rows, model.initial.positions[model.movable, :2])
+        model = self.model
+        return Elimination.of(self.system.dof, model.initial.positions[model.movable, :2])
+
+    @property
+    def margin(self) -> float:
+        """How far (m) a corner may go before contacts are looked for anew."""
+        return AHEAD * self.model.size if self.model.collisions else np.inf
+
+    def around(self, motion: Motion) -> DynamicSystem:
+        """The system with the contacts about a motion, whose arrays become those of these contacts."""
+        system, before = self.system.around(motion.x, self.margin), self.contacts
+        if system is self.system:
+            return self
+        lifted = moved_over(self.lifted[:, None], before, system.contacts)[:, 0]
+        found = replace(self, system=system, lifted=lifted)
+        if np.array_equal(before.edges, system.contacts.edges):
+            found.__dict__["layout"] = self.layout
+        motion.forces, motion.gaps, motion.shear = (
+            moved_over(v, before, system.contacts) for v in (motion.forces, motion.gaps, motion.shear[:, None])
+        )
+        motion.shear = motion.shear[:, 0].copy()
+        return found
 
     @cached_property
     def first(self) -> Index:
@@ -101,65 +129,44 @@ class DynamicSystem:
         first[self.model.movable] = 3 * np.argsort(self.layout.order[::3] // 3)
         return first
 
-    @cached_property
-    def smallest(self) -> float:
-        """Size of the smallest block, m."""
-        return float(np.sqrt(min(b.area for b in self.model.blocks)))
-
     def begun(self, start: State, forces: Array | None) -> Motion:
         """The motion that begins in a state, with forces (j, 3) N, P and T where they are known."""
-        count = len(self.contacts)
+        count, elastic = len(self.contacts), not self.system.rigid
+        places = self.contacts.places(start.positions)
         ends = np.zeros((count, 3))
         if forces is not None:
-            half = np.maximum(self.contacts.places(start.positions)[:, H], 1e-300)
-            couple = forces[:, 1] / half
-            ends = np.stack([0.5 * (forces[:, 0] - couple), 0.5 * (forces[:, 0] + couple), forces[:, 2]], axis=1)
-        shear = np.zeros(count)
-        if not self.system.rigid:
-            if forces is not None:
-                shear = forces[:, 2].copy()
-            elif start.shear is not None:
-                shear[: len(start.shear)] = start.shear
-        energy = np.zeros(ENERGIES)
-        if not self.system.rigid:
-            places = self.contacts.places(start.positions)
-            energy[0] = strain_energy(places, self.system.law, shear, self.model.size)
+            ends[:, :2], ends[:, 2] = end_forces(forces, places[:, H]), forces[:, 2]
+        shear, energy = np.zeros(count), np.zeros(ENERGIES)
+        if elastic:
+            shear = spring_forces(self.contacts, start)
+            energy[ELASTIC] = strain_energy(places, self.system.law, shear, self.model.size)
         return Motion(
             start.positions.copy(), start.velocities.copy(), np.zeros_like(start.positions), ends,
             np.zeros((count, 4)), shear, energy,
         )  # fmt: skip
 
     @one_thread()
-    def march(self, motion: Motion, base: Array, step: float, watch: float, begun: Array) -> Recorded:
+    def march(self, motion: Motion, base: Array, step: float) -> Recorded:
         """The steps of a motion under base accelerations (k + 1, 3), m/s², one `step` (s) apart; the motion goes on.
 
-        Ends after the step in which a block is farther than `watch` (m, or rad) from where it `begun` (b, 3). Raises
-        ConvergenceError where a step is not solved, however short.
+        Ends early after the step in which a corner has gone farther than the margin. Raises ConvergenceError where a step
+        is not solved, however short.
         """
         model, c = self.model, self.contacts
         steps, count = len(base) - 1, len(c)
         xs, vs = (np.empty((steps + 1, len(model.blocks), 3)) for _ in range(2))
-        fs, es = np.empty((steps + 1, count, 3)), np.empty((steps + 1, ENERGIES))
-        xs[0], vs[0], fs[0], es[0] = motion.x, motion.v, motion.forces, motion.energy
+        fs, es = np.zeros((steps + 1, count, 3)), np.empty((steps + 1, ENERGIES))
+        xs[0], vs[0], es[0] = motion.x, motion.v, motion.energy
         done, reason = march(
             c.a, c.b, c.faces, self.system.law, c.tolerance, self.layout.row, self.first, model.mass, model.dead_load,
             base, motion.x, motion.v, motion.past, motion.forces, motion.gaps, motion.shear, motion.energy, step,
-            self.theta, self.damping, self.lifted, (self.system.weight, model.size, ACCEPTED),
-            (self.halving.levels, self.halving.share), watch, begun, xs, vs, fs, es, self.counts,
+            self.theta, self.damping, self.restitution, self.lifted, (self.system.weight, model.size, ACCEPTED),
+            (self.halving.levels, self.halving.share), self.margin, model.radius, motion.x.copy(), xs, vs, fs, es, self.counts,
             self.layout.work_space, self.layout.packed,
         )  # fmt: skip
         if reason == 2:
             raise ConvergenceError(f"a step of the motion was not solved, {done} steps on")
-        return Recorded(xs[: done + 1], vs[: done + 1], fs[: done + 1], es[: done + 1], reason)
-
-
-def dynamic_system(
-    model: Assembly, behaviour: Behaviour, theta: float, halving: Halving, damping: float = 0.0
-) -> DynamicSystem:
-    """The system of the motions of an assembly."""
-    system = static_system(model, behaviour)
-    return DynamicSystem(system, system.contacts, theta, damping, halving, np.zeros(len(system.contacts)))
-
+        return Recorded(xs[: done + 1], vs[: done + 1], fs[: done + 1], es[: done + 1])
 
 RIGID_SHEAR = 1e3  # normal stiffnesses: what stands for an infinite tangential one in the first frequency
 
@@ -171,8 +178,6 @@ def first_frequency(model: Assembly) -> float:
     """
     from scipy import sparse
     from scipy.sparse.linalg import LinearOperator, eigsh, splu
-
-    from mechanics.model.contacts import rows
 
     system = static_system(model, "elastic")
     places = system.contacts.places(model.initial.positions)
@@ -202,9 +207,3 @@ def first_frequency(model: Assembly) -> float:
     largest = eigsh(operator, k=1, which="LA", v0=root, return_eigenvectors=False)
     # where few modes differ ARPACK goes on from random vectors: its last digits are not repeatable
     return float(f"{1.0 / np.sqrt(largest[0]):.10g}")
-
-
-def slips(contacts: Contacts, positions: Array) -> Array:
-    """Slips (j,) of the joints in a configuration."""
-    found: Array = contacts.places(positions)[:, V]
-    return found

@@ -10,7 +10,7 @@ from mechanics.assembly import Assembly, Behaviour, State
 from mechanics.errors import UnstableError
 from mechanics.kernels.interior_iteration import SLID
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.model.contacts import end_gaps, rows
+from mechanics.model.contacts import Contacts, end_gaps, rows
 from mechanics.program import Program
 from mechanics.solvers import BALANCED, imbalance
 from mechanics.solvers.elimination import Elimination
@@ -32,9 +32,10 @@ FAR = 1e3  # such displacements: the gap of an end that is open
 
 @dataclass(frozen=True, eq=False)
 class ClosedProgram:
-    """The rigid program over the joints closed in a state, their indices and the layout of its matrices."""
+    """The rigid program over the contacts closed in a state: their indices among all, and the layout of its matrices."""
 
     program: Program
+    contacts: Contacts
     index: Index
     layout: Elimination
 
@@ -46,12 +47,14 @@ def closed_program(
 
     An end of a joint is closed where its gap is none, or where the joint carries as far as is known.
     """
-    system = static_system(model, "rigid", sliding)
     step = ONSET * model.size
+    system = static_system(model, "rigid", sliding).around(state.positions, step)
     places = system.contacts.places(state.positions)
     gaps = end_gaps(places)
     closed = gaps <= CLOSED * model.size
-    closed[carrying(model, state), gaps[carrying(model, state)].argmin(axis=1)] = True
+    if state.carrying is not None:
+        carrying = np.flatnonzero(state.carrying)
+        closed[carrying, gaps[carrying].argmin(axis=1)] = True
     index = np.flatnonzero(closed.any(axis=1) & (places[:, H] > VANISHED * model.size))
     low, high = np.where(closed, 0.0, FAR * step).T
     places[:, U], places[:, PHI] = 0.5 * (low + high), 0.5 * (high - low) / np.maximum(places[:, H], 1e-300)
@@ -71,14 +74,7 @@ def closed_program(
         size=model.size,
         step=step,
     )
-    return ClosedProgram(program, index, system.layout.take(index))
-
-
-def carrying(model: Assembly, state: State) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Drawn joints (j,) that carry in a state, as far as that is known."""
-    if state.carrying is None:
-        return np.zeros(len(model.contacts), dtype=bool)
-    return state.carrying
+    return ClosedProgram(program, system.contacts, index, system.layout.take(index))
 
 
 def check_self_weight(model: Assembly, state: State | None = None) -> None:

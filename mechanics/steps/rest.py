@@ -12,11 +12,21 @@ import numpy as np
 
 from mechanics.assembly import State
 from mechanics.errors import ConvergenceError, NoEquilibriumError
+from mechanics.kernels.joint import H
 from mechanics.model.contacts import end_gaps
 from mechanics.program import bed_gaps, end_forces
 from mechanics.solvers import ACCEPTED, interior, solve
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.static_step import DISTANCE, Equilibrium, StepProblem, _displaced, _spread, _taken, find_equilibrium
+from mechanics.steps.static_step import (
+    DISTANCE,
+    Equilibrium,
+    StepProblem,
+    displaced,
+    find_equilibrium,
+    iterate_over,
+    over_all,
+    taken,
+)
 from mechanics.types import GRAVITY, Array
 
 
@@ -56,7 +66,11 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     for _ in range(tolerances.steps):
         # the work counts from the beginning, slips from the last step: what has slid does not come back
         done = 0.0 if problem.lateral is None else float((problem.lateral * (at - problem.start.positions)).sum())
-        step = replace(problem, start=since, size=size, work=problem.work - done, mass=model.mass / time**2)
+        before, system = system, system.around(at, size)
+        iterate = iterate and iterate_over(iterate, before.contacts, system.contacts)
+        step = replace(
+            problem, system=system, start=since, size=size, work=problem.work - done, mass=model.mass / time**2
+        )
         moved, iterate = _one(step, at, iterate)
         since = State(moved, np.zeros_like(moved))
         left, at = way(at, moved, model.size), moved
@@ -65,7 +79,9 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
             raise NoEquilibriumError(f"the structure falls: left to itself it moves by {far:.2g} m and does not rest")
         if left <= tolerances.still * model.size:
             done = 0.0 if problem.lateral is None else float((problem.lateral * (at - begun)).sum())
-            final = replace(problem, start=State(at, np.zeros_like(at)), size=size, work=problem.work - done)
+            final = replace(
+                problem, system=system, start=State(at, np.zeros_like(at)), size=size, work=problem.work - done
+            )
             return find_equilibrium(final, at)
     raise NoEquilibriumError(f"left to itself the structure does not come to rest: it goes on by {left:.2g} m a step")
 
@@ -77,25 +93,21 @@ def _one(problem: StepProblem, at: Array, iterate: Iterate | None) -> tuple[Arra
     layout = system.layout.take(index)
     starts = [interior.cold(program)]
     if iterate is not None:
-        starts.insert(0, _taken(iterate, index).warm(program, DISTANCE))
+        starts.insert(0, taken(iterate, index).warm(program, DISTANCE))
     for start in starts:
         found, outcome = interior.run(program, layout, start, 1e3 * ACCEPTED)
         if outcome.accepted:
-            count = len(system.contacts)
-            whole = replace(
-                found, forces=_spread(found.forces, index, count), gaps=_spread(found.gaps, index, count)
-            )
-            return _displaced(system.model, at, found.displacement), whole
+            return displaced(system.model, at, found.displacement), over_all(found, index, len(system.contacts))
     solution, _ = solve(program, layout)
     raise ConvergenceError(f"a step of a motion to rest was not solved: {solution.certificate}")
 
 
-def lifted(equilibrium: Equilibrium, law: Array, weight: float) -> float:
+def lifted(equilibrium: Equilibrium, weight: float) -> float:
     """By how much (m) joints that carry lack the compression of their forces, at most; rigid ones: their gap."""
     carries = equilibrium.forces[:, 0] > 1e-6 * weight
     places, forces = equilibrium.places[carries], equilibrium.forces[carries]
     missing = end_gaps(places)
-    half = abs(places[:, 7])
-    if len(law) and np.isfinite(law[0, 3]):
-        missing = missing - bed_gaps(end_forces(forces, half), half, law[carries])
+    if not equilibrium.system.rigid:
+        half = abs(places[:, H])
+        missing = missing - bed_gaps(end_forces(forces, half), half, equilibrium.system.law[carries])
     return float(missing.min(axis=1).max(initial=0.0))

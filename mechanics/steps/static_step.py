@@ -13,6 +13,7 @@ from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.kernels.interior_iteration import BED, FRICTION, LAW, LIFT, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.kernels.joint import ARM, BETA, MV, PHI, H, U, V, curvature
 from mechanics.model.contacts import Contacts, end_gaps
+from mechanics.model.proximity import near
 from mechanics.program import (
     LARGEST_MULTIPLIER,
     Certificate,
@@ -39,19 +40,50 @@ CARRYING = 1e-6  # of the weight: a force that is one
 JUMP = 30.0  # a step this many times larger than asked is a fall, not a path of equilibrium
 TURN = 0.5  # rad: a step that turns a block by more leaves the range in which its geometry is linear
 VANISHED = 1e-9  # of the block size: an overlap that is none
+SEEN = 0.05  # of the block size: how far beyond a step contacts are looked for
+INSIDE = 1e-6  # of the block size: a penetration that is one
 
 
 @dataclass(frozen=True, eq=False)
 class StaticSystem:
     """What does not change along a path: an assembly, how its joints behave, and where blocks touch.
 
-    `law` (j, LAW): see kernels.interior_iteration, but for the slip from which slides count.
+    `law` (j, LAW): see kernels.interior_iteration, but for the slip from which slides count. The contacts are those of
+    configurations whose corners are within `reach` (m) of where they are at `seen` (b, 3); None: no others than drawn.
     """
 
     model: Assembly
     behaviour: Behaviour
     sliding: Sliding
     contacts: Contacts
+    seen: Array | None = None
+    reach: float = np.inf
+
+    def __getstate__(self) -> dict[str, object]:
+        """What is kept of it: matrices are laid out anew where it is used again."""
+        return {name: value for name, value in self.__dict__.items() if name not in {"layout", "law", "dof"}}
+
+    def around(self, positions: Array, way: float) -> StaticSystem:
+        """The system with the contacts of configurations within a `way` (m) of positions (b, 3)."""
+        model = self.model
+        if not model.collisions:
+            return self
+        if self.seen is not None and model.farthest(self.seen, positions) + way <= self.reach:
+            return self
+        reach = 2.0 * way + SEEN * model.size
+        contacts = near(model.outlines, model.contacts, self.contacts, positions, 2.0 * reach)
+        found = replace(self, contacts=contacts, seen=positions.copy(), reach=reach)
+        if np.array_equal(contacts.edges, self.contacts.edges):
+            found.__dict__["layout"] = self.layout  # the same pairs of blocks
+        return found
+
+    def met_inside(self, before: StaticSystem, positions: Array) -> bool:
+        """Whether faces that the system `before` did not know lie in each other at positions (b, 3)."""
+        known = set(map(tuple, before.contacts.edges.tolist()))
+        new = np.array([tuple(e) not in known for e in self.contacts.edges.tolist()], dtype=bool)
+        places = self.contacts.take(np.flatnonzero(new)).places(positions)
+        inside = end_gaps(places).min(axis=1) < -INSIDE * self.model.size
+        return bool((inside & (places[:, H] > 0.0)).any())
 
     @property
     def rigid(self) -> bool:
@@ -104,13 +136,13 @@ def static_system(model: Assembly, behaviour: Behaviour, sliding: Sliding = "ass
 class Equilibrium:
     """Forces and a geometry that agree: a point of a path.
 
-    `places` (j, PLACE) of the `contacts` in the state; `forces` (j, 3): N, P and T, kN and kNm; `alpha` of the lateral
+    `places` (j, PLACE) of the system's contacts in the state; `forces` (j, 3): N, P and T, kN and kNm; `alpha` of the lateral
     load; `iterate` near which the next one is sought; `certificate` of the forces in this geometry; `penetration` m:
     deepest true interpenetration that no bed explains; `solves`: programs solved to get there.
     """
 
     state: State
-    contacts: Contacts
+    system: StaticSystem
     places: Array
     forces: Array
     alpha: float
@@ -118,6 +150,11 @@ class Equilibrium:
     certificate: Certificate
     penetration: float
     solves: int
+
+    @property
+    def contacts(self) -> Contacts:
+        """Where blocks touch, the drawn joints first."""
+        return self.system.contacts
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,9 +178,7 @@ class StepProblem:
         system = self.system
         slid: Array = system.contacts.places(self.start.positions)[:, V]
         if self.start.shear is not None and not system.rigid:
-            slid = slid.copy()
-            count = len(self.start.shear)
-            slid[:count] += system.law[:count, SHEAR] * self.start.shear
+            slid = slid + system.law[:, SHEAR] * spring_forces(system.contacts, self.start)
         return slid
 
     def pose(self, at: Array, forces: Array | None) -> tuple[Program, Index]:
@@ -185,6 +220,25 @@ class StepProblem:
         return program, index
 
 
+def spring_forces(contacts: Contacts, state: State) -> Array:
+    """Tangential forces (j,) kN that the springs of contacts bring from a state."""
+    forces = np.zeros(len(contacts))
+    if state.shear is not None:
+        forces[: len(state.shear)] = state.shear
+    if state.met is not None:
+        known = {(int(e), int(f)): t for e, f, t in state.met}
+        for k in range(0 if state.shear is None else len(state.shear), len(contacts)):
+            forces[k] = known.get((int(contacts.edges[k, 0]), int(contacts.edges[k, 1])), 0.0)
+    return forces
+
+
+def with_springs(contacts: Contacts, state: State, drawn: int, forces: Array) -> State:
+    """A state with the tangential forces (j,) of its contacts' springs."""
+    met = np.column_stack([contacts.edges[drawn:], forces[drawn:]])
+    met = met[met[:, 2] != 0.0]
+    return replace(state, shear=forces[:drawn].copy(), met=met if len(met) else None)
+
+
 def lay_shear(places: Array, forces: Array, turned: Array) -> None:
     """Let T act where the pressure does, midway between the faces: in places (j, PLACE), which are changed.
 
@@ -209,15 +263,17 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     NoEquilibriumError where none lies near, ConvergenceError where that cannot be decided.
     """
     system = problem.system
-    at, forces, iterate, solves = guess, None if last is None else last.forces, None, 0
-    if last is not None and last.iterate is not None and len(last.iterate.forces) == len(system.contacts):
-        iterate, distance = last.iterate, DISTANCE
+    at, forces, iterate, solves = guess, None, None, 0
+    if last is not None:
+        forces = moved_over(last.forces, last.contacts, system.contacts)
+        if last.iterate is not None:
+            iterate, distance = iterate_over(last.iterate, last.contacts, system.contacts), DISTANCE
     stages = STAGES[system.behaviour]
     for stage in range(len(stages) + MOST_ROUNDS):
         accepted = stages[min(stage, len(stages) - 1)]
         program, index = problem.pose(at, forces)
         layout = system.layout.take(index)
-        begun = interior.cold(program) if iterate is None else _taken(iterate, index).warm(program, distance)
+        begun = interior.cold(program) if iterate is None else taken(iterate, index).warm(program, distance)
         found, outcome = interior.run(program, layout, begun, accepted)
         solves += 1
         if not outcome.accepted and program.curved is not None and iterate is None:
@@ -226,9 +282,9 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
             solves += 1
         if not outcome.accepted:
             _refuse(problem, program, layout, outcome.unstable, found)
-        at = _checked(problem, _displaced(system.model, at, found.displacement))
+        at = _checked(problem, displaced(system.model, at, found.displacement))
         forces = _spread(interior.solution(program, found).forces, index, len(system.contacts))
-        iterate, distance = _expanded(found, index, iterate, len(system.contacts)), CLOSER * accepted
+        iterate, distance = over_all(found, index, len(system.contacts)), CLOSER * accepted
         if stage >= len(stages) - 1:
             settled = _settled(problem, at, forces, found.alpha, iterate, solves)
             if settled is not None:
@@ -251,12 +307,13 @@ def _settled(
         return None
     places = system.contacts.places(at)
     carrying = forces[:, 0] > CARRYING * system.model.weight
-    has_shear = bool(system.law[:, SHEAR].any())
     drawn = len(system.model.contacts)
-    state = State(at, np.zeros_like(at), forces[:drawn, 2] if has_shear else None, carrying[:drawn])
+    state = State(at, np.zeros_like(at), carrying=carrying[:drawn])
+    if system.law[:, SHEAR].any():
+        state = with_springs(system.contacts, state, drawn, forces[:, 2])
     return Equilibrium(
         state,
-        system.contacts,
+        system,
         places,
         forces,
         alpha,
@@ -265,6 +322,27 @@ def _settled(
         _penetration(system, places, forces),
         solves,
     )
+
+
+def moved_over(values: Array, before: Contacts, now: Contacts) -> Array:
+    """Values (j, k) of contacts, for others: 0 of those that are new."""
+    if before is now:
+        return values
+    found = np.zeros((len(now), values.shape[1]))
+    place = {tuple(e): k for k, e in enumerate(before.edges.tolist())}
+    for k, e in enumerate(now.edges.tolist()):
+        old = place.get(tuple(e))
+        if old is not None:
+            found[k] = values[old]
+    return found
+
+
+def iterate_over(iterate: Iterate, before: Contacts, now: Contacts) -> Iterate:
+    """An iterate of contacts, for others."""
+    if before is now:
+        return iterate
+    forces, gaps = (moved_over(v, before, now) for v in (iterate.forces, iterate.gaps))
+    return replace(iterate, forces=forces, gaps=gaps)
 
 
 def _refuse(
@@ -293,13 +371,13 @@ def _checked(problem: StepProblem, found: Array) -> Array:
     return found
 
 
-def _displaced(model: Assembly, positions: Array, displacement: Array) -> Array:
+def displaced(model: Assembly, positions: Array, displacement: Array) -> Array:
     moved = positions.copy()
     moved[model.movable] += displacement.reshape(-1, 3)
     return moved
 
 
-def _taken(iterate: Iterate, index: Index) -> Iterate:
+def taken(iterate: Iterate, index: Index) -> Iterate:
     return replace(iterate, forces=iterate.forces[index], gaps=iterate.gaps[index])
 
 
@@ -309,7 +387,7 @@ def _spread(values: Array, index: Index, count: int) -> Array:
     return out
 
 
-def _expanded(found: Iterate, index: Index, before: Iterate | None, count: int) -> Iterate:
+def over_all(found: Iterate, index: Index, count: int) -> Iterate:
     """An iterate over all joints: those without overlap carry nothing."""
     return replace(found, forces=_spread(found.forces, index, count), gaps=_spread(found.gaps, index, count))
 
