@@ -20,11 +20,7 @@ from numba.core.compiler import Compiler
 from numba.core.types import float64
 from numba.extending import intrinsic
 
-SOURCES = (
-    "band", "cholesky", "compiled", "compiled_columns", "compiled_impacts", "compiled_interior_step",
-    "compiled_iterations", "compiled_pattern", "compiled_runs", "compiler", "dissection", "elimination", "kernels",
-    "runs", "tiles",
-)  # fmt: skip
+SOURCES = sorted(Path(__file__).parent.rglob("*.py"))  # whichever of them compiled code may use
 
 
 _Compiler: Any = Compiler
@@ -109,10 +105,10 @@ def cache_folder() -> Path | None:
     """Where compiled code is kept: in the first of these folders in which files can be made; None if there is none.
 
     NUMBA_CACHE_DIR; __pycache__ beside the sources; the user's folder for caches; a folder of the user's own among the
-    temporary files. The folder is named after the sources of all loops: a function's code is out of date, too, when a
+    temporary files. The folder is named after what is in SOURCES: a function's code is out of date, too, when a
     function or a constant that it uses has changed in another file.
     """
-    sources = digest(Path(__file__).with_name(f"{name}.py") for name in SOURCES)
+    sources = digest(SOURCES)
     return next((folder / sources for folder in _folders() if _takes_files(folder / sources)), None)
 
 
