@@ -54,10 +54,10 @@ nearer than 0.002 of a step: 11.2, but rigid walls of 70 blocks 3.2, not 2.9. Fr
 are large: 15. Correctors of Gondzio's only where a step is held up, below a fifth to nine tenths of the way: 12.5 to
 10.8 iterations for one to ten of them, at a fifth of an iteration each.
 
-Two threads, each at the blocks on one side of the line that is eliminated last (in an earlier version): one thread takes
-1.6 and 1.7 times as long for a step of the elastic walls of 1008 and 2997 blocks, 1.4 and 1.5 of the rigid ones; beside
-other programs on both cores about half as long (1008 blocks, elastic: 12.5 ms, not 27). Given up: the second core serves
-another analysis.
+Two threads, each at the blocks on one side of the line that is eliminated last (in an earlier version): one takes 1.6
+and 1.7 times as long for a step of the elastic walls of 1008 and 2997 blocks, 1.4 and 1.5 of the rigid ones; beside
+other programs on both cores about half as long (1008 blocks, elastic: 12.5 ms, not 27). Given up: the second core
+serves another analysis.
 
 Substituting into each front as soon as it is eliminated: a thirtieth less. Loops over the contact points with a quarter
 fewer numbers to read and write (what s z and z lack not stored, the predictor's right-hand side beside the matrix, its
