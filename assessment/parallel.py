@@ -124,10 +124,10 @@ class Workers:
         if not numbers or not (worthwhile or (self.jobs > 1 and len(numbers) > 1)):
             for number in numbers:
                 self.show.under_way(titles[number])
-                yield number, _packed(function, tasks[number], self.processes)
+                yield number, _packed(function, tasks[number])
             return
-        pool, threads = self._pool(worthwhile), max(self.processes // len(numbers), 1)
-        pending = {pool.submit(_packed, function, tasks[number], threads): number for number in numbers}
+        pool = self._pool(worthwhile)
+        pending = {pool.submit(_packed, function, tasks[number]): number for number in numbers}
         while pending:
             for future in wait(pending, return_when=FIRST_COMPLETED).done:
                 yield pending.pop(future), future.result()
@@ -145,7 +145,7 @@ class Workers:
 
     @property
     def processes(self) -> int:
-        """At work at once, or threads of fewer."""
+        """At work at once."""
         return self.jobs or os.cpu_count() or 1
 
     def __enter__(self) -> Self:
@@ -163,9 +163,5 @@ def large(*models: Assembly) -> bool:
     return sum(len(model.elastic_contacts) for model in models) > SMALL
 
 
-def _packed(function: Callable[..., Any], task: tuple[Any, ...], threads: int) -> str:
-    # with NumPy, which a run that takes over all results does not need
-    from mechanics.solvers.threads import at_most
-
-    with at_most(threads):
-        return packed(function(*task))
+def _packed(function: Callable[..., Any], task: tuple[Any, ...]) -> str:
+    return packed(function(*task))

@@ -132,7 +132,6 @@ STEP_COLUMNS: tuple[Column, ...] = (
     ("points", "points", str),
     ("contacts", "contacts", str),
     ("integrator", "integrator", str),
-    ("threads", "threads", str),
     ("step_ms", "step, ms", number),
     ("piqp_ms", "PIQP, ms", number),
     RATIO,
@@ -173,8 +172,7 @@ BENCHMARKS = {
         plain(*STEP_COLUMNS),
     ),
     "growth": Benchmark(
-        "the same as walls grow, and the exponent of its time over the number of blocks; then by one thread alone "
-        "what two have worked at.",
+        "the same as walls grow, and the exponent of its time over the number of blocks.",
         steps.growth,
         plain(*STEP_COLUMNS),
     ),
