@@ -55,9 +55,8 @@ are large: 15. Correctors of Gondzio's only where a step is held up, below a fif
 10.8 iterations for one to ten of them, at a fifth of an iteration each.
 
 Two threads, each at the blocks on one side of the line that is eliminated last (in an earlier version): one takes 1.6
-and 1.7 times as long for a step of the elastic walls of 1008 and 2997 blocks, 1.4 and 1.5 of the rigid ones; beside
-other programs on both cores about half as long (1008 blocks, elastic: 12.5 ms, not 27). Given up: the second core
-serves another analysis.
+and 1.7 times as long for a step of the elastic walls of 1008 and 2997 blocks, 1.4 and 1.5 of the rigid ones, where the
+second core is free. Given up: the second core serves another analysis.
 
 Substituting into each front as soon as it is eliminated: a thirtieth less. Loops over the contact points with a quarter
 fewer numbers to read and write (what s z and z lack not stored, the predictor's right-hand side beside the matrix, its
