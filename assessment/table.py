@@ -22,6 +22,11 @@ class Table:
     columns: tuple[str, ...]
 
 
+def sense(direction: str) -> float:
+    """Return +1 for a push towards +x, −1 towards −x: displacements along the push times it are those along x."""
+    return -1.0 if direction == "-x" else 1.0
+
+
 def reduction(original: float | None, settled: float | None) -> float | None:
     """Return 1 − settled/original: positive where the movement costs capacity; None where one is not known."""
     return None if not original or settled is None else 1.0 - settled / original

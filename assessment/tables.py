@@ -174,22 +174,29 @@ def pushdown_curves(results: Results) -> Table:
 
 
 def mechanisms(results: Results) -> Table:
-    """List the rigid mechanism of every state and direction."""
+    """List the rigid mechanism of every state and direction.
+
+    It is that of α0; where the control point takes no part in that one, `mechanism_alpha` is the multiplier at which
+    the one listed is activated.
+    """
     rows = []
     for name, direction, pushover in _pushovers(results):
         mechanism = pushover.get("rigid", {}).get("mechanism")
         if mechanism:
+            alpha_0, own = pushover["rigid"]["alpha_0"], mechanism["alpha"]
             rows.append(
-                {"state": name, "direction": direction, "alpha_0": pushover["rigid"]["alpha_0"]}
+                {"state": name, "direction": direction, "alpha_0": alpha_0}
+                | ({} if own == alpha_0 else {"mechanism_alpha": own})
                 | {key: mechanism.get(key) for key in ("hinges", "moving_weight_kN", "e_star", "gamma_star")}
                 | {"sliding_joints": len(mechanism["sliding_joints"])}
             )
-    columns = ("state", "direction", "alpha_0", "hinges", "sliding_joints", "moving_weight_kN")
-    return Table("mechanisms", rows, (*columns, "e_star", "gamma_star"))
+    named = ("mechanism_alpha",) if any("mechanism_alpha" in row for row in rows) else ()
+    columns = ("hinges", "sliding_joints", "moving_weight_kN", "e_star", "gamma_star")
+    return Table("mechanisms", rows, ("state", "direction", "alpha_0", *named, *columns))
 
 
 def pushover_curves(results: Results) -> Table:
-    """List the points of every pushover curve."""
+    """List the points of every pushover curve; displacements along x: towards −x they are negative."""
     rows = [
         {
             "state": name,
