@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from assessment.idealisation import CapacityError, Curve, CurveFit, fit_curve
 from assessment.macro_blocks import chosen_mechanisms
 from assessment.project_schema import ORIGINAL
 from assessment.spectrum import Spectrum
-from assessment.table import decisive, sense
+from assessment.table import indices, ratios, sense
 from assessment.trace import numbers
 from assessment.verification import Check, Method, verify
 
@@ -99,16 +99,29 @@ def method_of(project: Project, hazard: HazardCurve | None) -> Method:
 
 
 def governing(capacities: Mapping[str, Mapping[str, Any]]) -> dict[str, Any] | None:
-    """Return direction, limit state and ζ_E of the least check of a state; None where no check has a number."""
+    """Return direction, limit state and ratio of the least check of a state; None where no check has a number."""
+    return _least(capacities, ratios, "ratio")
+
+
+def safety_index(capacities: Mapping[str, Mapping[str, Any]]) -> dict[str, Any] | None:
+    """Return direction, limit state and ζ_E of a state: the least ratio at SLV and SLC (NTC 2018, §8.3)."""
+    return _least(capacities, indices, "zeta_E")
+
+
+def _least(
+    capacities: Mapping[str, Mapping[str, Any]],
+    of: Callable[[Mapping[str, Any]], Mapping[str, float]],
+    called: str,
+) -> dict[str, Any] | None:
     found = [
-        (zeta, direction, name)
+        (value, direction, name)
         for direction, capacity in capacities.items()
-        for name, zeta in decisive(capacity).items()
+        for name, value in of(capacity).items()
     ]
     if not found:
         return None
-    zeta, direction, name = min(found)
-    return {"direction": direction, "limit_state": name, "zeta_E": zeta}
+    value, direction, name = min(found)
+    return {"direction": direction, "limit_state": name, called: value}
 
 
 def assess_chosen(

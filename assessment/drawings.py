@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -227,6 +228,10 @@ def _movement(
     if size > 0.0:
         reach = page.paper(9.0) / size
         axes.annotate("", (x + reach * dx, z + reach * dz), (x, z), arrowprops=ARROW | {"lw": 1.4})
+    if turn := settlement["rotation_rad"]:  # a half circle over the support, anticlockwise from right to left
+        half = math.copysign(page.paper(5.0), turn)
+        bent = {"connectionstyle": f"arc3,rad={math.copysign(1.0, turn)}"}
+        axes.annotate("", (x - half, z), (x + half, z), arrowprops=ARROW | {"lw": 1.4} | bent)
 
 
 def push_arrow(page: Sheet, axes: Axes, bounds: Bounds, direction: str) -> None:

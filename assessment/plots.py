@@ -131,8 +131,7 @@ def _key_numbers(name: str, pushover: Mapping[str, Any], words: Words) -> str:
 
 
 def _movement_lines(axes: Axes, content: Mapping[str, Any], words: Words) -> None:
-    settlement = content["settlement"]
-    applied = max(abs(component) for component in settlement["displacement_m"])
+    applied = max(stage["applied_movement_m"] for stage in content["pushdown"].values())
     if applied > 0.0:
         axes.axvline(1000.0 * applied, color="0.0", linewidth=0.7, linestyle=DASHES[1],
                      label=words.plain("figure.applied", movement=words.millimetres(applied)))  # fmt: skip

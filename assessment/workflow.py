@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from assessment.checks import assess, assess_chosen, governing
+from assessment.checks import assess, assess_chosen, governing, safety_index
 from assessment.convergence import converge
 from assessment.demand import demand_spectra, spectra_numbers
 from assessment.description import describe
@@ -22,7 +22,7 @@ from assessment.stages import stand
 from assessment.states import Request, StateResult, analyse_states
 from assessment.study import Demands, behaviours
 from assessment.study_stages import add_studies
-from assessment.table import reduction, static_pga
+from assessment.table import quoted_limit_state, reduction, static_pga
 
 if TYPE_CHECKING:
     from assessment.model import Model
@@ -149,6 +149,7 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
             notes: list[str] = []
             state["capacity"] = assess(project, assembly, state["pushover"], demands, hazard, notes)
             state["governing"] = governing(state["capacity"])
+            state["safety_index"] = safety_index(state["capacity"])
             warnings += [f"{name}: {note}" for note in notes]
         results["spectra"] = spectra_numbers(project, demands, hazard)
         results["timing_s"]["assessment"] = time.perf_counter() - began
@@ -184,7 +185,10 @@ def _merge(state: Results, stage: StateResult) -> None:
 
 
 def _comparison(states: Mapping[str, Any]) -> list[Results]:
-    """Capacities of each settled state beside the original one's; the dynamic one is the same in every direction."""
+    """Capacities of each settled state beside the original one's; the dynamic one is the same in every direction.
+
+    `limit_state`: the farthest one checked, of which the static capacity is.
+    """
     rows: list[Results] = []
     original = states.get(ORIGINAL)
     if original is None:
@@ -200,6 +204,7 @@ def _comparison(states: Mapping[str, Any]) -> list[Results]:
                 {
                     "state": name,
                     "direction": direction,
+                    "limit_state": quoted_limit_state(original["capacity"].get(direction)),
                     "static_pga_g": after,
                     "static_reduction": reduction(before, after),
                     "dynamic_pga_g": dynamic,

@@ -45,6 +45,7 @@ def results_example(language: str = "it") -> dict[str, Any]:
             {
                 "state": SETTLED,
                 "direction": direction,
+                "limit_state": "SLC",
                 "static_pga_g": _pga(states, SETTLED, direction),
                 "static_reduction": 1.0
                 - _pga(states, SETTLED, direction) / _pga(states, "original", direction),
@@ -341,6 +342,7 @@ def _pushdown() -> dict[str, Any]:
             "reaction_x_kN": (-0.0104 - 0.08 * movement).tolist(),
             "reaction_z_kN": (0.62 + 0.5 * movement).tolist(),
             "ultimate_movement_m": ultimate,
+            "applied_movement_m": 0.02,
             "configuration": _configuration(0.02),
             "ultimate_configuration": _configuration(ultimate),
             "control_displacement_m": (0.5 * movement).tolist(),
