@@ -14,7 +14,7 @@ from assessment.convergence import converge
 from assessment.demand import demand_spectra, spectra_numbers
 from assessment.description import describe
 from assessment.dynamic_stages import add_dynamics, dynamic_contacts, read_motions
-from assessment.messages import ProjectError
+from assessment.messages import ProjectError, nearest
 from assessment.parallel import SILENCE, Show, Workers, large
 from assessment.project_schema import ORIGINAL
 from assessment.segments import in_more_segments
@@ -69,7 +69,7 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
     wanted = list(only)
     for name in wanted:
         if name not in STAGES:
-            raise ProjectError(f"--only: {name}: no such stage; choose from {', '.join(STAGES)}")
+            raise ProjectError(f"--only: {name}: no such stage; {nearest(name, STAGES)}")
     if "sensitivity" in wanted and "assessment" not in wanted:
         wanted.append("assessment")
     if {"assessment", "scenarios"} & {*wanted} and "pushover" not in wanted:
