@@ -198,13 +198,13 @@ def _comparison(states: Mapping[str, Any]) -> list[Results]:
             continue
         dynamic = state["incremental"].get("pga_collapse_g")
         for direction in original["pushover"] or ([None] if state["incremental"] else []):
-            before = static_pga(original["capacity"].get(direction))
-            after = static_pga(state["capacity"].get(direction))
+            checked = [each["capacity"].get(direction) for each in (original, state)]
+            before, after = map(static_pga, checked)
             rows.append(
                 {
                     "state": name,
                     "direction": direction,
-                    "limit_state": quoted_limit_state(original["capacity"].get(direction)),
+                    "limit_state": next(filter(None, map(quoted_limit_state, checked)), None),
                     "static_pga_g": after,
                     "static_reduction": reduction(before, after),
                     "dynamic_pga_g": dynamic,
