@@ -14,8 +14,10 @@ from markupsafe import Markup
 
 from assessment import capacity_tables, study_tables, tables
 from assessment.checks import governing, safety_index
+from assessment.drawings import draw_settlement
 from assessment.hand_check import hand_check
 from assessment.judgement import RESIDUALS, all_warnings, draft_judgement
+from assessment.plots import draw_pushdown
 from assessment.reactions import balance
 from assessment.scenarios import worst as worst_of
 from assessment.words import direction_name, words_of
@@ -576,14 +578,14 @@ def test_a_mechanism_chosen_by_the_engineer_is_not_forgotten():
 
 def test_a_turn_of_a_support_has_its_margin():
     """The largest displacement of a pure rotation is 0: the sentence was left out, and the line of the plot."""
-    from assessment.plots import draw_pushdown
-
     results = results_example("en")
     results["states"][SETTLED]["settlement"] |= {"displacement_m": [0.0, 0.0], "rotation_rad": 0.01}
     text = text_of(results)
     assert "rigid contacts: the movement of 20.0 mm is 30.8 % of the ultimate one (65.0 mm)." in text
     labels = [line.get_label() for line in draw_pushdown(results, words_of(results), SETTLED).axes[0].lines]
     assert "design movement, 20.0 mm" in labels
+    arrows = list(draw_settlement(results, words_of(results), SETTLED).axes[0].texts)
+    assert len(arrows) == 1 and arrows[0].arrowprops["connectionstyle"] == "arc3,rad=1.0"  # anticlockwise
 
 
 def test_a_collapse_before_the_whole_movement_is_no_margin():

@@ -1,4 +1,4 @@
-"""The tables of README against what they are about: the schema, the command line, the dependencies."""
+"""The tables of README against what they are about: schema, command line, dependencies; no text is a placeholder."""
 
 from __future__ import annotations
 
@@ -131,3 +131,12 @@ def test_the_dependencies_are_those_of_the_package():
     declared = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["dependencies"]
     names = {re.match(r"[\w-]+", text)[0] for text in declared}
     assert {cells[0].strip("`") for cells in rows("package | for")} == names
+
+
+def test_no_placeholder_is_left_in_the_sources():
+    """The docstring of demand_spectra said "XX" in the place of what its argument is."""
+    for folder in ("assessment", "mechanics", "templates"):
+        for path in sorted((ROOT / folder).rglob("*")):
+            if path.suffix in {".py", ".toml", ".j2", ".js", ".css"}:
+                text = path.read_text(encoding="utf-8")
+                assert not re.search(r"\b(XX+|TODO|FIXME|TBD)\b", text), path
