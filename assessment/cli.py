@@ -6,6 +6,7 @@ import argparse
 import gc
 import json
 import os
+import re
 import sys
 from pathlib import Path
 from traceback import walk_tb
@@ -15,7 +16,7 @@ from assessment.interruption import leave, watch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from typing import NoReturn
+    from typing import Any, NoReturn
 
     from assessment.workflow import Results
 
@@ -23,12 +24,35 @@ DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
 NEEDED = ("title", "model", "geometry", "states", "quality")  # of stored results, for a report
 BENCHMARKS = ("statics", "dynamics", "dissipation", "collapse", "steps", "growth", "walls", "chain", "skips")
 TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
+STAGES = ("pushdown", "pushover", "history", "incremental", "assessment", "scenarios", "sensitivity")
+EXAMPLES = {  # what the help of each command ends with; "": of all of them
+    "": ("assesto new arch --template buttressed-arch", "assesto run arch"),
+    "run": ("assesto run arch", "assesto run arch --only pushdown,pushover --out trial"),
+    "check": ("assesto check arch", "assesto check arch --out trial"),
+    "new": (
+        "assesto new arch --template buttressed-arch",
+        "assesto new wall --template wall --set height_m=4.2",
+    ),
+    "convert": ("assesto convert arch", "assesto convert ../survey/arch"),
+    "schema": ("assesto schema", "assesto schema > project.schema.json"),
+    "report": ("assesto report arch", "assesto report arch --out trial"),
+    "benchmark": ("assesto benchmark --quick", "assesto benchmark statics steps --out measured"),
+}
+COMMANDS = tuple(EXAMPLES)[1:]
+EXIT_CODES = f"""exit codes:
+  {DONE}  done
+  {WRONG_INPUT}  the input is wrong: nothing was overwritten
+  {INCOMPLETE}  an analysis could not be completed, or the run was interrupted: what is finished is kept"""
 NEW_OBJECTS = 50_000  # between two looks for garbage: with Python's 700 the PDF takes a third longer
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return its exit code: 0 done, 2 wrong input, 3 an analysis could not be completed."""
-    options = _parser().parse_args(arguments)
+    try:
+        options = _options(sys.argv[1:] if arguments is None else arguments)
+    except ValueError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return WRONG_INPUT
     kept = "; finished analyses are kept: run again to go on" if options.command is _run else ""
     interrupted = f"interrupted: nothing of an earlier result was changed{kept}"
     if whole := arguments is None:  # the process is this command
@@ -61,20 +85,52 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code
 
 
+def _options(arguments: Sequence[str]) -> argparse.Namespace:
+    """Return the options of a command.
+
+    Raises ValueError, with the nearest name that there is, for a command or an option that there is not.
+    """
+    name = next((text for text in arguments if not text.startswith("-")), None)
+    if name is not None and name not in COMMANDS:
+        raise ValueError(f"assesto {name}: no such command; {_nearest(name, COMMANDS)}")
+    options, unknown = _parser().parse_known_args(arguments)
+    if unknown:
+        wrong = unknown[0].partition("=")[0]
+        known = re.findall(r"--[a-z-]+", options.parser.format_usage())
+        if wrong.startswith("-"):
+            raise ValueError(f"assesto {name}: {wrong}: no such option; {_nearest(wrong, known)}")
+        raise ValueError(f"assesto {name}: {wrong}: one argument too many; see assesto {name} --help")
+    return options
+
+
+def _nearest(name: str, valid: Sequence[str]) -> str:
+    from assessment.messages import nearest  # late: it takes as long to import as all of --help
+
+    return nearest(name, valid)
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="assesto",
         description="Seismic capacity of dry-joint masonry before and after foundation settlements.",
+        **_end(""),
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and stop")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="name")
 
-    run = commands.add_parser("run", help="run every stage the project asks for and write its report")
+    run = commands.add_parser(
+        "run", help="run every stage the project asks for and write its report", **_end("run")
+    )
     _add_project(run)
     run.add_argument(
         "--out", type=Path, metavar="DIR", help="folder of the results (default: PROJECT/output)"
     )
-    run.add_argument("--only", type=lambda text: text.split(","), metavar="STAGE,…", help="only these stages")
+    run.add_argument(
+        "--only",
+        type=lambda text: text.split(","),
+        metavar="STAGE,…",
+        help=f"only these stages, with what they need: {', '.join(STAGES)}",
+    )
     run.add_argument("--jobs", type=int, default=0, metavar="N", help="processes (default: as many as help)")
     run.add_argument("--no-report", action="store_true", help="numbers, tables and figures only")
     run.add_argument(
@@ -83,14 +139,16 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--json", action="store_true", help="print the summary as JSON")
     run.set_defaults(command=_run)
 
-    check = commands.add_parser("check", help="read and validate everything, draw the model; no analysis")
+    check = commands.add_parser(
+        "check", help="read and validate everything, draw the model; no analysis", **_end("check")
+    )
     _add_project(check)
     check.add_argument(
         "--out", type=Path, metavar="DIR", help="folder of model.svg (default: PROJECT/output)"
     )
     check.set_defaults(command=_check)
 
-    new = commands.add_parser("new", help="make a new project folder from a template")
+    new = commands.add_parser("new", help="make a new project folder from a template", **_end("new"))
     new.add_argument("folder", type=Path, metavar="DIR", nargs="?", help="the folder to make")
     new.add_argument("--template", metavar="NAME", help=", ".join(TEMPLATES))
     new.add_argument(
@@ -102,21 +160,29 @@ def _parser() -> argparse.ArgumentParser:
     )
     new.set_defaults(command=_new)
 
-    convert = commands.add_parser("convert", help="turn project.toml into project.xlsx, or back")
+    convert = commands.add_parser(
+        "convert", help="turn project.toml into project.xlsx, or back", **_end("convert")
+    )
     _add_project(convert)
     convert.set_defaults(command=_convert)
 
-    schema = commands.add_parser("schema", help="print the JSON schema of project.toml, for editors")
+    schema = commands.add_parser(
+        "schema", help="print the JSON schema of project.toml, for editors", **_end("schema")
+    )
     schema.set_defaults(command=_schema)
 
-    report = commands.add_parser("report", help="render the report again from stored results")
+    report = commands.add_parser(
+        "report", help="render the report again from stored results", **_end("report")
+    )
     _add_project(report)
     report.add_argument(
         "--out", type=Path, metavar="DIR", help="folder of the results (default: PROJECT/output)"
     )
     report.set_defaults(command=_report)
 
-    benchmark = commands.add_parser("benchmark", help="measure run time against error on this machine")
+    benchmark = commands.add_parser(
+        "benchmark", help="measure run time against error on this machine", **_end("benchmark")
+    )
     benchmark.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(BENCHMARKS)} (default: all)")
     benchmark.add_argument("--quick", action="store_true", help="fewer and smaller cases: a minute or so")
     benchmark.add_argument(
@@ -127,7 +193,18 @@ def _parser() -> argparse.ArgumentParser:
         help="folder of tables, plots and summary.md (default: benchmark)",
     )
     benchmark.set_defaults(command=_benchmark)
+    for command in commands.choices.values():
+        command.set_defaults(parser=command)
     return parser
+
+
+def _end(command: str) -> dict[str, Any]:
+    """How the help of a command ends: two examples and the exit codes."""
+    shown = "\n".join(f"  {example}" for example in EXAMPLES[command])
+    return {
+        "epilog": f"examples:\n{shown}\n\n{EXIT_CODES}",
+        "formatter_class": argparse.RawDescriptionHelpFormatter,
+    }
 
 
 class _Version(argparse.Action):

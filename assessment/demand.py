@@ -27,9 +27,9 @@ def demand_spectra(
 ) -> tuple[dict[str, Spectrum], HazardCurve | None]:
     """The demand spectrum of each limit state, and the site's hazard curve where a grid gives it.
 
-    XX
-        every limit state. Raises ProjectError for a site that the grid does not hold, and for a record that is to be
-        followed along a grid.
+    `shaking`: the base motions of [[history]]; with spectrum = "record" the first one's own spectrum is the demand at
+    every limit state. Raises ProjectError for a site that the grid does not hold, and for a record that is to be
+    followed along a grid.
     """
     assessment = project.assessment
     assert assessment is not None
@@ -78,7 +78,7 @@ def _site_spectra(
 
 def _at_height(ground: ElasticSpectrum, assessment: AssessmentTable) -> Spectrum:
     floor = assessment.floor
-    if floor is None:
+    if floor is None or floor.height_m == 0.0:
         return ground
     first = first_mode(
         floor.period_s, floor.storeys, floor.height_m, floor.building_height_m, floor.damping_ratio

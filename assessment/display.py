@@ -11,6 +11,7 @@ from markupsafe import Markup
 
 from assessment.capacity_tables import directions
 from assessment.hazard_files import RETURN_PERIODS
+from assessment.rules import INDEXED
 from assessment.table import Row, Table
 from assessment.words import Words, direction_name
 
@@ -167,7 +168,8 @@ def _again(row: Row) -> bool:
 
 def _summary_row(row: Row, names: list[str], words: Words) -> list[Markup]:
     quantity, limit = row["quantity"], row["limit_state"]
-    label = words(f"column.{quantity}")
+    indexed = quantity == "zeta_E" and limit.partition(" ")[0] in INDEXED
+    label = words("column.index" if indexed else f"column.{quantity}")
     if limit:
         label += Markup(" <span class='limit'>{}</span>").format(check_name(limit, words))
     cells = [label, _valued(quantity, row, "original", words)]

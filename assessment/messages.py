@@ -84,6 +84,7 @@ def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[
             problems[path] = str(context["error"])
         else:
             phrase = _brackets(path, kind, detail["input"]) or _EXPECTED[kind].format(**context)
+            phrase += _decimal_point(kind, detail["input"])
             expected.setdefault(path, []).append(phrase.replace("'", '"'))
             problems[path] = f"{_shown(detail['input'])} is wrong; write {' or '.join(expected[path])}"
     # Of the alternatives of one value, the one that was understood further says what is wrong.
@@ -108,6 +109,16 @@ def _brackets(path: KeyPath, kind: str, value: Any) -> str:
         return f"[[{path[-1]}]] with double brackets, one per entry"
     if kind == "model_type" and isinstance(value, list):
         return f"[{_key(path)}] with single brackets, once"
+    return ""
+
+
+def _decimal_point(kind: str, value: Any) -> str:
+    """Return a reminder where a decimal comma may be what is wrong: a text "0,6", or 0,6 as two numbers of a list."""
+    comma = re.fullmatch(r"\s*([+-]?\d+),(\d+)\s*", value) if isinstance(value, str) else None
+    if kind == "float_type" and comma:
+        return f", with a decimal point and without quotes: {comma[1]}.{comma[2]}"
+    if kind == "too_long" and all(type(each) is int for each in value):
+        return ", with decimal points"
     return ""
 
 

@@ -13,6 +13,8 @@ from assessment.project_schema import KeyPath
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
+_DECIMAL_COMMA = re.compile(r"(?<![\w.,])([+-]?\d+),(\d+(?:[eE][+-]?\d+)?)(?![\w.]|,\d)")
+_TEXT = re.compile(r"\"[^\"]*\"|'[^']*'|#.*")  # in which no number is looked for
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 
@@ -76,10 +78,13 @@ def _syntax(text: str, message: str) -> str:
         number, column = int(place[1]), int(place[2])
     what = message[: place.start()] if place else message
     line = text.split("\n")[number - 1].strip()
-    return (
-        f"line {number}, column {column}: {what[:1].lower()}{what[1:]}: {line}; "
-        "texts stand in quotes, decimals have a point, a table or key appears once"
+    comma = _DECIMAL_COMMA.search(_TEXT.sub('""', line))
+    remedy = (
+        f"write a decimal point, not a comma: {comma[1]}.{comma[2]}"
+        if comma
+        else "texts stand in quotes, decimals have a point, a table or key appears once"
     )
+    return f"line {number}, column {column}: {what[:1].lower()}{what[1:]}: {line}; {remedy}"
 
 
 def _is_tables(value: Any) -> bool:

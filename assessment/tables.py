@@ -48,13 +48,13 @@ def tables(results: Results) -> list[Table]:
         capacity_curves(results),
         summary(results),
         verification(results),
-        Table("comparison", list(results.get("comparison") or []), COMPARISON),
+        comparison(results),
         reactions(results),
         balance(results),
         joint_table(results),
         macro_block_table(results),
         hand_check(results),
-        Table("quality", list(results["quality"].get("by_stage") or []), QUALITY),
+        quality(results),
         spectrum(results),
         action(results),
         chosen_mechanisms(results),
@@ -69,6 +69,7 @@ def tables(results: Results) -> list[Table]:
 COMPARISON = (
     "state",
     "direction",
+    "limit_state",
     "static_pga_g",
     "static_reduction",
     "dynamic_pga_g",
@@ -83,6 +84,16 @@ QUALITY = (
     "worst_complementarity",
     "worst_cone_violation",
 )
+
+
+def comparison(results: Results) -> Table:
+    """List the capacities of each settled state beside the original one's."""
+    return Table("comparison", list(results.get("comparison") or []), COMPARISON)
+
+
+def quality(results: Results) -> Table:
+    """List the worst certificates of the solutions by state and stage."""
+    return Table("quality", list(results["quality"].get("by_stage") or []), QUALITY)
 
 
 def blocks(results: Results) -> Table:
@@ -147,7 +158,7 @@ def settlements(results: Results) -> Table:
                 "rotation_rad": settlement.get("rotation_rad") or 0.0,
             }
             for contacts, stage in (content.get("pushdown") or {}).items():
-                if "ultimate_movement_m" in stage and name in sought:
+                if name in sought or stage["ultimate_movement_m"] is not None:
                     row[f"ultimate_{contacts}_m"] = stage["ultimate_movement_m"]
             rows.append(row)
     columns = ("state", "support", "displacement_x_m", "displacement_z_m", "rotation_rad")
@@ -174,22 +185,29 @@ def pushdown_curves(results: Results) -> Table:
 
 
 def mechanisms(results: Results) -> Table:
-    """List the rigid mechanism of every state and direction."""
+    """List the rigid mechanism of every state and direction.
+
+    It is that of α0; where the control point takes no part in that one, `mechanism_alpha` is the multiplier at which
+    the one listed is activated.
+    """
     rows = []
     for name, direction, pushover in _pushovers(results):
         mechanism = pushover.get("rigid", {}).get("mechanism")
         if mechanism:
+            alpha_0, own = pushover["rigid"]["alpha_0"], mechanism["alpha"]
             rows.append(
-                {"state": name, "direction": direction, "alpha_0": pushover["rigid"]["alpha_0"]}
+                {"state": name, "direction": direction, "alpha_0": alpha_0}
+                | ({} if own == alpha_0 else {"mechanism_alpha": own})
                 | {key: mechanism.get(key) for key in ("hinges", "moving_weight_kN", "e_star", "gamma_star")}
                 | {"sliding_joints": len(mechanism["sliding_joints"])}
             )
-    columns = ("state", "direction", "alpha_0", "hinges", "sliding_joints", "moving_weight_kN")
-    return Table("mechanisms", rows, (*columns, "e_star", "gamma_star"))
+    named = ("mechanism_alpha",) if any("mechanism_alpha" in row for row in rows) else ()
+    columns = ("hinges", "sliding_joints", "moving_weight_kN", "e_star", "gamma_star")
+    return Table("mechanisms", rows, ("state", "direction", "alpha_0", *named, *columns))
 
 
 def pushover_curves(results: Results) -> Table:
-    """List the points of every pushover curve."""
+    """List the points of every pushover curve; displacements along x: towards −x they are negative."""
     rows = [
         {
             "state": name,

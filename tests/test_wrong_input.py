@@ -75,7 +75,7 @@ def test_a_project_that_is_not_there(tmp_path, capsys, verb):
 
 def test_an_unknown_stage(project, capsys):
     assert run(project, "--only", "pushover,colapse") == 2
-    assert "error: --only: colapse: no such stage; choose from pushdown" in capsys.readouterr().err
+    assert 'error: --only: colapse: no such stage; valid: "pushdown", "pushover"' in capsys.readouterr().err
 
 
 def test_a_drawing_that_is_none(project, capsys):
