@@ -7,6 +7,7 @@ import gc
 import json
 import os
 import sys
+from functools import partial
 from pathlib import Path
 from traceback import walk_tb
 from typing import TYPE_CHECKING
@@ -43,8 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (ValueError, OSError) as error:
         if not _is_input_error(error):
             raise
-        for line in _message(error).splitlines():
-            print(f"error: {line}", file=sys.stderr)
+        _tell(error)
         return WRONG_INPUT
     except RuntimeError as error:
         from mechanics import ConvergenceError
@@ -172,22 +172,31 @@ def _check(options: argparse.Namespace) -> int:
     from assessment.canvas import save_svg
     from assessment.description import describe
     from assessment.dynamic_stages import read_motions
+    from assessment.fault_drawing import draw_faults
     from assessment.model import build_model
     from assessment.model_drawing import draw_model
     from assessment.project import load_project
     from assessment.stages import stand
     from assessment.terminal import model_summary, told
-    from assessment.words import words_of
+    from assessment.words import Words, words_of
+    from mechanics.faults import FaultyDrawingError, visible
 
     project = load_project(options.project)
     folder = _writable(options.out or project.folder / "output")
-    model = build_model(project)
+    drawing = folder / "model.svg"
+    try:
+        model = build_model(project)
+    except FaultyDrawingError as faulty:
+        _tell(faulty)
+        if faulty.outlines:
+            save_svg(partial(draw_faults, faulty, Words.of(project.report.language)), drawing)
+            print(f"drawing with the faults marked: {visible(str(drawing))}", file=sys.stderr)
+        return WRONG_INPUT
     results = describe(project, model)
     results["model"]["warnings"] += read_motions(project).notes
     if unstable := stand(model.assembly):
         results["model"]["self_weight_stable"] = False
         results["model"]["warnings"].append(unstable)
-    drawing = folder / "model.svg"
     save_svg(lambda: draw_model(results, words_of(results)), drawing)
     print(model_summary(results))
     print(f"drawing of the model: {drawing}")
@@ -306,6 +315,13 @@ def _is_input_error(error: ValueError | OSError) -> bool:
     *_, (frame, _) = walk_tb(error.__traceback__)
     package = frame.f_globals["__name__"].partition(".")[0]
     return type(error) is ValueError and package in {"assessment", "mechanics", "__main__"}
+
+
+def _tell(error: ValueError | OSError) -> None:
+    from mechanics.faults import visible
+
+    for line in _message(error).splitlines():
+        print(f"error: {visible(line)}", file=sys.stderr)
 
 
 def _message(error: ValueError | OSError) -> str:

@@ -252,6 +252,9 @@ def legend(page: Sheet, handles: list[Any]) -> None:
     room = page.figure.get_figwidth() / MM
     widest = max((LETTER_MM * len(str(handle.get_label())) + KEY_MM for handle in handles), default=KEY_MM)
     columns = max(1, min(len(handles), 3, int(room / widest)))
+    labels = [
+        f" {text}" if (text := str(h.get_label())).startswith("_") else text for h in handles
+    ]  # "_": left out
     page.figure.legend(
-        handles=handles, loc="lower center", ncols=columns, handlelength=1.8, columnspacing=1.6
+        handles, labels, loc="lower center", ncols=columns, handlelength=1.8, columnspacing=1.6
     )

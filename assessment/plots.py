@@ -100,7 +100,7 @@ def pushed(results: Results, direction: str) -> dict[str, Any]:
 def _key_points(axes: Axes, pushover: Mapping[str, Any], names_yield: bool) -> None:
     mark: dict[str, Any] = {"color": "0.0", "markerfacecolor": "1.0", "linestyle": "none", "clip_on": True}
     rigid, elastic = pushover.get("rigid"), pushover.get("elastic")
-    text: dict[str, Any] = {"textcoords": "offset points", "annotation_clip": True}
+    text: dict[str, Any] = {"textcoords": "offset points", "annotation_clip": True, "parse_math": True}
     if rigid:
         axes.plot(0.0, rigid["alpha_0"], marker="o", markersize=4.5, **(mark | {"clip_on": False}))
         axes.annotate("$\\alpha_0$", (0.0, rigid["alpha_0"]), (5, 3), **text)
