@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from assessment.project import Project
     from assessment.project_schema import HistoryTable, MotionTable
 
+MOST_SAMPLES = 200_000  # of a motion: a hundred seconds at half a millisecond
 WHOLE = 1e-3  # of the peak acceleration: a window that loses no more of it holds the strong motion
 
 
@@ -83,6 +84,11 @@ def _motion(
     try:
         window = original.arias_window() if table.window_s == "arias" else table.window_s
         cut = original.windowed(*window) if window else original
+        if table.time_step_s and cut.duration > MOST_SAMPLES * table.time_step_s:
+            raise ValueError(
+                f"time_step_s = {table.time_step_s:g} makes more than {MOST_SAMPLES} samples of {cut.duration:g} s; "
+                "write a longer one, or a window_s"
+            )
         record = cut.resampled(table.time_step_s or cut.time_step)
     except ValueError as error:
         raise ProjectError(f"{project.source}: {key}: {path.name}: {error}") from None

@@ -170,6 +170,7 @@ def _run(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     from assessment.canvas import save_svg
+    from assessment.demand import demand_spectra
     from assessment.description import describe
     from assessment.dynamic_stages import read_motions
     from assessment.fault_drawing import draw_faults
@@ -193,7 +194,10 @@ def _check(options: argparse.Namespace) -> int:
             print(f"drawing with the faults marked: {visible(str(drawing))}", file=sys.stderr)
         return WRONG_INPUT
     results = describe(project, model)
-    results["model"]["warnings"] += read_motions(project).notes
+    motions = read_motions(project)
+    results["model"]["warnings"] += motions.notes
+    if project.assessment:
+        demand_spectra(project, motions.history)  # a run would refuse the site's hazard, or that of the grid
     if unstable := stand(model.assembly):
         results["model"]["self_weight_stable"] = False
         results["model"]["warnings"].append(unstable)

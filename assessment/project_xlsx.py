@@ -13,11 +13,14 @@ from __future__ import annotations
 import csv
 import math
 import re
+import struct
+import warnings
+import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args, get_origin
-from zipfile import BadZipFile
+from zipfile import BadZipFile, ZipFile
 
 from assessment.messages import ProjectError, nearest
 from assessment.project_comments import unset_keys
@@ -35,7 +38,31 @@ _NAME = {name: "layer" if name == "layers" else "name" for name, form in _FORMS.
 WIDEST = 90  # letters of a column
 _HELP = "help"  # the sheet that lists all keys; it is not read
 
+MOST_BYTES = 50_000_000  # of a workbook's parts, unpacked; one with every key has a hundredth of it
+MOST_ROWS, MOST_COLUMNS = 20_000, 200  # of a sheet
+_WORKBOOK, _SHEET = "xl/workbook.xml", re.compile(rb"<(?:\w+:)?sheet\s")
+_SHEET_PART = re.compile(r"sheets/[^/]*\.xml$", re.IGNORECASE)
+_NO_WORKBOOK = "file: not an XLSX workbook, or a damaged one; save it as .xlsx"
+# What openpyxl, which checks nothing, and the modules below it raise on parts that are not as they should be.
+_UNREADABLE = (
+    *(
+        BadZipFile,
+        zlib.error,
+        struct.error,
+        OSError,
+        EOFError,
+        SyntaxError,
+        NotImplementedError,
+        RuntimeError,
+    ),
+    *(LookupError, ValueError, TypeError, AttributeError, ArithmeticError, AssertionError),
+)
+
 _Rows = dict[int, tuple[Any, ...]]
+
+
+class _Oversized(Exception):  # noqa: N818 - not an error of the file's form
+    """A sheet that is larger than any project's."""
 
 
 class _Entry(NamedTuple):
@@ -51,21 +78,13 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str]]:
 
     Raises ProjectError naming sheet and cell where the form is wrong; values are not checked here.
     """
-    from openpyxl import load_workbook
-
-    try:
-        book, formulas = (load_workbook(path, read_only=True, data_only=values) for values in (True, False))
-    except (BadZipFile, KeyError, ValueError, SyntaxError):
-        raise ProjectError(f"{path.name}: file: not an XLSX workbook; save it as .xlsx") from None
-    rows = {sheet.title: _rows(sheet) for sheet in book.worksheets}
-    for sheet in formulas.worksheets:
-        if place := _unevaluated(_rows(sheet), rows[sheet.title]):
+    rows, formulas = _sheets(path)
+    for name, sheet in formulas.items():
+        if place := _unevaluated(sheet, rows[name]):
             raise ProjectError(
-                f'{path.name}: sheet "{sheet.title}", cell {place}: a formula whose value is not stored; '
+                f'{path.name}: sheet "{name}", cell {place}: a formula whose value is not stored; '
                 "open the file in a spreadsheet program and save it, or write the value"
             )
-    book.close()
-    formulas.close()
     for name in rows.keys() - _SHEETS.keys() - {_HELP}:
         if rows[name]:
             raise ProjectError(f'{path.name}: sheet "{name}": unknown sheet; {nearest(name, _SHEETS)}')
@@ -135,14 +154,76 @@ def _explain_header(sheet: Any) -> None:
             cell.comment = Comment(meanings[cell.value], "Assesto", height=80, width=260)
 
 
+def _sheets(path: Path) -> tuple[dict[str, _Rows], dict[str, _Rows]]:
+    """Return the rows of every sheet, with formulas as their stored values, and with formulas as they are."""
+    from openpyxl import load_workbook
+
+    archive = _archive(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of features of a spreadsheet that no project needs
+        try:
+            books = [load_workbook(archive, read_only=True, data_only=values) for values in (True, False)]
+            found = [[(sheet.title, _rows(sheet)) for sheet in book.worksheets] for book in books]
+        except _Oversized as error:
+            raise ProjectError(f"{path.name}: {error}") from None
+        except _UNREADABLE as error:
+            raise ProjectError(f"{path.name}: {_NO_WORKBOOK} ({type(error).__name__})") from error
+    for book in books:
+        book.close()
+    values, formulas = map(dict, found)
+    if len(values) < len(found[0]):
+        raise ProjectError(f"{path.name}: file: two sheets have one name; rename one of them")
+    return values, formulas
+
+
+def _archive(path: Path) -> BytesIO:
+    """Return the bytes of a workbook.
+
+    Raises ProjectError where they are damaged, or unpacked more than any project; OSError where there are none.
+    """
+    with path.open("rb") as file:
+        packed = BytesIO(file.read(MOST_BYTES + 1))
+    try:
+        with ZipFile(packed) as archive:
+            size = sum(entry.file_size for entry in archive.infolist())
+            damaged = archive.testzip() if size <= MOST_BYTES else None
+            missing = _missing(archive) if damaged is None and size <= MOST_BYTES else False
+    except _UNREADABLE:
+        raise ProjectError(f"{path.name}: {_NO_WORKBOOK}") from None
+    if size > MOST_BYTES:
+        raise ProjectError(
+            f"{path.name}: file: holds {size} bytes, at most {MOST_BYTES}; delete rows, sheets and pictures that "
+            "are no part of the project"
+        )
+    if damaged is not None or missing:
+        raise ProjectError(f"{path.name}: {_NO_WORKBOOK}")
+    return packed
+
+
+def _missing(archive: ZipFile) -> bool:
+    """Whether the part of a sheet is missing, which openpyxl passes over: its stage would be switched off."""
+    parts = archive.namelist()
+    declared = _SHEET.findall(archive.read(_WORKBOOK)) if _WORKBOOK in parts else []
+    return len(declared) > sum(bool(_SHEET_PART.search(part)) for part in parts)
+
+
 def _rows(sheet: Any) -> _Rows:
     """Return the rows of a sheet that hold something, by number; blank texts are None."""
     sheet.reset_dimensions()  # some programs store a wrong size
-    rows = {
-        number: tuple(None if isinstance(value, str) and not value.strip() else value for value in row)
-        for number, row in enumerate(sheet.iter_rows(values_only=True), 1)
-    }
-    return {number: row for number, row in rows.items() if any(value is not None for value in row)}
+    rows: _Rows = {}
+    for number, row in enumerate(
+        sheet.iter_rows(max_row=MOST_ROWS + 1, max_col=MOST_COLUMNS + 1, values_only=True), 1
+    ):
+        values = tuple(None if isinstance(v, str) and not v.strip() else v for v in row)
+        if number > MOST_ROWS:
+            text = f"more than {MOST_ROWS} rows, empty ones included; delete those below the last entry"
+            raise _Oversized(f'sheet "{sheet.title}": {text}')
+        if any(value is not None for value in values[MOST_COLUMNS:]):
+            text = f"more than {MOST_COLUMNS} columns; delete those right of the last key"
+            raise _Oversized(f'sheet "{sheet.title}", row {number}: {text}')
+        if any(value is not None for value in values):
+            rows[number] = values[:MOST_COLUMNS]
+    return rows
 
 
 def _unevaluated(formulas: _Rows, values: _Rows) -> str | None:
@@ -216,7 +297,10 @@ def _typed(value: Any, annotation: Any) -> Any:
             parts = re.split(r";|,?\s", _text(value).strip().removeprefix("[").removesuffix("]"))
         else:
             one_line = _text(value).replace("\r", ";").replace("\n", ";")
-            parts = next(csv.reader([one_line], delimiter=";", skipinitialspace=True))
+            try:
+                parts = next(csv.reader([one_line], delimiter=";", skipinitialspace=True))
+            except csv.Error:  # more text than a cell can hold
+                return value
         return [_typed(part.strip(), member) for part in parts if part.strip()]
     if isinstance(value, str):
         return value if takes_text else _number(value, kinds)

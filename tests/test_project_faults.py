@@ -114,7 +114,7 @@ WRONG = [  # old text, new text, key, what the message must hold
         "nominal_life_years = 50",
         "nominal_life_years = 0",
         "assessment.site.nominal_life_years",
-        "greater than 0",
+        "not less than 1",
     ),
     # texts
     ('name = "C2"', 'name = ""', "control[2].name", "not empty"),
@@ -186,7 +186,7 @@ WRONG = [  # old text, new text, key, what the message must hold
     # what does not fit together
     ("[0.020, -0.020]", "[0, 0.0]", "settlements[1].displacement_m", "nothing moves"),
     ("increment_m = 0.001\nto", "increment_m = 0.05\nto", "settlements[1].increment_m", "write 0.02 or less"),
-    ("increment_m = 0.001\nto", "increment_m = 1e-8\nto", "settlements[1].increment_m", "2000000 increments"),
+    ("increment_m = 0.001\nto", "increment_m = 1e-7\nto", "settlements[1].increment_m", "200000 increments"),
     ("scale = 1.0", "scale = 0", "history[1].scale", "0 leaves no motion"),
     ("[15.0, 22.0]", "[22.0, 15.0]", "history[1].window_s", "0 ≤ first < last"),
     ("max_scale = 5.0", "window_s = [-1, 5]", "incremental.window_s", "0 ≤ first < last"),
