@@ -176,6 +176,7 @@ def _check(options: argparse.Namespace) -> int:
     from assessment.fault_drawing import draw_faults
     from assessment.model import build_model
     from assessment.model_drawing import draw_model
+    from assessment.plausibility import implausible_hazard
     from assessment.project import load_project
     from assessment.stages import stand
     from assessment.terminal import model_summary, told
@@ -197,7 +198,8 @@ def _check(options: argparse.Namespace) -> int:
     motions = read_motions(project)
     results["model"]["warnings"] += motions.notes
     if project.assessment:
-        demand_spectra(project, motions.history)  # a run would refuse the site's hazard, or that of the grid
+        demands, _ = demand_spectra(project, motions.history)  # refused here if a run would refuse it
+        results["model"]["warnings"] += implausible_hazard(project, demands)
     if unstable := stand(model.assembly):
         results["model"]["self_weight_stable"] = False
         results["model"]["warnings"].append(unstable)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from assessment.coarse_joints import coarse_joints
 from assessment.macro_blocks import chosen_mechanisms
 from assessment.messages import ProjectError
+from assessment.plausibility import implausible
 from mechanics import Assembly, DrawingError, Material
 from mechanics.drawing import Drawing, Layer, survey_drawing
 from mechanics.faults import Fault, FaultyDrawingError
@@ -46,7 +47,7 @@ def build_model(project: Project) -> Model:
     )
     tolerance, warnings = _laid_out(project, drawing)
     lacking = sorted({block.layer for block in drawing.blocks if block.material.normal_stiffness is None})
-    if lacking and _asks_for_elastic(project):
+    if lacking and project.elastic:
         raise ProjectError(
             f"{project.source}: layers.{lacking[0]}.normal_stiffness_kN_m3: missing ({', '.join(lacking)}), "
             "and elastic analyses need it for every block; give it there or in [material]"
@@ -64,7 +65,7 @@ def build_model(project: Project) -> Model:
                 f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}"
             ) from None
     chosen_mechanisms(project, assembly)  # what is wrong in them is told before any analysis
-    return Model(assembly, (*warnings, *coarse_joints(project, assembly)))
+    return Model(assembly, (*warnings, *implausible(project, assembly), *coarse_joints(project, assembly)))
 
 
 def _laid_out(project: Project, drawing: Drawing) -> tuple[float, tuple[str, ...]]:
@@ -82,12 +83,6 @@ def _laid_out(project: Project, drawing: Drawing) -> tuple[float, tuple[str, ...
         remedy = layout.remedy if not faults else UNSEEN
         raise FaultyDrawingError(name, (*faults, *layout.faults), drawing.outlines, remedy)
     return tolerance, drawing.warnings + layout.warnings
-
-
-def _asks_for_elastic(project: Project) -> bool:
-    asked = [project.pushover.contacts] if project.pushover else []
-    asked += [(motion.contacts,) for motion in (*project.history, project.incremental) if motion]
-    return any("elastic" in contacts for contacts in asked)
 
 
 def _layer(project: Project, table: LayerTable | None) -> Layer:

@@ -30,6 +30,13 @@ class Project(ProjectContent):
         """Return the file that the project calls `name`, relative to its folder."""
         return self.folder / name
 
+    @property
+    def elastic(self) -> bool:
+        """Whether any analysis asks for elastic contacts."""
+        asked = [self.pushover.contacts] if self.pushover else []
+        asked += [(motion.contacts,) for motion in (*self.history, self.incremental) if motion]
+        return any("elastic" in contacts for contacts in asked)
+
     def control_point(self, name: str | None = None) -> ControlTable:
         """Return the control point of that name, or the first; stages that need one have one."""
         return next(point for point in self.control if name in (None, point.name))

@@ -234,7 +234,9 @@ def test_an_unknown_sheet_is_named_with_the_nearest(folder):
 @pytest.mark.parametrize("raw", [b"", b"title = 1", b"PK\x03\x04broken"])
 def test_what_is_no_workbook(folder, raw):
     (folder / "project.xlsx").write_bytes(raw)
-    with pytest.raises(ProjectError, match=r"^project.xlsx: file: not an XLSX workbook, or a damaged one; save it as .xlsx$"):
+    with pytest.raises(
+        ProjectError, match=r"^project.xlsx: file: not an XLSX workbook, or a damaged one; save it as .xlsx$"
+    ):
         load_project(folder)
 
 
