@@ -11,6 +11,7 @@ import numpy as np
 
 from assessment.messages import ProjectError
 from mechanics.block import Array
+from mechanics.faults import visible
 from mechanics.ground_motion import SAME_TIME, Record, read_record
 
 if TYPE_CHECKING:
@@ -78,9 +79,8 @@ def _motion(
         text = 'rigid contacts have no stiffness to damp; leave it out or write contacts = "elastic"'
         raise ProjectError(f"{project.source}: {key}.damping_ratio: {text}")
     scale = history.scale if history else 1.0
-    original = read_record(path, table.time_step_s).scaled(scale)
-    if history and history.name:
-        original = replace(original, name=history.name)
+    record = read_record(path, table.time_step_s).scaled(scale)
+    original = replace(record, name=history.name if history and history.name else visible(record.name))
     try:
         window = original.arias_window() if table.window_s == "arias" else table.window_s
         cut = original.windowed(*window) if window else original

@@ -5,8 +5,10 @@ from __future__ import annotations
 import argparse
 import gc
 import json
+import logging
 import os
 import sys
+import warnings
 from functools import partial
 from pathlib import Path
 from traceback import walk_tb
@@ -35,6 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if whole := arguments is None:  # the process is this command
         watch(interrupted, INCOMPLETE)
         gc.set_threshold(NEW_OBJECTS)  # the processes of a run inherit it
+        _silence_libraries()
     try:
         code: int = options.command(options)
         sys.stdout.flush()
@@ -51,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         if not isinstance(error, ConvergenceError):
             raise
-        print(f"error: {error}; nothing was written", file=sys.stderr)
+        _tell(error, "; nothing was written")
         return INCOMPLETE
     except KeyboardInterrupt:
         if whole:
@@ -61,8 +64,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code
 
 
+def _silence_libraries() -> None:
+    """Keep what libraries warn of and log, with the user's names in it, off the terminal, of other processes too."""
+    logging.getLogger().addHandler(logging.NullHandler())
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")
+        os.environ.setdefault("PYTHONWARNINGS", "ignore")
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that shows arguments as they are and does nothing else with them."""
+
+    def error(self, message: str) -> NoReturn:
+        from mechanics.faults import visible
+
+        super().error(visible(message))
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="assesto",
         description="Seismic capacity of dry-joint masonry before and after foundation settlements.",
     )
@@ -162,9 +182,9 @@ def _run(options: argparse.Namespace) -> int:
         with progress() as show:
             outcome = run(project, model, options.jobs, Store(folder / FOLDER), options.fresh, show)
             show.begin("report" if not options.no_report else "figures and tables", 1, 0)
-            warnings = writer.write(outcome.results, folder)
+            noticed = writer.write(outcome.results, folder)
             show.end()
-    print((as_json if options.json else summary)(outcome, folder, warnings))
+    print((as_json if options.json else summary)(outcome, folder, noticed))
     return DONE if outcome.complete else INCOMPLETE
 
 
@@ -205,7 +225,7 @@ def _check(options: argparse.Namespace) -> int:
         results["model"]["warnings"].append(unstable)
     save_svg(lambda: draw_model(results, words_of(results)), drawing)
     print(model_summary(results))
-    print(f"drawing of the model: {drawing}")
+    print(f"drawing of the model: {visible(str(drawing))}")
     for line in told(results["model"]["warnings"]):
         print(line)
     return DONE
@@ -214,6 +234,7 @@ def _check(options: argparse.Namespace) -> int:
 def _new(options: argparse.Namespace) -> int:
     from assessment.new_project import new_project, template_options
     from assessment.project_source import TOML, XLSX
+    from mechanics.faults import visible
 
     if options.list:
         for template in [options.template] if options.template else TEMPLATES:
@@ -235,16 +256,18 @@ def _new(options: argparse.Namespace) -> int:
         except ValueError:
             raise ValueError(f"--set {item}: not KEY=NUMBER; give for example span_m=6.0") from None
     new_project(options.folder, options.template, given, XLSX if options.excel else TOML)
-    print(f"wrote {options.folder}; next: assesto check {options.folder}")
+    folder = visible(str(options.folder))
+    print(f"wrote {folder}; next: assesto check {folder}")
     return DONE
 
 
 def _convert(options: argparse.Namespace) -> int:
     from assessment.project import load_project
     from assessment.project_source import convert
+    from mechanics.faults import visible
 
     new, kept = convert(load_project(options.project))
-    print(f"wrote {new}; the earlier file is kept as {kept.name}")
+    print(f"wrote {visible(str(new))}; the earlier file is kept as {kept.name}")
     return DONE
 
 
@@ -258,6 +281,7 @@ def _schema(_: argparse.Namespace) -> int:
 def _report(options: argparse.Namespace) -> int:
     from assessment.output import write
     from assessment.project import load_project
+    from mechanics.faults import visible
 
     project = load_project(options.project)
     folder = _writable(options.out or project.folder / "output")
@@ -269,21 +293,21 @@ def _report(options: argparse.Namespace) -> int:
     try:
         results: Results = json.loads(stored.read_text(encoding="utf-8"))
         echo = results["echo"]["report"]
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise ValueError(f"{stored}: not readable as results ({error}); run the project again") from None
     if missing := [key for key in NEEDED if key not in results]:
         raise ValueError(f"{stored}: {', '.join(missing)} missing: results cut short; run the project again")
     for key in ("client", "engineer", "location", "language"):
         echo[key] = getattr(project.report, key)
     try:
-        warnings = write(results, folder, jobs=0)
+        noticed = write(results, folder, jobs=0)
     except KeyError as error:  # what this version prints and another did not keep
         raise ValueError(
             f"{stored}: {error} missing: written by another version of assesto; run the project again"
         ) from error
-    for warning in warnings:
-        print(f"warning: {warning}", file=sys.stderr)
-    print(f"report: {folder / 'report.html'}")
+    for warning in noticed:
+        print(f"warning: {visible(warning)}", file=sys.stderr)
+    print(f"report: {visible(str(folder / 'report.html'))}")
     return DONE
 
 
@@ -323,14 +347,14 @@ def _is_input_error(error: ValueError | OSError) -> bool:
     return type(error) is ValueError and package in {"assessment", "mechanics", "__main__"}
 
 
-def _tell(error: ValueError | OSError) -> None:
+def _tell(error: ValueError | OSError | RuntimeError, more: str = "") -> None:
     from mechanics.faults import visible
 
-    for line in _message(error).splitlines():
-        print(f"error: {visible(line)}", file=sys.stderr)
+    for line in _message(error).split("\n"):
+        print(f"error: {visible(line)}{more}", file=sys.stderr)
 
 
-def _message(error: ValueError | OSError) -> str:
+def _message(error: ValueError | OSError | RuntimeError) -> str:
     if isinstance(error, OSError) and error.filename:
         return f"{error.filename}: {error.strerror}; change it or choose another place"
     return str(error)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assessment.table import QUOTED
+from mechanics.faults import visible
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -89,7 +90,7 @@ def model_summary(results: Results) -> str:
     model = results["model"]
     return "\n".join(
         [
-            f"{results['title']}",
+            visible(results["title"]),
             f"  blocks {model['blocks']} ({model['movable_blocks']} movable), joints {model['joints']}, "
             f"contact points {model['contact_points']}",
             f"  weight {model['weight_kN']:.4g} kN; stands under its own weight: "
@@ -100,7 +101,7 @@ def model_summary(results: Results) -> str:
 
 def told(warnings: Iterable[str]) -> list[str]:
     """Warnings as lines of their own, each once."""
-    return [f"warning: {text}" for text in dict.fromkeys(warnings)]
+    return [f"warning: {visible(text)}" for text in dict.fromkeys(warnings)]
 
 
 def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
@@ -129,7 +130,7 @@ def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
             f"taken over from earlier runs: {outcome.taken} of {outcome.taken + outcome.computed} analyses, "
             "inputs unchanged (--fresh computes them again)"
         )
-    lines.append(f"results: {folder}")
+    lines.append(f"results: {visible(str(folder))}")
     return "\n".join([*lines, *told(_warnings(results, warnings))])
 
 
@@ -150,7 +151,8 @@ def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
         "warnings": _warnings(results, warnings),
         "timing_s": results["timing_s"],
     }
-    return json.dumps(content, ensure_ascii=False, allow_nan=False, indent=2)
+    text = json.dumps(content, ensure_ascii=False, allow_nan=False, indent=2)
+    return "".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text)
 
 
 def capacities(results: Results) -> list[dict[str, Any]]:
