@@ -121,9 +121,10 @@ def blocks(results: Results) -> Table:
 def layers(results: Results) -> Table:
     """Sum up each layer: its role, blocks, depth, material and loads; defaults from [material]."""
     echo, rows = results["echo"], []
-    blocks = results["geometry"]["blocks"]
-    for layer in sorted({block["layer"] for block in blocks}):
-        own = [block for block in blocks if block["layer"] == layer]
+    by_layer: dict[str, list[Any]] = {}
+    for block in results["geometry"]["blocks"]:
+        by_layer.setdefault(block["layer"], []).append(block)
+    for layer, own in sorted(by_layer.items()):
         given = {**(echo.get("material") or {}), **((echo.get("layers") or {}).get(layer) or {})}
         rows.append(
             {
