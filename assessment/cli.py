@@ -294,7 +294,7 @@ def _report(options: argparse.Namespace) -> int:
         results: Results = json.loads(stored.read_text(encoding="utf-8"))
         echo = results["echo"]["report"]
     except (ValueError, KeyError, TypeError, RecursionError) as error:
-        raise ValueError(f"{stored}: not readable as results ({error}); run the project again") from None
+        raise ValueError(f"{stored}: not readable as results; run the project again") from error
     if missing := [key for key in NEEDED if key not in results]:
         raise ValueError(f"{stored}: {', '.join(missing)} missing: results cut short; run the project again")
     for key in ("client", "engineer", "location", "language"):
@@ -322,12 +322,14 @@ def _benchmark(options: argparse.Namespace) -> int:
 
 def _writable(folder: Path) -> Path:
     """The folder, if results can be written there: asked before any analysis."""
+    from mechanics.faults import visible
+
     existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not existing.is_dir():
-        raise ValueError(f"{existing}: is a file; give another folder with --out DIR")
+        raise ValueError(f"{visible(str(existing))}: is a file; give another folder with --out DIR")
     if not os.access(existing, os.W_OK):
         raise ValueError(
-            f"{existing}: no permission to write; change it or give another folder with --out DIR"
+            f"{visible(str(existing))}: no permission to write; change it or give another folder with --out DIR"
         )
     return folder
 

@@ -176,11 +176,11 @@ def _cell(nodes: Array) -> Sequence[int] | None:
     The grid's rows turn with longitude, so no direction is assumed: of all quadrilaterals whose sides are
     about the spacing of the nodes, the one that holds the origin and whose corners are nearest.
     """
+    if len(nodes) < 4:
+        return None
     gaps = np.hypot(*(nodes[:, None] - nodes[None]).transpose(2, 0, 1))
     spacing = np.median(np.sort(gaps, axis=1)[:, 1])
     fours = np.array(list(combinations(range(len(nodes)), 4)))
-    if not len(fours):
-        return None
     corners = nodes[fours]
     centred = corners - corners.mean(axis=1, keepdims=True)
     order = np.argsort(np.arctan2(centred[..., 1], centred[..., 0]), axis=1)

@@ -76,7 +76,9 @@ def read_site_table(path: str | Path) -> Array | None:
     table = _numbers(path, rows, 4, "T_R, a_g, F0, T_C*", numbered=False)
     if len(table) != len(RETURN_PERIODS) or not np.array_equal(table[:, 0], RETURN_PERIODS):
         periods = ", ".join(f"{T_R:g}" for T_R in RETURN_PERIODS)
-        raise HazardError(f"{path}: a site's table has one line for each return period: {periods} years")
+        raise HazardError(
+            f"{path}: a site's table must have one line for each return period: {periods} years"
+        )
     unit = next((unit for unit in ("g/10", "g") if f"[{unit}]" in header.replace(" ", "")), None)
     if unit is None:
         raise HazardError(
@@ -118,8 +120,10 @@ def _numbers(path: Path, rows: _Rows, columns: int, meaning: str, numbered: bool
     allowed: Sequence[int] = (columns, columns + 1) if numbered else (columns,)
     for i, cells in rows:
         if len(cells) not in allowed or not all(map(_is_number, cells)):
+            found = ", ".join(cell.strip()[:12] for cell in cells[:4])
             raise HazardError(
-                f"{path}: line {i}: {columns} numbers expected ({meaning}), found {len(cells)} cells: {cells[:4]}…"
+                f"{path}: line {i}: {columns} numbers expected ({meaning}), found {len(cells)} cells: {found}…; "
+                "correct the line, or get the file again from its source"
             )
     return np.array([cells[-columns:] for _, cells in rows], dtype=float)
 

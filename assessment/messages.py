@@ -31,7 +31,7 @@ class Problem(NamedTuple):
 
 _MOST_NAMES = 12
 
-_SHOWN = 40  # characters of a value that a message shows
+_SHOWN, _QUOTED = 40, 120  # characters of a value, and of a line of the file, that a message shows
 
 _EXPECTED = {
     "float_type": "a number",
@@ -127,7 +127,12 @@ def _shown(value: Any) -> str:
     text = json.dumps(_pruned(value), ensure_ascii=False, default=str)
     for name, own in (("-Infinity", "-inf"), ("Infinity", "inf"), ("NaN", "nan")):
         text = own if text == name else text
-    return text if len(text) <= _SHOWN else text[: _SHOWN - 1] + "…"
+    return shortened(text, _SHOWN)
+
+
+def shortened(text: str, most: int = _QUOTED) -> str:
+    """Return a text of the user's in as many characters as a message shows."""
+    return text if len(text) <= most else text[: most - 1] + "…"
 
 
 def _pruned(value: Any, levels: int = 3) -> Any:

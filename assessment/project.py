@@ -7,6 +7,7 @@ together (names, files, stages that need each other) is.
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ from assessment.project_schema import ControlTable, Direction, ProjectContent
 from assessment.project_source import SOURCES
 from assessment.project_toml import read_toml
 from assessment.project_xlsx import read_xlsx
+
+_CONTROL = re.compile(r"[\x00-\x1f\x7f]")  # a line of a message would end in the middle
 
 
 class Project(ProjectContent):
@@ -85,6 +88,10 @@ def json_schema() -> dict[str, Any]:
 
 
 def _source(path: Path) -> Path:
+    if _CONTROL.search(str(path)):
+        from mechanics.faults import visible  # late: the mechanics take their time
+
+        raise ProjectError(f"{visible(str(path))}: project: control characters in the name; rename it")
     if path.name in SOURCES and path.is_file():
         return path
     if path.is_file():

@@ -28,7 +28,7 @@ from assessment.project_schema import (
 )
 
 _MOST_INCREMENTS = 100_000
-MOST_LOOKED_AT = 100_000  # names in folders, to find the files that a pattern means
+MOST_LOOKED_AT = 20_000  # names in folders, to find the files that a pattern means
 LEAST_ROTATION = 1e-6  # of a macro-block, relative to the others'
 _WILD = re.compile(r"[*?[]")
 

@@ -52,7 +52,7 @@ Shift = Annotated[float, Field(ge=-1e5, le=1e5)]  # m
 Angle = Annotated[float, Field(ge=-6.3, le=6.3)]  # rad
 AngleStep = Annotated[float, Field(ge=1e-7, le=1)]  # rad
 UnitWeight = Annotated[float, Field(ge=1e-3, le=1e6)]  # kN/m³
-Stiffness = Annotated[float, Field(ge=1e-3, le=1e15)]  # kN/m³
+Stiffness = Annotated[float, Field(ge=1e-3, le=1e12)]  # kN/m³
 Rigidity = Annotated[float, Field(ge=1e-3, allow_inf_nan=True)]  # kN/m³, inf: rigid
 Friction = Annotated[float, Field(ge=0, allow_inf_nan=True)]  # inf: no sliding
 Load = Annotated[float, Field(ge=-1e9, le=1e9)]  # kN

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from assessment.messages import ProjectError
+from assessment.messages import ProjectError, shortened
 from assessment.project_schema import KeyPath
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
@@ -89,8 +89,8 @@ def _syntax(text: str, message: str) -> str:
         column = len(lines[number - 1]) + 1
     else:
         number, column = int(place[1]), int(place[2])
-    what = message[: place.start()] if place else message
-    line = text.split("\n")[number - 1].strip()
+    what = shortened(message[: place.start()] if place else message)
+    line = shortened(text.split("\n")[number - 1].strip())
     return (
         f"line {number}, column {column}: {what[:1].lower()}{what[1:]}: {line}; "
         "texts stand in quotes, decimals have a point, a table or key appears once"

@@ -41,6 +41,7 @@ _HELP = "help"  # the sheet that lists all keys; it is not read
 MOST_BYTES = 50_000_000  # of a workbook's parts, unpacked; one with every key has a hundredth of it
 MOST_ROWS, MOST_COLUMNS = 20_000, 200  # of a sheet
 _WORKBOOK, _SHEET = "xl/workbook.xml", re.compile(rb"<(?:\w+:)?sheet\s")
+_ROW = re.compile(rb"<(?:\w+:)?row[\s/>]")
 _SHEET_PART = re.compile(r"sheets/[^/]*\.xml$", re.IGNORECASE)
 _NO_WORKBOOK = "file: not an XLSX workbook, or a damaged one; save it as .xlsx"
 # What openpyxl, which checks nothing, and the modules below it raise on parts that are not as they should be.
@@ -167,7 +168,7 @@ def _sheets(path: Path) -> tuple[dict[str, _Rows], dict[str, _Rows]]:
         except _Oversized as error:
             raise ProjectError(f"{path.name}: {error}") from None
         except _UNREADABLE as error:
-            raise ProjectError(f"{path.name}: {_NO_WORKBOOK} ({type(error).__name__})") from error
+            raise ProjectError(f"{path.name}: {_NO_WORKBOOK}") from error
     for book in books:
         book.close()
     values, formulas = map(dict, found)
@@ -187,7 +188,8 @@ def _archive(path: Path) -> BytesIO:
         with ZipFile(packed) as archive:
             size = sum(entry.file_size for entry in archive.infolist())
             damaged = archive.testzip() if size <= MOST_BYTES else None
-            missing = _missing(archive) if damaged is None and size <= MOST_BYTES else False
+            whole = damaged is None and size <= MOST_BYTES
+            missing, longest = (_missing(archive), _longest(archive)) if whole else (False, 0)
     except _UNREADABLE:
         raise ProjectError(f"{path.name}: {_NO_WORKBOOK}") from None
     if size > MOST_BYTES:
@@ -195,9 +197,18 @@ def _archive(path: Path) -> BytesIO:
             f"{path.name}: file: holds {size} bytes, at most {MOST_BYTES}; delete rows, sheets and pictures that "
             "are no part of the project"
         )
+    if longest > MOST_ROWS:
+        text = f"a sheet of {longest} rows, at most {MOST_ROWS}, empty ones included"
+        raise ProjectError(f"{path.name}: file: {text}; delete those below the last entry")
     if damaged is not None or missing:
         raise ProjectError(f"{path.name}: {_NO_WORKBOOK}")
     return packed
+
+
+def _longest(archive: ZipFile) -> int:
+    """Return the rows of the longest sheet: openpyxl reads on to the end of one, whatever it is asked for."""
+    sheets = filter(_SHEET_PART.search, archive.namelist())
+    return max((len(_ROW.findall(archive.read(part))) for part in sheets), default=0)
 
 
 def _missing(archive: ZipFile) -> bool:
@@ -216,7 +227,7 @@ def _rows(sheet: Any) -> _Rows:
     ):
         values = tuple(None if isinstance(v, str) and not v.strip() else v for v in row)
         if number > MOST_ROWS:
-            text = f"more than {MOST_ROWS} rows, empty ones included; delete those below the last entry"
+            text = f"a row beyond the {MOST_ROWS}th; delete those below the last entry"
             raise _Oversized(f'sheet "{sheet.title}": {text}')
         if any(value is not None for value in values[MOST_COLUMNS:]):
             text = f"more than {MOST_COLUMNS} columns; delete those right of the last key"

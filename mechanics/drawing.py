@@ -20,13 +20,21 @@ from ezdxf.document import Drawing as Document
 from ezdxf.entities.dxfentity import DXFTagStorage
 from ezdxf.entities.insert import Insert
 from ezdxf.filemanagement import readfile
-from ezdxf.lldxf.const import DXFError
+from ezdxf.lldxf.const import DXFError, DXFStructureError
 from ezdxf.math import Matrix44
 
 from mechanics.block import Block, Material
 from mechanics.errors import DrawingError, require
 from mechanics.faults import Fault, FaultyDrawingError, Outline, listed, visible
-from mechanics.polylines import MOST_POINTS, Placed, PlacedOutline, fault_of, is_polyline, placed_outline
+from mechanics.polylines import (
+    MOST_POINTS,
+    Placed,
+    PlacedOutline,
+    fault_of,
+    has_direction,
+    is_polyline,
+    placed_outline,
+)
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
 INSUNITS = {"mm": "Millimeters", "cm": "Centimeters", "m": "Meters"}  # as ezdxf names them
@@ -34,6 +42,7 @@ MOST_BYTES = 200_000_000  # of a file: some 20 000 blocks take ten
 MOST_ENTITIES = 100_000  # of model space, those of INSERTs as often as they are inserted
 DEEPEST = 30  # INSERTs within INSERTs
 LONGEST_NAME = 255  # of a layer, as in DXF itself
+LONGEST_REASON = 300  # letters of what ezdxf says
 SHAPES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "MLINE", "SOLID", "TRACE", "3DFACE", "REGION", "BODY"}
 SHAPES |= {"3DSOLID", "SURFACE", "MESH", "POLYLINE", "INSERT"}  # here: a mesh, an external reference
 _key = str.lower  # DXF does not heed the case of layer names
@@ -181,13 +190,14 @@ def _open(path: Path) -> tuple[Document, list[str]]:
         else:
             document, auditor = recover.read(BytesIO(data))
     except (*UNPARSED, ValueError, LookupError, TypeError, AttributeError) as error:
-        raise DrawingError(f"{path}: the file is damaged ({error}); export it again") from error
+        why = f" ({visible(str(error))[:LONGEST_REASON]})" if isinstance(error, DXFStructureError) else ""
+        raise DrawingError(f"{path}: the file is damaged{why}; export it again") from error
     faults = [*auditor.errors, *auditor.fixes]
-    if fatal := [fault.message for fault in faults if fault.code in MISLEADING]:
-        raise DrawingError(f"{path}: the file is damaged: {'; '.join(listed(fatal))}; export it again")
+    if fatal := [visible(fault.message)[:LONGEST_REASON] for fault in faults if fault.code in MISLEADING]:
+        raise DrawingError(f"{path}: the file is damaged: {'; '.join(fatal[:3])}; export it again")
     if not faults:
         return document, []
-    what = f"{len(faults)} faults, first: {visible(faults[0].message)}"
+    what = f"{len(faults)} faults, first: {visible(faults[0].message)[:LONGEST_REASON]}"
     return document, [
         f"the file was damaged and has been repaired ({what}); compare the model with the drawing"
     ]
@@ -214,17 +224,19 @@ def _model_space(document: Document, path: Path) -> list[Placed]:
                 count += 1
                 yield Placed(entity, to_model, layer, handle, gone or _key(layer) in off)
                 continue
+            if not has_direction(entity):
+                raise DrawingError(f"{path}: INSERT {handle}: its extrusion is no direction; insert it again")
             if handle.count("/") >= DEEPEST:
                 raise DrawingError(
                     f"{path}: INSERT {handle}: more than {DEEPEST} one in another; explode them"
                 )
+            count += max(1, entity.mcount)
+            if count > MOST_ENTITIES:
+                raise DrawingError(
+                    f"{path}: INSERT {handle} ({entity.mcount} copies): more than {MOST_ENTITIES} entities "
+                    "in model space, those of INSERTs as often as they are inserted; leave out what is no block"
+                )
             for single in entity.multi_insert() if entity.mcount > 1 else [entity]:
-                count += 1
-                if count > MOST_ENTITIES:
-                    raise DrawingError(
-                        f"{path}: INSERT {handle} ({entity.mcount} copies): more than {MOST_ENTITIES} entities "
-                        "in model space, those of INSERTs as often as they are inserted; leave out what is no block"
-                    )
                 yield from place(block, single.matrix44() * to_model, layer, f"{handle}/", gone)
 
     return list(place(document.modelspace(), Matrix44(), "0", "", hidden=False))

@@ -11,6 +11,7 @@ from scipy.linalg import solveh_banded
 
 from mechanics.block import Array
 from mechanics.errors import require
+from mechanics.faults import visible
 from mechanics.record_formats import parse_record
 
 HIGHEST_CREDIBLE_PGA = 10.0  # g; beyond it the unit is wrong
@@ -144,10 +145,10 @@ def read_record(path: str | Path, time_step: float | None = None) -> Record:
     record = Record(acceleration, step, path.stem)
     if np.ptp(acceleration) < LOWEST_PGA:
         raise ValueError(
-            f"{path}: every sample is {acceleration[0]:g} g; a record must move: get the file again"
+            f"{visible(str(path))}: every sample is {acceleration[0]:g} g; a record must move: get the file again"
         )
     if record.pga > HIGHEST_CREDIBLE_PGA:
         raise ValueError(
-            f"{path}: peak of {record.pga:.4g} g; the unit is not the one stated (columns: s and g)"
+            f"{visible(str(path))}: peak of {record.pga:.4g} g; the unit is not the one stated (columns: s and g)"
         )
     return record

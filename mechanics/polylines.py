@@ -65,12 +65,18 @@ def is_polyline(entity: DXFGraphic) -> bool:
     return isinstance(entity, LWPolyline)
 
 
+def has_direction(entity: DXFGraphic) -> bool:
+    """Whether the extrusion of an entity, the normal of its own axes, has a direction."""
+    size = Vec3(entity.dxf.get("extrusion", Vec3(0.0, 0.0, 1.0))).magnitude
+    return SAME_POINT < size < 1.0 / SAME_POINT
+
+
 def placed_outline(source: Placed, scale: float, sagitta: float | None) -> PlacedOutline:
     """Place a polyline in model space, its arcs as chords within `sagitta` (m; None: SAGITTA of an arc's width).
 
     `scale`: m per drawing unit.
     """
-    vertices, closed, to_model = _vertices(source)
+    vertices, closed = _vertices(source.entity)
     xyz, bulges = vertices[:, :3], vertices[:, 3]
 
     def broken(why: str) -> PlacedOutline:
@@ -78,6 +84,9 @@ def placed_outline(source: Placed, scale: float, sagitta: float | None) -> Place
 
     if not len(vertices):
         return PlacedOutline(source, xyz, True, 0.0)
+    if not has_direction(source.entity):
+        return broken("has an extrusion that is no direction; draw it again")
+    to_model = _to_model(source)
     with np.errstate(all="ignore"):
         placed = xyz @ to_model[:3, :3] + to_model[3, :3]
         far = float(abs(placed).max()) * scale
@@ -136,19 +145,27 @@ def fault_of(outline: PlacedOutline, scale: float) -> Fault | None:
     return None
 
 
-def _vertices(source: Placed) -> tuple[Array, bool, Array]:
-    """Return the vertices (n, 4: x, y, z, bulge) as drawn, whether they close, and the matrix (4, 4) of row vectors."""
-    entity: Any = source.entity
+def _is_flat(entity: Any) -> bool:
+    """Whether a polyline is drawn in its own plane, and may have arcs."""
+    return isinstance(entity, LWPolyline) or bool(entity.is_2d_polyline)
+
+
+def _vertices(entity: Any) -> tuple[Array, bool]:
+    """Return the vertices (n, 4: x, y, z, bulge) of a polyline as drawn, and whether they close."""
     if isinstance(entity, LWPolyline):
-        flat, rows = True, [(x, y, 0.0, bulge) for x, y, bulge in entity.get_points("xyb")]
+        rows = [(x, y, 0.0, bulge) for x, y, bulge in entity.get_points("xyb")]
     else:
-        flat = entity.is_2d_polyline
         on_it = [v.dxf for v in entity.vertices if not v.dxf.flags & SPLINE_FRAME]
-        rows = [(*v.get("location", NOWHERE).xyz, v.bulge if flat else 0.0) for v in on_it]
-    ocs = entity.ocs()
-    matrix = ocs.matrix * source.to_model if flat and ocs.transform else source.to_model
-    vertices = np.array(rows, dtype=float).reshape(-1, 4)
-    return vertices, bool(entity.is_closed), np.array(list(matrix)).reshape(4, 4)
+        rows = [(*v.get("location", NOWHERE).xyz, v.bulge if _is_flat(entity) else 0.0) for v in on_it]
+    return np.array(rows, dtype=float).reshape(-1, 4), bool(entity.is_closed)
+
+
+def _to_model(source: Placed) -> Array:
+    """Return the matrix (4, 4), of row vectors, from what a polyline is drawn in to model space."""
+    ocs = source.entity.ocs()
+    drawn_apart = ocs is not None and ocs.transform and _is_flat(source.entity)
+    matrix = ocs.matrix * source.to_model if ocs is not None and drawn_apart else source.to_model
+    return np.array(list(matrix)).reshape(4, 4)
 
 
 def _divisions(vertices: Array, closed: bool, sagitta: float | None) -> tuple[Array, float]:

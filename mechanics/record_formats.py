@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from mechanics.block import GRAVITY, Array
+from mechanics.faults import visible
 
 Samples = tuple[Array, float]  # acceleration (n,), g; time step, s
 
@@ -48,7 +49,9 @@ class RecordText:
     def error(self, line: int | None, message: str) -> ValueError:
         """Return a ValueError that reads `FILE: line N: message`."""
         return ValueError(
-            f"{self.path}: {message}" if line is None else f"{self.path}: line {line}: {message}"
+            f"{visible(str(self.path))}: {message}"
+            if line is None
+            else f"{visible(str(self.path))}: line {line}: {message}"
         )
 
 
@@ -90,9 +93,13 @@ def parse_record(path: Path, time_step: float | None) -> Samples:
         with path.open("rb") as file:
             raw = file.read(MOST_BYTES + 1)
     except OSError as error:
-        raise ValueError(f"{path}: cannot be read: {error.strerror}; check the name of the record") from error
+        raise ValueError(
+            f"{visible(str(path))}: cannot be read: {error.strerror}; check the name of the record"
+        ) from error
     if len(raw) > MOST_BYTES:
-        raise ValueError(f"{path}: more than {MOST_BYTES} bytes; give one record, of one component")
+        raise ValueError(
+            f"{visible(str(path))}: more than {MOST_BYTES} bytes; give one record, of one component"
+        )
     content = raw.decode("utf-8-sig", errors="replace")
     for line_end in ("\r\r\n", "\r\n", "\r"):  # the first is common in copies of PEER files
         content = content.replace(line_end, "\n")
@@ -177,7 +184,7 @@ def _columns(text: RecordText, time_step: float | None) -> Samples:
         times, acceleration = values.reshape(-1, 2).T
         return acceleration, _uniform_step(text, header, times)
     if time_step is None:
-        raise text.error(None, "one column of accelerations needs its time step: give time_step, in s")
+        raise text.error(None, "one column of accelerations needs its time step; give time_step, in s")
     return values, time_step
 
 

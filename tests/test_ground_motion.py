@@ -161,7 +161,7 @@ FAULTS = {
     "backwards": ("0.2,0.1\n0.1,0.2\n0.0,0.1\n", "not evenly spaced"),
     "other unit": (columns(",", header="t [s],a [m/s2]\n"), "line 1: .*must be in s and g"),
     "one sample": ("0.0,0.1\n", "fewer than two samples"),
-    "no step": (column(), "needs its time step: give time_step"),
+    "no step": (column(), "needs its time step; give time_step"),
     "zero": (columns(",", values=np.zeros(9)), "every sample is 0 g"),
     "constant": (columns(";", values=np.full(9, 0.1)), "every sample is 0.1 g"),
     "wrong unit": (columns(",", values=981.0 * VALUES), "peak of 245.2 g; the unit is not"),
