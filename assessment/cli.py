@@ -10,8 +10,8 @@ import os
 import sys
 import warnings
 from functools import partial
+from opcode import opmap
 from pathlib import Path
-from traceback import walk_tb
 from typing import TYPE_CHECKING
 
 from assessment.interruption import leave, watch
@@ -26,6 +26,7 @@ DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
 NEEDED = ("title", "model", "geometry", "states", "quality")  # of stored results, for a report
 BENCHMARKS = ("statics", "dynamics", "dissipation", "collapse", "steps", "growth", "walls", "chain", "skips")
 TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
+RAISE = opmap["RAISE_VARARGS"]  # the instruction of a raise statement
 NEW_OBJECTS = 50_000  # between two looks for garbage: with Python's 700 the PDF takes a third longer
 
 
@@ -337,16 +338,22 @@ def _writable(folder: Path) -> Path:
 def _is_input_error(error: ValueError | OSError) -> bool:
     """Whether an exception is the user's to mend: those that name what is wrong; any other one is a bug.
 
-    A plain ValueError names it where our own code raised it; one out of a library is a bug of ours.
+    A plain ValueError names it where a `raise` of our own code made it; one out of a library, or out of Python itself
+    (int of a NaN), is a bug of ours.
     """
     from assessment.messages import ProjectError
     from mechanics import DrawingError
 
     if isinstance(error, ProjectError | DrawingError | OSError):
         return True
-    *_, (frame, _) = walk_tb(error.__traceback__)
-    package = frame.f_globals["__name__"].partition(".")[0]
-    return type(error) is ValueError and package in {"assessment", "mechanics", "__main__"}
+    last = error.__traceback__
+    while last and last.tb_next:
+        last = last.tb_next
+    if type(error) is not ValueError or last is None:
+        return False
+    package = last.tb_frame.f_globals["__name__"].partition(".")[0]
+    ours = package in {"assessment", "mechanics", "__main__"}
+    return ours and last.tb_frame.f_code.co_code[last.tb_lasti] == RAISE
 
 
 def _tell(error: ValueError | OSError | RuntimeError, more: str = "") -> None:

@@ -104,9 +104,10 @@ def _check_values(path: Path, values: Array, lines: Sequence[int], unit: str) ->
 
 def _read(path: Path) -> tuple[str, _Rows]:
     """Return the header lines as one text, and the cells of the lines after them with their line numbers."""
+    size = path.stat().st_size
     with path.open("rb") as file:
-        content = file.read(MOST_BYTES + 1)
-    if len(content) > MOST_BYTES:
+        content = file.read(MOST_BYTES) if 0 < size <= MOST_BYTES else b""  # what has no size may have no end
+    if size > MOST_BYTES:
         raise HazardError(f"{path}: more than {MOST_BYTES} bytes; give the grid of Allegato B")
     lines = content.decode("latin-1").splitlines()
     separator = ";" if any(";" in line for line in lines[:5]) else "\t"

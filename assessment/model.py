@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from assessment.project import Project
     from assessment.project_schema import LayerTable
 
+MOST_SEGMENTS = 1_000_000  # of all joints: as many as memory holds
 UNSEEN = "gaps, and blocks that touch nothing, are looked for once these are mended"
 
 
@@ -56,6 +57,9 @@ def build_model(project: Project) -> Model:
         assembly = Assembly(drawing.blocks, geometry.segments_per_joint, tolerance)
     except ValueError as error:  # a block too light beside the others
         raise DrawingError(f"{geometry.drawing}: {error}") from None
+    if project.elastic and (count := int(assembly.segments.sum())) > MOST_SEGMENTS:
+        text = f"{count} segments in all joints, at most {MOST_SEGMENTS}; write fewer"
+        raise ProjectError(f"{project.source}: geometry.segments_per_joint: {text}")
     for point in project.control:
         try:
             assembly.block_at(point.point_m)
@@ -93,12 +97,15 @@ def _layer(project: Project, table: LayerTable | None) -> Layer:
         value: float | None = getattr(project.material, name) if own is None else own
         return value
 
-    material = Material(
-        unit_weight=key("unit_weight_kN_m3") or 0.0,
-        friction=key("friction") or 0.0,
-        normal_stiffness=key("normal_stiffness_kN_m3"),
-        tangential_stiffness=key("tangential_stiffness_kN_m3") or 0.0,
-    )
+    try:
+        material = Material(
+            unit_weight=key("unit_weight_kN_m3") or 0.0,
+            friction=key("friction") or 0.0,
+            normal_stiffness=key("normal_stiffness_kN_m3"),
+            tangential_stiffness=key("tangential_stiffness_kN_m3") or 0.0,
+        )
+    except ValueError as error:
+        raise ProjectError(f"{project.source}: material: {error}") from None
     if table is None:
         return Layer(material, project.geometry.depth_m)
     return Layer(

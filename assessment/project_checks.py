@@ -65,6 +65,8 @@ def matches(folder: Path, pattern: str) -> list[Path]:
     """
     if _is_file(folder / pattern):
         return [folder / pattern]
+    if "**" in pattern:
+        raise ValueError("** is not understood; name the folders, * for each")
     found, looked_at = [folder], 0
     for part in Path(pattern).parts:
         if not _WILD.search(part):

@@ -40,6 +40,7 @@ _HELP = "help"  # the sheet that lists all keys; it is not read
 
 MOST_BYTES = 50_000_000  # of a workbook's parts, unpacked; one with every key has a hundredth of it
 MOST_ROWS, MOST_COLUMNS = 20_000, 200  # of a sheet
+WIDEST_ROW = 2000  # empty cells included
 _WORKBOOK, _SHEET = "xl/workbook.xml", re.compile(rb"<(?:\w+:)?sheet\s")
 _ROW = re.compile(rb"<(?:\w+:)?row[\s/>]")
 _SHEET_PART = re.compile(r"sheets/[^/]*\.xml$", re.IGNORECASE)
@@ -222,14 +223,12 @@ def _rows(sheet: Any) -> _Rows:
     """Return the rows of a sheet that hold something, by number; blank texts are None."""
     sheet.reset_dimensions()  # some programs store a wrong size
     rows: _Rows = {}
-    for number, row in enumerate(
-        sheet.iter_rows(max_row=MOST_ROWS + 1, max_col=MOST_COLUMNS + 1, values_only=True), 1
-    ):
+    for number, row in enumerate(sheet.iter_rows(max_row=MOST_ROWS + 1, values_only=True), 1):
         values = tuple(None if isinstance(v, str) and not v.strip() else v for v in row)
         if number > MOST_ROWS:
             text = f"a row beyond the {MOST_ROWS}th; delete those below the last entry"
             raise _Oversized(f'sheet "{sheet.title}": {text}')
-        if any(value is not None for value in values[MOST_COLUMNS:]):
+        if len(values) > WIDEST_ROW or any(value is not None for value in values[MOST_COLUMNS:]):
             text = f"more than {MOST_COLUMNS} columns; delete those right of the last key"
             raise _Oversized(f'sheet "{sheet.title}", row {number}: {text}')
         if any(value is not None for value in values):

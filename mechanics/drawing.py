@@ -168,7 +168,7 @@ def _open(path: Path) -> tuple[Document, list[str]]:
     """Read the document, repaired where that loses nothing; warn of repairs."""
     try:
         size = path.stat().st_size
-        data = path.read_bytes() if size <= MOST_BYTES else b""
+        data = path.read_bytes() if 0 < size <= MOST_BYTES else b""  # what has no size may have no end
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", error)
         raise DrawingError(f"{path}: cannot be read ({why}); give the path of a DXF file") from None

@@ -15,7 +15,7 @@ from assessment.project_xlsx import to_xlsx
 from tests.block_project import PUSHED, block, command, write_block
 from tests.hostile.corpus import KINDS, SHEETS, tried
 from tests.hostile.judge import COMPLETED, REFUSED
-from tests.hostile.named import CASES
+from tests.hostile.named import COMPLETE, REFUSALS
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -24,9 +24,14 @@ def test_inputs_of_a_kind(kind):
     assert counts["tried"] == counts[REFUSED] + counts[COMPLETED] >= KINDS[kind].count
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_an_input_met_by_name(tmp_path, case):
-    assert CASES[case](tmp_path) in {REFUSED, COMPLETED}
+@pytest.mark.parametrize("case", REFUSALS)
+def test_what_is_refused_by_name(tmp_path, case):
+    assert REFUSALS[case](tmp_path) == REFUSED
+
+
+@pytest.mark.parametrize("case", COMPLETE)
+def test_what_completes_by_name(tmp_path, case):
+    assert COMPLETE[case](tmp_path) == COMPLETED
 
 
 STATE, CONTROL = "a, b contacts: c; =cmd|'/c calc'!A0", "=<script>alert(1)</script> $x^{$"

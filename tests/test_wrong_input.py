@@ -131,7 +131,7 @@ def test_the_report_needs_results(project, capsys):
         (["--template", "arc"], "no such template; did you mean"),
         (["--template", "block", "--set", "width=1"], 'no such option; did you mean "width_m"'),
         (["--template", "block", "--set", "width_m"], "--set width_m: not KEY=NUMBER"),
-        (["--template", "block", "--set", "width_m=-1"], "must be a positive number"),
+        (["--template", "block", "--set", "width_m=-1"], "must be a number, in m, from 0.001 to 1000"),
     ],
 )
 def test_new_says_what_is_wrong(tmp_path, capsys, options, message):
@@ -182,3 +182,26 @@ def test_a_value_error_of_a_library_is_a_bug_and_not_the_users(project, monkeypa
     monkeypatch.setattr("assessment.project.load_project", lambda _: np.array_split(np.zeros(3), 0))
     with pytest.raises(ValueError, match="number sections"):
         main(["check", str(project)])
+
+
+FAULTS = {
+    "Python": ("int(float('nan'))", True),
+    "NumPy": ("numpy.zeros(3) + numpy.zeros(4)", True),
+    "ours": ("raise_it()", False),
+}
+
+
+@pytest.mark.parametrize("whose", FAULTS)
+def test_an_error_of_python_or_numpy_is_never_passed_off_as_the_users(project, monkeypatch, capsys, whose):
+    """A fault of ours ends with a traceback, also where the line that meets it is in one of our own modules."""
+    expression, is_fault = FAULTS[whose]
+    own = {"__name__": "mechanics.made_up", "numpy": np}
+    exec("def raise_it(): raise ValueError('geometry.dxf: wrong; mend it')", own)
+    exec(f"def tolerance(blocks): {expression}", own)
+    monkeypatch.setattr("assessment.model.default_tolerance", own["tolerance"])
+    if is_fault:
+        with pytest.raises(ValueError, match=r"NaN|broadcast"):
+            main(["check", str(project)])
+    else:
+        assert main(["check", str(project)]) == 2
+        assert capsys.readouterr().err == "error: geometry.dxf: wrong; mend it\n"

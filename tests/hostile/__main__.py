@@ -9,7 +9,7 @@ from collections import Counter
 from pathlib import Path
 
 from tests.hostile.corpus import KINDS, tried
-from tests.hostile.named import CASES
+from tests.hostile.named import COMPLETE, REFUSALS
 
 
 def main() -> None:
@@ -24,7 +24,7 @@ def main() -> None:
         total += counts
         _row(name, counts)
     counts = Counter()
-    for make in CASES.values():
+    for make in (REFUSALS | COMPLETE).values():
         with tempfile.TemporaryDirectory() as folder:
             counts["tried"] += 1
             counts[make(Path(folder))] += 1
