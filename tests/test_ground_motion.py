@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mechanics import record_formats
 from mechanics.block import GRAVITY
 from mechanics.ground_motion import Record, read_record
 from mechanics.response_spectrum import response_spectrum
@@ -164,6 +165,23 @@ FAULTS = {
     "no step": (column(), "needs its time step; give time_step"),
     "zero": (columns(",", values=np.zeros(9)), "every sample is 0 g"),
     "constant": (columns(";", values=np.full(9, 0.1)), "every sample is 0.1 g"),
+    "no motion": (columns(",", values=1e-12 * VALUES), "every sample is 0 g"),
+    "too large": (
+        columns(",").replace("0.200000000", "1e7"),
+        "line 6: '1e7' is larger than 1e.06; correct it",
+    ),
+    "peer step in ms": (
+        peer(sizes="NPTS= {n}, DT= 50.0 SEC"),
+        "line 4: a time step of 50 s; must be from 1e-06 to",
+    ),
+    "times in ms": (
+        "0,0.1\n50,0.2\n100,0.1\n",
+        "a time step of 50 s; must be from 1e-06 to 10 s: times are in sec",
+    ),
+    "esm step of nothing": (
+        esm(SAMPLING_INTERVAL_S=1e-9),
+        "line 54: a time step of 1e-09 s; must be from 1e-06",
+    ),
     "wrong unit": (columns(",", values=981.0 * VALUES), "peak of 245.2 g; the unit is not"),
 }
 
@@ -175,6 +193,16 @@ def test_faults_are_named_with_file_and_line(write, name):
         read_record(write(text, "faulty.dat"))
     assert "faulty.dat: " in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("limit", "said"),
+    [("MOST_BYTES", "more than 20 bytes"), ("MOST_VALUES", "line 11: more than 20 numbers")],
+)
+def test_files_have_a_limit(write, monkeypatch, limit, said):
+    monkeypatch.setattr(record_formats, limit, 20)
+    with pytest.raises(ValueError, match=f"{said}; give one record, of one component"):
+        read_record(write(columns(",")))
 
 
 def test_files_that_cannot_be_read(tmp_path):

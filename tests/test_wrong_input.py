@@ -10,7 +10,7 @@ import pytest
 
 from assessment import stages
 from assessment.cli import main
-from tests.block_project import command, contents, edit, run
+from tests.block_project import ASSESSMENT, PROJECT, command, contents, edit, run, write_block
 
 pytestmark = pytest.mark.usefixtures("quick")
 ROOT = Path(__file__).parents[1]
@@ -182,6 +182,35 @@ def test_a_value_error_of_a_library_is_a_bug_and_not_the_users(project, monkeypa
     monkeypatch.setattr("assessment.project.load_project", lambda _: np.array_split(np.zeros(3), 0))
     with pytest.raises(ValueError, match="number sections"):
         main(["check", str(project)])
+
+
+OPENED = ("geometry.dxf", "grid.txt", "shaking.csv", "upward.csv", "more.csv")
+
+
+@pytest.mark.parametrize("verb", ["run", "check"])
+@pytest.mark.parametrize("broken", OPENED)
+def test_a_check_opens_every_file_that_a_run_opens(tmp_path, capsys, broken, verb):
+    history = '[[history]]\nrecord = "shaking.csv"\nvertical_record = "upward.csv"\ncontacts = "rigid"\n'
+    site = '[assessment.site]\nsoil = "B"\nlatitude = 42.02\nlongitude = 13.02\ngrid = "grid.txt"\n'
+    folder = write_block(
+        tmp_path / "block",
+        PROJECT
+        + history
+        + '[incremental]\nrecords = ["m*.csv"]\n'
+        + ASSESSMENT.partition("[assessment.site]")[0]
+        + site,
+    )
+    values = "\t".join(f"{0.5 + k}\t2.4\t0.3" for k in range(9))
+    nodes = [f"{13.0 + 0.06 * i}\t{42.0 + 0.05 * j}\t{values}" for i in range(2) for j in range(2)]
+    (folder / "grid.txt").write_text("\n".join(nodes), encoding="utf-8")
+    for name in OPENED[2:]:
+        (folder / name).write_text("0,0\n0.01,0.1\n0.02,0\n", encoding="utf-8")
+    if verb == "check":
+        assert main(["check", str(folder)]) == 0
+        capsys.readouterr()
+    (folder / broken).write_text("broken", encoding="utf-8")
+    assert main([verb, str(folder)]) == 2
+    assert broken in capsys.readouterr().err
 
 
 FAULTS = {
