@@ -49,6 +49,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not _is_input_error(error):
             raise
         _tell(error)
+        if options.command is _run and getattr(error, "outlines", None):
+            print("assesto check draws model.svg with the faults marked", file=sys.stderr)
         return WRONG_INPUT
     except RuntimeError as error:
         from mechanics import ConvergenceError

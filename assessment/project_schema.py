@@ -25,6 +25,7 @@ ORIGINAL = "original"
 # Nothing invisible: what cannot be seen in an editor or held by a spreadsheet cell is a typing slip.
 _UNSEEN = r"\x00-\x08\x0b-\x1f\x7f-\x9f\u200b\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ufffe\uffff"
 
+_MOST_STIFFNESS = 1e11  # kN/m³
 MOST_ENTRIES = 1000
 """Of a list of tables or of names."""
 MOST_LAYERS = 10_000
@@ -35,6 +36,14 @@ def _unique(items: tuple[str, ...]) -> tuple[str, ...]:
     if len(set(items)) < len(items):
         raise ValueError("an entry appears twice; write each entry once")
     return items
+
+
+def _stiff_or_rigid(stiffness: float) -> float:
+    if _MOST_STIFFNESS < stiffness < math.inf:
+        raise ValueError(
+            f"{stiffness:g} is more than {_MOST_STIFFNESS:g}; write inf for a joint that is rigid in shear"
+        )
+    return stiffness
 
 
 def _without_default(schema: dict[str, Any]) -> None:
@@ -52,8 +61,8 @@ Shift = Annotated[float, Field(ge=-1e5, le=1e5)]  # m
 Angle = Annotated[float, Field(ge=-6.3, le=6.3)]  # rad
 AngleStep = Annotated[float, Field(ge=1e-7, le=1)]  # rad
 UnitWeight = Annotated[float, Field(ge=1e-3, le=1e6)]  # kN/m³
-Stiffness = Annotated[float, Field(ge=1e-3, le=1e12)]  # kN/m³
-Rigidity = Annotated[float, Field(ge=1e-3, allow_inf_nan=True)]  # kN/m³, inf: rigid
+Stiffness = Annotated[float, Field(ge=1e-3, le=_MOST_STIFFNESS)]  # kN/m³
+Rigidity = Annotated[float, Field(ge=1e-3, allow_inf_nan=True), AfterValidator(_stiff_or_rigid)]  # kN/m³
 Friction = Annotated[float, Field(ge=0, allow_inf_nan=True)]  # inf: no sliding
 Load = Annotated[float, Field(ge=-1e9, le=1e9)]  # kN
 Seconds = Annotated[float, Field(ge=1e-6, le=1e3)]
@@ -67,7 +76,8 @@ Segments = Annotated[int, Field(ge=1, le=100)]
 Pair = Annotated[tuple[Coordinate, Coordinate], Field(strict=False)]
 Movement = Annotated[tuple[Shift, Shift], Field(strict=False)]
 Window = Annotated[tuple[Instant, Instant], Field(strict=False)]
-Factors = Annotated[tuple[Factor, Factor], Field(strict=False)]
+Varied = Annotated[float, Field(ge=1e-2, le=1e2)]
+Factors = Annotated[tuple[Varied, Varied], Field(strict=False)]
 Tolerance = Annotated[float, Field(ge=1e-6, lt=1)]
 Name = Annotated[str, Field(max_length=200, pattern=rf"^[^\s{_UNSEEN}]([^\t\n{_UNSEEN}]*[^\s{_UNSEEN}])?$")]
 Text = Annotated[str, StringConstraints(strip_whitespace=True, max_length=2000, pattern=rf"^[^{_UNSEEN}]*$")]

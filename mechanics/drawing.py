@@ -159,7 +159,7 @@ def survey_drawing(
         tuple(
             Outline(scale * o.points[:, :2], o.source.layer, o.closed, layer_of(o).support is not None)
             for o in needed
-            if not o.broken
+            if not o.broken and len(o.points) > 1
         ),
     )
 

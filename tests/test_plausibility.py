@@ -8,11 +8,15 @@ from pathlib import Path
 import pytest
 
 from assessment.cli import main
+from assessment.description import describe
+from assessment.display import cell
 from assessment.model import build_model
 from assessment.new_project import new_project
 from assessment.plausibility import implausible, implausible_hazard
 from assessment.project import load_project
 from assessment.project_templates import TEMPLATES
+from assessment.tables import layers
+from assessment.words import Words
 from tests.block_project import ASSESSMENT, HAZARD, PROJECT, PUSHED, block, edit, write_block
 
 ROOT = Path(__file__).parents[1]
@@ -120,6 +124,15 @@ def test_friction_without_sliding_is_accepted(tmp_path, friction):
     edit(folder, "[layers.BASE]", f"[layers.BASE]\nfriction = {friction}")
     project = load_project(folder)
     assert project.material.friction == project.layers["BASE"].friction == float(friction)
+
+
+def test_infinite_inputs_are_echoed_as_they_are_written(project):
+    """JSON has no infinity, and null means that a result was not reached."""
+    described = describe(load_project(project), build_model(load_project(project)))
+    assert described["echo"]["material"]["tangential_stiffness_kN_m3"] == "inf"
+    assert "tangential_stiffness_kN_m3" in layers(described).rows[0]
+    row = layers(described).rows[0]
+    assert cell("tangential_stiffness_kN_m3", row, Words.of("en")) == "∞"
 
 
 def test_no_sliding_is_not_implausible_and_a_large_number_for_it_is_told_of_inf(tmp_path):

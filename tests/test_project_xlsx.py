@@ -78,6 +78,22 @@ def test_both_forms_say_the_same(folder):
     assert load_project(folder).source == "project.toml"
 
 
+def test_no_sliding_is_said_in_both_forms(folder):
+    friction = {"friction": math.inf}
+    content = CONTENT | {
+        "material": CONTENT["material"] | friction,
+        "layers": CONTENT["layers"] | {"ROOF": friction},
+    }
+    for form in (from_toml, from_xlsx):
+        found = form(folder, content)
+        assert found["material"]["friction"] == found["layers"]["ROOF"]["friction"] == math.inf
+
+
+@pytest.mark.parametrize("typed", ["inf", "INF", "1e9", 1e9, "Infinity"])
+def test_no_sliding_is_read_as_it_is_typed(folder, typed):
+    assert changed(folder, ("material", "B3", typed)).material.friction in {math.inf, 1e9}
+
+
 def test_a_sheet_explains_its_keys(folder):
     changed(folder)
     sheet = load_workbook(folder / "project.xlsx")["geometry"]

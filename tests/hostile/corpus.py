@@ -131,6 +131,16 @@ def _drawing(folder: Path) -> Try:
     return attempt
 
 
+def _pictured(folder: Path) -> Try:
+    _write(folder / "project.toml", WALL)
+
+    def attempt(content: str | bytes) -> str:
+        _write(folder / "geometry.dxf", content)
+        return commanded("check", folder)
+
+    return attempt
+
+
 def _workbook(folder: Path) -> Try:
     (folder / "geometry.dxf").touch()
 
@@ -263,6 +273,9 @@ KINDS: dict[str, Kind] = {
         | damaged_bytes(dxf_text.WHOLE.encode()),
         _drawing,
         800,
+    ),
+    "drawing, with its picture": Kind(
+        dxf_text.hostile_drawings() | damaged_lines(dxf_text.WHOLE, numbers), _pictured, 50
     ),
     "workbook": Kind(_workbooks(), _workbook, 200),
     "record": Kind(
