@@ -177,8 +177,9 @@ def _gaps(blocks: Sequence[Block], polygons: Polygons, kept: Index, tolerance: f
     pair = np.stack([facing.a, facing.b], axis=1)
     apart = _apart(blocks, polygons, facing, 0.51 * NEAR * tolerance)
     middle = facing.ends.mean(axis=1)
-    k, at = shapely.STRtree(shapely.points(middle)).query(polygons, predicate="dwithin", distance=tolerance)
-    between = at[(k != pair[at, 0]) & (k != pair[at, 1])]
+    midway = shapely.STRtree(shapely.points(middle))
+    k, at = midway.query(polygons[kept], predicate="dwithin", distance=tolerance)
+    between = at[(kept[k] != pair[at, 0]) & (kept[k] != pair[at, 1])]
     open_ = apart.max(axis=1, initial=0.0) > 1.001 * tolerance
     open_[between] = False
     stretches = np.flatnonzero(open_)

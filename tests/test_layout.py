@@ -230,6 +230,18 @@ def test_one_frame_is_one_fault_and_hides_no_other():
     assert "handle FLOATING) at (3.75, 3.5) m touches nothing" in message
 
 
+def test_a_frame_hides_no_gap():
+    blocks = [
+        BASE,
+        rectangle(0, 0, 1, 1, "A1"),
+        rectangle(0, 1.0026, 1, 2, "A2"),
+        rectangle(2, 0, 3, 1, "A3"),
+    ]
+    framed, gap, remedy = error([*blocks, rectangle(-2, -2, 6, 6, "FRAME")]).splitlines()
+    assert "encloses 4 other blocks" in framed
+    assert "face each other at (0.5, 1.0013) m" in gap and "tolerance_m = 0.004" in remedy
+
+
 def test_a_stack_of_copies_is_one_fault():
     wall = [BASE, *(rectangle(0, 0, 1, 1, f"A{k}") for k in range(40))]
     (line,) = error(wall).splitlines()
