@@ -11,11 +11,13 @@ from xml.etree import ElementTree
 import pytest
 
 from assessment.cli import main
+from assessment.demand import demand_spectra
+from assessment.project import load_project
 from assessment.project_xlsx import to_xlsx
-from tests.block_project import PUSHED, block, command, write_block
+from tests.block_project import ASSESSMENT, PROJECT, PUSHED, block, command, write_block
 from tests.hostile.corpus import KINDS, SHEETS, tried
 from tests.hostile.judge import COMPLETED, REFUSED
-from tests.hostile.named import COMPLETE, REFUSALS
+from tests.hostile.named import COMPLETE, FLOOR, REFUSALS
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -32,6 +34,15 @@ def test_what_is_refused_by_name(tmp_path, case):
 @pytest.mark.parametrize("case", COMPLETE)
 def test_what_completes_by_name(tmp_path, case):
     assert COMPLETE[case](tmp_path) == COMPLETED
+
+
+def test_a_floor_at_height_zero_is_the_ground(tmp_path):
+    """It divided by zero."""
+    folder = write_block(tmp_path / "block", PROJECT + ASSESSMENT)
+    ground, _ = demand_spectra(load_project(folder))
+    write_block(folder, PROJECT + ASSESSMENT + FLOOR)
+    floor, _ = demand_spectra(load_project(folder))
+    assert floor == ground
 
 
 STATE, CONTROL = "a, b contacts: c; =cmd|'/c calc'!A0", "=<script>alert(1)</script> $x^{$"
