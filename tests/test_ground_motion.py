@@ -212,17 +212,6 @@ def test_files_that_cannot_be_read(tmp_path):
         read_record(tmp_path)
 
 
-@given(content=st.binary(max_size=300))
-@settings(max_examples=60, deadline=None)
-def test_any_bytes_are_a_record_or_a_clear_refusal(tmp_path_factory, content):
-    path = tmp_path_factory.mktemp("bytes") / "motion.dat"
-    path.write_bytes(content)
-    try:
-        assert np.isfinite(read_record(path, time_step=0.01).acceleration).all()
-    except ValueError as error:
-        assert str(error).startswith(str(path))
-
-
 # --- scale, window, time scale ---
 
 NOISE = Record(np.random.default_rng(3).normal(size=2001) * np.hanning(2001), 0.01, "noise")

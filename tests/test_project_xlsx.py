@@ -265,7 +265,7 @@ def test_an_empty_workbook_lacks_its_keys(folder):
 # Any valid project ------------------------------------------------------------------------------------
 
 
-@settings(max_examples=60, deadline=None, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=30, deadline=None, phases=[Phase.explicit, Phase.generate])
 @given(project_contents())
 @example(CONTENT)
 def test_any_project_survives_toml_to_xlsx_to_toml(content):
