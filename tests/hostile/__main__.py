@@ -17,7 +17,7 @@ def main() -> None:
     warnings.simplefilter("ignore")
     factor = float(sys.argv[1]) if len(sys.argv) > 1 else 1.0
     total: Counter[str] = Counter()
-    print(f"| {'input':22} | {'tried':>7} | {'refused':>7} | {'completed':>9} | {'failed':>6} |")
+    print(f"| {'input':25} | {'tried':>7} | {'refused':>7} | {'completed':>9} | {'failed':>6} |")
     print("| --- | ---: | ---: | ---: | ---: |")
     for name, kind in KINDS.items():
         counts = tried(kind, factor)
@@ -35,7 +35,7 @@ def main() -> None:
 def _row(name: str, counts: Counter[str]) -> None:
     failed = counts["tried"] - counts["refused"] - counts["completed"]
     print(
-        f"| {name:22} | {counts['tried']:7} | {counts['refused']:7} | {counts['completed']:9} | {failed:6} |"
+        f"| {name:25} | {counts['tried']:7} | {counts['refused']:7} | {counts['completed']:9} | {failed:6} |"
     )
 
 
