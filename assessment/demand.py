@@ -9,6 +9,7 @@ import numpy as np
 
 from assessment.floor import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
 from assessment.hazard import HazardCurve, return_period, return_period_steps, site_curve
+from assessment.hazard_files import HazardError
 from assessment.messages import ProjectError
 from assessment.rules import ACTIVATION_DAMPING, RULES
 from assessment.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
@@ -96,7 +97,7 @@ def _hazard_curve(project: Project, site: SiteTable) -> HazardCurve | None:
         return None
     try:
         return site_curve(project.path(site.grid), site.latitude, site.longitude)
-    except ValueError as error:
+    except HazardError as error:
         raise ProjectError(f"{project.source}: assessment.site: {error}") from None
 
 

@@ -97,6 +97,8 @@ def cell(column: str, row: Row, words: Words, significant: int = 3) -> Markup:
         return governing(str(value), words)
     if column == "return_period_years" and value is not None:
         return Markup.escape(_bounded(float(value), words))
+    if value == "inf" and column not in TEXT:  # an input: results have no infinity
+        return Markup("∞")
     if isinstance(value, float):
         factor = 1000.0 if column in MILLIMETRES else 100.0 if column in PERCENT else 1.0
         return Markup.escape(words.number(factor * value, significant))

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 
-from assessment.canvas import MM, Sheet, nice, sheet
+from assessment.canvas import WIDTH_MM, Sheet, nice, sheet
 from assessment.hand_check import BY_HAND, MacroBlock, macro_blocks
 from assessment.outlines import Array, Outlines, field, outlines, place
 from assessment.table import sense
@@ -255,11 +255,18 @@ def ghost_handle(label: str) -> Line2D:
     return Line2D([], [], color=FAINT, linewidth=0.8, linestyle=(0, (4, 2)), label=label)
 
 
+def legend_columns(labels: Sequence[str]) -> int:
+    """Return how many columns, up to three, a legend has room for."""
+    widest = max((LETTER_MM * len(label) + KEY_MM for label in labels), default=KEY_MM)
+    return max(1, min(len(labels), 3, int(WIDTH_MM / widest)))
+
+
 def legend(page: Sheet, handles: list[Any]) -> None:
     """Put the legend of a drawing below it, in as many columns, up to three, as the sheet has room for."""
-    room = page.figure.get_figwidth() / MM
-    widest = max((LETTER_MM * len(str(handle.get_label())) + KEY_MM for handle in handles), default=KEY_MM)
-    columns = max(1, min(len(handles), 3, int(room / widest)))
+    columns = legend_columns([str(handle.get_label()) for handle in handles])
+    labels = [
+        f" {text}" if (text := str(h.get_label())).startswith("_") else text for h in handles
+    ]  # "_": left out
     page.figure.legend(
-        handles=handles, loc="lower center", ncols=columns, handlelength=1.8, columnspacing=1.6
+        handles, labels, loc="lower center", ncols=columns, handlelength=1.8, columnspacing=1.6
     )

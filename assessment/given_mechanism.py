@@ -50,7 +50,8 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> tuple[float
     largest = float(abs(delta[:, :2]).max())
     depth = np.where(closed, -opening / largest, -np.inf)
     worst = int(np.argmax(depth))
-    rubs = closed & (slip * contacts.friction > np.maximum(opening, 0.0) + ROUNDING * largest)
+    least = np.maximum(contacts.friction, 1e-99)  # without friction nothing rubs
+    rubs = closed & (slip > np.maximum(opening, 0.0) / least + ROUNDING * largest / np.minimum(least, 1.0))
     pair = (int(contacts.a[worst]), int(contacts.b[worst]))
     return max(0.0, float(depth[worst])), pair, np.unique(contacts.joint[rubs]).tolist()
 

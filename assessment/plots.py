@@ -103,7 +103,7 @@ def pushed(results: Results, direction: str) -> dict[str, Any]:
 def _key_points(axes: Axes, pushover: Mapping[str, Any], names_yield: bool) -> None:
     mark: dict[str, Any] = {"color": "0.0", "markerfacecolor": "1.0", "linestyle": "none", "clip_on": True}
     rigid, elastic = pushover.get("rigid"), pushover.get("elastic")
-    text: dict[str, Any] = {"textcoords": "offset points", "annotation_clip": True}
+    text: dict[str, Any] = {"textcoords": "offset points", "annotation_clip": True, "parse_math": True}
     if rigid:
         peak = rigid["curve"]["multiplier"].index(rigid["alpha_0"])
         onset = 1000.0 * abs(rigid["curve"]["displacement_m"][peak])

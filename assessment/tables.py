@@ -24,16 +24,29 @@ from assessment.reactions import balance, joint_table, reactions
 from assessment.study_tables import study_tables
 from assessment.table import Results, Table, taken_to_collapse
 
+RUN = ("=", "+", "-", "@", "\t", "\r")  # what a formula begins with in a spreadsheet
+
 
 def write_tables(results: Results, folder: Path) -> None:
-    """Write every table of the results that has rows as CSV (comma, point, UTF-8) into the folder."""
+    """Write every table of the results that has rows as CSV (comma, point, UTF-8) into the folder.
+
+    A text that a spreadsheet would take for a formula, names as well as +x, has an apostrophe in front.
+    """
     import pandas as pd  # late: the report needs the rows only
 
     for table in tables(results):
         if table.rows:
             frame = pd.DataFrame(table.rows, columns=list(table.columns))
+            words = [name for name, kind in frame.dtypes.items() if not pd.api.types.is_numeric_dtype(kind)]
+            frame = frame.assign(**{str(name): frame[name].map(inert) for name in words})
+            frame.columns = frame.columns.map(inert)
             path = folder / f"{table.name}.csv"
             write_atomically(path, frame.to_csv(index=False, lineterminator="\n").encode())
+
+
+def inert(cell: Any) -> Any:
+    """Return a cell that no spreadsheet runs: texts that begin like a formula get an apostrophe in front."""
+    return f"'{cell}" if isinstance(cell, str) and cell.startswith(RUN) else cell
 
 
 def tables(results: Results) -> list[Table]:
@@ -119,9 +132,10 @@ def blocks(results: Results) -> Table:
 def layers(results: Results) -> Table:
     """Sum up each layer: its role, blocks, depth, material and loads; defaults from [material]."""
     echo, rows = results["echo"], []
-    blocks = results["geometry"]["blocks"]
-    for layer in sorted({block["layer"] for block in blocks}):
-        own = [block for block in blocks if block["layer"] == layer]
+    by_layer: dict[str, list[Any]] = {}
+    for block in results["geometry"]["blocks"]:
+        by_layer.setdefault(block["layer"], []).append(block)
+    for layer, own in sorted(by_layer.items()):
         given = {**(echo.get("material") or {}), **((echo.get("layers") or {}).get(layer) or {})}
         rows.append(
             {

@@ -16,6 +16,7 @@ from assessment.description import describe
 from assessment.dynamic_stages import add_dynamics, dynamic_contacts, read_motions
 from assessment.messages import ProjectError, nearest
 from assessment.parallel import SILENCE, Show, Workers, large
+from assessment.plausibility import implausible_hazard
 from assessment.project_schema import ORIGINAL
 from assessment.segments import in_more_segments
 from assessment.stages import stand
@@ -113,7 +114,7 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
     motions = read_motions(project)
     demands, hazard = demand_spectra(project, motions.history) if project.assessment else ({}, None)
     results = describe(project, model)
-    results["quality"]["warnings"] += motions.notes
+    results["quality"]["warnings"] += [*motions.notes, *implausible_hazard(project, demands)]
     [unstable] = workers.each("self-weight", stand, [(assembly,)], ["self-weight"], large(assembly))
     if unstable:
         results["model"]["self_weight_stable"] = False

@@ -27,6 +27,8 @@ from tests.block_project import edit
         ),
         (["new", "a", "--tempalte=arch"], '--tempalte: no such option; did you mean "--template"?'),
         (["check", "a", "b"], "assesto check: b: one argument too many; see assesto check --help"),
+        (["ru\x1b[31m\nn"], r"error: assesto ru\x1b[31m\nn: no such command"),
+        (["run", "arch", "--fr\x1b[31m"], r"assesto run: --fr\x1b[31m: no such option"),
     ],
 )
 def test_what_is_misspelt_is_told_with_the_nearest_name(capsys, arguments, says):
@@ -82,6 +84,8 @@ def test_help_lists_the_stages(capsys):
         ),
         ("[0.3, 4.2]", "[0,03, 4,2]", "[0,03, 4,2]; write a decimal point, not a comma: 0.03"),
         ("friction = 0.7", 'friction = "0,7"', "a number, with a decimal point and without quotes: 0.7"),
+        ("friction = 0.7", f'friction = "0,{"7" * 5000}"', f"and without quotes: 0.{'7' * 37}…\n"),
+        ("friction = 0.7", f"friction = 0,{'7' * 4000}", f"not a comma: 0.{'7' * 117}…\n"),
     ],
 )
 def test_a_decimal_comma_is_told_as_such(project, capsys, old, new, says):
