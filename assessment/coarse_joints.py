@@ -31,7 +31,7 @@ from assessment.convergence import accuracy_of
 if TYPE_CHECKING:
     from assessment.project import Project
     from mechanics import Assembly, Block
-    from mechanics.joints import Index
+    from mechanics.types import Index
 
 ENOUGH = 16
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 import platform
 from collections.abc import Iterable
@@ -11,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 from assessment.convergence import accuracy_of
 from assessment.fingerprint import installed
 from assessment.project_schema import ORIGINAL
-from mechanics.block import GRAVITY
+from mechanics.faults import visible
+from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
     from assessment.model import Model
@@ -40,7 +42,8 @@ def describe(project: Project, model: Model) -> Results:
         "assesto": installed("assesto"),
         "title": project.title,
         "inputs": {
-            name: hashlib.sha256(project.path(name).read_bytes()).hexdigest() for name in _inputs(project)
+            visible(name): hashlib.sha256(project.path(name).read_bytes()).hexdigest()
+            for name in _inputs(project)
         },
         "model": {
             "blocks": len(a.blocks),
@@ -52,7 +55,7 @@ def describe(project: Project, model: Model) -> Results:
             "warnings": list(model.warnings),
         },
         "geometry": _geometry(project, a),
-        "echo": project.content(),
+        "echo": _spelt(project.content()),
         "states": {
             name: {
                 "configuration": [[0.0, 0.0, 0.0]] * len(a.blocks),
@@ -76,6 +79,15 @@ def describe(project: Project, model: Model) -> Results:
             "packages": {name: installed(name) for name in PACKAGES},
         },
     }
+
+
+def _spelt(value: Any) -> Any:
+    """Return what the project file says with infinity as it is written there: JSON has none."""
+    if isinstance(value, dict):
+        return {key: _spelt(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_spelt(each) for each in value]
+    return "inf" if value == math.inf else value
 
 
 def _states(project: Project) -> Iterable[tuple[str, Results | None]]:

@@ -13,8 +13,8 @@ import numpy as np
 from assessment.frames import snapshots
 from assessment.project_schema import HistoryTable
 from mechanics import Assembly, ConvergenceError, State, TimeHistory, time_history
-from mechanics.block import GRAVITY, Array
 from mechanics.response_spectrum import response_spectrum
+from mechanics.types import GRAVITY, Array
 
 if TYPE_CHECKING:
     from assessment.base_motion import BaseMotion

@@ -11,9 +11,9 @@ import numpy as np
 if TYPE_CHECKING:
     from mechanics import Assembly
     from mechanics.assembly import Behaviour, State
-    from mechanics.block import Array
     from mechanics.pushdown import Pushdown
     from mechanics.pushover import Pushover
+    from mechanics.types import Array
 
 Numbers = dict[str, Any]
 NUMBERS = 40_000  # kept of one path: what its frames may cost in results.json and in the page

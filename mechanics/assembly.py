@@ -26,7 +26,6 @@ Behaviour = Literal["rigid", "elastic"]
 Direction = Literal["+x", "-x"]
 
 
-
 @dataclass(frozen=True, eq=False)
 class State:
     """Where the blocks are and how they move.

@@ -7,9 +7,14 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from assessment import figures
 from tests.block_project import write_block
+
+# no example is too slow: how long one takes is the machine's affair, and that of what else it is doing
+settings.register_profile("assesto", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("assesto")
 
 
 @pytest.fixture

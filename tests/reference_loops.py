@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechanics.block import Array
-from mechanics.joints import Index
 from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, Residuals
+from mechanics.types import Array, Index
 
 
 def geometry(

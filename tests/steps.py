@@ -6,8 +6,8 @@ import numpy as np
 
 from mechanics import Assembly, State
 from mechanics.assembly import Behaviour
-from mechanics.block import GRAVITY
 from mechanics.program import Program
+from mechanics.types import GRAVITY
 
 
 def euler_step(

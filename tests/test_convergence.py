@@ -31,8 +31,8 @@ from assessment.states import Request, StateResult, analyse_states
 from assessment.study import Demands
 from assessment.words import words_of
 from assessment.workflow import run
-from mechanics.block import GRAVITY
 from mechanics.ground_motion import Record
+from mechanics.types import GRAVITY
 from tests.results_example import results_example
 from tests.structures import block_on_base
 from tests.test_studies import ASSESSMENT, BLOCK, HEIGHT, PUSHOVER, SLENDERNESS, TURNS

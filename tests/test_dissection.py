@@ -7,11 +7,10 @@ import pytest
 from scipy.spatial import Delaunay
 
 from mechanics import pushover, time_history
-from mechanics.block import Array
-from mechanics.joints import Index
 from mechanics.solvers import cholesky, compiled, elimination, kernels
 from mechanics.solvers.dissection import SMALLEST, dissected, fronts
 from mechanics.solvers.elimination import Elimination, Pattern
+from mechanics.types import Array, Index
 from tests.structures import arch_on_piers, running_bond
 
 

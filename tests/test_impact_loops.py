@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from mechanics import time_history
-from mechanics.block import Array
 from mechanics.scene import Scene
 from mechanics.solvers import compiled_impacts as loops
+from mechanics.types import Array
 from tests.structures import arch_on_piers, block_on_base
 from tests.test_newton import shaken
 

@@ -9,8 +9,6 @@ import pytest
 import scipy
 from scipy.linalg import lapack
 
-from mechanics.block import Array
-from mechanics.joints import Index
 from mechanics.solvers import cholesky, compiled, kernels
 from mechanics.solvers.band import envelope
 from mechanics.solvers.compiled_iterations import semismooth
@@ -19,6 +17,7 @@ from mechanics.solvers.elimination import PADDING, Elimination, Pattern
 from mechanics.solvers.kernels import worst
 from mechanics.solvers.runs import runs
 from mechanics.solvers.threads import _libraries, one_thread
+from mechanics.types import Array, Index
 from tests.steps import euler_step
 from tests.structures import arch_on_piers, running_bond
 from tests.test_newton import newton_for, shaken

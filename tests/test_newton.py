@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 from mechanics import Assembly, State, time_history
 from mechanics.assembly import Behaviour
-from mechanics.block import Array
 from mechanics.program import Program, certify
 from mechanics.solvers import compiled, solve
 from mechanics.solvers.elimination import PADDING
 from mechanics.solvers.kernels import OPEN
 from mechanics.solvers.newton import ACCEPTED, Newton
 from mechanics.time_history import Integrator
+from mechanics.types import Array
 from tests import reference_loops
 from tests.steps import euler_step
 from tests.structures import arch_on_piers, block_on_base, running_bond

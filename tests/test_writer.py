@@ -32,7 +32,7 @@ def test_a_folder_that_refuses_is_named(jobs, tmp_path):
 
 
 def test_a_run_that_fails_before_anything_is_written_waits_for_nobody(tmp_path, monkeypatch):
-    monkeypatch.setattr(output, "prepare", lambda _: time.sleep(600))
+    monkeypatch.setattr(output, "prepare", lambda _: time.sleep(3600))
     with pytest.raises(ZeroDivisionError), Writer(report=False, jobs=2):
         raise ZeroDivisionError
     assert not multiprocessing.active_children()
@@ -41,7 +41,7 @@ def test_a_run_that_fails_before_anything_is_written_waits_for_nobody(tmp_path, 
 def test_an_interruption_while_files_are_written_leaves_none_half_made(tmp_path, monkeypatch):
     def endless(_, folder: Path, *__):
         with tempfile.TemporaryDirectory(dir=folder):
-            time.sleep(600)
+            time.sleep(3600)
 
     def interrupted(*_):
         while not list(tmp_path.iterdir()):

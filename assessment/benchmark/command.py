@@ -16,6 +16,7 @@ from assessment.benchmark.plots import work_precision
 from assessment.benchmark.table import Column, as_csv, listed, number, percent, pivoted
 from assessment.canvas import save_png, save_svg
 from assessment.files import write_atomically
+from assessment.messages import nearest
 
 SUMMARY = "summary.md"
 
@@ -40,7 +41,7 @@ def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
     """
     for name in names:
         if name not in BENCHMARKS:
-            raise ValueError(f"benchmark: {name}: no such benchmark; choose from {', '.join(BENCHMARKS)}")
+            raise ValueError(f"benchmark: {name}: no such benchmark; {nearest(name, BENCHMARKS)}")
     summary = [machine()]
     print(summary[0], flush=True)
     for name in names or BENCHMARKS:

@@ -15,9 +15,9 @@ from assessment.benchmark.measure import Row, beside_piqp, programs_kept
 from assessment.benchmark.structures import assembly, block_on_base, running_bond, template
 from mechanics import Assembly, State, TimeHistory, scene, time_history
 from mechanics.assembly import Behaviour
-from mechanics.block import Array
 from mechanics.solvers import newton
 from mechanics.solvers.newton import ACCEPTED
+from mechanics.types import Array
 
 Integrator = Literal["implicit-euler", "second-order"]
 INTEGRATORS: tuple[Integrator, ...] = ("implicit-euler", "second-order")

@@ -18,10 +18,10 @@ from unittest.mock import patch
 
 import numpy as np
 
-from mechanics.block import Array
 from mechanics.program import Program, Solution
 from mechanics.solvers import interior_point
 from mechanics.solvers.newton import Newton
+from mechanics.types import Array
 
 Row = dict[str, Any]
 """A line of a table: what was measured, by column."""

@@ -26,13 +26,13 @@ from assessment.stages import mirror_of
 from assessment.states import PAST_PEAK
 from mechanics import Assembly, TimeHistory, pushover, time_history
 from mechanics.assembly import Behaviour, Direction
-from mechanics.block import Array
 from mechanics.collapse import TURNED
 from mechanics.errors import NoEquilibriumError
 from mechanics.ground_motion import read_record
 from mechanics.pushover import Pushover
 from mechanics.solvers.newton import Newton
 from mechanics.static_step import find_step
+from mechanics.types import Array
 
 if TYPE_CHECKING:
     from assessment.project import Project

@@ -13,12 +13,12 @@ from assessment.benchmark.measure import Row, once_a_step
 from assessment.benchmark.structures import assembly, block_on_base, running_bond, template
 from mechanics import Assembly, pushdown, pushover
 from mechanics.assembly import Behaviour
-from mechanics.block import Array
 from mechanics.equilibrium import closed_program
 from mechanics.program import Program
 from mechanics.pushdown import Pushdown
 from mechanics.pushover import Pushover
 from mechanics.solvers import interior_point, linear
+from mechanics.types import Array
 
 Parameter = Literal["increment", "segments", "tolerance"]
 Errors = dict[str, float]

@@ -105,7 +105,7 @@ def cache_folder() -> Path | None:
     """Where compiled code is kept: in the first of these folders in which files can be made; None if there is none.
 
     NUMBA_CACHE_DIR; __pycache__ beside the sources; the user's folder for caches; a folder of the user's own among the
-    temporary files. The folder is named after the sources of all loops: a function's code is out of date, too, when a
+    temporary files. The folder is named after what is in SOURCES: a function's code is out of date, too, when a
     function or a constant that it uses has changed in another file.
     """
     sources = digest(SOURCES)

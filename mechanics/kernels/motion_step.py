@@ -121,8 +121,16 @@ def attempt(
             u0, phi0, _ = relative(s, a[k], b[k], v)
             u1, phi1, _ = relative(p, a[k], b[k], v)
             du, dphi = h * (u1 - u0), h * (phi1 - phi0)
-            low = _apart(p[U] - s[H] * p[PHI], h * (u0 - s[H] * phi0), CLOSED * size, restitution) + du - s[H] * dphi
-            high = _apart(p[U] + s[H] * p[PHI], h * (u0 + s[H] * phi0), CLOSED * size, restitution) + du + s[H] * dphi
+            low = (
+                _apart(p[U] - s[H] * p[PHI], h * (u0 - s[H] * phi0), CLOSED * size, restitution)
+                + du
+                - s[H] * dphi
+            )
+            high = (
+                _apart(p[U] + s[H] * p[PHI], h * (u0 + s[H] * phi0), CLOSED * size, restitution)
+                + du
+                + s[H] * dphi
+            )
             p[U], p[PHI] = 0.5 * (low + high), 0.5 * (high - low) / max(p[H], GONE * size)
         if p[H] <= GONE * size:
             forces[k] = 0.0
@@ -330,7 +338,9 @@ def march(
         fs[k + 1] = resultants
         far = 0.0
         for i in range(n):
-            way = np.hypot(x[i, 0] - begun[i, 0], x[i, 1] - begun[i, 1]) + radius[i] * abs(x[i, 2] - begun[i, 2])
+            way = np.hypot(x[i, 0] - begun[i, 0], x[i, 1] - begun[i, 1]) + radius[i] * abs(
+                x[i, 2] - begun[i, 2]
+            )
             far = max(far, way)
         if far > margin:
             return k + 1, 1

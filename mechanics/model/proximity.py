@@ -87,9 +87,7 @@ def near(outlines: Outlines, drawn: Contacts, now: Contacts, positions: Array, r
     return first.joined(_met(outlines, drawn, a[new], b[new], edges[new], at_a[new], at_b[new]))
 
 
-def _pairs(
-    outlines: Outlines, positions: Array, reach: float
-) -> tuple[Index, Index, Index, Array, Array]:
+def _pairs(outlines: Outlines, positions: Array, reach: float) -> tuple[Index, Index, Index, Array, Array]:
     """Blocks a < b, edges (k, 2) of theirs, and in their blocks' axes the points (k, 2) of these that are nearest."""
     cos, sin = np.cos(positions[:, 2]), np.sin(positions[:, 2])
     own = outlines.owner
@@ -166,5 +164,3 @@ def _met(
     faces[:, A1] += trim
     faces[:, A2] -= trim
     return replace(found, faces=faces)
-
-

@@ -53,4 +53,6 @@ def limit_in(model: Assembly, direction: Direction, state: State) -> Limit:
     mechanism[model.movable] = solution.displacement.reshape(-1, 3)
     forces = np.zeros((len(closed.contacts), 3))
     forces[closed.index] = solution.forces
-    return Limit(solution.alpha, mechanism / abs(mechanism[:, :2]).max(), forces, closed.contacts, solution.certificate)
+    return Limit(
+        solution.alpha, mechanism / abs(mechanism[:, :2]).max(), forces, closed.contacts, solution.certificate
+    )

@@ -8,13 +8,13 @@ import numpy as np
 
 from mechanics.assembly import Assembly, Direction, State
 from mechanics.errors import NoEquilibriumError, UnstableError
+from mechanics.kernels.joint import H
+from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import limit_analysis
 from mechanics.program import Certificate, bed_gaps, end_forces
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
 from mechanics.steps.rest import REST, lifted, motion_to_rest
 from mechanics.steps.static_step import Equilibrium, Sliding, StepProblem, find_equilibrium, static_system
-from mechanics.kernels.joint import H
-from mechanics.model.contacts import Contacts
 from mechanics.types import Array
 
 
@@ -55,7 +55,16 @@ def mechanism_start(model: Assembly, direction: Direction, state: State | None) 
     limit = limit_analysis(model, direction, state)
     rate = limit.mechanism / float((model.lateral_load(direction) * limit.mechanism).sum())
     share = 1.0 if state is None else TOLERANCES.settled
-    return PathStart(state or model.initial, None, limit.alpha, limit.forces, limit.contacts, limit.certificate, rate, share)
+    return PathStart(
+        state or model.initial,
+        None,
+        limit.alpha,
+        limit.forces,
+        limit.contacts,
+        limit.certificate,
+        rate,
+        share,
+    )
 
 
 def elastic_start(

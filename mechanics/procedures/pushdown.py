@@ -110,7 +110,11 @@ def pushdown(
     found = path.result(final, ultimate, end)
     if final is None:
         after = path.movement[-1] >= full * (1.0 - 1e-9)
-        when = "after the whole movement" if after else f"at a movement of {path.movement[-1]:.4g} m, before the whole"
+        when = (
+            "after the whole movement"
+            if after
+            else f"at a movement of {path.movement[-1]:.4g} m, before the whole"
+        )
         raise CollapseError(f"the structure collapses {when} of {full:.4g} m: {end}", found)
     return found
 

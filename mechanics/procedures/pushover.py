@@ -9,14 +9,14 @@ from numpy.typing import ArrayLike
 
 from mechanics.assembly import Assembly, Behaviour, Direction, State
 from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError, require
+from mechanics.kernels.joint import V as SLIP
+from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.path_start import elastic_start, mechanism_start, no_way_from_rest
 from mechanics.procedures.step_control import GROWTH, HALVINGS, Bisection, reach
 from mechanics.program import Certificate
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, Sliding, StepProblem, static_system
-from mechanics.kernels.joint import V as SLIP
-from mechanics.model.contacts import Contacts
 from mechanics.types import Array
 
 
@@ -179,7 +179,9 @@ class _Curve:
         now = self.states[-1]
         self.system = self.system.around(now.positions, 2.0 * work * fastest)
         problem = StepProblem(self.system, now, self.model.dead_load, work * fastest, self.lateral, work)
-        step, jumped = reach(problem, now.positions + work * self.rate, self.steps[-1] if self.steps else None)
+        step, jumped = reach(
+            problem, now.positions + work * self.rate, self.steps[-1] if self.steps else None
+        )
         if self.system.rigid and self._slides(now, step):
             # what slides comes down from where it was lifted: limit analysis knows no way, only the configuration
             limit = limit_in(self.model, self.direction, step.state)

@@ -35,9 +35,7 @@ class Bisection:
         self.length = min(self.increment, GROWTH * self.length)
 
 
-def reach(
-    problem: StepProblem, guess: Array, last: Equilibrium | None
-) -> tuple[Equilibrium, bool]:
+def reach(problem: StepProblem, guess: Array, last: Equilibrium | None) -> tuple[Equilibrium, bool]:
     """The equilibrium of a step, and whether blocks were let go to find it.
 
     Collapse is a fact and not a failed step: where there is no equilibrium nearby, the motion that follows decides. A
@@ -52,9 +50,7 @@ def reach(
         problem = replace(problem, system=system)
 
 
-def _reach(
-    problem: StepProblem, guess: Array, last: Equilibrium | None
-) -> tuple[Equilibrium, bool]:
+def _reach(problem: StepProblem, guess: Array, last: Equilibrium | None) -> tuple[Equilibrium, bool]:
     try:
         return find_equilibrium(problem, guess, last), False
     except (NoEquilibriumError, ConvergenceError) as stop:

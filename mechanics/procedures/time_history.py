@@ -139,7 +139,12 @@ def _chosen(model: Assembly, contacts: Behaviour, integrator: Integrator) -> tup
 
 
 def _begun(
-    model: Assembly, contacts: Behaviour, state: State, integrator: Integrator, damping_ratio: float, restitution: float
+    model: Assembly,
+    contacts: Behaviour,
+    state: State,
+    integrator: Integrator,
+    damping_ratio: float,
+    restitution: float,
 ) -> tuple[DynamicSystem, State, Motion]:
     """The system, the state from which the motion begins, and the motion."""
     start, forces = _settled(model, contacts, state)
@@ -175,9 +180,14 @@ def _settled(model: Assembly, contacts: Behaviour, state: State) -> tuple[State,
             check_self_weight(model, state)
         step = rest(static_system(model, contacts).around(state.positions, size), state)
         if lifted(step, model.weight) > REST.lifted * model.size:
-            step = motion_to_rest(StepProblem(step.system, step.state, model.dead_load, size), step.state.positions)
+            step = motion_to_rest(
+                StepProblem(step.system, step.state, model.dead_load, size), step.state.positions
+            )
         # what carries in a pushed state carries more than gravity
-        if state.carrying is not None and way(state.positions, step.state.positions, model.size) > REST.lifted * model.size:
+        if (
+            state.carrying is not None
+            and way(state.positions, step.state.positions, model.size) > REST.lifted * model.size
+        ):
             check_self_weight(model, state)
     except (UnstableError, NoEquilibriumError):
         return state, None

@@ -117,7 +117,8 @@ class DynamicSystem:
         if np.array_equal(before.edges, system.contacts.edges):
             found.__dict__["layout"] = self.layout
         motion.forces, motion.gaps, motion.shear = (
-            moved_over(v, before, system.contacts) for v in (motion.forces, motion.gaps, motion.shear[:, None])
+            moved_over(v, before, system.contacts)
+            for v in (motion.forces, motion.gaps, motion.shear[:, None])
         )
         motion.shear = motion.shear[:, 0].copy()
         return found
@@ -167,6 +168,7 @@ class DynamicSystem:
         if reason == 2:
             raise ConvergenceError(f"a step of the motion was not solved, {done} steps on")
         return Recorded(xs[: done + 1], vs[: done + 1], fs[: done + 1], es[: done + 1])
+
 
 RIGID_SHEAR = 1e3  # normal stiffnesses: what stands for an infinite tangential one in the first frequency
 

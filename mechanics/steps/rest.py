@@ -65,25 +65,42 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     size = max(problem.size, tolerances.still * model.size)
     for _ in range(tolerances.steps):
         # the work counts from the beginning, slips from the last step: what has slid does not come back
-        done = 0.0 if problem.lateral is None else float((problem.lateral * (at - problem.start.positions)).sum())
+        done = (
+            0.0
+            if problem.lateral is None
+            else float((problem.lateral * (at - problem.start.positions)).sum())
+        )
         before, system = system, system.around(at, size)
         iterate = iterate and iterate_over(iterate, before.contacts, system.contacts)
         step = replace(
-            problem, system=system, start=since, size=size, work=problem.work - done, mass=model.mass / time**2
+            problem,
+            system=system,
+            start=since,
+            size=size,
+            work=problem.work - done,
+            mass=model.mass / time**2,
         )
         moved, iterate = _one(step, at, iterate)
         since = State(moved, np.zeros_like(moved))
         left, at = way(at, moved, model.size), moved
         far = way(begun, at, model.size)
         if far > tolerances.farthest * model.size:
-            raise NoEquilibriumError(f"the structure falls: left to itself it moves by {far:.2g} m and does not rest")
+            raise NoEquilibriumError(
+                f"the structure falls: left to itself it moves by {far:.2g} m and does not rest"
+            )
         if left <= tolerances.still * model.size:
             done = 0.0 if problem.lateral is None else float((problem.lateral * (at - begun)).sum())
             final = replace(
-                problem, system=system, start=State(at, np.zeros_like(at)), size=size, work=problem.work - done
+                problem,
+                system=system,
+                start=State(at, np.zeros_like(at)),
+                size=size,
+                work=problem.work - done,
             )
             return find_equilibrium(final, at)
-    raise NoEquilibriumError(f"left to itself the structure does not come to rest: it goes on by {left:.2g} m a step")
+    raise NoEquilibriumError(
+        f"left to itself the structure does not come to rest: it goes on by {left:.2g} m a step"
+    )
 
 
 def _one(problem: StepProblem, at: Array, iterate: Iterate | None) -> tuple[Array, Iterate]:
@@ -97,7 +114,9 @@ def _one(problem: StepProblem, at: Array, iterate: Iterate | None) -> tuple[Arra
     for start in starts:
         found, outcome = interior.run(program, layout, start, 1e3 * ACCEPTED)
         if outcome.accepted:
-            return displaced(system.model, at, found.displacement), over_all(found, index, len(system.contacts))
+            return displaced(system.model, at, found.displacement), over_all(
+                found, index, len(system.contacts)
+            )
     solution, _ = solve(program, layout)
     raise ConvergenceError(f"a step of a motion to rest was not solved: {solution.certificate}")
 

@@ -11,11 +11,11 @@ import piqp
 import pytest
 
 from mechanics import load_control, pushover
-from mechanics.block import Array
 from mechanics.program import Neighbour, Program, Solution, certify
 from mechanics.solvers import central_path, interior_point, linear, solve
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.newton import Newton
+from mechanics.types import Array
 from tests.stress.corpus import assemblies, dynamic, static
 from tests.structures import arch_on_piers, block_on_base, running_bond
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, State, time_history
-from mechanics.block import GRAVITY
+from mechanics.types import GRAVITY
 from tests.structures import block_on_base, rectangle
 
 FLAT = {"width": 2.0, "height": 0.2, "friction": 0.3}

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from assessment.benchmark.dynamics import dissipation
 from mechanics import Assembly, State, time_history
-from mechanics.block import GRAVITY
+from mechanics.types import GRAVITY
 from tests.structures import block_on_base
 
 
