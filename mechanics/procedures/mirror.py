@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mechanics.assembly import Assembly, Behaviour, State
-from mechanics.program import Neighbour, Program
-from mechanics.pushover import Pushover
-from mechanics.static_step import Step
+from mechanics.procedures.pushover import Pushover
+from mechanics.steps.static_step import Equilibrium
 from mechanics.types import Array, Index
 
 EXACT = 1e-9  # of the model's extent, and of its loads and stiffnesses: a difference that is rounding
@@ -22,19 +21,19 @@ TURNED = np.array([-1.0, 1.0, -1.0])  # what the image of x, z, ω is multiplied
 class Mirror:
     """The reflection in the plane x = `axis` (m) that leaves a model as drawn as it is.
 
-    `block` (b,), `contact` (c,): the block and the contact point at which each one's image lies; `behaviour`: whose
-    contact points they are.
+    `block` (b,), `joint` (j,): the block, and the drawn joint, at which each one's image lies; `moment` (j,): by what P
+    is multiplied: −1, or 1 where the two blocks change their places.
     """
 
     model: Assembly
-    behaviour: Behaviour
     axis: float
     block: Index
-    contact: Index
+    joint: Index
+    moment: Array
 
     @classmethod
     def of(cls, model: Assembly, behaviour: Behaviour) -> Mirror | None:
-        """The mirror of a model; None where the image of a block, a load or a contact point is not another, exactly."""
+        """The mirror of a model; None where the image of a block, a load or a joint is not another, exactly."""
         x = np.concatenate([block.polygon[:, 0] for block in model.blocks])
         axis, extent = 0.5 * float(x.min() + x.max()), float(np.ptp(x))
         centre = model.initial.positions[:, :2]
@@ -45,19 +44,26 @@ class Mirror:
             return None
         if not _same(model.lateral_load("+x")[block], model.lateral_load("-x") * TURNED):
             return None
-        contacts = model.contacts(behaviour)
-        apart = 10.0 * extent  # points of other blocks are none that lie near
-        owner = np.stack([contacts.a, contacts.b], axis=1)
-        here = np.column_stack([apart * owner, contacts.p, contacts.q, contacts.n])
+        joints, contacts = model.joints, model.contacts
+        apart = 10.0 * extent  # joints of other blocks are none that lie near
+        middle = joints.ends.mean(axis=1)
+        owner = np.sort(np.stack([joints.a, joints.b], axis=1), axis=1)
+        image_owner = np.sort(block[owner], axis=1)
+        here = np.column_stack([apart * owner, middle, joints.length])
         image = np.column_stack(
-            [apart * block[owner], *(v * [-1.0, 1.0] for v in (contacts.p, contacts.q, contacts.n))]
+            [apart * image_owner, [2.0 * axis, 0.0] + middle * [-1.0, 1.0], joints.length]
         )
-        contact = _matched(here, image, EXACT * apart)
-        if contact is None or not _same(contacts.friction[contact], contacts.friction):
+        joint = _matched(here, image, EXACT * apart)
+        if joint is None or not _same(contacts.friction[joint], contacts.friction):
             return None
-        if behaviour == "elastic" and not _same(contacts.stiffness[contact], contacts.stiffness):
+        if not _same(contacts.strength[joint], contacts.strength):
             return None
-        return cls(model, behaviour, axis, block, contact)
+        if behaviour == "elastic" and not (
+            _same(contacts.bed[joint], contacts.bed) and _same(contacts.shear[joint], contacts.shear)
+        ):
+            return None
+        moment = np.where(joints.a[joint] == block[joints.a], -1.0, 1.0)
+        return cls(model, axis, block, joint, moment)
 
     def swaps(self, one: ArrayLike, other: ArrayLike) -> bool:
         """Whether control points (m) are each other's image, and so are the blocks that they are fixed to."""
@@ -66,15 +72,23 @@ class Mirror:
             return False
         return bool(self.block[self.model.block_at(one)] == self.model.block_at(other))
 
-    def pushover(self, path: Pushover) -> Pushover:
-        """The image of a path from the state as drawn: that of the push the other way."""
+    def pushover(self, path: Pushover) -> Pushover | None:
+        """The image of a path from the state as drawn: that of the push the other way.
+
+        None where blocks met on the way that did not touch as drawn.
+        """
+        drawn = len(self.model.contacts)
+        met = [step.forces[drawn:, 0].max(initial=0.0) for step in path.steps]
+        if max([*met, path.forces[drawn:, 0].max(initial=0.0)]) > 0.0:
+            return None
         return replace(
             path,
             end=self._told(path.end),
             states=tuple(map(self._state, path.states)),
             steps=tuple(map(self._step, path.steps)),
             mechanism=self._motion(path.mechanism),
-            forces=self._points(path.forces, [1.0, -1.0]),
+            forces=self._forces(path.forces[:drawn]),
+            contacts=self.model.contacts,
         )
 
     def _told(self, text: str) -> str:
@@ -92,60 +106,33 @@ class Mirror:
         image[self.block] = motion * TURNED
         return image
 
-    def _rows(self, rows: Array) -> Array:
-        """The same of the movable blocks (m,)."""
-        motion = np.zeros((len(self.block), 3))
-        motion[self.model.movable] = rows.reshape(-1, 3)
-        return self._motion(motion)[self.model.movable].ravel()
-
-    def _points(self, values: ArrayLike, signs: ArrayLike) -> Array:
-        """What belongs to contact points (c, n), its columns times signs (n,)."""
-        signed = np.asarray(values) * np.asarray(signs, dtype=float)
-        image = np.empty_like(signed)
-        image[self.contact] = signed
-        return image
-
     def _positions(self, positions: Array) -> Array:
         return self._motion(positions) + np.array([2.0 * self.axis, 0.0, 0.0])
 
+    def _forces(self, forces: Array) -> Array:
+        """N, P and T (j, 3) of the drawn joints."""
+        image = np.empty_like(forces)
+        image[self.joint] = forces * np.column_stack(
+            [np.ones(len(forces)), self.moment, -np.ones(len(forces))]
+        )
+        return image
+
     def _state(self, state: State) -> State:
-        return State(
-            self._positions(state.positions),
-            self._motion(state.velocities),
-            None if state.shear is None else self._points(state.shear, -1.0),
-            None if state.carrying is None else self._points(state.carrying, 1.0) > 0.0,
-        )
+        shear = carrying = None
+        if state.shear is not None:
+            shear = np.empty_like(state.shear)
+            shear[self.joint] = -state.shear
+        if state.carrying is not None:
+            carrying = np.empty_like(state.carrying)
+            carrying[self.joint] = state.carrying
+        return State(self._positions(state.positions), self._motion(state.velocities), shear, None, carrying)
 
-    def _step(self, step: Step) -> Step:
-        solution, near = step.solution, step.neighbour
-        normal_and_tangent = [1.0, -1.0]
-        return replace(
-            step,
-            state=self._state(step.state),
-            at=self._positions(step.at),
-            program=self._program(step.program),
-            solution=replace(
-                solution,
-                forces=self._points(solution.forces, normal_and_tangent),
-                displacement=self._rows(solution.displacement),
-            ),
-            neighbour=Neighbour(
-                self._points(near.forces, normal_and_tangent),
-                self._points(near.opening, normal_and_tangent),
-                near.alpha,
-            ),
-        )
-
-    def _program(self, program: Program) -> Program:
-        # gaps are what they were, slides change their sign
-        return replace(
-            program,
-            normal=self._points(program.normal, np.tile(TURNED, 2)),
-            tangent=self._points(program.tangent, -np.tile(TURNED, 2)),
-            gap=self._points(program.gap, [1.0, -1.0]),
-            load=self._rows(program.load),
-            lateral=None if program.lateral is None else self._rows(program.lateral),
-        )
+    def _step(self, step: Equilibrium) -> Equilibrium:
+        state, contacts = self._state(step.state), self.model.contacts
+        system = replace(step.system, contacts=contacts, seen=None)
+        places = contacts.places(state.positions)
+        forces = self._forces(step.forces[: len(contacts)])
+        return replace(step, state=state, system=system, places=places, forces=forces, iterate=None)
 
 
 def _matched(points: Array, images: Array, tolerance: float) -> Index | None:
