@@ -39,6 +39,9 @@ MOST_ROUNDS = 12  # more stages, of the last kind, until they agree
 CARRYING = 1e-6  # of the weight: a force that is one
 JUMP = 30.0  # a step this many times larger than asked is a fall, not a path of equilibrium
 TURN = 0.5  # rad: a step that turns a block by more leaves the range in which its geometry is linear
+SLIDES = 12
+STAT=[0]*20
+HELD = 1e-3
 VANISHED = 1e-9  # of the block size: an overlap that is none
 SEEN = 0.05  # of the block size: how far beyond a step contacts are looked for
 INSIDE = 1e-6  # of the block size: a penetration that is one
@@ -95,8 +98,7 @@ class StaticSystem:
         """What each joint obeys (j, LAW)."""
         c = self.contacts
         law = np.zeros((len(c), LAW))
-        law[:, FRICTION] = np.maximum(c.friction, LEAST_FRICTION)
-        law[:, LIFT] = law[:, FRICTION] if self.sliding == "associative" else 0.0
+        law[:, FRICTION] = law[:, LIFT] = np.maximum(c.friction, LEAST_FRICTION)
         law[:, STRENGTH], law[:, BED] = c.strength, np.inf
         if not self.rigid:
             law[:, BED], law[:, SEGMENTS] = c.bed, c.segments
@@ -181,14 +183,16 @@ class StepProblem:
             slid = slid + system.law[:, SHEAR] * spring_forces(system.contacts, self.start)
         return slid
 
-    def pose(self, at: Array, forces: Array | None) -> tuple[Program, Index]:
+    def pose(self, at: Array, forces: Array | None, slips: Array | None = None) -> tuple[Program, Index]:
         """The program counted from the positions `at` (b, 3), in their geometry, and the joints that overlap there.
 
         `forces` (j, 3): about what the joints carry, None: nothing known; what they change with the geometry belongs to
-        an elastic program.
+        an elastic program. `slips` (j,) m: those whose lift is taken back, None: of none.
         """
         system, model, movable = self.system, self.system.model, self.system.model.movable
         places = system.contacts.places(at)
+        if slips is not None:
+            places[:, U] += system.law[:, FRICTION] * slips
         if not system.rigid and forces is not None:
             turned = (at - self.start.positions)[:, 2]
             lay_shear(places, forces, turned[system.contacts.a] - turned[system.contacts.b])
@@ -269,24 +273,23 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
         if last.iterate is not None:
             iterate, distance = iterate_over(last.iterate, last.contacts, system.contacts), DISTANCE
     stages = STAGES[system.behaviour]
+    slips = None
     for stage in range(len(stages) + MOST_ROUNDS):
         accepted = stages[min(stage, len(stages) - 1)]
-        program, index = problem.pose(at, forces)
+        if system.sliding == "coulomb" and iterate is not None and stage <= SLIDES:
+            STAT[min(stage,19)] += 1
+            slips = abs(iterate.gaps[:, 2] - iterate.gaps[:, 3])
+        program, index = problem.pose(at, forces, slips)
         layout = system.layout.take(index)
-        begun = interior.cold(program) if iterate is None else taken(iterate, index).warm(program, distance)
-        found, outcome = interior.run(program, layout, begun, accepted)
-        solves += 1
-        if not outcome.accepted and program.curved is not None and iterate is None:
-            # from nowhere: first without what the forces change
-            found, outcome = interior.run(interior.frozen(program), layout, begun, accepted)
-            solves += 1
-        if not outcome.accepted:
-            _refuse(problem, program, layout, outcome.unstable, found)
+        near = [] if iterate is None else [taken(iterate, index).warm(program, distance)]
+        found, more = _solved(problem, program, system.layout.take(index), near, accepted)
+        solves += more
         at = _checked(problem, displaced(system.model, at, found.displacement))
         forces = _spread(interior.solution(program, found).forces, index, len(system.contacts))
         iterate, distance = over_all(found, index, len(system.contacts)), CLOSER * accepted
-        if stage >= len(stages) - 1:
-            settled = _settled(problem, at, forces, found.alpha, iterate, solves)
+        slides = slips is not None and stage < SLIDES and _lift(system, iterate, slips) > HELD * problem.size
+        if stage >= len(stages) - 1 and not slides:
+            settled = _settled(problem, at, forces, found.alpha, iterate, solves, slips)
             if settled is not None:
                 return settled
     block = int(np.argmax(abs(found.displacement.reshape(-1, 3)[:, :2]).max(axis=1)))
@@ -296,12 +299,18 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     )
 
 
+def _lift(system: StaticSystem, iterate: Iterate, slips: Array) -> float:
+    """By how much (m) slips differ from those whose lift was taken back, as a gap."""
+    missed = abs(iterate.gaps[:, 2] - iterate.gaps[:, 3]) - slips
+    return float(abs(system.law[:, FRICTION] * missed).max(initial=0.0))
+
+
 def _settled(
-    problem: StepProblem, at: Array, forces: Array, alpha: float, iterate: Iterate, solves: int
+    problem: StepProblem, at: Array, forces: Array, alpha: float, iterate: Iterate, solves: int, slips: Array | None
 ) -> Equilibrium | None:
     """The equilibrium of forces and positions where they agree; None where they do not."""
     system = problem.system
-    program, index = problem.pose(at, forces)
+    program, index = problem.pose(at, forces, slips)
     certificate = certify(program, forces[index], alpha, np.zeros(len(program.load)))
     if certificate.worst(problem.size) > SETTLED:
         return None
@@ -345,12 +354,28 @@ def iterate_over(iterate: Iterate, before: Contacts, now: Contacts) -> Iterate:
     return replace(iterate, forces=forces, gaps=gaps)
 
 
-def _refuse(
-    problem: StepProblem, program: Program, layout: Elimination, unstable: bool, found: Iterate
-) -> None:
-    """Raise NoEquilibriumError or ConvergenceError, whichever holds, where a program was not solved."""
-    if abs(found.alpha) > 0.99 * LARGEST_MULTIPLIER:
-        raise NoEquilibriumError("no mechanism: the load only wedges the blocks, the multiplier has no bound")
+def _solved(
+    problem: StepProblem, program: Program, layout: Elimination, near: list[Iterate], accepted: float
+) -> tuple[Iterate, int]:
+    """The iterate that solves a program, sought near another one, then from nowhere; and the programs that took.
+
+    With elastic joints, from nowhere, last without what the forces change. Raises NoEquilibriumError where there is no
+    equilibrium, ConvergenceError where that cannot be decided.
+    """
+    unstable, solves = False, 0
+    programs = [program] if program.curved is None else [program, interior.frozen(program)]
+    attempts = [(program, start) for start in near]
+    attempts += [(tried, interior.cold(program)) for tried in programs[: 1 if near else 2]]
+    for tried, start in attempts:
+        found, outcome = interior.run(tried, layout, start, accepted)
+        solves += 1
+        if outcome.accepted:
+            return found, solves
+        unstable = unstable or outcome.unstable
+        if abs(found.alpha) > 0.99 * LARGEST_MULTIPLIER:
+            raise NoEquilibriumError(
+                "no mechanism: the load only wedges the blocks, the multiplier has no bound"
+            )
     if unstable:
         raise NoEquilibriumError("loss of stability: the stiffness of the structure is no longer positive")
     solve(interior.frozen(program), layout)  # raises where there is no equilibrium
