@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from mechanics.errors import ConvergenceError, NoEquilibriumError
+from mechanics.errors import ConvergenceError, NoEquilibriumError, UnsettledError
 from mechanics.steps.rest import motion_to_rest
-from mechanics.steps.static_step import Equilibrium, StepProblem, find_equilibrium
+from mechanics.steps.static_step import Equilibrium, StepProblem, find_equilibrium, in_short_steps
 from mechanics.types import Array
 
 HALVINGS = 5  # down to which the end of a path is located
@@ -52,7 +52,10 @@ def reach(problem: StepProblem, guess: Array, last: Equilibrium | None) -> tuple
 
 def _reach(problem: StepProblem, guess: Array, last: Equilibrium | None) -> tuple[Equilibrium, bool]:
     try:
-        return find_equilibrium(problem, guess, last), False
+        try:
+            return find_equilibrium(problem, guess, last), False
+        except UnsettledError:
+            return in_short_steps(problem, guess), False
     except (NoEquilibriumError, ConvergenceError) as stop:
         begun = problem.start.positions.copy()
         fixed = ~problem.system.model.movable

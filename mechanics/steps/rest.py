@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mechanics.assembly import State
-from mechanics.errors import ConvergenceError, NoEquilibriumError
+from mechanics.errors import NoEquilibriumError
 from mechanics.kernels.joint import H
 from mechanics.model.contacts import end_gaps
 from mechanics.program import bed_gaps, end_forces
@@ -103,7 +103,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     )
 
 
-def _one(problem: StepProblem, at: Array, iterate: Iterate | None) -> tuple[Array, Iterate]:
+def _one(problem: StepProblem, at: Array, iterate: Iterate | None) -> tuple[Array, Iterate | None]:
     """Positions after one step, and its iterate."""
     system = problem.system
     program, index = problem.pose(at, None)
@@ -117,8 +117,10 @@ def _one(problem: StepProblem, at: Array, iterate: Iterate | None) -> tuple[Arra
             return displaced(system.model, at, found.displacement), over_all(
                 found, index, len(system.contacts)
             )
-    solution, _ = solve(program, layout)
-    raise ConvergenceError(f"a step of a motion to rest was not solved: {solution.certificate}")
+    solution, iterate = solve(program, layout)
+    return displaced(system.model, at, solution.displacement), iterate and over_all(
+        iterate, index, len(system.contacts)
+    )
 
 
 def lifted(equilibrium: Equilibrium, weight: float) -> float:

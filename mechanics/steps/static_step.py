@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Literal
@@ -10,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from mechanics.assembly import Assembly, Behaviour, State
-from mechanics.errors import ConvergenceError, NoEquilibriumError
+from mechanics.errors import ConvergenceError, NoEquilibriumError, UnsettledError
 from mechanics.kernels.interior_iteration import BED, FRICTION, LAW, LIFT, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.kernels.joint import ARM, BETA, MV, PHI, H, U, V, curvature
 from mechanics.model.contacts import Contacts, end_gaps
@@ -32,18 +31,19 @@ from mechanics.types import GRAVITY, Array, Index
 Sliding = Literal["coulomb", "associative"]
 
 # what is missed, per weight and step, when the geometry is taken anew; rigid joints have no give in a wrong one
-STAGES = {"rigid": (1e-5, 1e-8, 1e-9), "elastic": (1e-2, 1e-4, 1e-6, 1e-8)}
+STAGES = {"rigid": (1e-5, 1e-8), "elastic": (1e-2, 1e-4, 1e-6, 1e-8)}
 DISTANCE = 0.03  # per weight and step, from the bounds: where the first stage begins near an earlier solution
 CLOSER = 0.1  # of what the last stage missed: the same of the next one
 SETTLED = 1e-6  # certificate of the forces in the geometry to which they lead
-MOST_ROUNDS = int(os.environ.get('MR','12'))  # more stages, of the last kind, until they agree
+MOST_ROUNDS = {"rigid": 6, "elastic": 12}  # more stages, of the last kind, until they agree
 CARRYING = 1e-6  # of the weight: a force that is one
 JUMP = 30.0  # a step this many times larger than asked is a fall, not a path of equilibrium
 TURN = 0.5  # rad: a step that turns a block by more leaves the range in which its geometry is linear
-GENTLE = float(os.environ.get('GENTLE','1e-3'))
-SLIDES = 12
-STAT=[0]*20
-HELD = 1e-3
+NEARLY = 1e-4  # the same, where forces and geometry approach each other only slowly
+SLIDES = 4  # the stages in which slips are taken anew
+SHORT = 1e-2  # of the block size: the length of a short step
+LONG = 1.0  # s: the time of a short step, in which inertia hardly counts
+LEVEL = 1e-3  # of a step: a gap left by slips that changed
 VANISHED = 1e-9  # of the block size: an overlap that is none
 SEEN = 0.05  # of the block size: how far beyond a step contacts are looked for
 INSIDE = 1e-6  # of the block size: a penetration that is one
@@ -271,8 +271,10 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
 
     A sequence of programs: each is convex in the geometry of the positions that it begins at, with what the last forces
     change as that geometry does, and is solved as far as it is worth before the geometry is taken anew (Newton's method
-    for geometry and forces together). `last`: a point of the path near which this one is sought. Raises
-    NoEquilibriumError where none lies near, ConvergenceError where that cannot be decided.
+    for geometry and forces together). With Coulomb friction the lift of the last slips is taken back in each: where these
+    settle, sliding does not lift. `last`: a point of the path near which this one is sought. Raises NoEquilibriumError
+    where none lies near, UnsettledError where geometry and forces do not come to agree, ConvergenceError where neither
+    can be decided.
     """
     system = problem.system
     at, forces, iterate, solves = guess, None, None, 0
@@ -282,42 +284,90 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
             iterate, distance = iterate_over(last.iterate, last.contacts, system.contacts), DISTANCE
     stages = STAGES[system.behaviour]
     slips, touching = None, None
-    past, relax = None, 1.0
-    for stage in range(len(stages) + MOST_ROUNDS):
+    past, relax, best = None, 1.0, None
+    jump = max(JUMP, 0.0 if system.rigid else system.model.joints_in_a_row)
+    for stage in range(len(stages) + MOST_ROUNDS[system.behaviour]):
         accepted = stages[min(stage, len(stages) - 1)]
         if system.sliding == "coulomb" and iterate is not None and stage <= SLIDES:
-            STAT[min(stage,19)] += 1
             slips = abs(iterate.gaps[:, 2] - iterate.gaps[:, 3])
         program, touching = problem.pose(at, forces, slips, touching)
         index = touching
-        if system.rigid and program.mass is None and stage >= len(stages):
-            mass = GENTLE * GRAVITY / problem.size * system.model.mass[system.model.movable].ravel()
-            program = replace(program, mass=mass)
         near = [] if iterate is None else [taken(iterate, index).warm(program, distance)]
-        found, more = _solved(problem, program, system.layout.take(index), near, accepted)
+        found, more = _solved(program, system.layout.take(index), near, accepted)
         solves += more
-        before, at = at, _checked(problem, displaced(system.model, at, found.displacement))
+        before, at = at, _checked(problem, displaced(system.model, at, found.displacement), jump)
         forces = _spread(interior.solution(program, found).forces, index, len(system.contacts))
         iterate, distance = over_all(found, index, len(system.contacts)), CLOSER * accepted
-        slides = slips is not None and stage < SLIDES and _lift(system, iterate, slips) > HELD * problem.size
+        slides = slips is not None and stage < SLIDES and _lift(system, iterate, slips) > LEVEL * problem.size
         if stage >= len(stages) - 1 and not slides:
             others = _touching_after(system, at, forces, touching)
             if others is not None:
                 touching = others
                 continue
             settled = _settled(problem, at, forces, found.alpha, iterate, solves, slips, touching)
-            if settled is not None:
+            if settled.certificate.worst(problem.size) <= SETTLED:
                 return settled
+            if best is None or settled.certificate.equilibrium < best.certificate.equilibrium:
+                best = settled
             residual = (at - before)[system.model.movable] * (1.0, 1.0, system.model.size)
-            if past is not None:
+            if past is not None and system.rigid:
                 change = residual - past
-                relax = float(np.clip(-relax * (past * change).sum() / max((change * change).sum(), 1e-300), 0.1, 1.0))
+                relax = float(
+                    np.clip(-relax * (past * change).sum() / max((change * change).sum(), 1e-300), 0.1, 1.0)
+                )
             past = residual
             at = before + relax * (at - before)
+    if best is not None and best.certificate.worst(problem.size) <= NEARLY:
+        return best
     block = int(np.argmax(abs(found.displacement.reshape(-1, 3)[:, :2]).max(axis=1)))
     block = int(np.flatnonzero(system.model.movable)[block])
-    raise NoEquilibriumError(
-        f"the geometry of the step does not settle: loss of stability, at block {block} first"
+    raise UnsettledError(f"the geometry of the step does not settle, at block {block} first")
+
+
+def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
+    """The step in short ones, to where the supports are in `guess` (b, 3).
+
+    Each is a single program in the geometry in which it begins, with a little inertia, which keeps loose blocks where
+    they are. What sliding has lifted stays lifted while it goes on: the change of the lift, the dilation, vanishes, as
+    with Coulomb friction. Forces are those at the beginning of the last short step, short of equilibrium by the inertia,
+    which the certificate tells. Raises NoEquilibriumError where blocks fall, ConvergenceError where a program is not
+    solved.
+    """
+    system, model = problem.system, problem.system.model
+    begun, fixed = problem.start.positions, ~model.movable
+    count = max(1, int(np.ceil(problem.size / (SHORT * model.size))))
+    at, state, iterate, solves = begun, problem.start, None, 0
+    for k in range(count):
+        posed = at.copy()
+        posed[fixed] = begun[fixed] + (k + 1.0) / count * (guess - begun)[fixed]
+        step = replace(
+            problem,
+            start=state,
+            size=problem.size / count,
+            work=problem.work / count,
+            mass=model.mass / LONG**2,
+        )
+        program, index = step.pose(posed, None)
+        near: list[Iterate] = [] if iterate is None else [taken(iterate, index).warm(program, DISTANCE)]
+        found, more = _solved(program, system.layout.take(index), near, STAGES["rigid"][-1])
+        solves += more
+        at = _checked(step, displaced(model, posed, found.displacement), JUMP)
+        iterate = over_all(found, index, len(system.contacts))
+        forces = _spread(interior.solution(program, found).forces, index, len(system.contacts))
+        state = state_at_rest(system, at, forces)
+    alpha = found.alpha
+    if problem.lateral is not None and program.mass is not None:
+        alpha -= float((program.mass * found.displacement**2).sum()) / step.work  # what inertia takes
+    return Equilibrium(
+        state,
+        system,
+        system.contacts.places(at),
+        forces,
+        alpha,
+        iterate,
+        certify(replace(program, mass=None), forces[index], found.alpha, found.displacement),
+        0.0,
+        solves,
     )
 
 
@@ -341,24 +391,33 @@ def _touching_after(system: StaticSystem, at: Array, forces: Array, touching: In
     return np.flatnonzero((taken & ~wrong) | inside)
 
 
-def _settled(
-    problem: StepProblem, at: Array, forces: Array, alpha: float, iterate: Iterate, solves: int, slips: Array | None,
-    touching: Index
-) -> Equilibrium | None:
-    """The equilibrium of forces and positions where they agree; None where they do not."""
-    system = problem.system
-    program, index = problem.pose(at, forces, slips, touching)
-    certificate = certify(program, forces[index], alpha, np.zeros(len(program.load)))
-    if certificate.worst(problem.size) > SETTLED:
-        return None
-    places = system.contacts.places(at)
+def state_at_rest(system: StaticSystem, at: Array, forces: Array) -> State:
+    """The state at rest at positions (b, 3) under forces (j, 3)."""
     carrying = forces[:, 0] > CARRYING * system.model.weight
     drawn = len(system.model.contacts)
     state = State(at, np.zeros_like(at), carrying=carrying[:drawn])
     if system.law[:, SHEAR].any():
         state = with_springs(system.contacts, state, drawn, forces[:, 2])
+    return state
+
+
+def _settled(
+    problem: StepProblem,
+    at: Array,
+    forces: Array,
+    alpha: float,
+    iterate: Iterate,
+    solves: int,
+    slips: Array | None,
+    touching: Index,
+) -> Equilibrium:
+    """The equilibrium of forces and positions where they agree; None where they do not."""
+    system = problem.system
+    program, index = problem.pose(at, forces, slips, touching)
+    certificate = certify(program, forces[index], alpha, np.zeros(len(program.load)))
+    places = system.contacts.places(at)
     return Equilibrium(
-        state,
+        state_at_rest(system, at, forces),
         system,
         places,
         forces,
@@ -392,7 +451,7 @@ def iterate_over(iterate: Iterate, before: Contacts, now: Contacts) -> Iterate:
 
 
 def _solved(
-    problem: StepProblem, program: Program, layout: Elimination, near: list[Iterate], accepted: float
+    program: Program, layout: Elimination, near: list[Iterate], accepted: float
 ) -> tuple[Iterate, int]:
     """The iterate that solves a program, sought near another one, then from nowhere; and the programs that took.
 
@@ -415,16 +474,18 @@ def _solved(
             )
     if unstable:
         raise NoEquilibriumError("loss of stability: the stiffness of the structure is no longer positive")
-    solve(interior.frozen(program), layout)  # raises where there is no equilibrium
-    raise ConvergenceError("a step of the path was not solved to the required accuracy")
+    _, iterate = solve(interior.frozen(program), layout)  # raises where there is no equilibrium
+    if iterate is None:
+        raise ConvergenceError("a step of the path was not solved to the required accuracy")
+    return iterate, solves + 1
 
 
-def _checked(problem: StepProblem, found: Array) -> Array:
+def _checked(problem: StepProblem, found: Array, jump: float) -> Array:
     """The positions (b, 3) found; NoEquilibriumError where the path does not lead there."""
     model, size = problem.system.model, problem.size
     motion = abs(found - problem.start.positions)
     moved = float((motion * (1.0, 1.0, model.size)).max())
-    farthest = max(JUMP, 0.0 if problem.system.rigid else model.joints_in_a_row) * size
+    farthest = jump * size
     if moved > farthest:
         raise NoEquilibriumError(f"the structure falls: a step of {size:.3g} m moves it by {moved:.3g} m")
     turned = float(motion[model.movable, 2].max())
@@ -434,12 +495,14 @@ def _checked(problem: StepProblem, found: Array) -> Array:
 
 
 def displaced(model: Assembly, positions: Array, displacement: Array) -> Array:
+    """Positions (b, 3) after displacements (m,) of the movable blocks."""
     moved = positions.copy()
     moved[model.movable] += displacement.reshape(-1, 3)
     return moved
 
 
 def taken(iterate: Iterate, index: Index) -> Iterate:
+    """The iterate over a choice of the joints."""
     return replace(iterate, forces=iterate.forces[index], gaps=iterate.gaps[index])
 
 
