@@ -9,11 +9,10 @@ from numpy.typing import ArrayLike
 
 from mechanics.assembly import Assembly, Behaviour, Direction, State
 from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError, require
-from mechanics.kernels.joint import V as SLIP
 from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.path_start import elastic_start, mechanism_start, no_way_from_rest
-from mechanics.procedures.step_control import GROWTH, HALVINGS, Bisection, reach
+from mechanics.procedures.step_control import HALVINGS, Bisection, reach
 from mechanics.program import Certificate
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, Sliding, StepProblem, static_system
@@ -26,8 +25,7 @@ class PushoverTolerances:
 
     `still`: of the largest displacement, a control point that takes no part; `largest`: increments that a block may move
     where the control point moves less; `zero`: of the largest multiplier, one that is none, found by at most `chords`;
-    `flat`: of the largest multiplier, a change that is none; `slid`: of the block size, a slip that is none; `points`:
-    the most.
+    `flat`: of the largest multiplier, a change that is none; `points`: the most.
     """
 
     still: float = 1e-3
@@ -35,7 +33,6 @@ class PushoverTolerances:
     zero: float = 1e-6
     chords: int = 8
     flat: float = 1e-3
-    slid: float = 1e-7
     points: int = 5000
 
 
@@ -93,8 +90,7 @@ def pushover(
     `control`: drawn point (m) in or on a block; `increment` (m) of its displacement along the push; `until`: the share
     of its peak at which the multiplier has come down far enough. Every point is an equilibrium in its own displaced
     geometry, under a free multiplier whose loads do a given work (eq. 5; with elastic joints the same program traces the
-    curve through its peak); the multiplier of a rigid curve is that of limit analysis in that configuration (paper,
-    §3). Where no equilibrium lies near, the blocks are let go with that work held, until they rest; where the
+    curve through its peak). Where no equilibrium lies near, the blocks are let go with that work held, until they rest; where the
     multiplier comes down to zero, under gravity: where they rest again the curve goes on, elsewhere the structure has
     collapsed. Raises UnstableError, ValueError for a control point outside every block, ControlError for one that takes
     no part in the mechanism, NoEquilibriumError where the load meets no mechanism.
@@ -179,20 +175,8 @@ class _Curve:
         now = self.states[-1]
         self.system = self.system.around(now.positions, 2.0 * work * fastest)
         problem = StepProblem(self.system, now, self.model.dead_load, work * fastest, self.lateral, work)
-        step, jumped = reach(
-            problem, now.positions + work * self.rate, self.steps[-1] if self.steps else None
-        )
-        if self.system.rigid and self.system.sliding == "associative" and self._slides(now, step):
-            # what slides comes down from where it was lifted: limit analysis knows no way, only the configuration
-            limit = limit_in(self.model, self.direction, step.state)
-            quality = step.certificate.joined(limit.certificate)
-            step = replace(step, alpha=limit.alpha, certificate=quality)
-        return step, jumped
-
-    def _slides(self, now: State, step: Equilibrium) -> bool:
-        before = step.contacts.places(now.positions)
-        slip = abs(step.places[:, SLIP] - before[:, SLIP])[step.forces[:, 0] > 0.0]
-        return bool(slip.max(initial=0.0) > TOLERANCES.slid * self.model.size)
+        last = self.steps[-1] if self.steps else None
+        return reach(problem, now.positions + work * self.rate, last)
 
     def _down_to_zero(self, work: float, fastest: float, step: Equilibrium) -> tuple[float, Equilibrium]:
         """The work that brings the multiplier down to zero, and its step (false position, Illinois rule)."""
