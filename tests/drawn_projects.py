@@ -15,13 +15,13 @@ FOLDER = Path(__file__).parents[1] / "projects"
 
 
 @cache
-def tables(name: str) -> dict[str, Any]:
-    """What the project file of an example says."""
+def tables(name: str | Path) -> dict[str, Any]:
+    """What the project file of an example, or of any folder, says."""
     return tomllib.loads((FOLDER / name / "project.toml").read_text(encoding="utf-8"))
 
 
 @cache
-def drawn(name: str, stiffness: float = 1.0, strength: float = float("inf")) -> Assembly:
+def drawn(name: str | Path, stiffness: float = 1.0, strength: float = float("inf")) -> Assembly:
     """An example project's blocks, their stiffness times a factor, with exact beds."""
     project = tables(name)
     geometry, common = project["geometry"], project["material"]
