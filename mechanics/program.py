@@ -157,9 +157,10 @@ def certify(program: Program, forces: Array, alpha: float, displacement: Array) 
     elastic = law[:, BED] < np.inf
     if elastic.any():
         gaps[elastic] -= bed_gaps(ends[elastic], half[elastic], law[elastic])
-    # crushing closes both ends: w = y − 2κN(y₁ + y₂), hence y₁ + y₂ = (w₁ + w₂)/(1 − 4κN)
-    beta = np.minimum(n / (2.0 * half * law[:, STRENGTH]), 0.5 - 1e-9)
-    gaps = gaps + (beta / (1.0 - 2.0 * beta) * gaps.sum(axis=1))[:, None]
+    # crushing closes both ends, w = y − 2κN(y₁ + y₂): of the gaps that are left one is nothing where the joint bears
+    apart, share = gaps[:, 0] - gaps[:, 1], n / (2.0 * half * law[:, STRENGTH])
+    both = 0.5 * (gaps.sum(axis=1) - (1.0 - 2.0 * share) * abs(apart))
+    gaps = both[:, None] + np.maximum(np.stack([apart, -apart], axis=1), 0.0)
     mu = law[:, FRICTION]
     work = 0.0
     if p.lateral is not None:

@@ -14,16 +14,16 @@ from typing import Any
 import pytest
 from numba.core.caching import IndexDataCacheFile
 
-from mechanics.solvers import compiler
+from mechanics.kernels import jit as compiler
 
 ROOT = Path(__file__).parents[1]
-SOLVERS = Path(compiler.__file__).parent
+KERNELS = Path(compiler.__file__).parent
 USER = os.getuid() if hasattr(os, "getuid") else "cache"
 
 
 def test_the_digest_is_that_of_every_source_that_compiled_code_comes_from() -> None:
     """Compiled functions, and the functions and constants that they use, are in these sources; elsewhere only types."""
-    types = {"mechanics.block", "mechanics.joints"}
+    types = {"mechanics.types"}
     seen = 0
     for path in (ROOT / "mechanics").rglob("*.py"):
         source = path.read_text(encoding="utf-8")
@@ -36,7 +36,7 @@ def test_the_digest_is_that_of_every_source_that_compiled_code_comes_from() -> N
             if isinstance(node, ast.ImportFrom) and node.module
         }
         ours = {name for name in imported if name.split(".")[0] == "mechanics"}
-        assert {name for name in ours if not name.startswith("mechanics.solvers")} <= types, path
+        assert {name for name in ours if not name.startswith("mechanics.kernels")} <= types, path
         seen += 1
     assert seen >= 8
 
@@ -67,7 +67,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_folders_are_tried_in_their_order(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    beside, temporary = SOLVERS / "__pycache__", home.parent / "temporary" / f"assesto-{USER}"
+    beside, temporary = KERNELS / "__pycache__", home.parent / "temporary" / f"assesto-{USER}"
     assert list(compiler._folders()) == [beside, home / ".cache" / "assesto", temporary]
     monkeypatch.setenv("XDG_CACHE_HOME", "caches")
     assert list(compiler._folders())[1] == home / ".cache" / "assesto", "not below wherever one happens to be"
@@ -85,7 +85,7 @@ def test_a_user_without_a_home_has_a_folder_among_the_temporary_files(
 
     monkeypatch.setattr(Path, "home", none)
     temporary = home.parent / "temporary" / f"assesto-{USER}"
-    assert list(compiler._folders()) == [SOLVERS / "__pycache__", temporary]
+    assert list(compiler._folders()) == [KERNELS / "__pycache__", temporary]
 
 
 def test_the_first_folder_that_takes_files_is_taken(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -155,10 +155,10 @@ def test_a_full_disk_stops_no_analysis(kept: Path, monkeypatch: pytest.MonkeyPat
 
 ONE_LOOP = """
 import numpy as np
-from mechanics.solvers import compiled
-loop = compiled.strain_energy
-loop(np.zeros((1, 2)), np.ones(1), np.ones((1, 2)), np.zeros(1))
-print(compiled.__file__, loop.stats.cache_path, len(loop.stats.cache_hits), sep="\\n")
+from mechanics.kernels import bed
+loop = bed.closures
+loop(1.0, 2.0, 1.0)
+print(bed.__file__, loop.stats.cache_path, len(loop.stats.cache_hits), sep="\\n")
 """
 
 
@@ -169,7 +169,7 @@ def test_code_is_kept_where_the_package_is_read_only_and_there_is_no_home(tmp_pa
     for folder in (temporary, here):
         folder.mkdir()
     shutil.copytree(ROOT / "mechanics", site / "mechanics", ignore=shutil.ignore_patterns("__pycache__"))
-    for path in (site / "mechanics" / "solvers" / "__pycache__", blocked):
+    for path in (site / "mechanics" / "kernels" / "__pycache__", blocked):
         path.write_text("in the way, also of root, who may write to folders that are read-only")
     told = {"PYTHONPATH": str(site), "TMPDIR": str(temporary), "HOME": str(blocked / "home")}
     hits = []

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from assessment.benchmark.structures import assembly, running_bond, template
-from mechanics import limit, pushdown, pushover
-from mechanics.mechanism import virtual_work_multiplier
-from mechanics.pushover import Pushover
+from mechanics import pushdown, pushover
+from mechanics.procedures.limit_analysis import limit_in
+from mechanics.procedures.mechanism import virtual_work_multiplier
+from mechanics.procedures.pushover import Pushover
 from tests.structures import arch_on_piers
 
 

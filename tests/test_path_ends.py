@@ -8,42 +8,11 @@ import pytest
 from assessment.benchmark.structures import assembly, template
 from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover
 from mechanics.errors import CollapseError, NoEquilibriumError
-from mechanics.mechanism import overruns
-from mechanics.pushdown import Pushdown
+from mechanics.procedures import pushdown as pushdown_procedure
+from mechanics.procedures import pushover as pushover_procedure
 from tests.structures import arch_on_piers, block_on_base, rectangle
 
 STONE = Material(20.0, 0.6, 1e6)
-
-
-def beam_on_piers() -> Assembly:
-    """A beam that bears 0.2 m on each of two supports 2 m apart; the right one moves away."""
-    return Assembly(
-        [
-            Block(rectangle(-0.3, -1.0, 0.2, 0.0), 1.0, STONE, support="left"),
-            Block(rectangle(2.2, -1.0, 3.2, 0.0), 1.0, STONE, support="right"),
-            Block(rectangle(0.0, 0.0, 2.4, 0.2), 1.0, STONE),
-        ]
-    )
-
-
-def _points(path: Pushdown) -> list[tuple[np.ndarray, np.ndarray]]:
-    return [(step.state.positions, step.forces) for step in path.steps]
-
-
-def test_a_slide_past_an_edge_is_named():
-    """Carried 0.3 m after 0.2 m of bearing have gone: said with both blocks and the force."""
-    model = beam_on_piers()
-    path = pushdown(model, "right", (0.3, 0.0), increment=0.02)
-    (text,) = overruns(model, "rigid", _points(path))
-    assert "past the edge of block" in text
-    assert "block 2" in text
-    assert " kN" in text
-
-
-def test_a_slide_within_the_bearing_is_not():
-    model = beam_on_piers()
-    path = pushdown(model, "right", (0.1, 0.0), increment=0.02)
-    assert overruns(model, "rigid", _points(path)) == ()
 
 
 def test_a_structure_that_rides_with_its_support_has_no_ultimate_movement():

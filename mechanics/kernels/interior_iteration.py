@@ -194,10 +194,10 @@ def agree(know: Array, h: float, law: Array, df: Array, target: float, stiff: fl
     couple = df[1] / h
     d1, d2 = 0.5 * (df[0] - couple), 0.5 * (df[0] + couple)
     w = u - lift * (lp + lm)
-    if know[Y1] * stiff > know[N1]:
+    if know[Y1] > know[N1] * (1.0 / stiff + know[S11]):
         y1 = w - h * phi - know[E1] + know[S11] * d1 - know[S12] * d2
         d1 = (target - know[G1] * know[Y1] - know[C1] - know[G1] * y1) / know[Y1]
-    if know[Y2] * stiff > know[N2]:
+    if know[Y2] > know[N2] * (1.0 / stiff + know[S22]):
         y2 = w + h * phi - know[E2] + know[S22] * d2 - know[S12] * d1
         d2 = (target - know[G2] * know[Y2] - know[C2] - know[G2] * y2) / know[Y2]
     df[0], df[1] = d1 + d2, h * (d2 - d1)
@@ -212,7 +212,8 @@ def agree(know: Array, h: float, law: Array, df: Array, target: float, stiff: fl
 def change(know: Array, h: float, law: Array, df: Array, target: float, stiff: float, out: Array) -> None:
     """Changes of N₁, N₂, T; y₁, y₂, λ₊, λ₋; g₁, g₂, μN ± T that go with motions and forces, into `out` (11,).
 
-    Of a wide gap or slip the change is that of the motion, of a narrow one that which the product asks for.
+    Of a wide gap or slip the change is that of the motion, of one that is narrow beside the bed's own compliance, and
+    where joints crush, that which the product asks for.
     """
     u, phi, v, beta = know[DU], know[DPHI], know[DV], know[BETA]
     couple, lift = df[1] / h, law[LIFT]
@@ -229,9 +230,9 @@ def change(know: Array, h: float, law: Array, df: Array, target: float, stiff: f
     y1 = (target - know[G1] * know[Y1] - know[C1] - know[Y1] * g1) / know[G1]
     y2 = (target - know[G2] * know[Y2] - know[C2] - know[Y2] * g2) / know[G2]
     w = u - lift * (lp + lm)
-    if know[Y1] * stiff > know[N1]:
+    if know[Y1] > know[N1] * (1.0 / stiff + know[S11]) and beta == 0.0:
         y1 = w - h * phi - know[E1] + know[S11] * d1 - know[S12] * d2
-    if know[Y2] * stiff > know[N2]:
+    if know[Y2] > know[N2] * (1.0 / stiff + know[S22]) and beta == 0.0:
         y2 = w + h * phi - know[E2] + know[S22] * d2 - know[S12] * d1
     out[0], out[1], out[2], out[3], out[4], out[5], out[6] = d1, d2, df[2], y1, y2, lp, lm
     out[7], out[8], out[9], out[10] = g1, g2, zp, zm
@@ -273,13 +274,14 @@ def _back(stored: Array, pattern: Any, signed: bool, x: Array) -> None:
 @compiled
 def iterate(
     row: Any, places: Array, law: Array, load: Array, lateral: Array, work: float, mass: Array, curved: Array,
-    x: Array, alpha: float, f: Array, y: Array, scale: Any, most: int, stored: Array, packed: Any,
+    x: Array, alpha: float, f: Array, y: Array, scale: Any, most: int, stored: Array, packed: Any, which: Any,
 ) -> tuple[int, float, float, float, float]:  # fmt: skip
     """Iterate on x (m,), α, f (j, 3): N₁, N₂, T, and y (j, 4): y₁, y₂, λ₊, λ₋, in one geometry and in place.
 
     `places` (j, PLACE), `law` (j, LAW); `lateral`, `mass` (m,) and `curved` (j, 7: joint.curvature) may be empty;
     `scale`: weight, size and step, and what is accepted of unbalanced forces per weight, of products per weight and
-    step, and of gaps, WIDE times as much, per step. Returns the number of iterations, negative where none leads on
+    step, and of gaps, WIDE times as much, per step; `which` (j,): their places among the joints of the pattern, that of
+    `packed`. Returns the number of iterations, negative where none leads on
     (with curvature: where equilibrium is not stable), α, and these three.
     """
     pattern = unpacked(packed)
@@ -338,9 +340,9 @@ def iterate(
             for k in range(c):
                 i, j = row[k, 0], row[k, 1]
                 stiffness(know[k], places[k, H], law[k, LIFT], d[k])
-                stiffen(k, places[k], i, j, d[k], stored, pattern)
+                stiffen(which[k], places[k], i, j, d[k], stored, pattern)
                 if bent:
-                    bend(k, i, j, curved[k], stored, pattern)
+                    bend(which[k], i, j, curved[k], stored, pattern)
             if bent:
                 # with a multiplier the matrix may have one negative pivot, beyond the peak: the work holds that motion
                 negative = factorise_signed(stored, pattern.places, pattern.last)

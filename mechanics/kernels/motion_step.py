@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.bed import stored
+from mechanics.kernels.bed import crushed, stored
 from mechanics.kernels.interior_iteration import (
     ABOVE,
     BED,
@@ -171,7 +171,7 @@ def attempt(
             y[k, e] = max(y[k, e], least)
     done, _, force, gap, product = iterate(
         rows, at, laws, pushed, none, 0.0, scaled, np.empty((0, 7)), dx, 0.0, f, y,
-        (weight, size, span, accepted), MOST_ITERATIONS, stored_matrix, packed,
+        (weight, size, span, accepted), MOST_ITERATIONS, stored_matrix, packed, chosen,
     )  # fmt: skip
     if max(force, product) > accepted:
         return -done, 0.0, force, gap, product
@@ -213,10 +213,10 @@ def attempt(
             new_shear[k] = min(max(shear[k] + (t - shear[k]) / stretch, -limit), limit)
             after += stored(w1, s[PHI] + dphi, at[q, H], stiff) + 0.5 * basic[k, SHEAR] * new_shear[k] ** 2
             if beta > 0.0:
-                length = 2.0 * at[q, H]
-                grown = normal - _pressed_force(w0, s[PHI], at[q, H], stiff)
-                viscous += beta / h / stretch * grown * grown / (stiff * length)
-                viscous += beta / h / stretch * basic[k, SHEAR] * (t - shear[k]) ** 2
+                # dashpots along the contact of the middle of the step, and that of the spring in shear
+                _, _, c0, c1, c2 = crushed(w0 + 0.5 * du, s[PHI] + 0.5 * dphi, at[q, H], stiff, np.inf)
+                viscous += beta / h * (c0 * du * du + 2.0 * c1 * du * dphi + c2 * dphi * dphi)
+                viscous += beta / h * basic[k, SHEAR] * ((t - shear[k]) / stretch) ** 2
         else:
             rubbed -= t * dv
     shear[:] = new_shear
@@ -237,19 +237,6 @@ def attempt(
             past[i, e] = (speed[i, e] - v[i, e]) / h
             v[i, e] = speed[i, e]
     return done, taken, force, gap, product
-
-
-@compiled
-def _pressed_force(u: float, phi: float, half: float, stiffness: float) -> float:
-    """N of a bed under gaps u + φs."""
-    first, second = u - half * phi, u + half * phi
-    low, high = min(first, second), max(first, second)
-    if low >= 0.0:
-        return 0.0
-    length = 2.0 * half
-    if high > 0.0:
-        length *= low / (low - high)
-    return 0.5 * stiffness * length * (max(-high, 0.0) - low)
 
 
 @compiled

@@ -16,7 +16,7 @@ from mechanics.procedures.energy import Energy
 from mechanics.steps.dynamic_system import DynamicSystem, Halving, Motion, Recorded, first_frequency
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
 from mechanics.steps.rest import REST, lifted, motion_to_rest, way
-from mechanics.steps.static_step import StepProblem, static_system, with_springs
+from mechanics.steps.static_step import StepProblem, carried, static_system, with_springs
 from mechanics.types import GRAVITY, Array
 
 Integrator = Literal["auto", "moreau-jean", "second-order", "implicit-euler"]
@@ -24,7 +24,7 @@ Integrator = Literal["auto", "moreau-jean", "second-order", "implicit-euler"]
 FEW = 12  # movable blocks up to which impacts are located
 LOCATED = Halving(10, 1e-4)  # steps of 1/1024 at impacts
 RESOLVED = Halving(6, 1e-2)
-NEVER = Halving(0, 1.0)
+UNSOLVED = Halving(6, np.inf)  # only steps that are not solved
 CHUNK = 200  # steps between looks at what was recorded
 BALANCED = 1e-3  # of the energy turned over: an imbalance that needs no word
 TAKEN = 0.2  # of all that was dissipated: a share of the integrator that is told
@@ -150,10 +150,10 @@ def _begun(
     start, forces = _settled(model, contacts, state)
     statics = static_system(model, contacts).around(start.positions, 0.0)
     gaps = np.zeros(len(statics.contacts))
-    if contacts == "rigid" and start.carrying is not None:
+    if contacts == "rigid":
         # dilatant sliding has left gaps under joints that carry, from which loose blocks would begin to fall
         gap = end_gaps(statics.contacts.places(start.positions)).min(axis=1).clip(0.0)
-        gaps[: len(start.carrying)] = np.where(start.carrying, gap[: len(start.carrying)], 0.0)
+        gaps = np.where(carried(statics.contacts, start), gap, 0.0)
     damping = 0.0
     if damping_ratio > 0.0:
         frequency = first_frequency(model)
@@ -161,7 +161,7 @@ def _begun(
                 "0 where nothing holds some block as drawn: there is no frequency to refer it to")  # fmt: skip
         damping = 2.0 * damping_ratio / frequency
     theta = 1.0 if integrator == "implicit-euler" else 0.5
-    halving = NEVER
+    halving = UNSOLVED
     if contacts == "rigid" and theta < 1.0:
         halving = LOCATED if integrator == "second-order" else RESOLVED
     system = DynamicSystem(statics, theta, damping, restitution, halving, gaps)

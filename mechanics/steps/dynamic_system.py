@@ -9,13 +9,17 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 
 from mechanics.assembly import Assembly, State
 from mechanics.errors import ConvergenceError
+from mechanics.kernels.cholesky import factorise, substitute
 from mechanics.kernels.interior_iteration import BED, SHEAR
 from mechanics.kernels.joint import H
+from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.kernels.motion_step import ELASTIC, ENERGIES, march, strain_energy
-from mechanics.model.contacts import Contacts, rows
+from mechanics.model.contacts import Contacts
 from mechanics.program import end_forces
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.threads import one_thread
@@ -178,34 +182,38 @@ def first_frequency(model: Assembly) -> float:
 
     Nothing where some blocks are loose.
     """
-    from scipy import sparse
-    from scipy.sparse.linalg import LinearOperator, eigsh, splu
+    from scipy.sparse.linalg import LinearOperator, eigsh
 
     system = static_system(model, "elastic")
+    layout = Elimination.of(system.dof, model.initial.positions[model.movable, :2])
     places = system.contacts.places(model.initial.positions)
     length = 2.0 * places[:, H]
     normal = system.law[:, BED] * length
     with np.errstate(divide="ignore"):
         shear = np.minimum(1.0 / system.law[:, SHEAR], RIGID_SHEAR * normal)
-    stiffness = np.stack([normal, normal * length**2 / 12.0, shear], axis=1)
-    b = rows(places)
-    blocks = np.einsum("jrc,jr,jrd->jcd", b, stiffness, b)
-    dof = system.dof
-    i, j = np.broadcast_to(dof[:, :, None], blocks.shape), np.broadcast_to(dof[:, None, :], blocks.shape)
-    moving = (i >= 0) & (j >= 0)
-    mass = model.mass[model.movable].ravel()
-    matrix = sparse.csc_matrix((blocks[moving], (i[moving], j[moving])), shape=(len(mass), len(mass)))
-    diagonal = matrix.diagonal()
-    if not (diagonal > 0.0).all():
-        return 0.0
-    factors = splu(matrix)
-    pivots = factors.U.diagonal()
-    if abs(pivots).min() < 1e-12 * abs(diagonal).max() or (pivots <= 0.0).any():
+    mass, stored = model.mass[model.movable].ravel()[layout.order], layout.matrix()
+    diagonal(np.zeros(len(mass)), stored, layout.pattern)
+    for k, (i, j) in enumerate(layout.row):
+        law = np.array([normal[k], 0.0, 0.0, normal[k] * length[k] ** 2 / 12.0, 0.0, shear[k]])
+        stiffen(k, places[k], i, j, law, stored, layout.pattern)
+    if _some_are_loose(model) or not factorise(stored, layout.pattern):
         return 0.0
     root = np.sqrt(mass)
-    operator = LinearOperator(
-        (len(mass), len(mass)), matvec=lambda x: root * factors.solve(root * x.ravel()), dtype=float
-    )
+
+    def flexibility(x: Array) -> Array:
+        y: Array = root * x.ravel()
+        substitute(stored, layout.pattern, y)
+        return root * y
+
+    operator = LinearOperator((len(mass), len(mass)), matvec=flexibility, dtype=float)
     largest = eigsh(operator, k=1, which="LA", v0=root, return_eigenvectors=False)
     # where few modes differ ARPACK goes on from random vectors: its last digits are not repeatable
     return float(f"{1.0 / np.sqrt(largest[0]):.10g}")
+
+
+def _some_are_loose(model: Assembly) -> bool:
+    """Whether no joints lead from some block to a support: rounding might hold it."""
+    joints, count = model.joints, len(model.blocks)
+    links = sparse.coo_matrix((np.ones(len(joints.a)), (joints.a, joints.b)), shape=(count, count))
+    _, part = connected_components(links, directed=False)
+    return not np.isin(part, part[~model.movable]).all()

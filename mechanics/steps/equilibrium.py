@@ -20,6 +20,7 @@ from mechanics.steps.static_step import (
     Sliding,
     StaticSystem,
     StepProblem,
+    carried,
     find_equilibrium,
     static_system,
 )
@@ -52,9 +53,8 @@ def closed_program(
     places = system.contacts.places(state.positions)
     gaps = end_gaps(places)
     closed = gaps <= CLOSED * model.size
-    if state.carrying is not None:
-        carrying = np.flatnonzero(state.carrying)
-        closed[carrying, gaps[carrying].argmin(axis=1)] = True
+    carrying = np.flatnonzero(carried(system.contacts, state))
+    closed[carrying, gaps[carrying].argmin(axis=1)] = True
     index = np.flatnonzero(closed.any(axis=1) & (places[:, H] > VANISHED * model.size))
     low, high = np.where(closed, 0.0, FAR * step).T
     places[:, U], places[:, PHI] = 0.5 * (low + high), 0.5 * (high - low) / np.maximum(places[:, H], 1e-300)

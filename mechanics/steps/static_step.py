@@ -26,7 +26,7 @@ from mechanics.program import (
 from mechanics.solvers import interior, solve
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
-from mechanics.types import Array, Index
+from mechanics.types import Array, Index, Mask
 
 Sliding = Literal["coulomb", "associative"]
 
@@ -244,6 +244,16 @@ def spring_forces(contacts: Contacts, state: State) -> Array:
     return forces
 
 
+def carried(contacts: Contacts, state: State) -> Mask:
+    """Which contacts (j,) carry in the equilibrium that led to a state, as far as is known."""
+    found = np.zeros(len(contacts), dtype=bool)
+    if state.carrying is not None:
+        found[: len(state.carrying)] = state.carrying
+    if state.bearing is not None and len(state.bearing):
+        found |= (contacts.edges[:, None] == state.bearing).all(axis=2).any(axis=1)
+    return found
+
+
 def with_springs(contacts: Contacts, state: State, drawn: int, forces: Array) -> State:
     """A state with the tangential forces (j,) of its contacts' springs."""
     met = np.column_stack([contacts.edges[drawn:], forces[drawn:]])
@@ -395,7 +405,8 @@ def state_at_rest(system: StaticSystem, at: Array, forces: Array) -> State:
     """The state at rest at positions (b, 3) under forces (j, 3)."""
     carrying = forces[:, 0] > CARRYING * system.model.weight
     drawn = len(system.model.contacts)
-    state = State(at, np.zeros_like(at), carrying=carrying[:drawn])
+    bearing = system.contacts.edges[drawn:][carrying[drawn:]]
+    state = State(at, np.zeros_like(at), carrying=carrying[:drawn], bearing=bearing)
     if system.law[:, SHEAR].any():
         state = with_springs(system.contacts, state, drawn, forces[:, 2])
     return state
