@@ -80,6 +80,18 @@ def situations(results: Results) -> Iterator[Situation]:
                 yield from _at(name, direction, "rigid", alpha, rigid["frames"], point)
 
 
+def loaded(results: Results) -> Iterator[Situation]:
+    """Yield the situations and, with elastic joints, the peak of every pushover."""
+    yield from situations(results)
+    for name, content in results["states"].items():
+        for direction, pushover in (content.get("pushover") or {}).items():
+            elastic = (pushover or {}).get("elastic") or {}
+            if "frames" in elastic:
+                yield from _at(
+                    name, direction, "elastic", elastic["alpha_u"], elastic["frames"], elastic["peak"]
+                )
+
+
 def _rest(name: str, content: Mapping[str, Any]) -> Iterator[Situation]:
     """Yield the rest under gravity: with elastic joints if it can be, where forces are determined."""
     for pushover in (content.get("pushover") or {}).values():
@@ -124,7 +136,7 @@ def joint_states(results: Results, situation: Situation) -> JointStates:
     N, T = situation.force.T
     share = np.where(np.isfinite(situation.centre), situation.centre, 0.5)
     overlap = 2.0 * places[:, H]
-    idle = (N < IDLE * results["model"]["weight_kN"]) | (overlap <= 0.0)
+    idle = ~(IDLE * results["model"]["weight_kN"] < N) | (overlap <= 0.0)
     carried = np.where(idle, 0.0, N)
     near = np.minimum(share, 1.0 - share) * overlap
     contact, pressure = pressed(carried / faces.depth, near, overlap, faces.strength)

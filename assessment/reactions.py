@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from assessment.hand_check import weights
-from assessment.joint_states import Situation, joint_states, situations
+from assessment.joint_states import Situation, joint_states, loaded, situations
 from assessment.outlines import Array
 from assessment.table import Results, Row, Table, sense
 
@@ -71,12 +71,12 @@ def balance(results: Results) -> Table:
 
 
 def joint_table(results: Results) -> Table:
-    """List every joint of every situation: resultants, contact, edge pressure, opening, slip, condition.
+    """List every joint at rest, in every mechanism and at every elastic peak: resultants, contact, edge pressure, opening, slip, condition.
 
     Numbers beyond those of the drawing are pairs of faces that met as blocks moved.
     """
     rows: list[Row] = []
-    for each in situations(results):
+    for each in loaded(results):
         states = joint_states(results, each)
         for number, (a, b) in enumerate(states.blocks.tolist()):
             values = {

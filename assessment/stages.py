@@ -337,6 +337,7 @@ def _elastic(model: Assembly, direction: Direction, path: Pushover) -> dict[str,
     return {
         "alpha_u": float(path.multiplier[path.peak]),
         "d_u_m": float(path.displacement[path.peak]),
+        "peak": path.peak,
         "alpha_y": None,
         "d_y_m": None,
         "end": path.end,
