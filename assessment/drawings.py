@@ -140,9 +140,9 @@ def found_mechanism(results: Results, state: str, direction: str) -> Mechanism:
 class Mechanism:
     """A mechanism made visible: its displacements scaled to 8 % of the model's size.
 
-    `configuration` (b, 3): where the blocks are as it begins to move, from the drawing; `met`: pairs of faces, after the
-    drawn joints, that touch there and did not as drawn; `numbered`: the macro-blocks of the hand check, whose numbers are
-    written into the drawing.
+    `configuration` (b, 3): where the blocks are as it begins to move, from the drawing; `met`: pairs of faces, after
+    the drawn joints, that touch there and did not as drawn; `numbered`: the macro-blocks of the hand check, whose
+    numbers are written into the drawing.
     """
 
     def __init__(
