@@ -273,13 +273,14 @@ def _back(stored: Array, pattern: Any, signed: bool, x: Array) -> None:
 @compiled
 def iterate(
     row: Any, places: Array, law: Array, load: Array, lateral: Array, work: float, mass: Array, curved: Array,
-    x: Array, alpha: float, f: Array, y: Array, scale: Any, most: int, stored: Array, packed: Any,
+    x: Array, alpha: float, f: Array, y: Array, scale: Any, most: int, stored: Array, packed: Any, which: Any,
 ) -> tuple[int, float, float, float, float]:  # fmt: skip
     """Iterate on x (m,), α, f (j, 3): N₁, N₂, T, and y (j, 4): y₁, y₂, λ₊, λ₋, in one geometry and in place.
 
     `places` (j, PLACE), `law` (j, LAW); `lateral`, `mass` (m,) and `curved` (j, 7: joint.curvature) may be empty;
     `scale`: weight, size and step, and what is accepted of unbalanced forces per weight, of products per weight and
-    step, and of gaps, WIDE times as much, per step. Returns the number of iterations, negative where none leads on
+    step, and of gaps, WIDE times as much, per step; `which` (j,): their places among the joints of the pattern, that of
+    `packed`. Returns the number of iterations, negative where none leads on
     (with curvature: where equilibrium is not stable), α, and these three.
     """
     pattern = unpacked(packed)
@@ -338,9 +339,9 @@ def iterate(
             for k in range(c):
                 i, j = row[k, 0], row[k, 1]
                 stiffness(know[k], places[k, H], law[k, LIFT], d[k])
-                stiffen(k, places[k], i, j, d[k], stored, pattern)
+                stiffen(which[k], places[k], i, j, d[k], stored, pattern)
                 if bent:
-                    bend(k, i, j, curved[k], stored, pattern)
+                    bend(which[k], i, j, curved[k], stored, pattern)
             if bent:
                 # with a multiplier the matrix may have one negative pivot, beyond the peak: the work holds that motion
                 negative = factorise_signed(stored, pattern.places, pattern.last)

@@ -171,7 +171,7 @@ def attempt(
             y[k, e] = max(y[k, e], least)
     done, _, force, gap, product = iterate(
         rows, at, laws, pushed, none, 0.0, scaled, np.empty((0, 7)), dx, 0.0, f, y,
-        (weight, size, span, accepted), MOST_ITERATIONS, stored_matrix, packed,
+        (weight, size, span, accepted), MOST_ITERATIONS, stored_matrix, packed, chosen,
     )  # fmt: skip
     if max(force, product) > accepted:
         return -done, 0.0, force, gap, product

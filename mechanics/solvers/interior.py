@@ -100,6 +100,7 @@ def run(program: Program, layout: Elimination, start: Iterate, accepted: float) 
         MOST_ITERATIONS,
         layout.work_space,
         layout.packed,
+        np.arange(len(layout.row)),
     )
     good = max(force, product) <= accepted and abs(alpha) < LARGEST_MULTIPLIER
     outcome = Outcome(good, count < 0 and p.curved is not None, abs(count), force, gap, product)
