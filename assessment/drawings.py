@@ -133,7 +133,7 @@ def found_mechanism(results: Results, state: str, direction: str) -> Mechanism:
     rigid = results["states"][state]["pushover"][direction]["rigid"]
     parts = macro_blocks(results, state, direction)
     numbered = parts if len(parts) <= BY_HAND else ()
-    met = rigid["frames"]["met"]
+    met = (rigid.get("frames") or {}).get("met", ())
     return Mechanism(results, state, rigid["mechanism"], rigid["mechanism_configuration"], met, numbered)
 
 

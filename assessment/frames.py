@@ -62,8 +62,8 @@ def frames(
 
     `index` (f,): which points of the path's curve; `configuration` (f, b, 3): displacements (m) and rotation (rad) of
     the blocks from the drawing; `force_kN` (f, j, 2): N and T of each joint, `centre` (f, j): where N presses, as a
-    share of the overlap; None where not known. Joints are the drawn ones and then those in `met`, which did not touch as
-    drawn.
+    share of the overlap; None where not known. Joints are the drawn ones and then those in `met`, which did not touch
+    as drawn.
     """
     kept = chosen(len(states), max(FEWEST, min(MOST, NUMBERS // _size(model))), wanted)
     at = [states[k].positions for k in kept]
@@ -116,7 +116,7 @@ def snapshots(
     return {
         "time_s": np.round(time[kept], 6).tolist(),
         "displacement_m": displacement[kept].tolist(),
-        # a motion with rigid joints knows no forces before its first step
+        # a motion knows no forces before its first step
         **_pictured(model, [positions[k] for k in kept], carried, Met(model)),
     }
 
