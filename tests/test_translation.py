@@ -21,12 +21,9 @@ SAYING |= {
     "_gap_texts",
     "_gap_warnings",
     "_remedy",
-    "coarse_joints",
-    "too_few",
-    "_peak_warnings",
     "_collapse_warnings",
 }
-MESSAGE = "another part falls"  # in the place of a message within a message
+MESSAGE = "the whole movement is applied"  # in the place of a message within a message
 WITHIN = {"error", "collapse", "stop", "fall", "refusal", "note", "text", "why", "start", "end", "said"}
 WITHIN |= {"self.end", "unstable", "path.end", "last.collapse_reason", "failed[state]", "warnings[0]"}
 WITHIN |= {"'; '.join(finer.failures)", "what", "names"}
