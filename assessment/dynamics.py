@@ -195,7 +195,6 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
         },
         "snapshots": snapshots(
             model,
-            setting.table.contacts,
             motion.start + response.time,
             response.displacement,
             response.positions,

@@ -19,6 +19,7 @@ from assessment.dynamic_tables import energy, histories, incremental, incrementa
 from assessment.figures import pictures
 from assessment.files import write_atomically
 from assessment.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check
+from assessment.joint_report import joint_law, pressures_told, reported_pressures
 from assessment.judgement import all_warnings, draft_judgement, worst_scenario
 from assessment.reactions import balance, reactions
 from assessment.report_traces import traces
@@ -108,6 +109,8 @@ def render_html(
         summaries=list(summary_grids(capacity_tables.summary(results), results, words)),
         traces=list(traces(results, words)),
         contacts=_contacts(results),
+        joint_law=list(joint_law(results, words, "elastic" in _contacts(results))),
+        pressures=pressures_told(results, words),
         missing=list(_missing(results, words)),
         judgement=draft_judgement(results, words),
         worst=list(worst_scenario(results, words)),
@@ -168,6 +171,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         tables.mechanisms(results),
         reactions(results),
         balance(results),
+        reported_pressures(results),
         _without(capacity_tables.verification(results), "d_star_m", "a_star_g", "T_s"),  # in the summary
         capacity_tables.action(results),
         _without(capacity_tables.chosen_mechanisms(results), "refused"),
