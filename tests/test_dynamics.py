@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from assessment import dynamics
+from assessment import dynamics, response
 from assessment.animation import write_animations
 from assessment.artificial_record import write_artificial_record
 from assessment.base_motion import BaseMotion, history_motions
 from assessment.crew import Crew
 from assessment.dynamic_stages import read_motions
-from assessment.dynamics import Setting, history, respond, sustained_peak, thinned
+from assessment.dynamics import history, thinned
+from assessment.ensemble import sustained_peak
 from assessment.figures import pictures, write_figures
 from assessment.messages import ProjectError
 from assessment.model import build_model
@@ -20,6 +21,8 @@ from assessment.new_project import new_project
 from assessment.project import load_project
 from assessment.project_schema import ControlTable, HistoryTable
 from assessment.report import render_html
+from assessment.response import TAIL as FREE
+from assessment.response import Setting, respond
 from assessment.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.tables import tables
 from assessment.words import words_of
@@ -126,7 +129,7 @@ def test_histories_of_both_states_and_records(outcome):
         assert (weak["collapsed"], weak["time_of_collapse_s"]) == (False, None)
         assert strong["collapsed"]
         assert strong["residual_displacement_m"] is None
-        assert 0.0 < strong["time_of_collapse_s"] <= TIME[-1] + dynamics.TAIL + 2 * STEP
+        assert 0.0 < strong["time_of_collapse_s"] <= TIME[-1] + FREE + 2 * STEP
         assert "turned" in strong["reason"]
         curve = np.array(weak["curve"]["displacement_m"])
         assert curve[0] == 0.0
@@ -287,7 +290,7 @@ def test_a_step_that_is_not_solved_is_a_failure(setting, monkeypatch):
     def refuse(*_, **__):
         raise ConvergenceError("step 3: no solution")
 
-    monkeypatch.setattr(dynamics, "time_history", refuse)
+    monkeypatch.setattr(response, "time_history", refuse)
     model = block_on_base(0.6, 2.4)
     result = history(model, _motion(Record(WAVE, STEP, "wave")), setting, "original", model.initial)
     assert result.failures == ["original, history of wave: step 3: no solution"]
@@ -392,7 +395,7 @@ def test_a_failed_history_makes_the_run_incomplete_and_keeps_the_rest(tmp_path, 
     def refuse(*_, **__):
         raise ConvergenceError("step 3: no solution")
 
-    monkeypatch.setattr(dynamics, "time_history", refuse)
+    monkeypatch.setattr(response, "time_history", refuse)
     project = _project(tmp_path / "block", TAIL.format(scale=1.0), INCREMENTAL)
     outcome = run(project, build_model(project), jobs=1)
     assert not outcome.complete

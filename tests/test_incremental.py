@@ -8,11 +8,16 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from assessment.base_motion import BaseMotion
-from assessment.dynamics import Setting
-from assessment.incremental import find_collapse, fragility, search, summarise
+from assessment.bracket import find_collapse
+from assessment.ensemble import Scatter
+from assessment.incremental import fragility, search, summarise
 from assessment.project_schema import ControlTable, IncrementalTable
+from assessment.response import Setting
 from mechanics.ground_motion import Record
 from tests.structures import block_on_base
+
+
+SINGLE = Scatter(1, 0.05)
 
 
 class Trial:
@@ -46,7 +51,7 @@ def test_the_bracket_holds_the_collapse_and_both_ends_were_run(limit, first, tol
 def test_nothing_falls_up_to_the_largest_level():
     trial = Trial()
     found = find_collapse(trial, 0.3, 2.0, 0.01)
-    assert (found.safe, found.collapse, found.resurrections) == (2.0, None, ())
+    assert (found.safe, found.collapse, found.certain, found.resurrections) == (2.0, None, None, ())
     assert max(trial.tried) == 2.0
 
 
@@ -142,7 +147,7 @@ def setting():
 def test_the_pulse_that_overturns_a_slender_block(pulse, setting):
     """cosh(p t) = 1 + 1/(2k(k − 1)), k = a/(g α) (slender rigid block, benchmark list [L]); α as its tangent, 5 %."""
     model = block_on_base(0.6, 4.2)
-    found = search(model, pulse, setting, "original", model.initial, 5.0, 0.005)
+    found = search(model, pulse, setting, "original", model.initial, SINGLE, 5.0, 0.005)
     numbers = found.numbers
     p = math.sqrt(3.0 * 9.80665 / (4.0 * 0.5 * math.hypot(0.6, 4.2)))
     share = 1.0 / (2.0 * (math.cosh(0.5 * p) - 1.0))
@@ -160,14 +165,14 @@ def test_the_pulse_that_overturns_a_slender_block(pulse, setting):
 
 def test_no_collapse_up_to_max_scale_is_null_with_a_warning(pulse, setting):
     model = block_on_base(0.6, 4.2)
-    found = search(model, pulse, setting, "original", model.initial, 1.2, 0.05)
+    found = search(model, pulse, setting, "original", model.initial, SINGLE, 1.2, 0.05)
     assert found.numbers["pga_collapse_g"] is None
     assert found.numbers["pga_safe_g"] == pytest.approx(0.12)
     assert "max_scale" in found.warnings[0]
 
 
 def test_a_state_that_was_not_reached_is_null_with_the_reason(pulse, setting):
-    found = search(block_on_base(0.6, 4.2), pulse, setting, "settled", "it collapses", 5.0, 0.05)
+    found = search(block_on_base(0.6, 4.2), pulse, setting, "settled", "it collapses", SINGLE, 5.0, 0.05)
     assert found.numbers["pga_collapse_g"] is None
     assert found.numbers["reason"] == "it collapses"
     assert "it collapses" in found.warnings[0]
