@@ -14,9 +14,8 @@ if TYPE_CHECKING:
     from assessment.base_motion import BaseMotion
     from assessment.project_schema import ControlTable, MotionTable
 
-TAIL = (
-    2.0  # s of free motion after the record, where the blocks still move: a fall under way is seen to its end
-)
+TAIL = 2.0  # s of free motion after the record, where the blocks still move
+TAILS = 10  # of them at most, while the control point is farther than ever: a fall under way is seen to its end
 STILL = 0.01  # of √(g·size): a speed that is none
 STORED = ("kinetic", "potential", "elastic")
 TAKEN = ("friction", "impact", "viscous", "integrator")
@@ -105,17 +104,32 @@ def respond(
         )  # fmt: skip
 
     vertical = None if motion.vertical is None else factor * motion.vertical
-    shaken = run(factor * motion.record.acceleration, vertical, start, setting.ultimate)
-    assert shaken.displacement is not None
-    speed = abs(shaken.final.velocities[:, :2]).max()
-    if shaken.collapsed or speed <= STILL * np.sqrt(GRAVITY * model.size):
-        return Response(shaken.time, shaken.displacement, shaken.positions, shaken.forces, (shaken,))
-    free = run(np.zeros(round(TAIL / step) + 2), None, shaken.final, None)
-    assert free.displacement is not None
-    return Response(
-        np.concatenate([shaken.time, shaken.time[-1] + free.time[1:]]),
-        np.concatenate([shaken.displacement, shaken.displacement[-1] + free.displacement[1:]]),
-        np.concatenate([shaken.positions, free.positions[1:]]),
-        np.concatenate([shaken.forces, free.forces[1:]]),
-        (shaken, free),
+    parts = [run(factor * motion.record.acceleration, vertical, start, setting.ultimate)]
+    still = STILL * np.sqrt(GRAVITY * model.size)
+    while _goes_on(parts, still):
+        parts.append(run(np.zeros(round(TAIL / step) + 2), None, parts[-1].final, None))
+    return _joined(parts)
+
+
+def _goes_on(parts: list[TimeHistory], still: float) -> bool:
+    """Whether free motion is to follow: blocks faster than `still` (m/s) after the record, or a fall under way."""
+    last = parts[-1]
+    if last.collapsed or abs(last.final.velocities[:, :2]).max() <= still:
+        return False
+    moved = abs(_joined(parts).displacement)
+    return len(parts) == 1 or (len(parts) <= TAILS and int(moved.argmax()) == len(moved) - 1)
+
+
+def _joined(parts: list[TimeHistory]) -> Response:
+    """The runs one after the other, times and displacements going on."""
+    time, displacement = parts[0].time, parts[0].displacement
+    for part in parts[1:]:
+        assert displacement is not None and part.displacement is not None
+        time = np.concatenate([time, time[-1] + part.time[1:]])
+        displacement = np.concatenate([displacement, displacement[-1] + part.displacement[1:]])
+    assert displacement is not None
+    positions, forces = (
+        np.concatenate([getattr(parts[0], name), *(getattr(part, name)[1:] for part in parts[1:])])
+        for name in ("positions", "forces")
     )
+    return Response(time, displacement, positions, forces, tuple(parts))
