@@ -133,16 +133,16 @@ def found_mechanism(results: Results, state: str, direction: str) -> Mechanism:
     rigid = results["states"][state]["pushover"][direction]["rigid"]
     parts = macro_blocks(results, state, direction)
     numbered = parts if len(parts) <= BY_HAND else ()
-    met = rigid["frames"]["met"]
+    met = (rigid.get("frames") or {}).get("met", ())
     return Mechanism(results, state, rigid["mechanism"], rigid["mechanism_configuration"], met, numbered)
 
 
 class Mechanism:
     """A mechanism made visible: its displacements scaled to 8 % of the model's size.
 
-    `configuration` (b, 3): where the blocks are as it begins to move, from the drawing; `met`: pairs of faces, after the
-    drawn joints, that touch there and did not as drawn; `numbered`: the macro-blocks of the hand check, whose numbers are
-    written into the drawing.
+    `configuration` (b, 3): where the blocks are as it begins to move, from the drawing; `met`: pairs of faces, after
+    the drawn joints, that touch there and did not as drawn; `numbered`: the macro-blocks of the hand check, whose
+    numbers are written into the drawing.
     """
 
     def __init__(

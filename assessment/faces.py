@@ -25,9 +25,7 @@ def described(model: Assembly, contacts: Contacts) -> list[Numbers]:
     depth = np.array([block.depth for block in model.blocks])
     centroid = model.initial.positions[:, :2]
     found = []
-    for a, b, face, friction, strength in zip(
-        contacts.a, contacts.b, contacts.faces, contacts.friction, contacts.strength, strict=True
-    ):
+    for a, b, face, strength in zip(contacts.a, contacts.b, contacts.faces, contacts.strength, strict=True):
         p, q = centroid[a] + face[[PX, PZ]], centroid[b] + face[[QX, QZ]]
         along, facing = face[[TAX, TAZ]], face[[TBX, TBZ]]
         thin = float(min(depth[a], depth[b]))
@@ -81,13 +79,13 @@ class Met:
 class Faces:
     """Joints as results tell them, ready for their kinematics.
 
-    `contacts`: their faces; `centroids` (b, 2) m as drawn; `friction`, `depth` (m) and `strength` (kN/m²) (j,), infinite
-    where there is no limit. `drawn`: how many of them are joints of the drawing: slips of the others count from nowhere.
+    `contacts`: their faces and friction; `centroids` (b, 2) m as drawn; `depth` (m) and `strength` (kN/m²) (j,),
+    infinite where there is no limit. `drawn`: how many of them are joints of the drawing; slips of the others count
+    from nowhere.
     """
 
     contacts: Contacts
     centroids: Array
-    friction: Array
     depth: Array
     strength: Array
     drawn: int
@@ -116,13 +114,20 @@ def faces_of(results: Mapping[str, Any], met: Sequence[Mapping[str, Any]] = ()) 
         faces[:, tangent], faces[:, limits] = along[:, f], reach[:, f]
     unknown = np.full(len(joints), np.nan)
     contacts = Contacts(
-        *owner.T, faces, unknown, unknown, unknown, unknown, np.zeros(len(joints), dtype=np.intp),
-        np.zeros((len(joints), 2), dtype=np.intp), geometry["joint_tolerance_m"],
-    )  # fmt: skip
+        a=owner[:, 0],
+        b=owner[:, 1],
+        faces=faces,
+        friction=_limits(joints, "friction"),
+        bed=unknown,
+        shear=unknown,
+        strength=unknown,
+        segments=np.zeros(len(joints), dtype=np.intp),
+        edges=np.zeros((len(joints), 2), dtype=np.intp),
+        tolerance=geometry["joint_tolerance_m"],
+    )
     return Faces(
         contacts,
         centroids,
-        _limits(joints, "friction"),
         np.array([joint["depth_m"] for joint in joints], dtype=float),
         _limits(joints, "compressive_strength_kN_m2"),
         len(geometry["joints"]),

@@ -61,8 +61,9 @@ def frames(
     """Describe some points of a path, first, last and `wanted` ones among them.
 
     `index` (f,): which points of the path's curve; `configuration` (f, b, 3): displacements (m) and rotation (rad) of
-    the blocks from the drawing; `force_kN` (f, j, 2): N and T of each joint, `centre` (f, j): where N presses, as a share
-    of the overlap; None where not known. Joints are the drawn ones and then those in `met`, which did not touch as drawn.
+    the blocks from the drawing; `force_kN` (f, j, 2): N and T of each joint, `centre` (f, j): where N presses, as a
+    share of the overlap; None where not known. Joints are the drawn ones and then those in `met`, which did not touch
+    as drawn.
     """
     kept = chosen(len(states), max(FEWEST, min(MOST, NUMBERS // _size(model))), wanted)
     at = [states[k].positions for k in kept]
@@ -107,15 +108,15 @@ def snapshots(
 ) -> Numbers:
     """Describe some times of a motion, evenly spaced, the peak among them: `time_s`, `displacement_m` (f,) as well.
 
-    `configuration`, `force_kN` and `centre` as in `frames`, of the drawn joints: `forces` (k, j, 3) are those of the step
-    that led there.
+    `configuration`, `force_kN` and `centre` as in `frames`, of the drawn joints: `forces` (k, j, 3) are those of the
+    step that led there.
     """
     kept = chosen(len(time), max(FEWEST_IN_TIME, min(MOST_IN_TIME, NUMBERS // _size(model))), (peak,))
     carried = [Carried(model.contacts, forces[k]) if k > 0 or forces[k].any() else None for k in kept]
     return {
         "time_s": np.round(time[kept], 6).tolist(),
         "displacement_m": displacement[kept].tolist(),
-        # a motion with rigid joints knows no forces before its first step
+        # a motion knows no forces before its first step
         **_pictured(model, [positions[k] for k in kept], carried, Met(model)),
     }
 

@@ -48,9 +48,9 @@ class JointStates:
     resultant crosses; `force` (j, 2) kN, x and z, on the first block; `normal`, `shear` (j,) kN, compression positive;
     `eccentricity` (j,) m from the middle of the overlap; `contact` (j,) m, the length that presses, and `pressure` (j,)
     kN/m² at its edge, of a linear bed without tension that crushes at its strength; `uncrushed` (j,): the same without
-    strength; both infinite in a hinge at the very edge. `opening` (j, 2) m at the two ends, NaN where faces have slid off
-    each other; `slip` (j,) m, NaN for those that met. `condition` (j,) of CONDITIONS: the resultant within the middle
-    third (the whole joint presses), outside it, at an edge, on the cone of friction; idle.
+    strength; both infinite in a hinge at the very edge. `opening` (j, 2) m at the two ends, NaN where faces have slid
+    off each other; `slip` (j,) m, NaN for those that met. `condition` (j,) of CONDITIONS: the resultant within the
+    middle third (the whole joint presses), outside it, at an edge, on the cone of friction; idle.
     """
 
     blocks: Index
@@ -144,7 +144,7 @@ def joint_states(results: Results, situation: Situation) -> JointStates:
     condition = np.select(
         [
             idle,
-            abs(T) > faces.friction * np.maximum(FRICTION * N, 1e-99),
+            abs(T) > contacts.friction * np.maximum(FRICTION * N, 1e-99),
             abs(share - 0.5) > 0.5 - EDGE,
             abs(share - 0.5) > 1.0 / 6.0,
         ],
@@ -171,9 +171,9 @@ def joint_states(results: Results, situation: Situation) -> JointStates:
 def pressed(normal: Array, near: Array, length: Array, strength: Array) -> tuple[Array, Array]:
     """Return the length (j,), m, that presses, and the pressure (j,), kN/m², at its edge.
 
-    Of a linear bed that bears no tension and no more than its `strength` (kN/m²); `normal` (kN/m) of depth acts at the
-    distance `near` (m) from the nearer end of a joint of `length` (m). Where it crushes, the full strength over a length
-    and then linearly to zero; a joint that carries nothing presses nowhere.
+    Of a linear bed that bears no tension and no more than its `strength` (kN/m²); `normal` (kN/m of depth) acts at the
+    distance `near` (m) from the nearer end of a joint of `length` (m). Where it crushes, the full strength presses over
+    some length and then less, linearly down to zero; a joint that carries nothing presses nowhere.
     """
     carries = normal > 0.0
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -243,8 +243,8 @@ class MotionTable(Table):
     contacts: Contacts = Field(default="elastic", description="contact model: rigid or elastic")
     integrator: Literal["auto", "moreau-jean", "second-order", "implicit-euler"] = Field(
         default="auto",
-        description="time integration: auto (the results say which it took), moreau-jean (rigid contacts, many impacts), "
-        "second-order, or implicit-euler (the paper's)",
+        description="time integration: auto (the results say which it took), moreau-jean (rigid contacts, many "
+        "impacts), second-order, or implicit-euler (the paper's)",
     )
     damping_ratio: Damping | None = Field(default=None, description="viscous damping ratio of the contacts")
     control: Name | None = Field(default=None, description="control point; default the first")

@@ -71,7 +71,7 @@ def balance(results: Results) -> Table:
 
 
 def joint_table(results: Results) -> Table:
-    """List every joint at rest, in every mechanism and at every elastic peak: resultants, contact, edge pressure, opening, slip, condition.
+    """List what every joint does at rest, in every mechanism and at every elastic peak (see JointStates).
 
     Numbers beyond those of the drawing are pairs of faces that met as blocks moved.
     """

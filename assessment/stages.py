@@ -128,12 +128,15 @@ def push(
         result, quality = Part(), Quality(name, f"pushover, {behaviour}")
         title = f"{name}, pushover {direction}, {behaviour} contacts"
         # where control points were passed over, that is found and told of each direction
-        if found is None or found[0] != controls[0][0]:
+        image = None
+        if found is not None and found[0] == controls[0][0]:
+            image = mirror_of(model, behaviour).pushover(found[1])
+        if image is not None:
+            found = points[0], image
+        else:
             found = _path(title, model, state, behaviour, direction, points, increment, until, result)
             if found is not None:
                 quality.add(found[1])
-        else:
-            found = points[0], mirror_of(model, behaviour).pushover(found[1])
         if found is not None:
             _curve_followed(title, model, behaviour, direction, *found, result)
         result.quality.append(quality.numbers())
@@ -265,9 +268,16 @@ def _curve_followed(
 
 
 def _crossings(title: str, crossed: NDArray[np.float64]) -> list[str]:
+    """Tell between which displacements (n, 2) parts move by themselves, those that follow each other together."""
+    stretches: list[list[float]] = []
+    for left, held in crossed:
+        if stretches and left <= stretches[-1][1]:
+            stretches[-1][1] = held
+        else:
+            stretches.append([left, held])
     return [
         f"{title}: between d = {left:.4g} and {held:.4g} m a part moves by itself, until others hold it again"
-        for left, held in crossed
+        for left, held in stretches
     ]
 
 

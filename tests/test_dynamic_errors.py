@@ -50,7 +50,7 @@ def written(tmp_path):
     np.savetxt(folder / "pulse.csv", pulse, delimiter=",", fmt="%.8f")
 
     def load(*tables: str, accuracy: str = "0.1", contacts: str = "elastic"):
-        text = f"accuracy = {accuracy}\n" + block(segments=2, stiffness="2e4") + TURNED
+        text = f"accuracy = {accuracy}\n" + block(stiffness="2e4") + TURNED
         text += "".join(table.format(contacts=contacts) for table in tables)
         return load_project(write_block(folder, text))
 

@@ -23,7 +23,11 @@ def rectangle(x0: float, z0: float, x1: float, z1: float) -> list[list[float]]:
 
 
 def block_on_base(
-    width: float = 0.2, height: float = 1.0, friction: float = 0.7, stiffness: float = 5e5, segments: int = 1
+    width: float = 0.2,
+    height: float = 1.0,
+    friction: float = 0.7,
+    stiffness: float = 5e5,
+    segments: int | None = None,
 ) -> Assembly:
     """A block 1 m deep, its lower left corner at the origin, on a wide support."""
     stone = Material(18.0, friction, stiffness)
