@@ -53,12 +53,27 @@ def search(
         result.warnings.append(
             f"{title}: no collapse up to {safe:.3g} g, max_scale = {max_scale:g}; raise it to find one"
         )
+    upper = result.numbers.get("pga_collapse_range", [None, None])[1]
+    if lowest is not None and scatter.members > 1 and upper != lowest:
+        result.warnings.append(_spread(title, lowest, upper, max_scale * motion.pga))
     if resurrections := result.numbers["resurrections_g"]:
         result.warnings.append(
             f"{title}: collapse at {lowest:.3g} g, but stands at "
             f"{', '.join(f'{level:.3g}' for level in resurrections)} g; the lowest collapse counts"
         )
     return result
+
+
+def _spread(title: str, lowest: float, upper: float | None, largest: float) -> str:
+    if upper is None:
+        return (
+            f"{title}: members of the ensemble collapse from {lowest:.3g} g on, not all of them up to {largest:.3g} g; "
+            "the lowest counts"
+        )
+    return (
+        f"{title}: members of the ensemble collapse from {lowest:.3g} g on, all of them from {upper:.3g} g on; "
+        "the lowest counts"
+    )
 
 
 def search_again(
