@@ -105,17 +105,18 @@ class Refinement:
         """Say what is not as sure as asked for; `keys` of the project that may help."""
         if self.within(tolerance):
             return []
-        times = 2 ** (len(self.values) - 1)
-        share = None if self.unsure is None else f"{100.0 * self.unsure:.2g} %"
-        if self.scatters is not None:
-            return [
-                f"{title}: {self.quantity} scatters by {share} between records that differ by 1 %, more than between "
-                f"time steps, tolerance {100.0 * tolerance:.2g} %; the range tells how sure it is"
-            ]
         if len(self.values) < LEVELS:
             return [f"{title}: discretisation error not known"]
-        said = "not known (not reached by every time step)" if share is None else share
+        if self.unsure is None:
+            return [f"{title}: error of {self.quantity} not known: not every time step reaches it"]
+        unsure, asked = 100.0 * self.unsure, 100.0 * tolerance
+        if self.scatters is not None:
+            return [
+                f"{title}: {self.quantity} scatters by {unsure:.2g} % between records that differ by 1 %, more than "
+                f"between time steps, tolerance {asked:.2g} %; the range tells how sure it is"
+            ]
+        times = 2 ** (len(self.values) - 1)
         return [
-            f"{title}: estimated error of {self.quantity}: {said}, tolerance {100.0 * tolerance:.2g} %, by time steps "
-            f"down to 1/{times} of those given; take a smaller {keys}"
+            f"{title}: estimated error of {self.quantity} {unsure:.2g} % by time steps down to 1/{times} of those "
+            f"given, tolerance {asked:.2g} %; take a smaller {keys}"
         ]

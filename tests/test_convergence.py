@@ -301,9 +301,6 @@ def test_the_report_states_the_error_or_that_there_is_no_estimate(language, tmp_
         words.number(1.2),
         words.plain("value.not_known"),
         words.plain("value.no"),
-        words.number(21.0),
-        words.number(18.7),  # mm
-        words.number(34.0),
         words.number(0.043),
         words.number(19.0),
     ):

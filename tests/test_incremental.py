@@ -16,7 +16,6 @@ from assessment.response import Setting
 from mechanics.ground_motion import Record
 from tests.structures import block_on_base
 
-
 SINGLE = Scatter(1, 0.05)
 
 
@@ -82,6 +81,31 @@ def test_a_fall_below_the_first_bracket_is_found_and_counts():
     assert 0.8 in found.resurrections
 
 
+@given(
+    low=st.floats(0.1, 2.0),
+    width=st.floats(0.0, 1.0),
+    first=st.floats(0.05, 1.0),
+    tolerance=st.floats(0.01, 0.1),
+)
+def test_the_range_goes_from_where_none_collapse_to_where_all_do(low, width, first, tolerance):
+    """The share of members that collapse grows from `low` to `low` + `width`."""
+    tried = {}
+
+    def share(pga):
+        tried[pga] = min(max((pga - low) / width, 0.2), 1.0) if width and pga >= low else float(pga >= low)
+        return tried[pga]
+
+    found = find_collapse(share, first, 8.0, tolerance)
+    assert found.safe < low <= found.collapse <= low + tolerance
+    assert tried[found.collapse] > 0.0 and tried[found.certain] == 1.0
+    assert found.collapse <= found.certain <= max(low + width, found.collapse) + tolerance
+
+
+def test_members_that_never_all_collapse_leave_the_upper_end_open():
+    found = find_collapse(lambda pga: 0.4 * (pga >= 0.5), 0.3, 2.0, 0.01)
+    assert 0.5 <= found.collapse < 0.51 and found.certain is None
+
+
 def test_fragility_by_maximum_likelihood():
     """Without censored records: mean and root mean square (over n) of the logarithms."""
     levels = [0.21, 0.34, 0.30, 0.55]
@@ -108,6 +132,16 @@ def test_what_the_standard_takes_of_the_records():
         assert (found["rule"], found["pga_collapse_g"]) == (rule, pytest.approx(value))
         assert found["mean_pga_collapse_g"] == pytest.approx(np.mean(levels[:count]))
         assert warnings == []
+
+
+def test_the_range_of_a_state_is_that_of_what_the_standard_takes():
+    records = [_record(low) | {"pga_collapse_range": [low, high]} for low, high in ((0.3, 0.5), (0.4, 0.4))]
+    assert summarise(records, [], "original")["pga_collapse_range"] == [0.3, 0.4]
+    seven = [_record(0.3) | {"pga_collapse_range": [0.3, 0.4]}] * 7
+    assert summarise(seven, [], "original")["pga_collapse_range"] == pytest.approx([0.3, 0.4])
+    seven[0] = _record(0.3) | {"pga_collapse_range": [0.3, None]}
+    assert summarise(seven, [], "original")["pga_collapse_range"][1] is None
+    assert "pga_collapse_range" not in summarise([_record(0.3)], [], "original")
 
 
 def test_fewer_than_three_records_are_warned_about():
