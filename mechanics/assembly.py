@@ -32,7 +32,7 @@ class State:
 
     `positions` (b, 3): x, z (m) of each centroid and rotation (rad) from the drawing, supports included;
     `velocities` (b, 3): their rates; `shear` (j,): tangential forces (kN) of the drawn joints, and `met` (k, 3): two
-    edges and that force, of faces that met on the way, where their stiffness is finite; `carrying` (j,): joints that carry in the equilibrium that led here, closed where rigid
+    edges and that force, of pairs of faces that met on the way and carry; `carrying` (j,): joints that carry in the equilibrium that led here, closed where rigid
     whatever gap dilatant sliding has left in them; None where no equilibrium did.
     """
 

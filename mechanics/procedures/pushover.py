@@ -16,7 +16,7 @@ from mechanics.procedures.path_start import elastic_start, mechanism_start, no_w
 from mechanics.procedures.step_control import GROWTH, HALVINGS, Bisection, reach
 from mechanics.program import Certificate
 from mechanics.steps.rest import motion_to_rest
-from mechanics.steps.static_step import Equilibrium, Sliding, StepProblem, static_system
+from mechanics.steps.static_step import Equilibrium, Sliding, StepProblem, moved_over, static_system
 from mechanics.types import Array
 
 
@@ -186,7 +186,8 @@ class _Curve:
             # what slides comes down from where it was lifted: limit analysis knows no way, only the configuration
             limit = limit_in(self.model, self.direction, step.state)
             quality = step.certificate.joined(limit.certificate)
-            step = replace(step, alpha=limit.alpha, certificate=quality)
+            forces = moved_over(limit.forces, limit.contacts, step.contacts)
+            step = replace(step, alpha=limit.alpha, forces=forces, certificate=quality)
         return step, jumped
 
     def _slides(self, now: State, step: Equilibrium) -> bool:

@@ -308,9 +308,9 @@ def _settled(
     places = system.contacts.places(at)
     carrying = forces[:, 0] > CARRYING * system.model.weight
     drawn = len(system.model.contacts)
-    state = State(at, np.zeros_like(at), carrying=carrying[:drawn])
-    if system.law[:, SHEAR].any():
-        state = with_springs(system.contacts, state, drawn, forces[:, 2])
+    met = np.column_stack([system.contacts.edges, forces[:, 2]])[drawn:][carrying[drawn:]]
+    shear = forces[:drawn, 2].copy() if system.law[:, SHEAR].any() else None
+    state = State(at, np.zeros_like(at), shear, met if len(met) else None, carrying[:drawn])
     return Equilibrium(
         state,
         system,
