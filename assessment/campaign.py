@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from assessment.dynamics import Setting, StageResult, Start
+from assessment.dynamics import StageResult, Start
 from assessment.project_schema import ORIGINAL
+from assessment.response import Setting
 
 if TYPE_CHECKING:
     from assessment.base_motion import BaseMotion

@@ -16,13 +16,32 @@ def convergence(results: Results) -> Table:
 
 def history_convergence(results: Results) -> Table:
     """List the estimated errors of the peak displacements of every time history."""
-    columns = ("state", "record", "halvings", "peak_displacement_error_m", "relative_error", "met")
+    columns = (
+        "state",
+        "record",
+        "halvings",
+        "order",
+        "peak_displacement_error_m",
+        "peak_displacement_scatter_m",
+        "relative_error",
+        "relative_scatter",
+        "met",
+    )
     return Table("history_convergence", [row for row in _rows(results) if "record" in row], columns)
 
 
 def incremental_convergence(results: Results) -> Table:
     """List the estimated errors of the PGA at collapse of every record and state."""
-    columns = ("state", "record", "pga_collapse_error_g", "relative_error", "met")
+    columns = (
+        "state",
+        "record",
+        "order",
+        "pga_collapse_error_g",
+        "pga_collapse_scatter_g",
+        "relative_error",
+        "relative_scatter",
+        "met",
+    )
     return Table("incremental_convergence", _rows(results, "incremental"), columns)
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from assessment.convergence import accuracy_of
+from assessment.accuracy import accuracy_of
 from assessment.faces import described
 from assessment.fingerprint import installed
 from assessment.project_schema import ORIGINAL

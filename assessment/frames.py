@@ -104,7 +104,7 @@ def _pictured(
 
 
 def snapshots(
-    model: Assembly, time: Array, displacement: Array, positions: Array, forces: Sequence[Array], peak: int
+    model: Assembly, time: Array, displacement: Array, positions: Array, forces: Array, peak: int
 ) -> Numbers:
     """Describe some times of a motion, evenly spaced, the peak among them: `time_s`, `displacement_m` (f,) as well.
 

@@ -15,7 +15,14 @@ from markupsafe import Markup
 from assessment import capacity_tables, tables
 from assessment.convergence_tables import convergence_tables, reported
 from assessment.display import Grid, echoed, grid, summary_grids
-from assessment.dynamic_tables import energy, histories, incremental, incremental_states, static_dynamic
+from assessment.dynamic_tables import (
+    energy,
+    histories,
+    incremental,
+    incremental_states,
+    ranges,
+    static_dynamic,
+)
 from assessment.figures import pictures
 from assessment.files import write_atomically
 from assessment.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check
@@ -179,6 +186,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         Table("comparison", _compared(results), tables.COMPARISON),
         *reported_studies(results),
         histories(results),
+        ranges(results),
         energy(results),
         incremental(results),
         incremental_states(results),

@@ -219,7 +219,7 @@ def _sum_up(quality: Results) -> None:
         "worst_complementarity",
         "worst_cone_violation",
     ):
-        quality[key] = max((row[key] for row in rows), default=None)
+        quality[key] = max((row[key] for row in rows if key in row), default=None)
 
 
 def _without_nan(value: Any) -> Any:

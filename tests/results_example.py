@@ -76,9 +76,10 @@ def results_example(language: str = "it") -> dict[str, Any]:
                     "state": SETTLED,
                     "record": "wave",
                     "pga_collapse_error_g": 0.043,
+                    "order": 1.0,
                     "relative_error": 0.19,
                     "met": False,
-                    "levels": {"pga_collapse_g": [0.226, 0.2095]},
+                    "levels": {"pga_collapse_g": [0.226, 0.2045, 0.194]},
                 }
             ],
         },
