@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from assessment.accuracy import FIRST_ORDER, NOISE, SHOWN, accuracy_of
 from assessment.checks import assess
 from assessment.increments import refined
 from assessment.study import Demands, capacity_numbers, curves, directions
@@ -22,31 +23,6 @@ if TYPE_CHECKING:
 Numbers = dict[str, Any]
 Measured = Mapping[str, float | None]
 QUANTITIES = ("alpha_0", "d_0_m", "alpha_u", "a_g_g")
-SHOWN = 1.25  # ratio of successive differences below which they hardly shrink
-FIRST_ORDER = (
-    2.0  # the ratio of a method of first order: differences that shrink faster are not trusted to go on so
-)
-NOISE = (
-    1e-6  # of α, of a_g in g and of the model's size: values below it are none, differences are the solver's
-)
-
-
-@dataclass(frozen=True)
-class Accuracy:
-    """A relative `tolerance` of the estimated error (None: none is estimated) and the most `halvings` to get there."""
-
-    tolerance: float | None
-    halvings: int
-
-
-PRESETS = {"fast": Accuracy(None, 0), "standard": Accuracy(0.05, 2), "fine": Accuracy(0.01, 4)}
-MOST_HALVINGS = 4  # for a tolerance given as a number
-
-
-def accuracy_of(project: Project) -> Accuracy:
-    """Return what the project's key `accuracy` stands for."""
-    asked = project.accuracy
-    return PRESETS[asked] if isinstance(asked, str) else Accuracy(asked, MOST_HALVINGS)
 
 
 def estimated_error(values: Sequence[float | None]) -> float | None:

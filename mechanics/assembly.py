@@ -32,9 +32,9 @@ class State:
 
     `positions` (b, 3): x, z (m) of each centroid and rotation (rad) from the drawing, supports included;
     `velocities` (b, 3): their rates; `shear` (j,): tangential forces (kN) of the drawn joints, and `met` (k, 3): two
-    edges and that force, of faces that met on the way, where their stiffness is finite; `carrying` (j,): drawn joints
-    that carry in the equilibrium that led here, closed where rigid whatever gap dilatant sliding has left in them, and
-    `bearing` (k, 2): edges of the faces that met on the way and do; None where no equilibrium led here.
+    edges and that force, of pairs of faces that met on the way and carry; `carrying` (j,): drawn joints that carry in the
+    equilibrium that led here, closed where rigid whatever gap dilatant sliding has left in them; None where no
+    equilibrium did.
     """
 
     positions: Array
@@ -42,7 +42,6 @@ class State:
     shear: Array | None = None
     met: Array | None = None
     carrying: Mask | None = None
-    bearing: Index | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ def arch_that_slides() -> tuple[Pushover, np.ndarray]:
 
     def watched(model, direction, step):
         on_the_way.append(step.alpha)
-        return limit.limit_of(model, direction, step)
+        return limit_in(model, direction, step)
 
     control = template("triumphal-arch").pushover_control("+x").point_m
     with pytest.MonkeyPatch.context() as patch:

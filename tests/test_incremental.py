@@ -8,11 +8,15 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from assessment.base_motion import BaseMotion
-from assessment.dynamics import Setting
-from assessment.incremental import find_collapse, fragility, search, summarise
+from assessment.bracket import find_collapse
+from assessment.ensemble import Scatter
+from assessment.incremental import fragility, search, summarise
 from assessment.project_schema import ControlTable, IncrementalTable
+from assessment.response import Setting
 from mechanics.ground_motion import Record
 from tests.structures import block_on_base
+
+SINGLE = Scatter(1, 0.05)
 
 
 class Trial:
@@ -46,7 +50,7 @@ def test_the_bracket_holds_the_collapse_and_both_ends_were_run(limit, first, tol
 def test_nothing_falls_up_to_the_largest_level():
     trial = Trial()
     found = find_collapse(trial, 0.3, 2.0, 0.01)
-    assert (found.safe, found.collapse, found.resurrections) == (2.0, None, ())
+    assert (found.safe, found.collapse, found.certain, found.resurrections) == (2.0, None, None, ())
     assert max(trial.tried) == 2.0
 
 
@@ -77,6 +81,31 @@ def test_a_fall_below_the_first_bracket_is_found_and_counts():
     assert 0.8 in found.resurrections
 
 
+@given(
+    low=st.floats(0.1, 2.0),
+    width=st.floats(0.0, 1.0),
+    first=st.floats(0.05, 1.0),
+    tolerance=st.floats(0.01, 0.1),
+)
+def test_the_range_goes_from_where_none_collapse_to_where_all_do(low, width, first, tolerance):
+    """The share of members that collapse grows from `low` to `low` + `width`."""
+    tried = {}
+
+    def share(pga):
+        tried[pga] = min(max((pga - low) / width, 0.2), 1.0) if width and pga >= low else float(pga >= low)
+        return tried[pga]
+
+    found = find_collapse(share, first, 8.0, tolerance)
+    assert found.safe < low <= found.collapse <= low + tolerance
+    assert tried[found.collapse] > 0.0 and tried[found.certain] == 1.0
+    assert found.collapse <= found.certain <= max(low + width, found.collapse) + tolerance
+
+
+def test_members_that_never_all_collapse_leave_the_upper_end_open():
+    found = find_collapse(lambda pga: 0.4 * (pga >= 0.5), 0.3, 2.0, 0.01)
+    assert 0.5 <= found.collapse < 0.51 and found.certain is None
+
+
 def test_fragility_by_maximum_likelihood():
     """Without censored records: mean and root mean square (over n) of the logarithms."""
     levels = [0.21, 0.34, 0.30, 0.55]
@@ -103,6 +132,16 @@ def test_what_the_standard_takes_of_the_records():
         assert (found["rule"], found["pga_collapse_g"]) == (rule, pytest.approx(value))
         assert found["mean_pga_collapse_g"] == pytest.approx(np.mean(levels[:count]))
         assert warnings == []
+
+
+def test_the_range_of_a_state_is_that_of_what_the_standard_takes():
+    records = [_record(low) | {"pga_collapse_range": [low, high]} for low, high in ((0.3, 0.5), (0.4, 0.4))]
+    assert summarise(records, [], "original")["pga_collapse_range"] == [0.3, 0.4]
+    seven = [_record(0.3) | {"pga_collapse_range": [0.3, 0.4]}] * 7
+    assert summarise(seven, [], "original")["pga_collapse_range"] == pytest.approx([0.3, 0.4])
+    seven[0] = _record(0.3) | {"pga_collapse_range": [0.3, None]}
+    assert summarise(seven, [], "original")["pga_collapse_range"][1] is None
+    assert "pga_collapse_range" not in summarise([_record(0.3)], [], "original")
 
 
 def test_fewer_than_three_records_are_warned_about():
@@ -142,7 +181,7 @@ def setting():
 def test_the_pulse_that_overturns_a_slender_block(pulse, setting):
     """cosh(p t) = 1 + 1/(2k(k − 1)), k = a/(g α) (slender rigid block, benchmark list [L]); α as its tangent, 5 %."""
     model = block_on_base(0.6, 4.2)
-    found = search(model, pulse, setting, "original", model.initial, 5.0, 0.005)
+    found = search(model, pulse, setting, "original", model.initial, SINGLE, 5.0, 0.005)
     numbers = found.numbers
     p = math.sqrt(3.0 * 9.80665 / (4.0 * 0.5 * math.hypot(0.6, 4.2)))
     share = 1.0 / (2.0 * (math.cosh(0.5 * p) - 1.0))
@@ -160,14 +199,14 @@ def test_the_pulse_that_overturns_a_slender_block(pulse, setting):
 
 def test_no_collapse_up_to_max_scale_is_null_with_a_warning(pulse, setting):
     model = block_on_base(0.6, 4.2)
-    found = search(model, pulse, setting, "original", model.initial, 1.2, 0.05)
+    found = search(model, pulse, setting, "original", model.initial, SINGLE, 1.2, 0.05)
     assert found.numbers["pga_collapse_g"] is None
     assert found.numbers["pga_safe_g"] == pytest.approx(0.12)
     assert "max_scale" in found.warnings[0]
 
 
 def test_a_state_that_was_not_reached_is_null_with_the_reason(pulse, setting):
-    found = search(block_on_base(0.6, 4.2), pulse, setting, "settled", "it collapses", 5.0, 0.05)
+    found = search(block_on_base(0.6, 4.2), pulse, setting, "settled", "it collapses", SINGLE, 5.0, 0.05)
     assert found.numbers["pga_collapse_g"] is None
     assert found.numbers["reason"] == "it collapses"
     assert "it collapses" in found.warnings[0]

@@ -15,7 +15,7 @@ import shapely
 
 from mechanics.block import Block
 from mechanics.joints import block_edges
-from mechanics.kernels.joint import A1, A2, B1, B2, FACE, PX, PZ, QX, QZ, TAX, TAZ, TBX, TBZ, H, U
+from mechanics.kernels.joint import A1, A2, B1, B2, FACE, PX, PZ, QX, QZ, TAX, TAZ, TBX, TBZ, H
 from mechanics.model.contacts import Contacts, between, end_gaps
 from mechanics.types import Array, Index
 

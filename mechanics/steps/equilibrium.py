@@ -46,15 +46,16 @@ def closed_program(
 ) -> ClosedProgram:
     """The rigid program over the joints closed in a state; the work γ moves the blocks by about a step.
 
-    An end of a joint is closed where its gap is none, or where the joint carries as far as is known.
+    An end of a joint is closed where its gap is none; of one that carries, as far as is known, where it is no more than
+    that of the nearer end.
     """
     step = ONSET * model.size
     system = static_system(model, "rigid", sliding).around(state.positions, step)
     places = system.contacts.places(state.positions)
     gaps = end_gaps(places)
-    closed = gaps <= CLOSED * model.size
     carrying = np.flatnonzero(carried(system.contacts, state))
-    closed[carrying, gaps[carrying].argmin(axis=1)] = True
+    gaps[carrying] -= np.maximum(gaps[carrying].min(axis=1), 0.0)[:, None]  # what sliding has lifted
+    closed = gaps <= CLOSED * model.size
     index = np.flatnonzero(closed.any(axis=1) & (places[:, H] > VANISHED * model.size))
     low, high = np.where(closed, 0.0, FAR * step).T
     places[:, U], places[:, PHI] = 0.5 * (low + high), 0.5 * (high - low) / np.maximum(places[:, H], 1e-300)

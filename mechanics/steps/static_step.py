@@ -249,8 +249,9 @@ def carried(contacts: Contacts, state: State) -> Mask:
     found = np.zeros(len(contacts), dtype=bool)
     if state.carrying is not None:
         found[: len(state.carrying)] = state.carrying
-    if state.bearing is not None and len(state.bearing):
-        found |= (contacts.edges[:, None] == state.bearing).all(axis=2).any(axis=1)
+    if state.carrying is not None and state.met is not None:
+        known = {(int(e), int(f)) for e, f, _ in state.met}
+        found |= np.array([tuple(pair) in known for pair in contacts.edges.tolist()], dtype=bool)
     return found
 
 
@@ -405,11 +406,9 @@ def state_at_rest(system: StaticSystem, at: Array, forces: Array) -> State:
     """The state at rest at positions (b, 3) under forces (j, 3)."""
     carrying = forces[:, 0] > CARRYING * system.model.weight
     drawn = len(system.model.contacts)
-    bearing = system.contacts.edges[drawn:][carrying[drawn:]]
-    state = State(at, np.zeros_like(at), carrying=carrying[:drawn], bearing=bearing)
-    if system.law[:, SHEAR].any():
-        state = with_springs(system.contacts, state, drawn, forces[:, 2])
-    return state
+    met = np.column_stack([system.contacts.edges, forces[:, 2]])[drawn:][carrying[drawn:]]
+    shear = forces[:drawn, 2].copy() if system.law[:, SHEAR].any() else None
+    return State(at, np.zeros_like(at), shear, met if len(met) else None, carrying[:drawn])
 
 
 def _settled(
