@@ -27,11 +27,12 @@ def joint_law(results: Results, words: Words, elastic: bool) -> Iterator[Markup]
     key = "no_strength" if not limits else "some_strength" if None in strengths else "strength"
     yield words(f"text.{key}", strength=said)
     yield words("text.sliding")
-    yield words("text.collisions" if echo["contacts"]["collisions"] else "text.no_collisions")
+    collide = (echo.get("contacts") or {}).get("collisions", True)
+    yield words("text.collisions" if collide else "text.no_collisions")
 
 
 def _bed(echo: Results, words: Words) -> Iterator[Markup]:
-    tables: list[Any] = [echo["geometry"], *(echo.get("layers") or {}).values()]
+    tables: list[Any] = [echo.get("geometry") or {}, *(echo.get("layers") or {}).values()]
     segments = sorted({table["segments_per_joint"] for table in tables if table.get("segments_per_joint")})
     if not segments:
         yield words("text.bed_exact")

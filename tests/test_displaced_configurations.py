@@ -9,8 +9,8 @@ import pytest
 
 from assessment.benchmark.structures import assembly, running_bond, template
 from mechanics import limit, pushdown, pushover
-from mechanics.mechanism import virtual_work_multiplier
-from mechanics.pushover import Pushover
+from mechanics.procedures.mechanism import virtual_work_multiplier
+from mechanics.procedures.pushover import Pushover
 from tests.structures import arch_on_piers
 
 

@@ -169,7 +169,7 @@ def test_a_wall_leans_on_its_neighbour_and_the_pair_that_met_is_told():
         if frames["force_kN"][number] is None:
             continue
         states = joint_states(plain_results(model), situation(frames, number))
-        load = model.dead_load[:, :2] + path.multiplier[index] * lateral
+        load = model.dead_load[:, :2] + path.steps[index - 1].alpha * lateral
         assert forces_on(model, states)[1:] == pytest.approx(-load[1:], abs=1e-4 * model.weight)
         assert np.isnan(states.slip[len(model.joints.a) :]).all()
         leaning += states.normal[len(model.joints.a) :].max() > 0.01

@@ -65,7 +65,8 @@ def test_the_answer_is_the_same_without_any_store(project):
 EDITS = {
     "nothing": ("", "", 0),
     "friction": ("friction = 0.7", "friction = 0.71", ALL),
-    "segments": ('unit = "m"', 'unit = "m"\nsegments_per_joint = 3', ALL),
+    "segments": ("depth_m = 1.0", "depth_m = 1.0\nsegments_per_joint = 3", ALL),
+    "collisions": ("[layers.BASE]", "[contacts]\ncollisions = false\n[layers.BASE]", ALL),
     "the increment of the pushover": ("increment_m = 0.2", "increment_m = 0.1", 2),
     "another direction": ('["+x"]', '["+x", "-x"]', 8),  # and what a history may reach before it has fallen
     "elastic contacts too": ('contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]', 3),
