@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -63,7 +64,7 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
     axes.set(xlabel=words.plain("figure.time"), ylabel=words.plain("figure.x_displacement"))
     if bound > 0.0:
         axes.set_ylim(-1050.0 * bound, 1050.0 * bound)
-    handles = [
+    handles: list[Artist] = [
         Line2D([], [], color="0.0", linewidth=0.9, linestyle=dashes, label=_outcome(state, entry, words))
         for dashes, (state, entry) in zip(_cycle(len(found)), found.items(), strict=True)
     ]
@@ -129,7 +130,7 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
     for axes in panels[len(states) :]:
         axes.set_axis_off()
     names = [record["record"] for record in found[0]["records"]]
-    handles = [
+    handles: list[Artist] = [
         Line2D([], [], color="0.0", linewidth=0.6, marker=marker, markersize=3.0, label=name)
         for marker, name in zip(_cycle(len(names), MARKERS), names, strict=True)
     ]

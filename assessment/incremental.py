@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from assessment.bracket import Bracket, Share, collapse_near, find_collapse
+from assessment.bracket import Bracket, collapse_near, find_collapse
 from assessment.campaign import Campaign
 from assessment.dynamics import Numbers, StageResult, Start, quality_row
 from assessment.ensemble import Course, Scatter, enough, lowest_median_highest, scatter_of
-from assessment.response import Response, Setting, respond
+from assessment.response import Setting, respond
 from mechanics import Assembly, ConvergenceError, State
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ def search(
     title = search_title(state, motion)
     result = _searched(
         model, motion, setting, state, start, scatter,
-        lambda share: find_collapse(share, motion.pga, max_scale * motion.pga, tolerance),
+        lambda levels: find_collapse(levels.some, levels.every, motion.pga, max_scale * motion.pga, tolerance),
     )  # fmt: skip
     lowest, safe = result.numbers["pga_collapse_g"], result.numbers["pga_safe_g"]
     if lowest is None and safe is not None:
@@ -90,7 +91,7 @@ def search_again(
     """The PGA at incipient collapse where another model, or another time step, gave the bracket `near`."""
     return _searched(
         model, motion, setting, state, start, scatter,
-        lambda share: collapse_near(share, near, max_scale * motion.pga, tolerance),
+        lambda levels: collapse_near(levels.some, near, max_scale * motion.pga, tolerance),
     )  # fmt: skip
 
 
@@ -106,9 +107,9 @@ def _searched(
     state: str,
     start: Start,
     scatter: Scatter,
-    bracketing: Callable[[Share], Bracket],
+    bracketing: Callable[[Levels], Bracket],
 ) -> StageResult:
-    """Return what `bracketing` finds when given the share of members that collapse at a level (g), in numbers."""
+    """Return what `bracketing` finds when given the levels (g), in numbers."""
     title = search_title(state, motion)
     numbers: Numbers = {
         "record": motion.name,
@@ -125,19 +126,10 @@ def _searched(
         numbers["reason"] = start
         result.warnings.append(f"{title}: {start}")
         return result
-    worst, programs, runs = 0.0, 0, 0
-
-    def share(pga: float) -> float:
-        nonlocal worst, programs, runs
-        members = members_at(model, motion, setting, start, scatter, pga / motion.pga)
-        numbers["points"].append(point(pga, motion.start, members))
-        programs += sum(each.total("programs") for each in members)
-        worst, runs = max([worst, *(each.worst for each in members)]), runs + len(members)
-        return sum(each.collapsed for each in members) / len(members)
-
+    levels = Levels(model, motion, setting, start, scatter)
     began = time.perf_counter()
     try:
-        bracket = bracketing(share)
+        bracket = bracketing(levels)
         numbers |= {
             "pga_collapse_g": bracket.collapse,
             "pga_safe_g": bracket.safe,
@@ -149,46 +141,81 @@ def _searched(
         numbers["reason"] = str(error)
         result.failures.append(f"{title}: {error}")
     result.seconds = time.perf_counter() - began
-    numbers["points"].sort(key=lambda point: point["pga_g"])
-    numbers |= {"runs": runs, "seconds": result.seconds}
-    if runs:
+    members = [each for level in levels.members.values() for each in level]
+    numbers["points"] = [point(pga, level) for pga, level in sorted(levels.members.items()) if level]
+    numbers |= {"runs": len(members), "seconds": result.seconds}
+    if members:
+        worst, programs = max(each.worst for each in members), sum(each.programs for each in members)
         result.quality.append(quality_row(state, f"incremental, {motion.name}", programs, worst))
     return result
 
 
-def members_at(
-    model: Assembly, motion: BaseMotion, setting: Setting, start: State, scatter: Scatter, factor: float
-) -> list[Response]:
-    """The motions of an ensemble under a base motion times `factor`: a pair, and the others where these differ."""
-    found: list[Response] = []
-    for amplitude in scatter.amplitudes:
-        courses = [Course(each.time, each.displacement, each.collapsed) for each in found]
-        if found and enough(courses, scatter, model.size):
-            break
-        found.append(respond(model, motion, setting, start, amplitude * factor))
-    return found
+@dataclass(frozen=True, eq=False)
+class Member(Course):
+    """One motion of an ensemble: its `end` (s, of the record's file), why it `fell`, programs and worst residual."""
+
+    end: float
+    fell: str
+    programs: int
+    worst: float
 
 
-def point(pga: float, begins: float, members: Sequence[Response]) -> Numbers:
-    """A level of the search: what its members come to; any collapse counts as one, and has no peak."""
+@dataclass
+class Levels:
+    """The ensembles of a search, by level (g): as many members of each as its question needs."""
+
+    model: Assembly
+    motion: BaseMotion
+    setting: Setting
+    start: State
+    scatter: Scatter
+    members: dict[float, list[Member]] = field(default_factory=dict)
+
+    def some(self, pga: float) -> bool:
+        """Whether any member collapses: they are run up to the first that does, or a pair that stands alike."""
+        found = self.members.setdefault(pga, [])
+        while not any(each.collapsed for each in found) and not enough(found, self.scatter, self.model.size):
+            found.append(self._run(pga, len(found)))
+        return any(each.collapsed for each in found)
+
+    def every(self, pga: float) -> bool:
+        """Whether all members collapse: they are run up to the first that stands."""
+        found = self.members.setdefault(pga, [])
+        while all(each.collapsed for each in found) and len(found) < self.scatter.members:
+            found.append(self._run(pga, len(found)))
+        return all(each.collapsed for each in found)
+
+    def _run(self, pga: float, number: int) -> Member:
+        factor = self.scatter.amplitudes[number] * pga / self.motion.pga
+        response = respond(self.model, self.motion, self.setting, self.start, factor)
+        return Member(
+            response.time,
+            response.displacement,
+            response.collapsed,
+            self.motion.start + float(response.time[-1]),
+            response.last.collapse_reason,
+            response.total("programs"),
+            response.worst,
+        )
+
+
+def point(pga: float, members: Sequence[Member]) -> Numbers:
+    """A level of the search: what the members that were run come to; any collapse counts as one, and has no peak."""
     fallen = [each for each in members if each.collapsed]
-    first = min(fallen, key=lambda each: float(each.time[-1]), default=None)
-    peaks = [None if each.collapsed else float(abs(each.displacement).max()) for each in members]
-    low, _, high = lowest_median_highest(peaks)
-    numbers: Numbers = {
+    first = min(fallen, key=lambda each: each.end, default=None)
+    low, _, high = lowest_median_highest(
+        [None if each.collapsed else float(abs(each.displacement).max()) for each in members]
+    )
+    return {
         "pga_g": pga,
         "peak_displacement_m": high,
+        "peak_displacement_range": [low, high],
+        "members": len(members),
+        "members_collapsed": len(fallen),
         "collapsed": bool(fallen),
-        "time_of_collapse_s": begins + float(first.time[-1]) if first else None,
-        "reason": first.last.collapse_reason if first else None,
+        "time_of_collapse_s": first.end if first else None,
+        "reason": first.fell if first else None,
     }
-    if len(members) > 1:
-        numbers |= {
-            "peak_displacement_range": [low, high],
-            "members": len(members),
-            "members_collapsed": len(fallen),
-        }
-    return numbers
 
 
 def summarise(records: Sequence[Mapping[str, Any]], warnings: list[str], state: str) -> Numbers:
