@@ -83,4 +83,4 @@ def _plain(value: Any) -> Any:
 @lru_cache(maxsize=32)
 def _assembly(model: Assembly) -> str:
     """Return the digest of a model: asked for by every analysis of it, computed once."""
-    return _digest([_plain(model.blocks), model.segments_per_joint, model.tolerance])
+    return _digest([_plain(model.blocks), model.segments_per_joint, model.tolerance, model.collisions])
