@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import eigh
 
 from mechanics import Assembly, Block, Material, time_history
-from mechanics.energy import RIGID_SHEAR, first_frequency
+from mechanics.steps.dynamic_system import RIGID_SHEAR, first_frequency
 from mechanics.scene import Scene
 from tests.structures import arch_on_piers, block_on_base, rectangle, running_bond, semicircular_arch
 

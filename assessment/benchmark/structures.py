@@ -64,7 +64,7 @@ def running_bond(
 
 
 def arch_on_piers(voussoirs: int = 27, courses: int = 19, stiffness: float = 1e6) -> Assembly:
-    """A semicircular arch of 2 m on two piers of single blocks; the default has 67 blocks, of which two are supports."""
+    """A semicircular arch of 2 m on two piers of single blocks; by default 67 blocks, of which two are supports."""
     stone, height, inner, outer = Material(18.0, 0.65, stiffness), 2.0, 1.85, 2.15
     angles = np.linspace(0.0, np.pi, voussoirs + 1)
 

@@ -198,7 +198,8 @@ def first_frequency(model: Assembly) -> float:
     diagonal = matrix.diagonal()
     if not (diagonal > 0.0).all():
         return 0.0
-    factors = splu(matrix)
+    # pivots on the diagonal: positive where the matrix is positive definite
+    factors = splu(matrix, "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     pivots = factors.U.diagonal()
     if abs(pivots).min() < 1e-12 * abs(diagonal).max() or (pivots <= 0.0).any():
         return 0.0
