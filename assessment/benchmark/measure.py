@@ -18,7 +18,16 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from mechanics import Assembly, State, TimeHistory
+from mechanics import (
+    Assembly,
+    CollapseError,
+    ControlError,
+    ConvergenceError,
+    NoEquilibriumError,
+    State,
+    TimeHistory,
+    UnstableError,
+)
 from mechanics.assembly import Behaviour
 from mechanics.kernels.interior_iteration import SEGMENTS
 from mechanics.procedures.pushdown import Pushdown
@@ -32,6 +41,9 @@ Row = dict[str, Any]
 """A line of a table: what was measured, by column."""
 
 Answer = TypeVar("Answer")
+
+FAILURES = (CollapseError, ControlError, ConvergenceError, NoEquilibriumError, UnstableError)
+"""What an analysis that does not succeed raises: a row says so."""
 
 TOLERANCE = 1e-9  # of the baseline: what the statics ask of PIQP
 SAMPLES = 20  # programs of a path that the baseline solves
