@@ -22,6 +22,8 @@ from mechanics.types import Array
 
 compiled = compiler()
 
+LEVEL = 1e-11  # rad: faces that rounding turns against each other are level, and keep to one of their ends
+
 # columns of what a joint is (faces, j × 13): reference point and unit tangent of either face, in its block's axes, from
 # the centroid; along the tangents, from the reference points: the ends of a's face, then of b's
 PX, PZ, TAX, TAZ, QX, QZ, TBX, TBZ, A1, A2, B1, B2 = range(12)
@@ -57,7 +59,7 @@ def place(a: Any, b: Any, faces: Array, positions: Array, tolerance: float, plac
         size = np.sqrt(mx * mx + mz * mz)
         slid = (mx * ex + mz * ez) / size
         low, high = max(f[A1], f[B1] - slid), min(f[A2], f[B2] - slid)
-        upper = delta <= 0.0
+        upper = delta <= LEVEL
         beyond = f[B2] - slid - f[A2] if upper else f[A1] - f[B1] + slid
         beta = min(max(0.5 - 0.5 * beyond / tolerance, 0.0), 1.0)
         at_a, at_b = (f[A2], f[B2]) if upper else (f[A1], f[B1])

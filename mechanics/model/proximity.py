@@ -152,15 +152,13 @@ def _met(
     faces[:, B1] = ((outlines.end[f] - at_b) * tb).sum(axis=1)
     faces[:, B2] = faces[:, B1] + outlines.length[f]
     found = between(outlines.blocks, a, b, faces, 0, edges, drawn.tolerance)
-    # what touches within the tolerance as drawn does so without a gap, and corners that meet there do not overlap
+    # what touches within the tolerance as drawn does so without a gap; corners, which no stone has sharper, must overlap by it
     centroid = np.array([block.centroid for block in outlines.blocks])
     places = found.places(np.column_stack([centroid, np.zeros(len(centroid))]))
     gap, overlap = end_gaps(places).min(axis=1), 2.0 * places[:, H]
     touch = (abs(gap) <= 2.0 * drawn.tolerance) & (overlap > -2.0 * drawn.tolerance)
     faces[touch, PX] += gap[touch] * ta[touch, 1]
     faces[touch, PZ] -= gap[touch] * ta[touch, 0]
-    slight = touch & (overlap <= 2.0 * drawn.tolerance)
-    trim = np.where(slight, np.maximum(overlap, 0.0), 0.0)
-    faces[:, A1] += trim
-    faces[:, A2] -= trim
+    faces[:, A1] += drawn.tolerance
+    faces[:, A2] -= drawn.tolerance
     return replace(found, faces=faces)

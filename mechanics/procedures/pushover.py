@@ -182,7 +182,7 @@ class _Curve:
         step, jumped = reach(
             problem, now.positions + work * self.rate, self.steps[-1] if self.steps else None
         )
-        if self.system.rigid and self._slides(now, step):
+        if self.system.rigid and self.system.sliding == "associative" and self._slides(now, step):
             # what slides comes down from where it was lifted: limit analysis knows no way, only the configuration
             limit = limit_in(self.model, self.direction, step.state)
             quality = step.certificate.joined(limit.certificate)

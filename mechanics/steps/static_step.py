@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Literal
@@ -26,19 +27,23 @@ from mechanics.program import (
 from mechanics.solvers import interior, solve
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
-from mechanics.types import Array, Index
+from mechanics.types import GRAVITY, Array, Index
 
 Sliding = Literal["coulomb", "associative"]
 
 # what is missed, per weight and step, when the geometry is taken anew; rigid joints have no give in a wrong one
-STAGES = {"rigid": (1e-5, 1e-8), "elastic": (1e-2, 1e-4, 1e-6, 1e-8)}
+STAGES = {"rigid": (1e-5, 1e-8, 1e-9), "elastic": (1e-2, 1e-4, 1e-6, 1e-8)}
 DISTANCE = 0.03  # per weight and step, from the bounds: where the first stage begins near an earlier solution
 CLOSER = 0.1  # of what the last stage missed: the same of the next one
 SETTLED = 1e-6  # certificate of the forces in the geometry to which they lead
-MOST_ROUNDS = 12  # more stages, of the last kind, until they agree
+MOST_ROUNDS = int(os.environ.get('MR','12'))  # more stages, of the last kind, until they agree
 CARRYING = 1e-6  # of the weight: a force that is one
 JUMP = 30.0  # a step this many times larger than asked is a fall, not a path of equilibrium
 TURN = 0.5  # rad: a step that turns a block by more leaves the range in which its geometry is linear
+GENTLE = float(os.environ.get('GENTLE','1e-3'))
+SLIDES = 12
+STAT=[0]*20
+HELD = 1e-3
 VANISHED = 1e-9  # of the block size: an overlap that is none
 SEEN = 0.05  # of the block size: how far beyond a step contacts are looked for
 INSIDE = 1e-6  # of the block size: a penetration that is one
@@ -95,8 +100,7 @@ class StaticSystem:
         """What each joint obeys (j, LAW)."""
         c = self.contacts
         law = np.zeros((len(c), LAW))
-        law[:, FRICTION] = np.maximum(c.friction, LEAST_FRICTION)
-        law[:, LIFT] = law[:, FRICTION] if self.sliding == "associative" else 0.0
+        law[:, FRICTION] = law[:, LIFT] = np.maximum(c.friction, LEAST_FRICTION)
         law[:, STRENGTH], law[:, BED] = c.strength, np.inf
         if not self.rigid:
             law[:, BED], law[:, SEGMENTS] = c.bed, c.segments
@@ -181,18 +185,26 @@ class StepProblem:
             slid = slid + system.law[:, SHEAR] * spring_forces(system.contacts, self.start)
         return slid
 
-    def pose(self, at: Array, forces: Array | None) -> tuple[Program, Index]:
-        """The program counted from the positions `at` (b, 3), in their geometry, and the joints that overlap there.
+    def pose(
+        self, at: Array, forces: Array | None, slips: Array | None = None, touching: Index | None = None
+    ) -> tuple[Program, Index]:
+        """The program counted from the positions `at` (b, 3), in their geometry, over the joints that overlap there.
+
+        `touching`: over these joints instead.
 
         `forces` (j, 3): about what the joints carry, None: nothing known; what they change with the geometry belongs to
-        an elastic program.
+        an elastic program. `slips` (j,) m: those whose lift is taken back, None: of none.
         """
         system, model, movable = self.system, self.system.model, self.system.model.movable
         places = system.contacts.places(at)
-        if not system.rigid and forces is not None:
+        if slips is not None:
+            places[:, U] += system.law[:, FRICTION] * slips
+        if forces is not None:
             turned = (at - self.start.positions)[:, 2]
             lay_shear(places, forces, turned[system.contacts.a] - turned[system.contacts.b])
-        index = np.flatnonzero(places[:, H] > VANISHED * model.size)
+        overlapping = places[:, H] > VANISHED * model.size
+        index = np.flatnonzero(overlapping) if touching is None else touching
+        places[~overlapping, H] = VANISHED * model.size
         law = system.law[index].copy()
         law[:, SLID] = self.slid[index]
         curved = None
@@ -247,8 +259,8 @@ def lay_shear(places: Array, forces: Array, turned: Array) -> None:
     """
     n = np.maximum(forces[:, 0], 1e-300)
     e = np.clip(forces[:, 1] / n, -abs(places[:, H]), abs(places[:, H]))
-    at_corner = np.minimum(places[:, U] - places[:, ARM] * places[:, PHI], 0.0)
-    at_pressure = np.minimum(places[:, U] + e * places[:, PHI], 0.0)
+    at_corner = places[:, U] - places[:, ARM] * places[:, PHI]
+    at_pressure = np.where(at_corner > 0.0, at_corner, np.minimum(places[:, U] + e * places[:, PHI], 0.0))
     height = np.where(forces[:, 0] > 0.0, (0.5 - places[:, BETA]) * (at_pressure - 2.0 * at_corner), 0.0)
     places[:, V] -= height * turned
     places[:, MV] -= height
@@ -269,26 +281,39 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
         if last.iterate is not None:
             iterate, distance = iterate_over(last.iterate, last.contacts, system.contacts), DISTANCE
     stages = STAGES[system.behaviour]
+    slips, touching = None, None
+    past, relax = None, 1.0
     for stage in range(len(stages) + MOST_ROUNDS):
         accepted = stages[min(stage, len(stages) - 1)]
-        program, index = problem.pose(at, forces)
-        layout = system.layout.take(index)
-        begun = interior.cold(program) if iterate is None else taken(iterate, index).warm(program, distance)
-        found, outcome = interior.run(program, layout, begun, accepted)
-        solves += 1
-        if not outcome.accepted and program.curved is not None and iterate is None:
-            # from nowhere: first without what the forces change
-            found, outcome = interior.run(interior.frozen(program), layout, begun, accepted)
-            solves += 1
-        if not outcome.accepted:
-            _refuse(problem, program, layout, outcome.unstable, found)
-        at = _checked(problem, displaced(system.model, at, found.displacement))
+        if system.sliding == "coulomb" and iterate is not None and stage <= SLIDES:
+            STAT[min(stage,19)] += 1
+            slips = abs(iterate.gaps[:, 2] - iterate.gaps[:, 3])
+        program, touching = problem.pose(at, forces, slips, touching)
+        index = touching
+        if system.rigid and program.mass is None and stage >= len(stages):
+            mass = GENTLE * GRAVITY / problem.size * system.model.mass[system.model.movable].ravel()
+            program = replace(program, mass=mass)
+        near = [] if iterate is None else [taken(iterate, index).warm(program, distance)]
+        found, more = _solved(problem, program, system.layout.take(index), near, accepted)
+        solves += more
+        before, at = at, _checked(problem, displaced(system.model, at, found.displacement))
         forces = _spread(interior.solution(program, found).forces, index, len(system.contacts))
         iterate, distance = over_all(found, index, len(system.contacts)), CLOSER * accepted
-        if stage >= len(stages) - 1:
-            settled = _settled(problem, at, forces, found.alpha, iterate, solves)
+        slides = slips is not None and stage < SLIDES and _lift(system, iterate, slips) > HELD * problem.size
+        if stage >= len(stages) - 1 and not slides:
+            others = _touching_after(system, at, forces, touching)
+            if others is not None:
+                touching = others
+                continue
+            settled = _settled(problem, at, forces, found.alpha, iterate, solves, slips, touching)
             if settled is not None:
                 return settled
+            residual = (at - before)[system.model.movable] * (1.0, 1.0, system.model.size)
+            if past is not None:
+                change = residual - past
+                relax = float(np.clip(-relax * (past * change).sum() / max((change * change).sum(), 1e-300), 0.1, 1.0))
+            past = residual
+            at = before + relax * (at - before)
     block = int(np.argmax(abs(found.displacement.reshape(-1, 3)[:, :2]).max(axis=1)))
     block = int(np.flatnonzero(system.model.movable)[block])
     raise NoEquilibriumError(
@@ -296,12 +321,33 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     )
 
 
+def _lift(system: StaticSystem, iterate: Iterate, slips: Array) -> float:
+    """By how much (m) slips differ from those whose lift was taken back, as a gap."""
+    missed = abs(iterate.gaps[:, 2] - iterate.gaps[:, 3]) - slips
+    return float(abs(system.law[:, FRICTION] * missed).max(initial=0.0))
+
+
+def _touching_after(system: StaticSystem, at: Array, forces: Array, touching: Index) -> Index | None:
+    """The joints to take where those `touching` are not all, or carry beyond the end of their faces; None: they are right."""
+    places = system.contacts.places(at)
+    apart = places[:, H] <= VANISHED * system.model.size
+    wrong = apart & (forces[:, 0] > CARRYING * system.model.weight)
+    inside = ~apart & (end_gaps(places).min(axis=1) < -INSIDE * system.model.size)
+    inside[touching] = False
+    if not wrong.any() and not inside.any():
+        return None
+    taken = np.zeros(len(places), dtype=bool)
+    taken[touching] = True
+    return np.flatnonzero((taken & ~wrong) | inside)
+
+
 def _settled(
-    problem: StepProblem, at: Array, forces: Array, alpha: float, iterate: Iterate, solves: int
+    problem: StepProblem, at: Array, forces: Array, alpha: float, iterate: Iterate, solves: int, slips: Array | None,
+    touching: Index
 ) -> Equilibrium | None:
     """The equilibrium of forces and positions where they agree; None where they do not."""
     system = problem.system
-    program, index = problem.pose(at, forces)
+    program, index = problem.pose(at, forces, slips, touching)
     certificate = certify(program, forces[index], alpha, np.zeros(len(program.load)))
     if certificate.worst(problem.size) > SETTLED:
         return None
@@ -345,12 +391,28 @@ def iterate_over(iterate: Iterate, before: Contacts, now: Contacts) -> Iterate:
     return replace(iterate, forces=forces, gaps=gaps)
 
 
-def _refuse(
-    problem: StepProblem, program: Program, layout: Elimination, unstable: bool, found: Iterate
-) -> None:
-    """Raise NoEquilibriumError or ConvergenceError, whichever holds, where a program was not solved."""
-    if abs(found.alpha) > 0.99 * LARGEST_MULTIPLIER:
-        raise NoEquilibriumError("no mechanism: the load only wedges the blocks, the multiplier has no bound")
+def _solved(
+    problem: StepProblem, program: Program, layout: Elimination, near: list[Iterate], accepted: float
+) -> tuple[Iterate, int]:
+    """The iterate that solves a program, sought near another one, then from nowhere; and the programs that took.
+
+    With elastic joints, from nowhere, last without what the forces change. Raises NoEquilibriumError where there is no
+    equilibrium, ConvergenceError where that cannot be decided.
+    """
+    unstable, solves = False, 0
+    programs = [program] if program.curved is None else [program, interior.frozen(program)]
+    attempts = [(program, start) for start in near]
+    attempts += [(tried, interior.cold(program)) for tried in programs[: 1 if near else 2]]
+    for tried, start in attempts:
+        found, outcome = interior.run(tried, layout, start, accepted)
+        solves += 1
+        if outcome.accepted:
+            return found, solves
+        unstable = unstable or outcome.unstable
+        if abs(found.alpha) > 0.99 * LARGEST_MULTIPLIER:
+            raise NoEquilibriumError(
+                "no mechanism: the load only wedges the blocks, the multiplier has no bound"
+            )
     if unstable:
         raise NoEquilibriumError("loss of stability: the stiffness of the structure is no longer positive")
     solve(interior.frozen(program), layout)  # raises where there is no equilibrium
