@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
 from unittest.mock import patch
 
 import numpy as np
 
 from assessment.benchmark.dynamics import Case, peak, shaking
-from assessment.benchmark.measure import FAILURES, Row, history_programs, piqp
+from assessment.benchmark.measure import Row, history_programs, piqp
 from assessment.benchmark.structures import assembly, running_bond, template
-from mechanics import TimeHistory
+from assessment.benchmark.table import number, pivoted
+from mechanics import ConvergenceError, TimeHistory
 from mechanics.procedures import time_history as histories
 from mechanics.procedures.time_history import RESOLVED, Integrator
 from mechanics.steps.dynamic_system import Halving
@@ -51,12 +52,7 @@ def ensembles(quick: bool) -> Iterator[Row]:
     """A row for every case, way and time step: median, range, distance from the resolved median, and cost."""
     for case in cases(quick):
         factors = QUICK if quick else AMPLITUDES
-        try:
-            resolved = float(np.median([m for m, _ in members(case, DEFAULT, _finest(quick), factors)]))
-        except FAILURES as error:
-            yield {"case": case.name, "parameter": "time step", "way": str(DEFAULT), "value": _finest(quick),
-                   "default": False, "failed": str(error)}  # fmt: skip
-            continue
+        resolved = float(np.median(peaks(case, members(case, DEFAULT, _finest(quick), factors))))
         for way in QUICK_WAYS if quick else WAYS:
             for step in QUICK_STEPS if quick else STEPS:
                 yield measured(case, way, step, factors, resolved)
@@ -79,20 +75,23 @@ def _finest(quick: bool) -> float:
     return 4.0 * FINE if quick else FINE
 
 
-def members(case: Case, way: Way, step: float, factors: Array) -> list[tuple[float, TimeHistory]]:
-    """Largest displacement (m) and motion of a case shaken at some factors of its amplitude."""
+def members(case: Case, way: Way, step: float, factors: Array) -> list[TimeHistory]:
+    """The motions of a case shaken at some factors of its amplitude, those that are solved."""
     found = []
     with halved(way.levels):
         for factor in factors:
-            motion = scaled(case, float(factor)).run(step, way.integrator)
-            found.append((peak(motion, case.after)[0], motion))
+            with suppress(ConvergenceError):
+                found.append(scaled(case, float(factor)).run(step, way.integrator))
     return found
+
+
+def peaks(case: Case, motions: Sequence[TimeHistory]) -> Array:
+    """Largest displacements (m) of motions."""
+    return np.array([peak(motion, case.after)[0] for motion in motions])
 
 
 def scaled(case: Case, factor: float) -> Case:
     """The case with its base motion multiplied by a factor."""
-    from dataclasses import replace
-
     record: Callable[[Array], Array] = case.record
     return replace(case, record=lambda times: factor * record(times))
 
@@ -110,24 +109,23 @@ def measured(case: Case, way: Way, step: float, factors: Array, resolved: float)
         "resolved_m": resolved,
     }
     began = time.process_time()
-    try:
-        found = members(case, way, step, factors)
-    except FAILURES as error:
-        return row | {"failed": str(error)}
+    motions = members(case, way, step, factors)
     seconds = time.process_time() - began
-    peaks, motions = [p for p, _ in found], [m for _, m in found]
+    row |= {"members": len(motions), "not_solved": len(factors) - len(motions)}
+    if len(motions) <= row["not_solved"]:
+        return row | {"failed": "most members are not solved"}
+    found = peaks(case, motions)
     steps = sum(len(m.time) - 1 for m in motions)
     middle = motions[len(motions) // 2]
     programs = history_programs(
         case.model, case.contacts, middle, case.acceleration(step), max(len(middle.time) // SAMPLES, 1)
     )
     each = float(np.mean([min(piqp(program) for _ in range(3)) for program in programs]))
-    median = float(np.median(peaks))
+    median = float(np.median(found))
     return row | {
-        "members": len(peaks),
-        "least_m": min(peaks),
+        "least_m": float(found.min()),
         "median_m": median,
-        "most_m": max(peaks),
+        "most_m": float(found.max()),
         "error": abs(median / resolved - 1.0),
         "collapsed": sum(m.collapsed for m in motions),
         "steps": steps,
@@ -150,13 +148,14 @@ def halved(levels: int | None) -> Iterator[None]:
 
 def millimetres(rows: Sequence[Row]) -> str:
     """A table of ensembles: least, median and largest displacement in mm, and ms a step."""
-    from assessment.benchmark.table import number, pivoted
 
     def cell(row: Row) -> str:
         if "failed" in row:
             return "fails"
         three = " – ".join(f"{1e3 * row[key]:.1f}" for key in ("least_m", "median_m", "most_m"))
         text = f"{three}; {number(row['step_ms'])} ms"
+        if row["not_solved"]:
+            text += f"; {row['not_solved']} not solved"
         return f"**{text}**" if row["default"] else text
 
     return pivoted(rows, ["case", "way"], ["value"], lambda row: f"{1e3 * row['value']:g} ms", cell)

@@ -120,7 +120,9 @@ def history_programs(
     """The implicit Euler steps (paper, eq. 3) from every so manieth state of a motion; accelerations (k,) in g."""
     step = float(motion.time[1])
     return [
-        euler_step(model, behaviour, State(motion.positions[k], motion.velocities[k]), acceleration[k + 1], step)
+        euler_step(
+            model, behaviour, State(motion.positions[k], motion.velocities[k]), acceleration[k + 1], step
+        )
         for k in range(0, len(motion.time) - 1, every)
     ]
 
