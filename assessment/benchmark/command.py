@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from assessment.benchmark import chain, dynamics, skips, statics, steps, walls
+from assessment.benchmark import chain, dynamics, ensembles, skips, statics, steps, walls
 from assessment.benchmark.machine import machine
 from assessment.benchmark.measure import Row
-from assessment.benchmark.plots import work_precision
+from assessment.benchmark.plots import shown, work_precision
 from assessment.benchmark.table import Column, as_csv, listed, number, percent, pivoted
 from assessment.canvas import save_png, save_svg
 from assessment.files import write_atomically
@@ -84,12 +84,12 @@ def by_parameter(index: Sequence[str]) -> Callable[[Sequence[Row]], str]:
 
 def _value(row: Row) -> str:
     times = "× " if row["parameter"] == "increment" else ""
-    text = f"{times}{row['value']:g}"
+    text = f"{times}{shown(row['value'])}"
     return f"**{text}**" if row["default"] else text
 
 
 def _error_and_ratio(row: Row) -> str:
-    return f"{percent(row['error'])}; {number(row['ratio'])}"
+    return "fails" if "failed" in row else f"{percent(row['error'])}; {number(row['ratio'])}"
 
 
 def plain(*columns: Column) -> Callable[[Sequence[Row]], str]:
@@ -126,25 +126,27 @@ CHAIN_COLUMNS: tuple[Column, ...] = (
     SECONDS,
     RATIO,
     ("elapsed_s", "elapsed, s", number),
+    ("failed", "fails", str),
 )
 STEP_COLUMNS: tuple[Column, ...] = (
     CASE,
     ("blocks", "blocks", str),
-    ("points", "points", str),
+    ("joints", "joints", str),
     ("contacts", "contacts", str),
     ("integrator", "integrator", str),
     ("step_ms", "step, ms", number),
+    ("march_ms", "of it compiled", number),
     ("piqp_ms", "PIQP, ms", number),
     RATIO,
-    ("factorisations_per_step", "factorisations", number),
-    ("repeated", "states repeated", percent),
+    ("programs_per_step", "programs", number),
+    ("iterations_per_step", "iterations", number),
+    ("failed", "fails", str),
 )
 
 BENCHMARKS = {
     "statics": Benchmark(
         "relative error; and processor time as a ratio to PIQP once a step. Increments are "
-        "multiples of the template's, segments those of a joint (of the arch's ring; twice as many in its piers), "
-        "tolerances those of PIQP.",
+        "multiples of the template's, segments those of a joint, tolerances those of PIQP.",
         statics.statics,
         by_parameter(("case", "quantity")),
         "quantity",
@@ -154,6 +156,13 @@ BENCHMARKS = {
         dynamics.dynamics,
         by_parameter(("case", "integrator")),
         "integrator",
+    ),
+    "ensembles": Benchmark(
+        "largest displacements of rigid structures of many impacts, mm: least, median and largest of nine members at "
+        "amplitudes within 1 %, and processor time of a step.",
+        ensembles.ensembles,
+        ensembles.millimetres,
+        "way",
     ),
     "dissipation": Benchmark(
         "energy that a cycle of rocking takes, per cent of that at release, and of it by the integrator "
@@ -183,7 +192,7 @@ BENCHMARKS = {
         plain(
             CASE,
             ("blocks", "blocks", str),
-            ("points", "points", str),
+            ("joints", "joints", str),
             SECONDS,
             RATIO,
             ("memory_MB", "memory, MB", number),

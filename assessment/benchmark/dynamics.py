@@ -10,7 +10,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from assessment.benchmark.measure import SAMPLES, Row, beside_piqp, history_programs
+from assessment.benchmark.measure import FAILURES, SAMPLES, Row, beside_piqp, history_programs
 from assessment.benchmark.structures import assembly, block_on_base, running_bond, template
 from mechanics import Assembly, State, TimeHistory, time_history
 from mechanics.assembly import Behaviour
@@ -104,7 +104,7 @@ def cases(quick: bool) -> list[Case]:
     some = [
         Case("rocking block, free, rigid", rigid, "rigid", tall, 3.0, rest, state=turned, after=1.5),
         Case("rocking block, pulse, rigid", rigid, "rigid", tall, 3.0, pulse(0.3, 0.5)),
-        Case("rocking block, pulse, elastic", soft, "elastic", tall, 3.0, pulse(0.25, 0.5), DAMPING),
+        Case("rocking block, pulse, elastic", soft, "elastic", tall, 3.0, pulse(0.2, 0.5), DAMPING),
         Case("column, free vibration, elastic", column, "elastic", (0.5, 2.0), 0.5, rest, 0.0, swinging, 0.4),
         Case("buttressed arch, shaken, elastic", arch, "elastic", springing, 3.0, shaking(0.03), DAMPING),
     ]
@@ -136,7 +136,12 @@ def dynamics(quick: bool) -> Iterator[Row]:
     """Error of the largest displacement against processor time, of every case, integrator and step or tolerance."""
     steps = QUICK_STEPS if quick else STEPS
     for case in cases(quick):
-        exact = peak(case.run(4.0 * REFERENCE if quick else REFERENCE, "second-order"), case.after)
+        finest = 4.0 * REFERENCE if quick else REFERENCE
+        try:
+            exact = peak(case.run(finest, "second-order"), case.after)
+        except FAILURES as error:
+            yield _row(case, "second-order", "time step [s]", finest) | {"failed": str(error)}
+            continue
         for integrator in INTEGRATORS[case.contacts]:
             for step in steps:
                 yield measured(case, integrator, "time step [s]", step, exact)
@@ -153,19 +158,17 @@ def measured(
 ) -> Row:
     """A row of dynamics: `exact` are the largest displacement (m) and its time (s)."""
     step = value if parameter == "time step [s]" else DEFAULT_STEP
-    default = DEFAULT_STEP if parameter == "time step [s]" else DEFAULT_TOLERANCE
+    row = _row(case, integrator, parameter, value)
     run = partial(case.run, step, integrator)
-    motion = run()
+    try:
+        motion = run()
+    except FAILURES as error:
+        return row | {"failed": str(error)}
     programs = history_programs(case.model, case.contacts, motion, case.acceleration(step), _every(motion))
     seconds, each = beside_piqp(run, programs)
     size, at = peak(motion, case.after)
     count = len(motion.time) - 1
-    return {
-        "case": case.name,
-        "parameter": parameter,
-        "value": value,
-        "default": value == default,
-        "integrator": integrator,
+    return row | {
         "found_m": size,
         "error": abs(size / exact[0] - 1.0),
         "time_error_s": at - exact[1],
@@ -178,6 +181,18 @@ def measured(
         "imbalance": motion.energy.imbalance,
         "cold": motion.cold,
         "collapsed": motion.collapsed,
+    }
+
+
+def _row(case: Case, integrator: Integrator, parameter: str, value: float) -> Row:
+    """What a row is about."""
+    default = DEFAULT_STEP if parameter == "time step [s]" else DEFAULT_TOLERANCE
+    return {
+        "case": case.name,
+        "parameter": parameter,
+        "value": value,
+        "default": value == default,
+        "integrator": integrator,
     }
 
 

@@ -152,10 +152,9 @@ def column(count: int, stiffness: float, strength: float) -> Case:
 
     def run(number: float) -> Pushover:
         stone, height = Material(20.0, 0.6, stiffness), 3.0 / count
-        blocks = [Block(rectangle(-0.5, -0.1, 1.0, 0.0), 1.0, stone, support="base")]
-        for k in range(count):
-            blocks.append(Block(rectangle(0.0, k * height, 0.5, (k + 1) * height), 1.0, stone))
-        model = Assembly(blocks, _segments(number))
+        base = Block(rectangle(-0.5, -0.1, 1.0, 0.0), 1.0, stone, support="base")
+        drums = [Block(rectangle(0.0, k * height, 0.5, (k + 1) * height), 1.0, stone) for k in range(count)]
+        model = Assembly([base, *drums], _segments(number))
         return pushover(model, (0.5, 3.0), contacts="elastic", increment=0.005)
 
     return Case(
