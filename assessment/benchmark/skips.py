@@ -28,14 +28,12 @@ from mechanics.assembly import Behaviour, Direction
 from mechanics.errors import NoEquilibriumError
 from mechanics.ground_motion import read_record
 from mechanics.kernels.motion_step import COLD
-from mechanics.model.proximity import near
 from mechanics.procedures import time_history as histories
 from mechanics.procedures.collapse import TURNED
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.pushover import Pushover
-from mechanics.steps import dynamic_system
 from mechanics.steps.dynamic_system import DynamicSystem, Motion, Recorded
-from mechanics.steps.static_step import StepProblem, find_equilibrium, static_system
+from mechanics.steps.static_step import StepProblem, find_equilibrium
 from mechanics.types import GRAVITY, Array
 
 if TYPE_CHECKING:
@@ -113,7 +111,6 @@ def all_skips() -> list[Skip]:
             1.01 * RESOLVED / LOWEST,
         ),
         Skip("starts of a step's program from nowhere", "iterations", started_near, started_nowhere, CLOSE),
-        Skip("searches for contacts out of reach", "searches", sought_rarely, sought_always, CLOSE),
     ]
 
 
@@ -306,30 +303,6 @@ def started_nowhere() -> tuple[Array, int]:
     with patch.object(histories, "CHUNK", 1), patch.object(DynamicSystem, "march", forgetful):
         motion = _shaken()
     return _way(motion), motion.iterations
-
-
-def sought_rarely() -> tuple[Array, int]:
-    """A motion of the buttressed arch: contacts are looked for once a corner may have come to another face."""
-    return _searching(dynamic_system.AHEAD)
-
-
-def sought_always() -> tuple[Array, int]:
-    """The same, contacts looked for in every step."""
-    return _searching(0.0)
-
-
-def _searching(ahead: float) -> tuple[Array, int]:
-    searches = 0
-
-    def counted(*arguments: Any) -> Any:
-        nonlocal searches
-        searches += 1
-        return near(*arguments)
-
-    static_system.cache_clear()
-    with patch.object(dynamic_system, "AHEAD", ahead), patch("mechanics.steps.static_step.near", counted):
-        motion = _shaken()
-    return _way(motion), searches
 
 
 def _shaken() -> TimeHistory:
