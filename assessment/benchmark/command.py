@@ -171,8 +171,8 @@ BENCHMARKS = {
         _dissipation,
     ),
     "collapse": Benchmark(
-        "least amplitude that collapses the buttressed arch with elastic joints, to 2 %, and a stack of two rigid blocks "
-        "under one sine of half a second, to half a per cent (it falls at 0.583 g).",
+        "least amplitude that collapses the buttressed arch with elastic joints, to 2 %, and a stack of two rigid "
+        "blocks under one sine of half a second, to half a per cent (it falls at 0.583 g).",
         lambda quick: dynamics.collapse((0.01,)) if quick else dynamics.collapse(),
         _collapse,
     ),

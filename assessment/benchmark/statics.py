@@ -27,6 +27,7 @@ INCREMENTS, FINEST_INCREMENT = (4.0, 2.0, 1.0, 0.5), 0.25  # times the template'
 FEWER_INCREMENTS, FEWER_FINEST = (4.0, 2.0, 1.0), 0.5
 SEGMENTS = (1, 2, 4, 8, 16, 32, 64, np.inf)  # of a joint; infinite: the exact bed
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12)
+FEWER_SEGMENTS = (1, 4, 16, 64, np.inf)
 REFERENCE = -np.inf  # the exact bed, in a quarter of the increments
 WIDTH, HEIGHT, STIFFNESS = 1.0, 4.0, 1e6  # of the block with an elastic joint: m, m, kN/m³
 # of elastic columns 0.5 m wide, 3 m high, 20 kN/m³: blocks, stiffness in kN/m³, α_u by integration along the column
@@ -93,7 +94,6 @@ def cases(quick: bool) -> list[Case]:
     some = [
         rocking_rigid(),
         rocking_elastic(),
-        *(column(*values) for values in COLUMNS),
         wall("Ferris and Tin-Loi's wall 1", running_bond()),
         settling("buttressed-arch", "rigid", quick),
         pushing("buttressed-arch", "rigid", quick),
@@ -102,6 +102,7 @@ def cases(quick: bool) -> list[Case]:
         return some
     return [
         *some,
+        *(column(*values) for values in COLUMNS),
         pushing("buttressed-arch", "elastic"),
         pushing("buttressed-arch", "rigid", settled=True),
         settling("buttressed-arch", "elastic"),
@@ -138,13 +139,8 @@ def rocking_elastic() -> Case:
         model = block_on_base(WIDTH, HEIGHT, stiffness=STIFFNESS, segments=_segments(number))
         return pushover(model, (WIDTH, HEIGHT), contacts="elastic", increment=0.02)
 
-    def measure(curve: Pushover) -> Errors:
-        lean = np.array([-state.positions[1, 2] for state in curve.states])
-        off = float(abs(curve.multiplier - winkler(lean)).max()) / highest
-        return {"α": 1.0 + off, "α_u": float(curve.multiplier.max()) / highest}
-
-    exact = {"α": 1.0, "α_u": 1.0}
-    return Case("rocking block, pushover, elastic", "segments", SEGMENTS, run, measure, exact, default=np.inf)
+    exact = {"α_u": highest}
+    return Case("rocking block, pushover, elastic", "segments", SEGMENTS, run, _peak, exact, default=np.inf)
 
 
 def column(count: int, stiffness: float, strength: float) -> Case:
@@ -160,7 +156,7 @@ def column(count: int, stiffness: float, strength: float) -> Case:
     return Case(
         f"column of {count} with k = {stiffness:.0e}, pushover, elastic".replace("e+0", "e"),
         "segments",
-        SEGMENTS,
+        FEWER_SEGMENTS,
         run,
         _peak,
         {"α_u": strength},
