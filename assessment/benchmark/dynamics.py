@@ -279,7 +279,7 @@ def stack() -> Case:
     stone = Material(18.0, 0.7, 1e6)
     base = Block(rectangle(-2.0, -0.2, 2.5, 0.0), 1.0, stone, support="base")
     two = [Block(rectangle(0.0, z, 0.5, z + 1.5), 1.0, stone) for z in (0.0, 1.5)]
-    return Case("stack of two, one sine, rigid", Assembly([base, *two]), "rigid", (0.5, 3.0), 3.0, sine(0.5))
+    return Case("stack of two, one sine, rigid", Assembly([base, *two]), "rigid", (0.5, 3.0), 6.0, sine(0.5))
 
 
 def sine(amplitude: float, period: float = 0.5) -> Callable[[Array], Array]:
