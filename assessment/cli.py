@@ -25,7 +25,9 @@ if TYPE_CHECKING:
 
 DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
 NEEDED = ("title", "model", "geometry", "states", "quality")  # of stored results, for a report
-BENCHMARKS = ("statics", "dynamics", "dissipation", "collapse", "steps", "growth", "walls", "chain", "skips")
+BENCHMARKS = (
+    "statics", "dynamics", "ensembles", "dissipation", "collapse", "steps", "growth", "walls", "chain", "skips"
+)  # fmt: skip
 TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
 STAGES = ("pushdown", "pushover", "history", "incremental", "assessment", "scenarios", "sensitivity")
 EXAMPLES = {  # what the help of each command ends with; "": of all of them

@@ -40,7 +40,7 @@ ELASTIC, RUBBED, IMPACT, VISCOUS, STEPPING, INPUT = range(6)
 ENERGIES = 6
 STANDARD_GRAVITY = 9.80665  # m/s²
 COLD = 10.0  # per weight and span: forces and gaps of a start from nowhere
-MOST_ITERATIONS = 60
+MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
 CLOSED = 1e-6  # of the block size: a gap that is none
 GONE = 1e-9  # of the block size: an overlap that is none
 

@@ -155,7 +155,8 @@ class StandardForm:
         n, t = _ray(p.law[j, FRICTION])
         bears, rubs = n * rays.sum(axis=1), t * (rays[:, 0] - rays[:, 1])
         parts = (bears, bears * self.points.s, rubs)
-        forces = np.stack([np.bincount(j, part, minlength=len(p.law)) for part in parts], axis=1)
+        sums = [np.asarray(np.bincount(j, part, minlength=len(p.law)), dtype=float) for part in parts]
+        forces = np.stack(sums, axis=1)
         alpha = float(z[self.rays]) if p.lateral is not None else 0.0
         return forces, alpha, -p.step * y / self.scale
 

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from mechanics.assembly import Assembly, Behaviour, State
-from mechanics.errors import UnstableError
+from mechanics.errors import NoEquilibriumError, UnstableError
 from mechanics.kernels.interior_iteration import SLID
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.model.contacts import Contacts, end_gaps, rows
 from mechanics.program import Program
 from mechanics.solvers import BALANCED, imbalance
 from mechanics.solvers.elimination import Elimination
+from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import (
     VANISHED,
     Equilibrium,
@@ -92,11 +93,20 @@ def check_self_weight(model: Assembly, state: State | None = None) -> None:
 def rest(
     system: StaticSystem, state: State, size: float | None = None, last: Equilibrium | None = None
 ) -> Equilibrium:
-    """The equilibrium under gravity into which a state settles: gaps closed, elastic joints compressed."""
+    """The equilibrium under gravity into which a state settles: gaps closed, elastic joints compressed.
+
+    A slender arch goes down by a hundred times what its joints are compressed: where that is far, the blocks are let go
+    until they rest. Raises NoEquilibriumError where they do not.
+    """
     model = system.model
     size = rest_size(model, system.behaviour) if size is None else size
     problem = StepProblem(system, state, model.dead_load, size)
-    return find_equilibrium(problem, state.positions, last)
+    try:
+        return find_equilibrium(problem, state.positions, last)
+    except NoEquilibriumError:
+        if system.rigid:
+            raise
+        return motion_to_rest(problem, state.positions)
 
 
 def rest_size(model: Assembly, behaviour: Behaviour) -> float:
