@@ -11,16 +11,14 @@ from pathlib import Path
 from traceback import walk_tb
 from typing import TYPE_CHECKING
 
+from assessment.console import prepare, say, tell
 from assessment.interruption import leave, watch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from typing import NoReturn
 
-    from assessment.workflow import Results
-
 DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
-NEEDED = ("title", "model", "geometry", "states", "quality")  # of stored results, for a report
 BENCHMARKS = ("statics", "dynamics", "dissipation", "collapse", "steps", "growth", "walls", "chain", "skips")
 TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
 NEW_OBJECTS = 50_000  # between two looks for garbage: with Python's 700 the PDF takes a third longer
@@ -28,35 +26,32 @@ NEW_OBJECTS = 50_000  # between two looks for garbage: with Python's 700 the PDF
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return its exit code: 0 done, 2 wrong input, 3 an analysis could not be completed."""
+    whole = arguments is None  # the process is this command
+    if whole:
+        prepare()
     options = _parser().parse_args(arguments)
     kept = "; finished analyses are kept: run again to go on" if options.command is _run else ""
-    interrupted = f"interrupted: nothing of an earlier result was changed{kept}"
-    if whole := arguments is None:  # the process is this command
-        watch(interrupted, INCOMPLETE)
+    unchanged = f"nothing of an earlier result was changed{kept}"
+    if whole:
+        watch(f"interrupted: {unchanged}", INCOMPLETE)
         gc.set_threshold(NEW_OBJECTS)  # the processes of a run inherit it
     try:
         code: int = options.command(options)
-        sys.stdout.flush()
-    except BrokenPipeError:  # who reads, head for one, has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return DONE
     except (ValueError, OSError) as error:
         if not _is_input_error(error):
             raise
         for line in _message(error).splitlines():
-            print(f"error: {line}", file=sys.stderr)
+            tell(f"error: {line}")
         return WRONG_INPUT
-    except RuntimeError as error:
-        from mechanics import ConvergenceError
-
-        if not isinstance(error, ConvergenceError):
+    except (RuntimeError, MemoryError) as error:
+        if (cause := _incomplete(error)) is None:
             raise
-        print(f"error: {error}; nothing was written", file=sys.stderr)
+        tell(f"error: {cause}: {unchanged}")
         return INCOMPLETE
     except KeyboardInterrupt:
         if whole:
-            leave(interrupted, INCOMPLETE)
-        print(interrupted, file=sys.stderr)
+            leave(f"interrupted: {unchanged}", INCOMPLETE)
+        tell(f"interrupted: {unchanged}")
         return INCOMPLETE
     return code
 
@@ -72,10 +67,12 @@ def _parser() -> argparse.ArgumentParser:
     run = commands.add_parser("run", help="run every stage the project asks for and write its report")
     _add_project(run)
     run.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder of the results (default: PROJECT/output)"
+        "--out", type=_folder, metavar="DIR", help="folder of the results (default: PROJECT/output)"
     )
     run.add_argument("--only", type=lambda text: text.split(","), metavar="STAGE,…", help="only these stages")
-    run.add_argument("--jobs", type=int, default=0, metavar="N", help="processes (default: as many as help)")
+    run.add_argument(
+        "--jobs", type=_jobs, default=0, metavar="N", help="processes (default: as many as help)"
+    )
     run.add_argument("--no-report", action="store_true", help="numbers, tables and figures only")
     run.add_argument(
         "--fresh", action="store_true", help="compute again what an earlier run has already computed"
@@ -86,12 +83,12 @@ def _parser() -> argparse.ArgumentParser:
     check = commands.add_parser("check", help="read and validate everything, draw the model; no analysis")
     _add_project(check)
     check.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder of model.svg (default: PROJECT/output)"
+        "--out", type=_folder, metavar="DIR", help="folder of model.svg (default: PROJECT/output)"
     )
     check.set_defaults(command=_check)
 
     new = commands.add_parser("new", help="make a new project folder from a template")
-    new.add_argument("folder", type=Path, metavar="DIR", nargs="?", help="the folder to make")
+    new.add_argument("folder", type=_folder, metavar="DIR", nargs="?", help="the folder to make")
     new.add_argument("--template", metavar="NAME", help=", ".join(TEMPLATES))
     new.add_argument(
         "--set", action="append", default=[], metavar="KEY=NUMBER", help="a dimension; see --list"
@@ -112,7 +109,7 @@ def _parser() -> argparse.ArgumentParser:
     report = commands.add_parser("report", help="render the report again from stored results")
     _add_project(report)
     report.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder of the results (default: PROJECT/output)"
+        "--out", type=_folder, metavar="DIR", help="folder of the results (default: PROJECT/output)"
     )
     report.set_defaults(command=_report)
 
@@ -121,7 +118,7 @@ def _parser() -> argparse.ArgumentParser:
     benchmark.add_argument("--quick", action="store_true", help="fewer and smaller cases: a minute or so")
     benchmark.add_argument(
         "--out",
-        type=Path,
+        type=_folder,
         default=Path("benchmark"),
         metavar="DIR",
         help="folder of tables, plots and summary.md (default: benchmark)",
@@ -142,29 +139,39 @@ class _Version(argparse.Action):
 
 def _add_project(command: argparse.ArgumentParser) -> None:
     command.add_argument(
-        "project", type=Path, metavar="PROJECT", help="folder that holds project.toml or project.xlsx"
+        "project", type=_folder, metavar="PROJECT", help="folder that holds project.toml or project.xlsx"
     )
 
 
+def _folder(text: str) -> Path:
+    """Return the folder that an argument names; an empty one would be the folder the command is given in."""
+    if not text:
+        raise argparse.ArgumentTypeError("is empty; give the name of a folder")
+    return Path(text)
+
+
+def _jobs(text: str) -> int:
+    """Return a number of processes, one or more."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no number of processes; write 1 or more, or leave it out"
+        )
+    return int(text)
+
+
 def _run(options: argparse.Namespace) -> int:
-    from assessment.writer import Writer
+    from assessment.project import load_project
+    from assessment.running import carry_out
+    from assessment.stage_selection import select
+    from assessment.terminal import as_json, progress, summary
 
-    with Writer(not options.no_report, options.jobs) as writer:  # before the imports: both take their time
-        from assessment.model import build_model
-        from assessment.project import load_project
-        from assessment.store import FOLDER, Store
-        from assessment.terminal import as_json, progress, summary
-        from assessment.workflow import run, select
-
-        project = select(load_project(options.project), options.only)
-        folder = _writable(options.out or project.folder / "output")
-        model = build_model(project)
-        with progress() as show:
-            outcome = run(project, model, options.jobs, Store(folder / FOLDER), options.fresh, show)
-            show.begin("report" if not options.no_report else "figures and tables", 1, 0)
-            warnings = writer.write(outcome.results, folder)
-            show.end()
-    print((as_json if options.json else summary)(outcome, folder, warnings))
+    project = select(load_project(options.project), options.only)
+    folder = _writable(options.out or project.folder / "output")
+    with progress() as show:
+        outcome, warnings = carry_out(
+            project, folder, options.jobs, options.fresh, not options.no_report, show
+        )
+    say((as_json if options.json else summary)(outcome, folder, warnings))
     return DONE if outcome.complete else INCOMPLETE
 
 
@@ -189,10 +196,10 @@ def _check(options: argparse.Namespace) -> int:
         results["model"]["warnings"].append(unstable)
     drawing = folder / "model.svg"
     save_svg(lambda: draw_model(results, words_of(results)), drawing)
-    print(model_summary(results))
-    print(f"drawing of the model: {drawing}")
+    say(model_summary(results))
+    say(f"drawing of the model: {drawing}")
     for line in told(results["model"]["warnings"]):
-        print(line)
+        say(line)
     return DONE
 
 
@@ -202,9 +209,9 @@ def _new(options: argparse.Namespace) -> int:
 
     if options.list:
         for template in [options.template] if options.template else TEMPLATES:
-            print(f"{template}:")
+            say(f"{template}:")
             for name, (default, unit, description) in template_options(template).items():
-                print(f"  {name:18} {default:>8g} {unit:6} {description}")
+                say(f"  {name:18} {default:>8g} {unit:6} {description}")
         return DONE
     if options.template is None:
         raise ValueError(f"--template: missing; choose from {', '.join(TEMPLATES)}")
@@ -220,7 +227,7 @@ def _new(options: argparse.Namespace) -> int:
         except ValueError:
             raise ValueError(f"--set {item}: not KEY=NUMBER; give for example span_m=6.0") from None
     new_project(options.folder, options.template, given, XLSX if options.excel else TOML)
-    print(f"wrote {options.folder}; next: assesto check {options.folder}")
+    say(f"wrote {options.folder}; next: assesto check {options.folder}")
     return DONE
 
 
@@ -229,46 +236,26 @@ def _convert(options: argparse.Namespace) -> int:
     from assessment.project_source import convert
 
     new, kept = convert(load_project(options.project))
-    print(f"wrote {new}; the earlier file is kept as {kept.name}")
+    say(f"wrote {new}; the earlier file is kept as {kept.name}")
     return DONE
 
 
 def _schema(_: argparse.Namespace) -> int:
     from assessment.project import json_schema
 
-    print(json.dumps(json_schema(), indent=2, ensure_ascii=False))
+    say(json.dumps(json_schema(), indent=2))
     return DONE
 
 
 def _report(options: argparse.Namespace) -> int:
-    from assessment.output import write
     from assessment.project import load_project
+    from assessment.running import print_again
 
     project = load_project(options.project)
     folder = _writable(options.out or project.folder / "output")
-    stored = folder / "results.json"
-    if not stored.is_file():
-        raise ValueError(
-            f"{stored}: no stored results; run the project first (assesto run {options.project})"
-        )
-    try:
-        results: Results = json.loads(stored.read_text(encoding="utf-8"))
-        echo = results["echo"]["report"]
-    except (ValueError, KeyError, TypeError) as error:
-        raise ValueError(f"{stored}: not readable as results ({error}); run the project again") from None
-    if missing := [key for key in NEEDED if key not in results]:
-        raise ValueError(f"{stored}: {', '.join(missing)} missing: results cut short; run the project again")
-    for key in ("client", "engineer", "location", "language"):
-        echo[key] = getattr(project.report, key)
-    try:
-        warnings = write(results, folder, jobs=0)
-    except KeyError as error:  # what this version prints and another did not keep
-        raise ValueError(
-            f"{stored}: {error} missing: written by another version of assesto; run the project again"
-        ) from error
-    for warning in warnings:
-        print(f"warning: {warning}", file=sys.stderr)
-    print(f"report: {folder / 'report.html'}")
+    for warning in print_again(project, folder):
+        tell(f"warning: {warning}")
+    say(f"report: {folder / 'report.html'}")
     return DONE
 
 
@@ -277,7 +264,7 @@ def _benchmark(options: argparse.Namespace) -> int:
 
     folder = _writable(options.out)
     benchmark(options.names, options.quick, folder)
-    print(f"\ntables and plots: {folder}")
+    say(f"\ntables and plots: {folder}")
     return DONE
 
 
@@ -291,6 +278,16 @@ def _writable(folder: Path) -> Path:
             f"{existing}: no permission to write; change it or give another folder with --out DIR"
         )
     return folder
+
+
+def _incomplete(error: RuntimeError | MemoryError) -> str | None:
+    """Return what kept an analysis from being completed; None where the error is a bug."""
+    from assessment.pool import KilledError
+    from mechanics import ConvergenceError
+
+    if isinstance(error, MemoryError):
+        return "memory ran out"
+    return str(error) if isinstance(error, ConvergenceError | KilledError) else None
 
 
 def _is_input_error(error: ValueError | OSError) -> bool:

@@ -15,8 +15,8 @@ from assessment.table import QUOTED
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from assessment.outcome import Outcome
     from assessment.parallel import Show
-    from assessment.workflow import Outcome
 
 Results = Mapping[str, Any]
 LONGEST = 3600.0  # s: an analysis that takes longer than this leaves the time left unknown

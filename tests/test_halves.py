@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from assessment.parallel import Workers
 from mechanics import Assembly, State, time_history
 from mechanics.block import Array
 from mechanics.program import Program, Solution
@@ -169,21 +168,6 @@ def test_what_falls_into_no_two_halves_is_left_to_one_thread(monkeypatch: pytest
     assert halves.Halves.of(layout(running_bond(2, 2))) is None
     monkeypatch.setattr(halves, "MOST", 0.4)
     assert halves.Halves.of(layout(running_bond(7, 9))) is None, "the larger half has most of the work"
-
-
-def threads_told() -> int:
-    return threads._told.get(0)
-
-
-@pytest.mark.parametrize(
-    ("jobs", "tasks", "expected"), [(1, 1, 1), (2, 1, 2), (2, 2, 1), (5, 2, 2), (2, 3, 1)]
-)
-def test_analyses_side_by_side_share_the_threads(jobs: int, tasks: int, expected: int) -> None:
-    for worthwhile in (True, False):
-        with Workers(jobs) as workers:
-            found = workers.each("", threads_told, [()] * tasks, [""] * tasks, worthwhile)
-        alone = not worthwhile and (jobs == 1 or tasks == 1)
-        assert found == [jobs if alone else expected] * tasks
 
 
 def test_threads_at_hand_are_the_cores_of_the_process_or_fewer(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.crew import Crew
 from assessment.figures import write_figures
 from assessment.judgement import draft_judgement
+from assessment.pool import Pool
 from assessment.report import APT_COMMAND, CHAPTERS, render_html, write_page, write_pdf
 from assessment.words import LANGUAGES, words_of
 from tests.results_example import SETTLED, results_example
@@ -43,7 +43,7 @@ def report(request, tmp_path_factory):
     results = results_example(request.param)
     if request.param == "en":
         one_direction(results)  # half the time, and a form of its own
-    write_figures(Crew(results), folder / "figures")
+    write_figures(Pool(0, results), folder / "figures")
     write_page(results, folder)
     assert write_pdf(results, folder) == []
     pages = [page.extract_text() for page in pypdf.PdfReader(folder / "report.pdf").pages]
@@ -226,7 +226,7 @@ def test_degraded_forms_render(form, tmp_path):
     results = results_example("en")
     one_direction(results)
     form(results)
-    write_figures(Crew(results), tmp_path)
+    write_figures(Pool(0, results), tmp_path)
     html = render_html(results, tmp_path, words_of(results))
     for chapter in CHAPTERS:
         assert f'<h2 id="{chapter}">' in html
@@ -245,7 +245,7 @@ def test_segments_of_layers_are_told_beside_those_of_the_drawing(tmp_path):
     """On the buttressed arch "every joint has 4" was not true of the piers."""
     results = results_example("en")
     results["echo"]["layers"]["BASE_LEFT"]["segments_per_joint"] = 16
-    write_figures(Crew(results), tmp_path)
+    write_figures(Pool(0, results), tmp_path)
     assert "the one that asks for more decides: 4, 16." in render_html(results, tmp_path, words_of(results))
 
 

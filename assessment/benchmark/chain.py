@@ -16,9 +16,10 @@ from assessment.benchmark.measure import ROUNDS, Row, once_a_step
 from assessment.benchmark.structures import assembly, template
 from assessment.cli import NEW_OBJECTS
 from assessment.model import build_model
+from assessment.stage_selection import select
 from assessment.stages import mirror_of
 from assessment.states import PAST_PEAK
-from assessment.workflow import run, select
+from assessment.workflow import run
 from mechanics import pushdown, pushover
 from mechanics.assembly import Behaviour, Direction
 from mechanics.pushdown import Pushdown

@@ -1,0 +1,87 @@
+"""Standard output and error: whatever they cannot take, a finished run is not lost for it."""
+
+from __future__ import annotations
+
+import atexit
+import codecs
+import errno
+import os
+import sys
+import unicodedata
+from typing import TextIO
+
+SPELT = {
+    "−": "-",
+    "–": "-",
+    "—": "-",
+    "·": "-",
+    "…": "...",
+    "×": "x",
+    "“": '"',
+    "”": '"',
+    "’": "'",
+    "→": "->",
+}
+
+
+def prepare() -> None:
+    """Have both streams open, and letters that their encoding lacks spelt out.
+
+    Of a closed one the number would fall to the next file that is opened, and what libraries print would go there.
+    """
+    while (spare := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass
+    os.close(spare)
+    sys.stdout = sys.stdout or _nowhere()
+    sys.stderr = sys.stderr or _nowhere()
+    atexit.register(say, end="")  # of help, too, its reader may have seen enough
+    codecs.register_error("spelt", _spell)
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="spelt")  # type: ignore[union-attr]
+
+
+def say(text: str = "", end: str = "\n") -> None:
+    """Print a text; a reader that has gone away, `head` for one, has seen enough.
+
+    Raises OSError that names standard output where it cannot be written for another reason.
+    """
+    try:
+        print(text, end=end, flush=True)
+    except OSError as error:
+        _close(sys.stdout)
+        if not isinstance(error, BrokenPipeError) and error.errno != errno.EINVAL:  # as Windows calls it
+            raise OSError(error.errno, error.strerror, "standard output") from None
+
+
+def tell(text: str) -> None:
+    """Print a text to standard error, if anybody listens."""
+    try:
+        print(text, file=sys.stderr, flush=True)
+    except OSError:
+        _close(sys.stderr)
+
+
+def _close(stream: TextIO) -> None:
+    """Let what is written to a stream from now on, and what could not be, go nowhere."""
+    with open(os.devnull, "wb") as nowhere:  # noqa: PTH123
+        os.dup2(nowhere.fileno(), stream.fileno())
+
+
+def _nowhere() -> TextIO:
+    return open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123 - for as long as the process lives
+
+
+def _spell(error: UnicodeError) -> tuple[str, int]:
+    """Return what to write for letters that an encoding lacks: α is alpha, é is e, ? where there is nothing like it."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(map(_spelt, error.object[error.start : error.end])), error.end
+
+
+def _spelt(letter: str) -> str:
+    name = unicodedata.name(letter, "").split()
+    if name[:1] == ["GREEK"] and "LETTER" in name:
+        word = name[name.index("LETTER") + 1]
+        return word.lower() if "SMALL" in name else word.capitalize()
+    plain = unicodedata.normalize("NFKD", letter).encode("ascii", "ignore").decode()
+    return SPELT.get(letter) or plain or "?"
