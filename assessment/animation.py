@@ -16,7 +16,7 @@ from matplotlib.patches import PathPatch
 from assessment.canvas import STYLE, sheet
 from assessment.drawings import GHOST, INK, SUPPORT
 from assessment.dynamic_plots import bounds_of_views, shaken
-from assessment.files import write_atomically
+from assessment.files import naming, write_atomically
 from assessment.outlines import outlines
 from assessment.pool import Pool
 from assessment.words import slug, words_of
@@ -36,7 +36,8 @@ def write_animations(pool: Pool, folder: Path) -> list[Future[Path]]:
 
 
 def _write_animation(results: Mapping[str, Any], path: Path, state: str, record: str) -> Path:
-    write_atomically(path, animation(results, state, shaken(results, record)[state]))
+    with naming(path):  # the film is made elsewhere first
+        write_atomically(path, animation(results, state, shaken(results, record)[state]))
     return path
 
 

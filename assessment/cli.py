@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (RuntimeError, MemoryError) as error:
         if (cause := _incomplete(error)) is None:
             raise
-        tell(f"error: {cause}: {unchanged}")
+        tell(f"error: {cause}; {unchanged}")
         return INCOMPLETE
     except KeyboardInterrupt:
         if whole:

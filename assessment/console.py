@@ -34,7 +34,7 @@ def prepare() -> None:
     os.close(spare)
     sys.stdout = sys.stdout or _nowhere()
     sys.stderr = sys.stderr or _nowhere()
-    atexit.register(say, end="")  # of help, too, its reader may have seen enough
+    atexit.register(_finish)
     codecs.register_error("spelt", _spell)
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="spelt")  # type: ignore[union-attr]
@@ -59,6 +59,14 @@ def tell(text: str) -> None:
         print(text, file=sys.stderr, flush=True)
     except OSError:
         _close(sys.stderr)
+
+
+def _finish() -> None:
+    """Print what is left, of --help too, whose reader may also have seen enough."""
+    try:
+        say(end="")
+    except OSError as error:
+        tell(f"error: {error.filename}: {error.strerror}")
 
 
 def _close(stream: TextIO) -> None:

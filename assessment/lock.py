@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from assessment.messages import ProjectError
+
 try:
     import fcntl
 except ImportError:  # Windows
@@ -20,7 +22,7 @@ NAME = ".assesto.lock"  # in the output folder, while a run writes there
 BEYOND = 1 << 20  # byte that Windows locks, and lets nobody read: behind what is written
 
 
-class BusyError(ValueError):
+class BusyError(ProjectError):
     """Another run writes into the folder; the message names its lock and its process."""
 
 

@@ -22,7 +22,7 @@ from assessment.earlier import (
     printable,
 )
 from assessment.files import write_atomically
-from assessment.pool import Pool, processes, result_of
+from assessment.pool import KilledError, Pool, processes, result_of
 from assessment.swap import SCRATCH, put_in_place
 
 
@@ -62,6 +62,8 @@ def write(
             warnings = _make(results, folder, new, parts, jobs)
             gone = files_of(folder, EVERYTHING - {*kept}) if ours else []
             put_in_place(new, folder, files_of(new, parts), gone)
+        except KilledError as error:
+            raise KilledError(f"{', '.join(sorted(parts))}: {error}") from None
         except OSError as error:
             raise OSError(error.errno, error.strerror, _at_home(error.filename, new, folder)) from error
     return warnings

@@ -105,7 +105,9 @@ def result_of(future: Future[Result]) -> Result:
 def _told(error: BrokenProcessPool) -> Exception:
     if error.__cause__ is not None:  # a result that cannot be sent: a bug
         return error
-    return KilledError("a process of this run was ended from outside, as happens where memory runs out")
+    return KilledError(
+        "a process of the run was ended from outside, as happens where memory runs out (--jobs 1 takes least)"
+    )
 
 
 def _apply(function: Callable[..., Result], arguments: tuple[Any, ...]) -> Result:

@@ -150,7 +150,7 @@ def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
         "warnings": _warnings(results, warnings),
         "timing_s": results["timing_s"],
     }
-    return json.dumps(content, ensure_ascii=False, allow_nan=False, indent=2)
+    return json.dumps(content, allow_nan=False, indent=2)
 
 
 def capacities(results: Results) -> list[dict[str, Any]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -10,6 +11,17 @@ import pytest
 
 from assessment import figures
 from tests.block_project import write_block
+
+
+def pytest_addoption(parser):
+    starts = multiprocessing.get_all_start_methods()
+    text = "how processes begin in every test: spawn is what Windows and macOS do (default: the system's)"
+    parser.addoption("--start", choices=starts, help=text)
+
+
+def pytest_configure(config):
+    if start := config.getoption("--start"):
+        multiprocessing.set_start_method(start, force=True)
 
 
 @pytest.fixture

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -10,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from assessment.benchmark import chain, dynamics, skips, statics, steps, walls
-from assessment.benchmark.machine import machine
+from assessment.benchmark.machine import load, machine
 from assessment.benchmark.measure import Row
 from assessment.benchmark.plots import work_precision
 from assessment.benchmark.table import Column, as_csv, listed, number, percent, pivoted
@@ -54,7 +53,7 @@ def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
             save_png(plot, folder / f"{name}-{parameter.split()[0]}.png")
         summary.append(f"**{name}**: {chosen.about}\n\n{chosen.show(rows)}")
         print(f"\n{summary[-1]}", flush=True)
-    summary.append(f"Load {os.getloadavg()[0]:.1f} at the end.")
+    summary.append(f"Load {load()} at the end.")
     write_atomically(folder / SUMMARY, ("\n\n".join(summary) + "\n").encode())
 
 
