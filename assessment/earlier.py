@@ -99,7 +99,7 @@ class Earlier:
 
 def recall(folder: Path) -> Earlier | None:
     """Return what the last run left in an output folder; None where that is not known."""
-    text = Store(folder / FOLDER).find(ENTRY)
+    text = Store(folder / FOLDER).read(ENTRY)
     return Earlier(**json.loads(text)) if text else None
 
 

@@ -40,15 +40,19 @@ class Store:
 
     def find(self, key: str) -> str | None:
         """Return the packed result that was kept under a fingerprint; None where there is none, or it is damaged."""
-        path = self.folder / key
+        text = self.read(key)
+        if text is not None:
+            with suppress(OSError):
+                os.utime(self.folder / key)
+        return text
+
+    def read(self, key: str) -> str | None:
+        """Return the same, and write nothing: not even that it was used."""
         try:
-            digest, _, text = path.read_text(encoding="utf-8").partition("\n")
-            if digest != _digest(key, text):
-                return None
-            os.utime(path)
+            digest, _, text = (self.folder / key).read_text(encoding="utf-8").partition("\n")
         except (OSError, UnicodeDecodeError):
             return None
-        return text
+        return text if digest == _digest(key, text) else None
 
     def keep(self, key: str, text: str) -> None:
         """Keep a packed result; a disk that refuses costs the resumption, not the run."""
