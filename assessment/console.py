@@ -30,7 +30,7 @@ def prepare() -> None:
     Of a closed one the number would fall to the next file that is opened, and what libraries print would go there.
     """
     while (spare := os.open(os.devnull, os.O_RDWR)) <= 2:
-        pass
+        os.set_inheritable(spare, True)
     os.close(spare)
     sys.stdout = sys.stdout or _nowhere()
     sys.stderr = sys.stderr or _nowhere()
@@ -87,9 +87,8 @@ def _spell(error: UnicodeError) -> tuple[str, int]:
 
 
 def _spelt(letter: str) -> str:
-    name = unicodedata.name(letter, "").split()
-    if name[:1] == ["GREEK"] and "LETTER" in name:
-        word = name[name.index("LETTER") + 1]
-        return word.lower() if "SMALL" in name else word.capitalize()
-    plain = unicodedata.normalize("NFKD", letter).encode("ascii", "ignore").decode()
-    return SPELT.get(letter) or plain or "?"
+    base = unicodedata.normalize("NFKD", letter)
+    name = unicodedata.name(base[0], "").split()
+    if name[:1] == ["GREEK"]:
+        return name[-1].lower() if "SMALL" in name else name[-1].capitalize()
+    return SPELT.get(letter) or base.encode("ascii", "ignore").decode() or "?"

@@ -241,7 +241,7 @@ def test_results_damaged_in_any_place_are_told_without_a_traceback(project, caps
     stored, last = project / "output" / "results.json", project / "output" / FOLDER / ENTRY
     whole, known = stored.read_text(encoding="utf-8"), last.read_bytes()
     chance, codes = random.Random(17), []
-    for _ in range(40):
+    for _ in range(25):
         content = json.loads(whole)
         _damage(content, chance)
         stored.write_text(json.dumps(content), encoding="utf-8")
