@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from assessment import fingerprint
 from assessment.files import file_digest
 from assessment.outcome import Outcome
+from assessment.printing import printable
 from assessment.store import FOLDER, Store
 
 if TYPE_CHECKING:
@@ -119,15 +120,6 @@ def remember(folder: Path, outcome: Outcome, keys: Keys, parts: Collection[str],
 def forget(folder: Path) -> None:
     """Let the next run make everything again."""
     (folder / FOLDER / ENTRY).unlink(missing_ok=True)
-
-
-def printable() -> bool:
-    """Return whether the libraries that a PDF takes are there."""
-    try:
-        import weasyprint  # noqa: F401
-    except OSError:
-        return False
-    return True
 
 
 def _digests(folder: Path, part: str) -> dict[str, str]:

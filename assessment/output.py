@@ -19,10 +19,10 @@ from assessment.earlier import (
     RESULTS,
     TABLES,
     files_of,
-    printable,
 )
 from assessment.files import write_atomically
 from assessment.pool import KilledError, Pool, processes, result_of
+from assessment.printing import printable
 from assessment.swap import SCRATCH, put_in_place
 
 

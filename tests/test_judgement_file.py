@@ -2,6 +2,7 @@
 
 import pytest
 
+from assessment.cli import main
 from assessment.earlier import NO_REPORT
 from assessment.figures import write_figures
 from assessment.judgement_file import NAME, judgement, to_html
@@ -50,6 +51,38 @@ def test_a_text_of_ones_own_without_the_mark_is_kept(results, tmp_path):
     kept = judgement(results, words_of(results), tmp_path)
     assert kept.content.decode() == "Mine.\n"
     assert kept.warnings
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"])
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_the_encodings_of_windows_editors_are_read_and_left(results, tmp_path, encoding, newline):
+    text = newline.join(["Più sicuro: “legare” il piè.", "", "- così", ""])
+    mark = "\ufeff" if encoding in {"utf-16-le", "utf-16-be"} else ""
+    (tmp_path / NAME).write_bytes((mark + text).encode(encoding))
+    kept = judgement(results, words_of(results), tmp_path)
+    assert kept.content == (mark + text).encode(encoding)
+    assert kept.edited == "<p>Più sicuro: “legare” il piè.</p>\n<ul><li>così</li></ul>"
+
+
+def test_a_draft_that_an_editor_saved_in_its_own_way_is_still_the_draft(results, tmp_path):
+    words = words_of(results)
+    draft = judgement(results, words, tmp_path).content.decode()
+    for saved in (draft.encode("utf-16"), draft.replace("\n", "\r\n").encode("utf-8-sig")):
+        (tmp_path / NAME).write_bytes(saved)
+        assert judgement(results, words, tmp_path).edited is None
+
+
+@pytest.mark.parametrize("content", [b"PK\x03\x04\x00\x00", b"\xff\xfe\x00", b"\x81\x8d"])
+def test_what_is_no_text_is_told_before_any_analysis(project, capsys, monkeypatch, content):
+    monkeypatch.setattr("assessment.workflow.run", lambda *_: pytest.fail("an analysis ran"))
+    path = project / "output" / NAME
+    path.parent.mkdir()
+    path.write_bytes(content)
+    assert main(["run", str(project)]) == 2
+    assert capsys.readouterr().err == (
+        f"error: {path}: not readable as text; save it as UTF-8, or delete it to have a new draft\n"
+    )
+    assert path.read_bytes() == content
 
 
 def test_markdown_of_a_judgement():

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from assessment.figures import write_figures
 from assessment.judgement import draft_judgement
 from assessment.pool import Pool
-from assessment.report import APT_COMMAND, CHAPTERS, render_html, write_page, write_pdf
+from assessment.printing import APT_COMMAND, COMMANDS
+from assessment.report import CHAPTERS, render_html, write_page, write_pdf
 from assessment.words import LANGUAGES, words_of
 from tests.results_example import SETTLED, results_example
 
@@ -272,10 +273,11 @@ def test_judgement_does_not_hide_poor_certificates_or_a_poor_hand_check():
     assert "must be explained" in text
 
 
-def test_without_system_libraries_the_html_is_written_and_the_command_given(tmp_path, monkeypatch):
+def test_without_system_libraries_the_html_is_written_and_the_command_given(tmp_path, monkeypatch, capsys):
     class Broken:
         def find_spec(self, name, path=None, target=None):
             if name.partition(".")[0] == "weasyprint":
+                print("WeasyPrint could not import some external libraries.")  # as it does
                 raise OSError("cannot load library 'libpango-1.0-0': not found")
 
     for name in [name for name in sys.modules if name.partition(".")[0] == "weasyprint"]:
@@ -283,9 +285,13 @@ def test_without_system_libraries_the_html_is_written_and_the_command_given(tmp_
     monkeypatch.setattr(sys, "meta_path", [Broken(), *sys.meta_path])
     results = results_example("en")
     only_the_model(results)
-    [warning] = write_pdf(results, tmp_path)
-    assert APT_COMMAND in warning
-    assert "libpango-1.0-0" in warning
+    for system, command in {"Linux": APT_COMMAND, **COMMANDS}.items():
+        monkeypatch.setattr("platform.system", lambda system=system: system)
+        [warning] = write_pdf(results, tmp_path)
+        assert command in warning
+        assert "(cannot load library 'libpango-1.0-0': not found)" in warning
+        assert "print report.html from a browser" in warning
+    assert capsys.readouterr().out == ""
     assert not list(tmp_path.iterdir())
 
 

@@ -197,24 +197,21 @@ def test_a_report_of_other_results_does_not_stay(project):
 
 
 def test_a_pdf_that_could_not_be_made_is_made_once_its_libraries_are_there(project, capsys, monkeypatch):
-    monkeypatch.setattr("assessment.earlier.printable", lambda: False)
-    monkeypatch.setattr("assessment.output.printable", lambda: False)
-    monkeypatch.delitem(sys.modules, "weasyprint")
-    with monkeypatch.context() as patch:
-        patch.setattr("builtins.__import__", _without_pango)
-        assert main(["run", str(project), "--fresh", "--jobs", "1"]) == 0
-    assert "report.pdf" in capsys.readouterr().out
-    assert not (project / "output" / "report.pdf").exists()
-    before = state(project)
-    assert main(["run", str(project)]) == 0
-    assert state(project) == before
-    assert "report.pdf" in capsys.readouterr().out, "the warning is told again"
-
-
-def _without_pango(name, *rest, find=__import__):
-    if name == "weasyprint":
+    def lacking():
         raise OSError("cannot load library 'libpango-1.0-0'")
-    return find(name, *rest)
+
+    with monkeypatch.context() as patch:
+        for place in ("printing", "report"):
+            patch.setattr(f"assessment.{place}.load_weasyprint", lacking)
+        assert main(["run", str(project), "--fresh"]) == 0
+        assert "report.pdf" in capsys.readouterr().out
+        assert not (project / "output" / "report.pdf").exists()
+        before = state(project)
+        assert main(["run", str(project)]) == 0
+        assert state(project) == before
+        assert "report.pdf" in capsys.readouterr().out, "the warning is told again"
+    assert main(["run", str(project)]) == 0
+    assert (project / "output" / "report.pdf").exists()
 
 
 def test_results_changed_by_hand_are_told_in_the_report(project, capsys):
