@@ -14,6 +14,8 @@ from collections.abc import Collection, Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from assessment.messages import ProjectError
+
 SCRATCH = ".assesto-"  # folders where files are made before they take their place
 LAST = "results.json"  # where it is new, all is; while others are moved it is away
 OWN = frozenset({"figures", "tables", ".stages"})  # folders that may be within one that is exchanged
@@ -29,8 +31,8 @@ def clear(folder: Path) -> None:
 def put_in_place(new: Path, folder: Path, made: Collection[str], gone: Collection[str]) -> None:
     """Put files made in `new`, a folder within `folder`, in the place of those `gone`; all else in `folder` stays.
 
-    Names are relative, with slashes. In `new` is left what goes. Raises OSError that names the file which cannot be
-    replaced (on Windows one that is open elsewhere); then nothing was changed.
+    Names are relative, with slashes. In `new` is left what goes. Raises ProjectError that names a file which cannot be
+    replaced (on Windows one that is open elsewhere), OSError of another kind; then nothing was changed.
     """
     for name in made:
         _flush(new / name)
@@ -39,7 +41,13 @@ def put_in_place(new: Path, folder: Path, made: Collection[str], gone: Collectio
     except OSError:
         old = [name for name in {*gone, *made} if (folder / name).exists()]
         away = [(folder / name, new / ".old" / name) for name in sorted(old, key=LAST.__ne__)]
-        _move([*away, *((new / name, folder / name) for name in sorted(made, key=LAST.__eq__))])
+        try:
+            _move([*away, *((new / name, folder / name) for name in sorted(made, key=LAST.__eq__))])
+        except PermissionError as error:
+            raise ProjectError(
+                f"{error.filename}: cannot be replaced ({error.strerror}); close it where it is open and run again: "
+                "nothing of the earlier result was changed, finished analyses are kept"
+            ) from error
 
 
 def _exchange(new: Path, folder: Path, ours: Collection[str]) -> None:

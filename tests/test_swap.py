@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from assessment import swap
+from assessment.messages import ProjectError
 from assessment.swap import clear, put_in_place
 from tests.block_project import contents
 
@@ -96,7 +97,7 @@ def test_where_one_file_cannot_be_moved_those_before_it_are_moved_back(folder, m
         return replace(path, target)
 
     monkeypatch.setattr(Path, "replace", fails_once)
-    with pytest.raises(PermissionError):
+    with pytest.raises(ProjectError):
         put(folder)
     assert texts(folder) == BEFORE
 
@@ -112,9 +113,11 @@ def test_a_file_that_is_open_elsewhere_is_named(folder, monkeypatch):
         return replace(path, target)
 
     monkeypatch.setattr(Path, "replace", held)
-    with pytest.raises(PermissionError) as caught:
+    with pytest.raises(ProjectError) as caught:
         put(folder)
-    assert caught.value.filename == str(folder / "report.pdf")
+    assert str(caught.value).startswith(
+        f"{folder / 'report.pdf'}: cannot be replaced (used by another process); close"
+    )
 
 
 def test_while_files_are_moved_no_results_are_there(folder, monkeypatch):
