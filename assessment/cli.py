@@ -44,9 +44,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             tell(f"error: {line}")
         return WRONG_INPUT
     except (RuntimeError, MemoryError) as error:
-        if (cause := _incomplete(error)) is None:
+        if (cause := _incomplete(error, unchanged)) is None:
             raise
-        tell(f"error: {cause}; {unchanged}")
+        tell(f"error: {cause}")
         return INCOMPLETE
     except KeyboardInterrupt:
         if whole:
@@ -280,14 +280,16 @@ def _writable(folder: Path) -> Path:
     return folder
 
 
-def _incomplete(error: RuntimeError | MemoryError) -> str | None:
-    """Return what kept an analysis from being completed; None where the error is a bug."""
+def _incomplete(error: RuntimeError | MemoryError, unchanged: str) -> str | None:
+    """Return what kept an analysis from being completed, and what is left; None where the error is a bug."""
     from assessment.pool import KilledError
     from mechanics import ConvergenceError
 
-    if isinstance(error, MemoryError):
-        return "memory ran out"
-    return str(error) if isinstance(error, ConvergenceError | KilledError) else None
+    if isinstance(error, ConvergenceError):
+        return f"{error}; nothing was written"
+    if isinstance(error, KilledError | MemoryError):
+        return f"{'memory ran out' if isinstance(error, MemoryError) else error}; {unchanged}"
+    return None
 
 
 def _is_input_error(error: ValueError | OSError) -> bool:

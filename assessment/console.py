@@ -8,6 +8,7 @@ import errno
 import os
 import sys
 import unicodedata
+from contextlib import suppress
 from typing import TextIO
 
 SPELT = {
@@ -48,17 +49,15 @@ def say(text: str = "", end: str = "\n") -> None:
     try:
         print(text, end=end, flush=True)
     except OSError as error:
-        _close(sys.stdout)
+        sys.stdout = _nowhere()
         if not isinstance(error, BrokenPipeError) and error.errno != errno.EINVAL:  # as Windows calls it
             raise OSError(error.errno, error.strerror, "standard output") from None
 
 
 def tell(text: str) -> None:
     """Print a text to standard error, if anybody listens."""
-    try:
+    with suppress(OSError):
         print(text, file=sys.stderr, flush=True)
-    except OSError:
-        _close(sys.stderr)
 
 
 def _finish() -> None:
@@ -67,12 +66,6 @@ def _finish() -> None:
         say(end="")
     except OSError as error:
         tell(f"error: {error.filename}: {error.strerror}")
-
-
-def _close(stream: TextIO) -> None:
-    """Let what is written to a stream from now on, and what could not be, go nowhere."""
-    with open(os.devnull, "wb") as nowhere:  # noqa: PTH123
-        os.dup2(nowhere.fileno(), stream.fileno())
 
 
 def _nowhere() -> TextIO:

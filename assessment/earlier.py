@@ -101,7 +101,10 @@ class Earlier:
 def recall(folder: Path) -> Earlier | None:
     """Return what the last run left in an output folder; None where that is not known."""
     text = Store(folder / FOLDER).read(ENTRY)
-    return Earlier(**json.loads(text)) if text else None
+    try:
+        return Earlier(**json.loads(text)) if text else None
+    except TypeError:  # another version kept something else
+        return None
 
 
 def remember(folder: Path, outcome: Outcome, keys: Keys, parts: Collection[str], warnings: list[str]) -> None:

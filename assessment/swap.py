@@ -53,11 +53,11 @@ def put_in_place(new: Path, folder: Path, made: Collection[str], gone: Collectio
 def _exchange(new: Path, folder: Path, ours: Collection[str]) -> None:
     """Exchange the two folders, what others have in the old one linked into the new one as well.
 
-    Raises OSError where that cannot be done: by the system, on this disk, with folders of others within, or because the
-    command was given in the folder, where the shell would be left in one that is gone.
+    Raises OSError where that cannot be done: by the system, on this disk, with folders of others within; or should not,
+    because somebody is at work in the folder: the command was given there, or it holds the project.
     """
-    if Path.cwd().is_relative_to(folder):
-        raise OSError(errno.EBUSY, "is where the command was given", str(folder))
+    if Path.cwd().is_relative_to(folder) or any(folder.glob("project.*")):
+        raise OSError(errno.EBUSY, "is somebody's place of work", str(folder))
     for name in _others(folder, ours):
         if not (new / name).exists():
             (new / name).parent.mkdir(exist_ok=True)

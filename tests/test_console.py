@@ -66,6 +66,14 @@ def test_a_closed_stream_ends_no_run(project, closed):
     json.loads(stored.read_text(encoding="utf-8"))
 
 
+@pytest.mark.skipif(os.name != "posix", reason="closes the numbers of the streams")
+def test_no_file_gets_the_number_of_a_stream():
+    """What libraries print to it would go into that file."""
+    code = "import os, sys; from assessment.console import prepare; prepare(); sys.exit(open(os.devnull).fileno())"
+    command = ["sh", "-c", 'exec "$0" -c "$1" 0>&- 1>&- 2>&-', sys.executable, code]
+    assert subprocess.run(command, cwd=ROOT, check=False).returncode > 2
+
+
 def gone() -> int:
     """A pipe whose reader has gone away."""
     reading, writing = os.pipe()
@@ -97,3 +105,4 @@ def test_a_full_disk_behind_standard_output_is_told():
         done = start("schema", stdout=full)
     assert done.returncode == 2
     assert done.stderr.startswith(b"error: standard output: No space left on device")
+    assert done.stderr.count(b"\n") == 1

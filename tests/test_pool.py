@@ -7,7 +7,7 @@ import multiprocessing
 import os
 import signal
 import time
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, wait
 
 import pytest
 
@@ -78,8 +78,10 @@ def test_a_killed_process_is_told_and_what_the_others_have_finished_is_kept():
     with pytest.raises(KilledError, match="ended from outside"), Pool(2) as pool:
         done = pool.submit(slept, 0.0)
         result_of(done)
+        dead = pool.submit(killed)
+        wait([dead])
         seen = []
-        for key, _ in finished({pool.submit(killed): "killed", done: "done"}):
+        for key, _ in finished({dead: "killed", done: "done"}):
             seen.append(key)
     assert seen == ["done"]
     assert not multiprocessing.active_children()

@@ -15,7 +15,7 @@ from assessment import figures, output, workflow
 from assessment.cli import main
 from assessment.earlier import ENTRY, forget
 from assessment.judgement_file import NAME
-from assessment.store import FOLDER
+from assessment.store import FOLDER, Store
 from tests.block_project import PROJECT, command, edit, read_results, timeless, write_block
 from tests.every_stage import REPORT
 
@@ -214,6 +214,15 @@ def test_a_pdf_that_could_not_be_made_is_made_once_its_libraries_are_there(proje
     assert (project / "output" / "report.pdf").exists()
 
 
+def test_a_title_page_that_was_taken_back_is_printed_again(project):
+    """After a report of stored results, which are of the project as it was before."""
+    edit(project, '"Parish"', '"Diocese"')
+    assert main(["report", str(project)]) == 0
+    edit(project, '"Diocese"', '"Parish"')
+    assert main(["run", str(project)]) == 0
+    assert "Diocese" not in (project / "output" / "report.html").read_text(encoding="utf-8")
+
+
 def test_results_changed_by_hand_are_told_in_the_report(project, capsys):
     stored = project / "output" / "results.json"
     content = read_results(project / "output")
@@ -266,6 +275,13 @@ def _damage(content, chance):
         del node[key]
     else:
         node[key] = chance.choice([None, "text", [], {}, -1, 1e300, True, [None], {"a": 1}])
+
+
+def test_what_another_version_kept_is_not_understood_and_not_minded(project, capsys):
+    Store(project / "output" / FOLDER).keep(ENTRY, '{"something": "else"}')
+    capsys.readouterr()
+    assert main(["run", str(project), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["analyses"] == {"computed": 0, "taken_over": 4}
 
 
 def test_forgetting_costs_no_analysis(project, capsys):

@@ -158,6 +158,15 @@ def test_the_folder_of_the_command_is_not_exchanged(folder, monkeypatch):
     assert texts(folder) == AFTER
 
 
+def test_the_folder_of_a_project_is_not_exchanged(folder):
+    """Editors and shells are at work there."""
+    (folder / "project.toml").touch()
+    before = folder.stat().st_ino
+    put(folder)
+    assert folder.stat().st_ino == before
+    assert AFTER.items() <= texts(folder).items()
+
+
 @pytest.mark.usefixtures("way")
 def test_a_link_to_the_folder_stays_one(folder, tmp_path):
     (tmp_path / "link").symlink_to(folder)
