@@ -11,12 +11,14 @@ import numpy as np
 
 from assessment.messages import ProjectError
 from mechanics.block import Array
+from mechanics.faults import visible
 from mechanics.ground_motion import SAME_TIME, Record, read_record
 
 if TYPE_CHECKING:
     from assessment.project import Project
     from assessment.project_schema import HistoryTable, MotionTable
 
+MOST_SAMPLES = 200_000  # of a motion: a hundred seconds at half a millisecond
 WHOLE = 1e-3  # of the peak acceleration: a window that loses no more of it holds the strong motion
 
 
@@ -77,12 +79,16 @@ def _motion(
         text = 'rigid contacts have no stiffness to damp; leave it out or write contacts = "elastic"'
         raise ProjectError(f"{project.source}: {key}.damping_ratio: {text}")
     scale = history.scale if history else 1.0
-    original = read_record(path, table.time_step_s).scaled(scale)
-    if history and history.name:
-        original = replace(original, name=history.name)
+    record = read_record(path, table.time_step_s).scaled(scale)
+    original = replace(record, name=history.name if history and history.name else visible(record.name))
     try:
         window = original.arias_window() if table.window_s == "arias" else table.window_s
         cut = original.windowed(*window) if window else original
+        if table.time_step_s and cut.duration > MOST_SAMPLES * table.time_step_s:
+            raise ValueError(
+                f"time_step_s = {table.time_step_s:g} makes more than {MOST_SAMPLES} samples of {cut.duration:g} s; "
+                "write a longer one, or a window_s"
+            )
         record = cut.resampled(table.time_step_s or cut.time_step)
     except ValueError as error:
         raise ProjectError(f"{project.source}: {key}: {path.name}: {error}") from None

@@ -30,6 +30,7 @@ STYLE = {
     "svg.fonttype": "none",  # words stay words: searchable, and ten times faster to set in the PDF
     "svg.hashsalt": "assesto",
     "mathtext.fontset": "dejavusans",
+    "text.parse_math": False,  # the dollar of a name is a dollar; what is a formula says so
     "axes.linewidth": 0.6,
     "axes.spines.top": False,
     "axes.spines.right": False,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from assessment.table import CHECKS, Results, Row, Table, decisive, reduction
+from assessment.table import CHECKS, Results, Row, Table, reduction
 
 VERIFICATION: tuple[str, ...] = (
     "d_star_m",
@@ -93,17 +93,6 @@ def verification(results: Results) -> Table:
     if all(row.get("return_period_years") is None for row in rows):  # no hazard curve to read it from
         columns = tuple(column for column in VERIFICATION if column != "return_period_years")
     return Table("verification", rows, ("state", "direction", "limit_state", *columns))
-
-
-def decisive_checks(results: Results) -> list[Row]:
-    """Return the rows of `verification` that have a number and decide."""
-    found = {
-        (name, direction, limit)
-        for name, direction, capacity in capacities(results)
-        for limit in decisive(capacity)
-    }
-    rows = verification(results).rows
-    return [row for row in rows if (row["state"], row["direction"], row["limit_state"]) in found]
 
 
 def mechanism_text(mechanism: Mapping[str, int]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from assessment.idealisation import CapacityError, Curve, CurveFit, fit_curve
 from assessment.macro_blocks import chosen_mechanisms
 from assessment.project_schema import ORIGINAL
 from assessment.spectrum import Spectrum
-from assessment.table import decisive
+from assessment.table import indices, ratios, sense
 from assessment.trace import numbers
 from assessment.verification import Check, Method, verify
 
@@ -42,9 +42,11 @@ def assess(
             warnings.append(f"{direction}: no capacity without the rigid pushover curve")
             continue
         try:
-            part = mechanism_participation(model, np.array(rigid["mechanism"]["displacements"]))
-            elastic = curves.get("elastic")
-            fit = fit_curve(assessment.model, rigid_branch(rigid), _elastic_branch(elastic))
+            mechanism, elastic = rigid["mechanism"], curves.get("elastic")
+            virtual = np.array(mechanism["displacements"])
+            part = mechanism_participation(model, virtual, mechanism["control_displacement_x"])
+            branch = None if elastic is None else along_push(elastic["curve"], direction)
+            fit = fit_curve(assessment.model, rigid_branch(rigid, direction), branch)
             capacity = capacity_curve(fit, part.e_star, part.gamma_star, assessment.confidence_factor)
             checks = verify(capacity, demands, method_of(project, hazard))
         except CapacityError as refusal:
@@ -54,19 +56,23 @@ def assess(
             elastic |= {"alpha_y": fit.alpha_y, "d_y_m": fit.d_y}
         said = dict.fromkeys(note for check in checks.values() for note in check.notes)
         warnings += [f"{direction}: {note}" for note in said]
-        found[direction] = _numbers(rigid["mechanism"], part, fit, capacity, checks)
+        found[direction] = _numbers(mechanism, part, fit, capacity, checks)
     return found
 
 
-def rigid_branch(rigid: Mapping[str, Any]) -> Curve:
-    """The rigid curve from its peak on, over growing displacements.
+def along_push(curve: Mapping[str, Any], direction: str) -> Curve:
+    """A curve of the results over displacements (m) counted along the push."""
+    return sense(direction) * np.array(curve["displacement_m"]), np.array(curve["multiplier"])
+
+
+def rigid_branch(rigid: Mapping[str, Any], direction: str) -> Curve:
+    """The rigid curve from its peak on, over growing displacements along the push.
 
     Where equilibrium is lost before α = 0 the capacity falls to nothing there: the branch ends with a vertical drop,
     and d_0 is that displacement.
     """
-    d = np.array(rigid["curve"]["displacement_m"])
-    alpha = np.array(rigid["curve"]["multiplier"])
-    peak = int(np.argmax(alpha))
+    d, alpha = map(np.asarray, along_push(rigid["curve"], direction))
+    peak = int(np.argmax(alpha >= rigid["alpha_0"]))
     d, alpha = d[peak:], alpha[peak:]
     grows = np.concatenate([[True], d[1:] > np.maximum.accumulate(d)[:-1]])
     d, alpha = d[grows], alpha[grows]
@@ -93,16 +99,29 @@ def method_of(project: Project, hazard: HazardCurve | None) -> Method:
 
 
 def governing(capacities: Mapping[str, Mapping[str, Any]]) -> dict[str, Any] | None:
-    """Return direction, limit state and ζ_E of the least check of a state; None where no check has a number."""
+    """Return direction, limit state and ratio of the least check of a state; None where no check has a number."""
+    return _least(capacities, ratios, "ratio")
+
+
+def safety_index(capacities: Mapping[str, Mapping[str, Any]]) -> dict[str, Any] | None:
+    """Return direction, limit state and ζ_E of a state: the least ratio at SLV and SLC (NTC 2018, §8.3)."""
+    return _least(capacities, indices, "zeta_E")
+
+
+def _least(
+    capacities: Mapping[str, Mapping[str, Any]],
+    of: Callable[[Mapping[str, Any]], Mapping[str, float]],
+    called: str,
+) -> dict[str, Any] | None:
     found = [
-        (zeta, direction, name)
+        (value, direction, name)
         for direction, capacity in capacities.items()
-        for name, zeta in decisive(capacity).items()
+        for name, value in of(capacity).items()
     ]
     if not found:
         return None
-    zeta, direction, name = min(found)
-    return {"direction": direction, "limit_state": name, "zeta_E": zeta}
+    value, direction, name = min(found)
+    return {"direction": direction, "limit_state": name, called: value}
 
 
 def assess_chosen(
@@ -126,17 +145,13 @@ def assess_chosen(
                 raise MechanismError("its state was not reached")
             answer |= evaluate(model, positions, chosen, factor, demands, method)
             rigid = (state["pushover"].get(answer["direction"]) or {}).get("rigid")
-            answer = compared(answer, rigid["alpha_onset"] if rigid else None)
+            answer = compared(answer, *(rigid[key] if rigid else None for key in ("alpha_0", "alpha_onset")))
             warnings += [f'mechanism "{chosen.name}": {note}' for note in answer["notes"]]
         except MechanismError as refusal:
             answer["refused"] = str(refusal)
             warnings.append(f'mechanism "{chosen.name}": refused: {refusal}')
         found.append(answer)
     return found
-
-
-def _elastic_branch(elastic: Mapping[str, Any] | None) -> Curve | None:
-    return None if elastic is None else (elastic["curve"]["displacement_m"], elastic["curve"]["multiplier"])
 
 
 def _numbers(

@@ -5,22 +5,46 @@ from __future__ import annotations
 import argparse
 import gc
 import json
+import logging
 import os
+import re
 import sys
+import warnings
+from functools import partial
+from opcode import opmap
 from pathlib import Path
-from traceback import walk_tb
 from typing import TYPE_CHECKING
 
-from assessment.console import prepare, say, tell
+from assessment.console import prepare, say, tell, visible
 from assessment.interruption import leave, watch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from typing import NoReturn
+    from typing import Any, NoReturn
 
 DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
 BENCHMARKS = ("statics", "dynamics", "dissipation", "collapse", "steps", "growth", "walls", "chain", "skips")
 TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
+STAGES = ("pushdown", "pushover", "history", "incremental", "assessment", "scenarios", "sensitivity")
+EXAMPLES = {  # what the help of each command ends with; "": of all of them
+    "": ("assesto new arch --template buttressed-arch", "assesto run arch"),
+    "run": ("assesto run arch", "assesto run arch --only pushdown,pushover --out trial"),
+    "check": ("assesto check arch", "assesto check arch --out trial"),
+    "new": (
+        "assesto new arch --template buttressed-arch",
+        "assesto new wall --template wall --set height_m=4.2",
+    ),
+    "convert": ("assesto convert arch", "assesto convert ../survey/arch"),
+    "schema": ("assesto schema", "assesto schema > project.schema.json"),
+    "report": ("assesto report arch", "assesto report arch --out trial"),
+    "benchmark": ("assesto benchmark --quick", "assesto benchmark statics steps --out measured"),
+}
+COMMANDS = tuple(EXAMPLES)[1:]
+EXIT_CODES = f"""exit codes:
+  {DONE}  done
+  {WRONG_INPUT}  the input is wrong: nothing was overwritten
+  {INCOMPLETE}  an analysis could not be completed, or the run was interrupted: what is finished is kept"""
+RAISE = opmap["RAISE_VARARGS"]  # the instruction of a raise statement
 NEW_OBJECTS = 50_000  # between two looks for garbage: with Python's 700 the PDF takes a third longer
 
 
@@ -29,19 +53,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     whole = arguments is None  # the process is this command
     if whole:
         prepare()
-    options = _parser().parse_args(arguments)
+    try:
+        options = _options(sys.argv[1:] if arguments is None else arguments)
+    except ValueError as error:
+        tell(f"error: {error}")
+        return WRONG_INPUT
     kept = "; finished analyses are kept: run again to go on" if options.command is _run else ""
     unchanged = f"nothing of an earlier result was changed{kept}"
     if whole:
         watch(f"interrupted: {unchanged}", INCOMPLETE)
         gc.set_threshold(NEW_OBJECTS)  # the processes of a run inherit it
+        _silence_libraries()
     try:
         code: int = options.command(options)
     except (ValueError, OSError) as error:
         if not _is_input_error(error):
             raise
-        for line in _message(error).splitlines():
-            tell(f"error: {line}")
+        _tell(error)
+        if options.command is _run and getattr(error, "outlines", None):
+            tell("assesto check draws model.svg with the faults marked")
         return WRONG_INPUT
     except (RuntimeError, MemoryError) as error:
         if (cause := _incomplete(error, unchanged)) is None:
@@ -56,20 +86,67 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code
 
 
+def _options(arguments: Sequence[str]) -> argparse.Namespace:
+    """Return the options of a command.
+
+    Raises ValueError, with the nearest name that there is, for a command or an option that there is not.
+    """
+    name = next((text for text in arguments if not text.startswith("-")), None)
+    if name is not None and name not in COMMANDS:
+        raise ValueError(f"assesto {name}: no such command; {_nearest(name, COMMANDS)}")
+    options, unknown = _parser().parse_known_args(arguments)
+    if unknown:
+        wrong = unknown[0].partition("=")[0]
+        known = re.findall(r"--[a-z-]+", options.parser.format_usage())
+        if wrong.startswith("-"):
+            raise ValueError(f"assesto {name}: {wrong}: no such option; {_nearest(wrong, known)}")
+        raise ValueError(f"assesto {name}: {wrong}: one argument too many; see assesto {name} --help")
+    return options
+
+
+def _nearest(name: str, valid: Sequence[str]) -> str:
+    from assessment.messages import nearest  # late: it takes as long to import as all of --help
+
+    return nearest(name, valid)
+
+
+def _silence_libraries() -> None:
+    """Keep what libraries warn of and log, with the user's names in it, off the terminal, of other processes too."""
+    logging.getLogger().addHandler(logging.NullHandler())
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")
+        os.environ.setdefault("PYTHONWARNINGS", "ignore")
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that shows arguments as they are and does nothing else with them."""
+
+    def error(self, message: str) -> NoReturn:
+        super().error(visible(message))
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="assesto",
         description="Seismic capacity of dry-joint masonry before and after foundation settlements.",
+        **_end(""),
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and stop")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="name")
 
-    run = commands.add_parser("run", help="run every stage the project asks for and write its report")
+    run = commands.add_parser(
+        "run", help="run every stage the project asks for and write its report", **_end("run")
+    )
     _add_project(run)
     run.add_argument(
         "--out", type=_folder, metavar="DIR", help="folder of the results (default: PROJECT/output)"
     )
-    run.add_argument("--only", type=lambda text: text.split(","), metavar="STAGE,…", help="only these stages")
+    run.add_argument(
+        "--only",
+        type=lambda text: text.split(","),
+        metavar="STAGE,…",
+        help=f"only these stages, with what they need: {', '.join(STAGES)}",
+    )
     run.add_argument(
         "--jobs", type=_jobs, default=0, metavar="N", help="processes (default: as many as help)"
     )
@@ -80,14 +157,16 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--json", action="store_true", help="print the summary as JSON")
     run.set_defaults(command=_run)
 
-    check = commands.add_parser("check", help="read and validate everything, draw the model; no analysis")
+    check = commands.add_parser(
+        "check", help="read and validate everything, draw the model; no analysis", **_end("check")
+    )
     _add_project(check)
     check.add_argument(
         "--out", type=_folder, metavar="DIR", help="folder of model.svg (default: PROJECT/output)"
     )
     check.set_defaults(command=_check)
 
-    new = commands.add_parser("new", help="make a new project folder from a template")
+    new = commands.add_parser("new", help="make a new project folder from a template", **_end("new"))
     new.add_argument("folder", type=_folder, metavar="DIR", nargs="?", help="the folder to make")
     new.add_argument("--template", metavar="NAME", help=", ".join(TEMPLATES))
     new.add_argument(
@@ -99,21 +178,29 @@ def _parser() -> argparse.ArgumentParser:
     )
     new.set_defaults(command=_new)
 
-    convert = commands.add_parser("convert", help="turn project.toml into project.xlsx, or back")
+    convert = commands.add_parser(
+        "convert", help="turn project.toml into project.xlsx, or back", **_end("convert")
+    )
     _add_project(convert)
     convert.set_defaults(command=_convert)
 
-    schema = commands.add_parser("schema", help="print the JSON schema of project.toml, for editors")
+    schema = commands.add_parser(
+        "schema", help="print the JSON schema of project.toml, for editors", **_end("schema")
+    )
     schema.set_defaults(command=_schema)
 
-    report = commands.add_parser("report", help="render the report again from stored results")
+    report = commands.add_parser(
+        "report", help="render the report again from stored results", **_end("report")
+    )
     _add_project(report)
     report.add_argument(
         "--out", type=_folder, metavar="DIR", help="folder of the results (default: PROJECT/output)"
     )
     report.set_defaults(command=_report)
 
-    benchmark = commands.add_parser("benchmark", help="measure run time against error on this machine")
+    benchmark = commands.add_parser(
+        "benchmark", help="measure run time against error on this machine", **_end("benchmark")
+    )
     benchmark.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(BENCHMARKS)} (default: all)")
     benchmark.add_argument("--quick", action="store_true", help="fewer and smaller cases: a minute or so")
     benchmark.add_argument(
@@ -124,7 +211,18 @@ def _parser() -> argparse.ArgumentParser:
         help="folder of tables, plots and summary.md (default: benchmark)",
     )
     benchmark.set_defaults(command=_benchmark)
+    for command in commands.choices.values():
+        command.set_defaults(parser=command)
     return parser
+
+
+def _end(command: str) -> dict[str, Any]:
+    """How the help of a command ends: two examples and the exit codes."""
+    shown = "\n".join(f"  {example}" for example in EXAMPLES[command])
+    return {
+        "epilog": f"examples:\n{shown}\n\n{EXIT_CODES}",
+        "formatter_class": argparse.RawDescriptionHelpFormatter,
+    }
 
 
 class _Version(argparse.Action):
@@ -177,24 +275,39 @@ def _run(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     from assessment.canvas import save_svg
+    from assessment.demand import demand_spectra
     from assessment.description import describe
     from assessment.dynamic_stages import read_motions
+    from assessment.fault_drawing import draw_faults
     from assessment.model import build_model
     from assessment.model_drawing import draw_model
+    from assessment.plausibility import implausible_hazard
     from assessment.project import load_project
     from assessment.stages import stand
     from assessment.terminal import model_summary, told
-    from assessment.words import words_of
+    from assessment.words import Words, words_of
+    from mechanics.faults import FaultyDrawingError
 
     project = load_project(options.project)
     folder = _writable(options.out or project.folder / "output")
-    model = build_model(project)
+    drawing = folder / "model.svg"
+    try:
+        model = build_model(project)
+    except FaultyDrawingError as faulty:
+        _tell(faulty)
+        if faulty.outlines:
+            save_svg(partial(draw_faults, faulty, Words.of(project.report.language)), drawing)
+            tell(f"drawing with the faults marked: {drawing}")
+        return WRONG_INPUT
     results = describe(project, model)
-    results["model"]["warnings"] += read_motions(project).notes
+    motions = read_motions(project)
+    results["model"]["warnings"] += motions.notes
+    if project.assessment:
+        demands, _ = demand_spectra(project, motions.history)  # refused here if a run would refuse it
+        results["model"]["warnings"] += implausible_hazard(project, demands)
     if unstable := stand(model.assembly):
         results["model"]["self_weight_stable"] = False
         results["model"]["warnings"].append(unstable)
-    drawing = folder / "model.svg"
     save_svg(lambda: draw_model(results, words_of(results)), drawing)
     say(model_summary(results))
     say(f"drawing of the model: {drawing}")
@@ -295,16 +408,27 @@ def _incomplete(error: RuntimeError | MemoryError, unchanged: str) -> str | None
 def _is_input_error(error: ValueError | OSError) -> bool:
     """Whether an exception is the user's to mend: those that name what is wrong; any other one is a bug.
 
-    A plain ValueError names it where our own code raised it; one out of a library is a bug of ours.
+    A plain ValueError names it where a `raise` of our own code made it; one out of a library, or out of Python itself
+    (int of a NaN), is a bug of ours.
     """
     from assessment.messages import ProjectError
     from mechanics import DrawingError
 
     if isinstance(error, ProjectError | DrawingError | OSError):
         return True
-    *_, (frame, _) = walk_tb(error.__traceback__)
-    package = frame.f_globals["__name__"].partition(".")[0]
-    return type(error) is ValueError and package in {"assessment", "mechanics", "__main__"}
+    last = error.__traceback__
+    while last and last.tb_next:
+        last = last.tb_next
+    if type(error) is not ValueError or last is None:
+        return False
+    package = last.tb_frame.f_globals["__name__"].partition(".")[0]
+    ours = package in {"assessment", "mechanics", "__main__"}
+    return ours and last.tb_frame.f_code.co_code[last.tb_lasti] == RAISE
+
+
+def _tell(error: ValueError | OSError) -> None:
+    for line in _message(error).split("\n"):
+        tell(f"error: {line}")
 
 
 def _message(error: ValueError | OSError) -> str:

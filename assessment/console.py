@@ -42,22 +42,30 @@ def prepare() -> None:
 
 
 def say(text: str = "", end: str = "\n") -> None:
-    """Print a text; a reader that has gone away, `head` for one, has seen enough.
+    """Print a text, its lines as they are shown; a reader that has gone away, `head` for one, has seen enough.
 
     Raises OSError that names standard output where it cannot be written for another reason.
     """
     try:
-        print(text, end=end, flush=True)
+        print("\n".join(map(visible, text.split("\n"))), end=end, flush=True)
     except OSError as error:
         sys.stdout = _nowhere()
         if not isinstance(error, BrokenPipeError) and error.errno != errno.EINVAL:  # as Windows calls it
             raise OSError(error.errno, error.strerror, "standard output") from None
 
 
-def tell(text: str) -> None:
-    """Print a text to standard error, if anybody listens."""
+def tell(line: str) -> None:
+    """Print a line to standard error, if anybody listens."""
     with suppress(OSError):
-        print(text, file=sys.stderr, flush=True)
+        print(visible(line), file=sys.stderr, flush=True)
+
+
+def visible(line: str) -> str:
+    """Return a line of unknown origin as a terminal shows it, and does nothing else: control characters as escapes.
+
+    `mechanics.faults` has the same for messages; to import it takes longer than a run in which nothing has changed.
+    """
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in line)
 
 
 def _finish() -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from assessment.floor import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
 from assessment.hazard import HazardCurve, return_period, return_period_steps, site_curve
+from assessment.hazard_files import HazardError
 from assessment.messages import ProjectError
 from assessment.rules import ACTIVATION_DAMPING, RULES
 from assessment.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
@@ -27,9 +28,9 @@ def demand_spectra(
 ) -> tuple[dict[str, Spectrum], HazardCurve | None]:
     """The demand spectrum of each limit state, and the site's hazard curve where a grid gives it.
 
-    XX
-        every limit state. Raises ProjectError for a site that the grid does not hold, and for a record that is to be
-        followed along a grid.
+    `shaking`: the base motions of [[history]]; with spectrum = "record" the first one's own spectrum is the demand at
+    every limit state. Raises ProjectError for a site that the grid does not hold, and for a record that is to be
+    followed along a grid.
     """
     assessment = project.assessment
     assert assessment is not None
@@ -78,7 +79,7 @@ def _site_spectra(
 
 def _at_height(ground: ElasticSpectrum, assessment: AssessmentTable) -> Spectrum:
     floor = assessment.floor
-    if floor is None:
+    if floor is None or floor.height_m == 0.0:
         return ground
     first = first_mode(
         floor.period_s, floor.storeys, floor.height_m, floor.building_height_m, floor.damping_ratio
@@ -96,7 +97,7 @@ def _hazard_curve(project: Project, site: SiteTable) -> HazardCurve | None:
         return None
     try:
         return site_curve(project.path(site.grid), site.latitude, site.longitude)
-    except ValueError as error:
+    except HazardError as error:
         raise ProjectError(f"{project.source}: assessment.site: {error}") from None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import platform
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ from assessment.convergence import accuracy_of
 from assessment.fingerprint import installed
 from assessment.project_schema import ORIGINAL
 from mechanics.block import GRAVITY
+from mechanics.faults import visible
 
 if TYPE_CHECKING:
     from assessment.model import Model
@@ -37,7 +39,7 @@ def describe(project: Project, model: Model) -> Results:
     return {
         "assesto": installed("assesto"),
         "title": project.title,
-        "inputs": project.digests(),
+        "inputs": {visible(name): digest for name, digest in project.digests().items()},
         "model": {
             "blocks": len(a.blocks),
             "movable_blocks": int(a.movable.sum()),
@@ -48,7 +50,7 @@ def describe(project: Project, model: Model) -> Results:
             "warnings": list(model.warnings),
         },
         "geometry": _geometry(project, a),
-        "echo": project.content(),
+        "echo": _spelt(project.content()),
         "states": {
             name: {
                 "configuration": [[0.0, 0.0, 0.0]] * len(a.blocks),
@@ -72,6 +74,15 @@ def describe(project: Project, model: Model) -> Results:
             "packages": {name: installed(name) for name in PACKAGES},
         },
     }
+
+
+def _spelt(value: Any) -> Any:
+    """Return what the project file says with infinity as it is written there: JSON has none."""
+    if isinstance(value, dict):
+        return {key: _spelt(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_spelt(each) for each in value]
+    return "inf" if value == math.inf else value
 
 
 def _states(project: Project) -> Iterable[tuple[str, Results | None]]:

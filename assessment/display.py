@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from assessment.capacity_tables import directions
 from assessment.hazard_files import RETURN_PERIODS
-from assessment.table import Row, Table
+from assessment.table import INDEXED, Row, Table
 from assessment.words import Words, direction_name
 
 MILLIMETRES = {
@@ -96,6 +96,8 @@ def cell(column: str, row: Row, words: Words, significant: int = 3) -> Markup:
         return governing(str(value), words)
     if column == "return_period_years" and value is not None:
         return Markup.escape(_bounded(float(value), words))
+    if value == "inf" and column not in TEXT:  # an input: results have no infinity
+        return Markup("∞")
     if isinstance(value, float):
         factor = 1000.0 if column in MILLIMETRES else 100.0 if column in PERCENT else 1.0
         return Markup.escape(words.number(factor * value, significant))
@@ -167,7 +169,8 @@ def _again(row: Row) -> bool:
 
 def _summary_row(row: Row, names: list[str], words: Words) -> list[Markup]:
     quantity, limit = row["quantity"], row["limit_state"]
-    label = words(f"column.{quantity}")
+    indexed = quantity == "zeta_E" and limit.partition(" ")[0] in INDEXED
+    label = words("column.index" if indexed else f"column.{quantity}")
     if limit:
         label += Markup(" <span class='limit'>{}</span>").format(check_name(limit, words))
     cells = [label, _valued(quantity, row, "original", words)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -11,9 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 
-from assessment.canvas import MM, Sheet, nice, sheet
-from assessment.hand_check import BY_HAND, MacroBlock, macro_blocks, virtual_displacements
+from assessment.canvas import WIDTH_MM, Sheet, nice, sheet
+from assessment.hand_check import BY_HAND, MacroBlock, macro_blocks
 from assessment.outlines import Array, Outlines, field, outlines, place
+from assessment.table import sense
 from assessment.words import Words, direction_name
 
 Results = Mapping[str, Any]
@@ -71,7 +73,7 @@ def draw_overturned(results: Results, words: Words, states: Sequence[str], direc
 
 
 def draw_mechanisms(results: Results, words: Words, states: Sequence[str], direction: str) -> Figure:
-    """Draw the mechanism of each state on its own deformed shape, hinges and sliding joints marked."""
+    """Draw the mechanism of each state on its deformed shape at activation, hinges and sliding joints marked."""
     views = [found_mechanism(results, name, direction) for name in states]
     return _draw_mechanisms(words, views, direction)
 
@@ -80,7 +82,7 @@ def draw_chosen(results: Results, words: Words, given: Mapping[str, Any]) -> Fig
     """Draw a mechanism that the user chose; its centres of rotation are marked as hinges."""
     centres = [part["about_m"] for part in given["macro_blocks"]]
     mechanism = {**given, "hinge_points_m": centres}
-    view = Mechanism(results, given["state"], mechanism, given["direction"])
+    view = Mechanism(results, given["state"], mechanism, results["states"][given["state"]]["configuration"])
     return _draw_mechanisms(words, [view], given["direction"])
 
 
@@ -125,15 +127,17 @@ SLIDING: dict[str, Any] = {"color": INK, "linewidth": 2.4, "solid_capstyle": "bu
 
 def found_mechanism(results: Results, state: str, direction: str) -> Mechanism:
     """Return the rigid mechanism of a state in a direction, its macro-blocks numbered where they are printed."""
-    mechanism = results["states"][state]["pushover"][direction]["rigid"]["mechanism"]
+    rigid = results["states"][state]["pushover"][direction]["rigid"]
     parts = macro_blocks(results, state, direction)
-    return Mechanism(results, state, mechanism, direction, parts if len(parts) <= BY_HAND else ())
+    numbered = parts if len(parts) <= BY_HAND else ()
+    return Mechanism(results, state, rigid["mechanism"], rigid["mechanism_configuration"], numbered)
 
 
 class Mechanism:
     """A mechanism made visible: its displacements scaled to 8 % of the model's size.
 
-    `numbered`: the macro-blocks of the hand check, whose numbers are written into the drawing.
+    `configuration` (b, 3): where the blocks are as it begins to move, from the drawing; `numbered`: the macro-blocks of
+    the hand check, whose numbers are written into the drawing.
     """
 
     def __init__(
@@ -141,12 +145,12 @@ class Mechanism:
         results: Results,
         state: str,
         mechanism: Mapping[str, Any],
-        direction: str,
+        configuration: Sequence[Sequence[float]],
         numbered: Sequence[MacroBlock] = (),
     ) -> None:
         self.state, self.macro_blocks = state, numbered
-        self.configuration = np.asarray(results["states"][state]["configuration"], dtype=float)
-        self.velocity = virtual_displacements(results, mechanism, direction)
+        self.configuration = np.asarray(configuration, dtype=float)
+        self.velocity = np.asarray(mechanism["displacements"], dtype=float)
         self.drawing = outlines(results)
         self.start = self.drawing.moved(self.configuration)
         speed = np.linalg.norm(self._rate(self.start.points, self.start.owner), axis=1)
@@ -224,11 +228,15 @@ def _movement(
     if size > 0.0:
         reach = page.paper(9.0) / size
         axes.annotate("", (x + reach * dx, z + reach * dz), (x, z), arrowprops=ARROW | {"lw": 1.4})
+    if turn := settlement["rotation_rad"]:  # a half circle over the support, anticlockwise from right to left
+        half = math.copysign(page.paper(5.0), turn)
+        bent = {"connectionstyle": f"arc3,rad={math.copysign(1.0, turn)}"}
+        axes.annotate("", (x - half, z), (x + half, z), arrowprops=ARROW | {"lw": 1.4} | bent)
 
 
 def push_arrow(page: Sheet, axes: Axes, bounds: Bounds, direction: str) -> None:
     """Draw the arrow of the lateral loads above a model."""
-    sign = 1.0 if direction.startswith("+") else -1.0
+    sign = sense(direction)
     x, z = (bounds[0] + bounds[2]) / 2.0, bounds[3] + page.paper(4.0)
     half = page.paper(8.0) * sign
     axes.annotate("", (x + half, z), (x - half, z), arrowprops=ARROW | {"lw": 1.2})
@@ -247,11 +255,18 @@ def ghost_handle(label: str) -> Line2D:
     return Line2D([], [], color=FAINT, linewidth=0.8, linestyle=(0, (4, 2)), label=label)
 
 
+def legend_columns(labels: Sequence[str]) -> int:
+    """Return how many columns, up to three, a legend has room for."""
+    widest = max((LETTER_MM * len(label) + KEY_MM for label in labels), default=KEY_MM)
+    return max(1, min(len(labels), 3, int(WIDTH_MM / widest)))
+
+
 def legend(page: Sheet, handles: list[Any]) -> None:
     """Put the legend of a drawing below it, in as many columns, up to three, as the sheet has room for."""
-    room = page.figure.get_figwidth() / MM
-    widest = max((LETTER_MM * len(str(handle.get_label())) + KEY_MM for handle in handles), default=KEY_MM)
-    columns = max(1, min(len(handles), 3, int(room / widest)))
+    columns = legend_columns([str(handle.get_label()) for handle in handles])
+    labels = [
+        f" {text}" if (text := str(h.get_label())).startswith("_") else text for h in handles
+    ]  # "_": left out
     page.figure.legend(
-        handles=handles, loc="lower center", ncols=columns, handlelength=1.8, columnspacing=1.6
+        handles, labels, loc="lower center", ncols=columns, handlelength=1.8, columnspacing=1.6
     )

@@ -56,7 +56,7 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
     ]
     if until:
         axes.axvline(min(until), color="0.0", linewidth=0.5, linestyle=DASHES[2])
-    axes.set(xlabel=words.plain("figure.time"), ylabel=words.plain("figure.control_displacement"))
+    axes.set(xlabel=words.plain("figure.time"), ylabel=words.plain("figure.x_displacement"))
     if bound > 0.0:
         axes.set_ylim(-1050.0 * bound, 1050.0 * bound)
     handles = [

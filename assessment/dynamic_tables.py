@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from assessment.table import Results, Row, Table, reduction, static_pga
+from assessment.table import Results, Row, Table, quoted_limit_state, reduction, static_pga
 
 HISTORY = (
     "state",
@@ -42,6 +42,7 @@ OF_STATES = (
 COMPARED = (
     "state",
     "direction",
+    "limit_state",
     "static_pga_g",
     "static_reduction",
     "dynamic_pga_g",
@@ -154,6 +155,7 @@ def static_dynamic(results: Results) -> Table:
         for direction in content.get("capacity") or {None: None}:
             static = static_pga((content.get("capacity") or {}).get(direction))
             row: Row = {"state": state, "direction": direction}
+            row |= {"limit_state": quoted_limit_state((content.get("capacity") or {}).get(direction))}
             row |= {"static_pga_g": static, "dynamic_pga_g": dynamic["pga_collapse_g"]}
             if state != "original":
                 before = (original.get("capacity") or {}).get(direction)

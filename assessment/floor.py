@@ -1,6 +1,7 @@
 """Spectra at height for mechanisms above the ground: Circolare 7/2019, C7.2.3, and Circolare 617/2009, C8A.4.
 
-Each has the interface of `Spectrum`, so that a check takes it in the place of the spectrum at the ground.
+Each has the interface of `Spectrum`, so that a check takes it in the place of the spectrum at the ground. None is
+anywhere below that one: a mechanism at height never bears more than it would at the ground.
 """
 
 from __future__ import annotations
@@ -50,10 +51,11 @@ def first_mode(
 
 @dataclass(frozen=True)
 class FloorSpectrum:
-    """Floor spectrum S_eZ(T, ξ) = √Σ S_eZ,k² ≥ S_e(T, ξ) for T > T_1 (Circolare 7/2019, C7.2.5–C7.2.10).
+    """Floor spectrum S_eZ(T, ξ) = √Σ S_eZ,k² ≥ S_e(T, ξ) (Circolare 7/2019, C7.2.5–C7.2.10).
 
     `ground` carries the hazard and, in its damping, that of the element (ξ); `modes` the first mode first.
-    That ξ_k enters A as a fraction and a_Z,k in % is inferred (A = 4.9 at 5 %).
+    That ξ_k enters A as a fraction and a_Z,k in % is inferred (A = 4.9 at 5 %). The circular writes S_eZ ≥ S_e for
+    T > T_1; here it holds at every period [k], since the modes alone vanish towards the ground.
     """
 
     ground: ElasticSpectrum
@@ -78,35 +80,37 @@ class FloorSpectrum:
         return self.modes[0].period
 
     def acceleration(self, T: ArrayLike) -> Array:
-        """S_eZ(T), g; at T = 0 the largest acceleration of the floor a_Z(z)."""
-        T = np.asarray(T, dtype=float)
-        floor = np.sqrt(sum(self._modal(mode, T) ** 2 for mode in self.modes))
-        return np.where(self.T_1 < T, np.maximum(floor, self.ground.acceleration(T)), floor)[()]
+        """S_eZ(T), g; at T = 0 the largest acceleration of the floor a_Z(z) ≥ a_g S."""
+        return np.maximum(self._modes(T), self.ground.acceleration(T))[()]
 
     def displacement(self, T: ArrayLike) -> Array:
-        """S_DeZ(T) = S_eZ(T) (T/2π)², m."""
+        """S_DeZ(T), m: the larger of the modes' S_eZ (T/2π)² and of the ground's S_De(T)."""
         T = np.asarray(T, dtype=float)
-        return np.asarray(self.acceleration(T) * GRAVITY * (T / (2.0 * np.pi)) ** 2)[()]
+        modal = self._modes(T) * GRAVITY * (T / (2.0 * np.pi)) ** 2
+        return np.maximum(modal, self.ground.displacement(T))[()]
 
     def largest_displacement(self, T_0: float, T: float) -> tuple[float, float]:
-        """Return the demand at T, for T > b T_1 not below S_eZ(T_1) b² T_1²/4π² (m), and its period (s).
+        """Return the demand at T (m) and the period (s) where it is.
 
-        Circolare 7/2019, C8.7.1.2: the plateau's end counts for every longer period; T_0 plays no part.
+        Circolare 7/2019, C8.7.1.2: for T > b T_1 not below the modes' S_eZ(T_1) b² T_1²/4π², the plateau's end; and
+        never below the ground's largest displacement over [T_0, T].
         """
-        edge = _UPPER * self.T_1
-        at_T = float(self.displacement(T))
-        at_edge = float(self.acceleration(self.T_1)) * GRAVITY * (edge / (2.0 * np.pi)) ** 2
-        return (at_edge, edge) if edge < T and at_edge > at_T else (at_T, T)
+        candidates = [(float(self.displacement(T)), T), self.ground.largest_displacement(T_0, T)]
+        if self._edge < T:
+            candidates.append((self._plateau_end, self._edge))
+        return max(candidates, key=lambda found: found[0])
 
     def demand_steps(self, T_0: float, T: float) -> Trace:
         """Return the calculation of largest_displacement(T_0, T) by hand."""
         demand, at = self.largest_displacement(T_0, T)
-        if at == T:
+        if demand == float(self.displacement(T)):
             return self.steps(T)
-        S_eZ = float(self.acceleration(self.T_1))
-        last = step("S_DeZ", f"S_eZ*g*({_UPPER:g}*T_1)**2/(4*pi**2)", demand, "m",
-                    "Circolare 7/2019, C8.7.1.2", S_eZ=S_eZ, g=GRAVITY, T_1=self.T_1)  # fmt: skip
-        return (*self.steps(self.T_1), last)
+        if at != self._edge:
+            return self.ground.steps(at)
+        modal = self._modes_steps(self.T_1)
+        last = step("S_DeZ", f"S_eZ_mod*g*({_UPPER:g}*T_1)**2/(4*pi**2)", demand, "m",
+                    "Circolare 7/2019, C8.7.1.2", S_eZ_mod=modal[-1].result, g=GRAVITY, T_1=self.T_1)  # fmt: skip
+        return (*self.ground.steps(self.T_1), *modal, last)
 
     def with_damping(self, damping: float) -> Self:
         """Return the floor spectrum for an element of another damping (fraction of critical)."""
@@ -114,22 +118,42 @@ class FloorSpectrum:
 
     def steps(self, T: float) -> Trace:
         """Return S_eZ(T) and S_DeZ(T) by hand."""
-        lines: list[Step] = list(self.ground.steps(T))
+        ground, modal = self.ground.steps(T), self._modes_steps(T)
+        S_e, S_De, S_eZ_mod = float(self.ground.acceleration(T)), ground[-1].result, modal[-1].result
+        return (
+            *ground,
+            *modal,
+            step("S_eZ", "max(S_eZ_mod, S_e)", float(self.acceleration(T)), "g", f"{_LAW_2019} (C7.2.5)",
+                 S_eZ_mod=S_eZ_mod, S_e=S_e),
+            step("S_DeZ", "max(S_eZ_mod*g*(T/(2*pi))**2, S_De)", float(self.displacement(T)), "m", _LAW_2019,
+                 S_eZ_mod=S_eZ_mod, g=GRAVITY, T=T, S_De=S_De),
+        )  # fmt: skip
+
+    @property
+    def _edge(self) -> float:
+        """End b T_1 of the first mode's plateau, s."""
+        return _UPPER * self.T_1
+
+    @property
+    def _plateau_end(self) -> float:
+        """The modes' S_eZ(T_1) b² T_1²/4π², m."""
+        return float(self._modes(self.T_1)) * GRAVITY * (self._edge / (2.0 * np.pi)) ** 2
+
+    def _modes(self, T: ArrayLike) -> Array:
+        """Return √Σ S_eZ,k²(T), g: the modes without the ground."""
+        T = np.asarray(T, dtype=float)
+        return np.sqrt(sum(self._modal(mode, T) ** 2 for mode in self.modes))
+
+    def _modes_steps(self, T: float) -> Trace:
+        """Return √Σ S_eZ,k²(T) by hand."""
+        lines: list[Step] = []
         squares = {}
         for k, mode in enumerate(self.modes, 1):
             lines += self._modal_steps(k, mode, T)
             squares[f"S_eZ_{k}"] = lines[-1].result
-        floor = "sqrt(" + " + ".join(f"{name}**2" for name in squares) + ")"
-        S_eZ = float(self.acceleration(T))
-        if self.T_1 < T:
-            floor = f"max({floor}, S_e)"
-            squares["S_e"] = float(self.ground.acceleration(T))
-        lines.append(step("S_eZ", floor, S_eZ, "g", f"{_LAW_2019} (C7.2.5)", **squares))
-        lines.append(
-            step("S_DeZ", "S_eZ*g*(T/(2*pi))**2", float(self.displacement(T)), "m", _LAW_2019, S_eZ=S_eZ,
-                 g=GRAVITY, T=T)
-        )  # fmt: skip
-        return tuple(lines)
+        formula = "sqrt(" + " + ".join(f"{name}**2" for name in squares) + ")"
+        total = step("S_eZ_mod", formula, float(self._modes(T)), "g", f"{_LAW_2019} (C7.2.5)", **squares)
+        return (*lines, total)
 
     def _peak(self, mode: Mode) -> float:
         """Return a_Z,k (g): largest floor acceleration of a mode."""
@@ -201,16 +225,19 @@ class FloorSpectrum2009:
         return np.maximum(self.ground.displacement(T), floor)[()]
 
     def largest_displacement(self, T_0: float, T: float) -> tuple[float, float]:
-        """Return the demand at T (m) and T: the rule of 2009 looks at T_s alone."""
-        return float(self.displacement(T)), T
+        """Return the demand at T (m) and T, or the ground's largest over [T_0, T] and its period, if that is larger."""
+        return max(
+            (float(self.displacement(T)), T), self.ground.largest_displacement(T_0, T), key=lambda f: f[0]
+        )
 
     def with_damping(self, damping: float) -> Self:
         """Return the demand for another damping (fraction of critical)."""
         return replace(self, ground=self.ground.with_damping(damping))
 
     def demand_steps(self, T_0: float, T: float) -> Trace:
-        """Return the demand at T by hand."""
-        return self.steps(T)
+        """Return the calculation of largest_displacement(T_0, T) by hand."""
+        at = self.largest_displacement(T_0, T)[1]
+        return self.steps(T) if at == T else self.ground.steps(at)
 
     def steps(self, T: float) -> Trace:
         """Return the demand at height by hand."""

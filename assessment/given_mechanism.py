@@ -50,7 +50,8 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> tuple[float
     largest = float(abs(delta[:, :2]).max())
     depth = np.where(closed, -opening / largest, -np.inf)
     worst = int(np.argmax(depth))
-    rubs = closed & (slip * contacts.friction > np.maximum(opening, 0.0) + ROUNDING * largest)
+    least = np.maximum(contacts.friction, 1e-99)  # without friction nothing rubs
+    rubs = closed & (slip > np.maximum(opening, 0.0) / least + ROUNDING * largest / np.minimum(least, 1.0))
     pair = (int(contacts.a[worst]), int(contacts.b[worst]))
     return max(0.0, float(depth[worst])), pair, np.unique(contacts.joint[rubs]).tolist()
 
@@ -127,15 +128,24 @@ def _checks(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Me
     }
 
 
-def compared(found: Numbers, alpha_limit: float | None) -> Numbers:
-    """Return the mechanism with the multiplier of limit analysis in its direction, and a note where it lies above."""
+def compared(found: Numbers, alpha_0: float | None, alpha_onset: float | None) -> Numbers:
+    """Return the mechanism with the α0 of its state in its direction, and a note where it lies below.
+
+    In a settled state a hinge of the settlement may close at `alpha_onset` < α0: that is the limit analysis in the
+    configuration of the state, of which a mechanism without sliding and penetration is an upper bound.
+    """
     notes = list(found["notes"])
-    if alpha_limit is not None and found["alpha_0"] < (1.0 - BELOW) * alpha_limit:
+    if alpha_onset is not None and found["alpha_0"] < (1.0 - BELOW) * alpha_onset:
         notes.append(
             "alpha_0 is below that of limit analysis, which no mechanism without sliding and penetration can be: the "
             "friction of the sliding joints, or the penetration, is what it leaves out"
         )
-    return found | {"alpha_0_limit": alpha_limit, "notes": notes}
+    elif alpha_0 is not None and found["alpha_0"] < (1.0 - BELOW) * alpha_0:
+        notes.append(
+            f"alpha_0 is below that of the state, {alpha_0:.4g}: a hinge of the settlement closes from α = "
+            f"{alpha_onset:.4g} on, before the structure moves as a whole"
+        )
+    return found | {"alpha_0_limit": alpha_0, "notes": notes}
 
 
 def _notes(penetration: float, pair: tuple[int, int], rubbing: list[int]) -> list[str]:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from assessment.outlines import Array, field, outlines, place
-from assessment.table import Results, Row, Table
+from assessment.table import Results, Row, Table, sense
 
 TOGETHER = 0.01  # of the largest velocity: across a joint, what does not part two blocks
 BY_HAND = 15  # macro-blocks that are printed and numbered; more are no check by hand
@@ -56,23 +56,12 @@ class MacroBlock:
         return self.centroid + np.array([-dz, dx]) / w
 
 
-def virtual_displacements(results: Results, mechanism: Mapping[str, Any], direction: str) -> Array:
-    """Return the motion (b, 3) of a mechanism in the sense in which it goes: the one in which the loads do work.
-
-    The results scale it to 1 m along +x at the control point, whatever the direction of the loads.
-    """
-    rate = np.asarray(mechanism["displacements"], dtype=float)
-    along = 1.0 if direction == "+x" else -1.0
-    work = along * float(weights(results)[1] @ rate[:, 0])
-    return rate if work > 0.0 else -rate
-
-
 def macro_blocks(results: Results, state: str, direction: str) -> list[MacroBlock]:
     """Group the blocks of a mechanism that move as one, the largest group first."""
     rigid = results["states"][state]["pushover"][direction]["rigid"]
-    rate = virtual_displacements(results, rigid["mechanism"], direction)
+    rate = np.asarray(rigid["mechanism"]["displacements"], dtype=float)
     drawn = outlines(results)
-    at = np.asarray(rigid.get("mechanism_configuration") or results["states"][state]["configuration"])
+    at = np.asarray(rigid["mechanism_configuration"])
     shape = drawn.moved(at)
     speed = np.linalg.norm(field(shape.points, shape.owner, shape.centroids, rate), axis=1)
     fastest = float(speed.max())
@@ -111,7 +100,7 @@ def hand_check(results: Results) -> Table:
     rows = []
     for name, direction, rigid in mechanisms(results):
         if rigid.get("virtual_work_alpha") is not None and rigid.get("alpha_0"):
-            computed = rigid.get("virtual_work_reference", rigid["alpha_0"])
+            computed = rigid["mechanism"]["alpha"]
             by_blocks = rigid["virtual_work_alpha"]
             figures = figures_of(results, name, direction)
             by_hand = multiplier(figures)
@@ -141,7 +130,7 @@ def governing_mechanisms(results: Results) -> list[tuple[str, str]]:
 
 def figures_of(results: Results, state: str, direction: str) -> list[Row]:
     """Return the rows of a mechanism with their virtual work, and the sums that give the multiplier."""
-    sign = 1.0 if direction == "+x" else -1.0
+    sign = sense(direction)
     rows = _rows(state, direction, macro_blocks(results, state, direction))
     for row in rows:
         row["work_load"] = sign * row["seismic_weight_kN"] * row["delta_x"]

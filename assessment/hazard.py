@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from assessment.hazard_files import RETURN_PERIODS, HazardGrid, read_grid, read_site_table
+from assessment.hazard_files import RETURN_PERIODS, HazardError, HazardGrid, read_grid, read_site_table
 from assessment.trace import Step, Trace, datum, step
 from mechanics.errors import require
 
@@ -136,7 +136,7 @@ def site_curve(
 
     latitude and longitude in degrees, in the datum of the grid (ED50 in Allegato B [k]). A file of nine lines,
     one per return period, is the site's own table and needs no coordinates.
-    Raises ValueError where no cell of four nodes holds the site: outside the grid, at its edge, on an island.
+    Raises HazardError where no cell of four nodes holds the site: outside the grid, at its edge, on an island.
     """
     if not isinstance(grid, HazardGrid):
         own = read_site_table(grid)
@@ -144,7 +144,9 @@ def site_curve(
             return HazardCurve(Path(grid).name, own, own[None], np.zeros(1))
         grid = read_grid(grid)
     if latitude is None or longitude is None:
-        raise ValueError(f"{grid.name}: is a grid of many nodes; give the latitude and longitude of the site")
+        raise HazardError(
+            f"{grid.name}: is a grid of many nodes; give the latitude and longitude of the site"
+        )
     x = (grid.longitude - longitude) * np.cos(np.radians(latitude)) * _KM_PER_DEGREE
     y = (grid.latitude - latitude) * _KM_PER_DEGREE
     distance = np.hypot(x, y)
@@ -154,7 +156,7 @@ def site_curve(
         return HazardCurve(grid.name, grid.values[node[0]], grid.values[node], np.zeros(1))
     cell = _cell(np.column_stack([x[near], y[near]]))
     if cell is None:
-        raise ValueError(_outside(grid, latitude, longitude, int(near[0]), float(distance[near[0]])))
+        raise HazardError(_outside(grid, latitude, longitude, int(near[0]), float(distance[near[0]])))
     nodes = near[cell]
     weights = 1.0 / distance[nodes]
     values = np.tensordot(weights / weights.sum(), grid.values[nodes], axes=1)
@@ -174,11 +176,11 @@ def _cell(nodes: Array) -> Sequence[int] | None:
     The grid's rows turn with longitude, so no direction is assumed: of all quadrilaterals whose sides are
     about the spacing of the nodes, the one that holds the origin and whose corners are nearest.
     """
+    if len(nodes) < 4:
+        return None
     gaps = np.hypot(*(nodes[:, None] - nodes[None]).transpose(2, 0, 1))
     spacing = np.median(np.sort(gaps, axis=1)[:, 1])
     fours = np.array(list(combinations(range(len(nodes)), 4)))
-    if not len(fours):
-        return None
     corners = nodes[fours]
     centred = corners - corners.mean(axis=1, keepdims=True)
     order = np.argsort(np.arctan2(centred[..., 1], centred[..., 0]), axis=1)
@@ -196,10 +198,14 @@ def _cell(nodes: Array) -> Sequence[int] | None:
 
 def _outside(grid: HazardGrid, latitude: float, longitude: float, node: int, distance: float) -> str:
     lon, lat = grid.longitude, grid.latitude
+    inside = lon.min() <= latitude <= lon.max() and lat.min() <= longitude <= lat.max()
+    swapped = (
+        f"They are swapped: write latitude = {longitude:g}, longitude = {latitude:g}. " if inside else ""
+    )
     return (
         f"{grid.name}: site latitude = {latitude:g}, longitude = {longitude:g}: no cell of four nodes holds "
         f"it; the nearest node is {distance:.1f} km away (latitude {lat[node]:g}, longitude {lon[node]:g}; "
-        f"the grid spans latitude {lat.min():g}–{lat.max():g}, longitude {lon.min():g}–{lon.max():g}). Check "
+        f"the grid spans latitude {lat.min():g}–{lat.max():g}, longitude {lon.min():g}–{lon.max():g}). {swapped}Check "
         "the coordinates; at the edge of the grid and on islands (Allegato B, table 2) give ag_g, F0 and "
         "Tc_star_s of each limit state instead of latitude, longitude and grid"
     )

@@ -13,7 +13,13 @@ Array = NDArray[np.float64]
 
 RETURN_PERIODS = np.array([30.0, 50.0, 72.0, 101.0, 140.0, 201.0, 475.0, 975.0, 2475.0])  # years
 _COLUMNS = 2 + 3 * len(RETURN_PERIODS)
+MOST_BYTES = 50_000_000  # of a file; Allegato B has two and a half
+MOST_AG, MOST_F0, MOST_TC = 10.0, 100.0, 10.0  # g, –, s: beyond them it is another quantity, or another unit
 _Rows = list[tuple[int, list[str]]]
+
+
+class HazardError(ValueError):
+    """A file of hazard that cannot be used, or a site that it does not hold; the message names file and line."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,29 +36,38 @@ def read_grid(path: str | Path) -> HazardGrid:
     """Read a grid in the layout of Allegato B: lon, lat, then a_g, F0, T_C* for nine return periods.
 
     Tab- or semicolon-separated, decimal point or comma, a_g in g/10, header lines first, and optionally the
-    node's number before lon. Raises ValueError naming file and line; OSError where it cannot be opened.
+    node's number before lon. Raises HazardError naming file and line; OSError where it cannot be opened.
     """
     path = Path(path)
     _, rows = _read(path)
     if not rows:
-        raise ValueError(
+        raise HazardError(
             f"{path}: no row of numbers; give the grid of Allegato B, tab- or semicolon-separated"
         )
     table = _numbers(
         path, rows, _COLUMNS,
         "lon, lat, then a_g, F0, T_C* for nine return periods; optionally the node's number first",
     )  # fmt: skip
-    values = table[:, 2:].reshape(-1, len(RETURN_PERIODS), 3)
-    if not (values > 0.0).all() or values[:, 6, 0].max() < 0.3:  # below 0.03 g at 475 years everywhere
-        raise ValueError(f"{path}: a_g, F0 and T_C* must be positive and a_g in g/10, as in Allegato B")
-    return HazardGrid(path.name, table[:, 0], table[:, 1], values / np.array([10.0, 1.0, 1.0]))
+    values = table[:, 2:].reshape(-1, len(RETURN_PERIODS), 3) / np.array([10.0, 1.0, 1.0])
+    place = abs(table[:, :2]) <= np.array([180.0, 90.0])
+    if not (placed := place.all(axis=1)).all():
+        line = rows[int(np.argmin(placed))][0]
+        raise HazardError(
+            f"{path}: line {line}: longitude and latitude must be degrees, longitude first; correct it"
+        )
+    _check_values(path, values, [line for line, _ in rows], "in g/10, as in Allegato B")
+    if values[:, 6, 0].max() < 0.03:  # at 475 years everywhere
+        raise HazardError(
+            f"{path}: a_g at 475 years is {values[:, 6, 0].max():.2g} g at most; it must be in g/10, as in Allegato B"
+        )
+    return HazardGrid(path.name, table[:, 0], table[:, 1], values)
 
 
 def read_site_table(path: str | Path) -> Array | None:
     """Read a site's own table (9, 3): a_g (g), F0, T_C* (s), from nine lines T_R; a_g; F0; T_C*.
 
     None where the file is no such table but may be a grid. A header names the unit of a_g, [g] or [g/10]: the
-    two cannot be told apart by their size. Raises ValueError naming the file; OSError where it cannot be opened.
+    two cannot be told apart by their size. Raises HazardError naming the file; OSError where it cannot be opened.
     """
     path = Path(path)
     header, rows = _read(path)
@@ -61,21 +76,40 @@ def read_site_table(path: str | Path) -> Array | None:
     table = _numbers(path, rows, 4, "T_R, a_g, F0, T_C*", numbered=False)
     if len(table) != len(RETURN_PERIODS) or not np.array_equal(table[:, 0], RETURN_PERIODS):
         periods = ", ".join(f"{T_R:g}" for T_R in RETURN_PERIODS)
-        raise ValueError(f"{path}: a site's table has one line for each return period: {periods} years")
-    values = table[:, 1:]
-    if not (values > 0.0).all() or (np.diff(values[:, 0]) <= 0.0).any():
-        raise ValueError(f"{path}: a_g, F0 and T_C* must be positive and a_g grow with the return period")
+        raise HazardError(
+            f"{path}: a site's table must have one line for each return period: {periods} years"
+        )
     unit = next((unit for unit in ("g/10", "g") if f"[{unit}]" in header.replace(" ", "")), None)
     if unit is None:
-        raise ValueError(
+        raise HazardError(
             f"{path}: the unit of a_g is not said; write it in a header line: T_R; a_g [g]; F0; T_C*"
         )
-    return values / np.array([10.0 if unit == "g/10" else 1.0, 1.0, 1.0])
+    values = table[:, 1:] / np.array([10.0 if unit == "g/10" else 1.0, 1.0, 1.0])
+    _check_values(path, values[None], [rows[0][0]], f"in {unit}, as the header says")
+    return values
+
+
+def _check_values(path: Path, values: Array, lines: Sequence[int], unit: str) -> None:
+    """Raise HazardError naming the line where values (n, 9, 3), a_g in g, are those of no site."""
+    most = np.array([MOST_AG, MOST_F0, MOST_TC])
+    for name, fits, must in (
+        ("a_g, F0 and T_C*", (values > 0.0) & (values < most), f"be positive numbers, a_g {unit}"),
+        ("F0", values[..., 1:2] >= 1.0, "be 1 or more: the spectrum is not below a_g"),
+        ("a_g", np.diff(values[..., 0], axis=1) > 0.0, "grow with the return period"),
+    ):
+        if not (good := fits.reshape(len(values), -1).all(axis=1)).all():
+            line = lines[int(np.argmin(good))]
+            raise HazardError(f"{path}: line {line}: {name} must {must}; get the file again from its source")
 
 
 def _read(path: Path) -> tuple[str, _Rows]:
     """Return the header lines as one text, and the cells of the lines after them with their line numbers."""
-    lines = path.read_text(encoding="latin-1").splitlines()
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        content = file.read(MOST_BYTES) if 0 < size <= MOST_BYTES else b""  # what has no size may have no end
+    if size > MOST_BYTES:
+        raise HazardError(f"{path}: more than {MOST_BYTES} bytes; give the grid of Allegato B")
+    lines = content.decode("latin-1").splitlines()
     separator = ";" if any(";" in line for line in lines[:5]) else "\t"
     rows = [(i, line.replace(",", ".").split(separator)) for i, line in enumerate(lines, 1) if line.strip()]
     start = next((k for k, (_, cells) in enumerate(rows) if _is_number(cells[0])), len(rows))
@@ -87,8 +121,10 @@ def _numbers(path: Path, rows: _Rows, columns: int, meaning: str, numbered: bool
     allowed: Sequence[int] = (columns, columns + 1) if numbered else (columns,)
     for i, cells in rows:
         if len(cells) not in allowed or not all(map(_is_number, cells)):
-            raise ValueError(
-                f"{path}: line {i}: {columns} numbers expected ({meaning}), found {len(cells)} cells: {cells[:4]}…"
+            found = ", ".join(cell.strip()[:12] for cell in cells[:4])
+            raise HazardError(
+                f"{path}: line {i}: {columns} numbers expected ({meaning}), found {len(cells)} cells: {found}…; "
+                "correct the line, or get the file again from its source"
             )
     return np.array([cells[-columns:] for _, cells in rows], dtype=float)
 

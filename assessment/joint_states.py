@@ -116,10 +116,16 @@ def joint_states(results: Results, situation: Situation) -> JointStates:
     share = np.where(np.isfinite(situation.centre), situation.centre, 0.5)
     opening = np.einsum("jei,ji->je", gap, normal)
     nearer = opening.argmin(axis=1)  # the end in contact: a joint that gapes slips there
-    friction = np.array([joint["friction"] for joint in joints])
+    # null is infinite: JSON has no infinity
+    friction = np.array([np.inf if joint["friction"] is None else joint["friction"] for joint in joints])
     idle = IDLE * results["model"]["weight_kN"] > N
     condition = np.select(
-        [idle, abs(T) > FRICTION * friction * N, abs(share - 0.5) > 0.5 - EDGE, abs(share - 0.5) > 1.0 / 6.0],
+        [
+            idle,
+            abs(T) > friction * np.maximum(FRICTION * N, 1e-99),
+            abs(share - 0.5) > 0.5 - EDGE,
+            abs(share - 0.5) > 1.0 / 6.0,
+        ],
         ["idle", "sliding", "edge", "partial"],
         "whole",
     )

@@ -70,8 +70,20 @@ def read_judgement(path: Path) -> str:
 
 def to_html(markdown: str) -> Markup:
     """Return paragraphs, headings, bullets, **bold** and *italic* text as HTML; everything else is plain text."""
-    lines = re.sub(r"<!--.*?-->", "", markdown, flags=re.S).splitlines()
-    return Markup("\n").join(_blocks(lines))
+    return Markup("\n").join(_blocks(_without_comments(markdown).splitlines()))
+
+
+def _without_comments(text: str) -> str:
+    """Leave out what stands between <!-- and -->; one that is not closed is text."""
+    first, *others = text.split("<!--")
+    kept, open_ = [first], ""
+    for part in others:
+        open_ += f"<!--{part}"
+        _, end, after = part.partition("-->")
+        if end:
+            kept.append(after)
+            open_ = ""
+    return "".join(kept) + open_
 
 
 def _blocks(lines: Iterable[str]) -> Iterator[Markup]:
@@ -93,16 +105,16 @@ def _blocks(lines: Iterable[str]) -> Iterator[Markup]:
 
 def _joined(lines: Iterable[str]) -> Iterator[str]:
     """Join the indented lines that continue a bullet to it."""
-    last: str | None = None
+    parts: list[str] = []
     for line in lines:
-        if last is not None and BULLET.match(last) and line.startswith(" ") and line.strip():
-            last = f"{last} {line.strip()}"
+        if parts and BULLET.match(parts[0]) and line.startswith(" ") and line.strip():
+            parts.append(line.strip())
             continue
-        if last is not None:
-            yield last
-        last = line
-    if last is not None:
-        yield last
+        if parts:
+            yield " ".join(parts)
+        parts = [line]
+    if parts:
+        yield " ".join(parts)
 
 
 def _inline(text: str) -> Markup:

@@ -70,7 +70,7 @@ def _blocks(entry: MechanismTable, model: Assembly, key: str) -> NDArray[np.intp
             raise ProjectError(f"{key}.blocks: no block {number}; write 0 to {len(model.blocks) - 1}")
         if not model.movable[number]:
             raise ProjectError(
-                f"{key}.blocks: block {number} is a support, which a mechanism leaves where it is"
+                f"{key}.blocks: block {number} is a support, which a mechanism leaves where it is; leave it out"
             )
     chosen = np.zeros(len(model.blocks), dtype=bool)
     if entry.layers or entry.region_m:

@@ -9,6 +9,7 @@ import difflib
 import json
 import re
 from collections.abc import Iterable, Mapping
+from itertools import islice
 from typing import Any, NamedTuple
 
 from pydantic import ValidationError
@@ -29,6 +30,9 @@ class Problem(NamedTuple):
 
 
 _MOST_NAMES = 12
+_COMMA = re.compile(r"\s*([+-]?\d+),(\d+)\s*")  # a number with a decimal comma
+
+_SHOWN, _QUOTED = 40, 120  # characters of a value, and of a line of the file, that a message shows
 
 _EXPECTED = {
     "float_type": "a number",
@@ -39,16 +43,16 @@ _EXPECTED = {
     "tuple_type": "a list in brackets",
     "dict_type": "a table",
     "model_type": "a table",
-    "greater_than": "a number greater than {gt:g}",
     "greater_than_equal": "a number not less than {ge:g}",
     "less_than": "a number less than {lt:g}",
     "less_than_equal": "a number not greater than {le:g}",
     "literal_error": "{expected}",
     "missing": "two numbers",  # only of a pair: a missing key is another message
-    "too_long": "two numbers",
+    "too_long": "at most {max_length} entries",
     "too_short": "a list with one entry or more",
     "string_too_long": "at most {max_length} characters",
     "string_pattern_mismatch": "a text without control characters or blanks at its ends, not empty",
+    "string_unicode": "a text of whole characters",
 }
 
 
@@ -83,7 +87,7 @@ def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[
         elif kind == "value_error":
             problems[path] = str(context["error"])
         else:
-            phrase = _brackets(path, kind, detail["input"]) or _EXPECTED[kind].format(**context)
+            phrase = _brackets(path, kind, detail["input"]) or _phrase(kind, context, detail)
             expected.setdefault(path, []).append(phrase.replace("'", '"'))
             problems[path] = f"{_shown(detail['input'])} is wrong; write {' or '.join(expected[path])}"
     # Of the alternatives of one value, the one that was understood further says what is wrong.
@@ -111,9 +115,44 @@ def _brackets(path: KeyPath, kind: str, value: Any) -> str:
     return ""
 
 
+def _phrase(kind: str, context: Mapping[str, Any], detail: Mapping[str, Any]) -> str:
+    """Return what is expected in the place of a value that pydantic refuses."""
+    value = detail["input"]
+    if kind == "greater_than_equal" and 0.0 < context["ge"] < 0.01 and not value > 0.0:
+        return "a number greater than 0"
+    if kind == "too_long" and context["max_length"] == 2:  # [0,6] of one number, or [0,6, 0,8] of two
+        return "two numbers" + (", with decimal points" if all(type(each) is int for each in value) else "")
+    expected = _EXPECTED[kind].format(**context) if kind in _EXPECTED else str(detail["msg"])
+    if kind == "float_type" and isinstance(value, str) and (comma := _COMMA.fullmatch(value)):
+        expected += (
+            f", with a decimal point and without quotes: {shortened(f'{comma[1]}.{comma[2]}', _SHOWN)}"
+        )
+    return expected
+
+
 def _shown(value: Any) -> str:
-    text = json.dumps(value, ensure_ascii=False, default=str)
-    return text if len(text) <= 40 else text[:39] + "…"
+    text = json.dumps(_pruned(value), ensure_ascii=False, default=str)
+    for name, own in (("-Infinity", "-inf"), ("Infinity", "inf"), ("NaN", "nan")):
+        text = own if text == name else text
+    return shortened(text, _SHOWN)
+
+
+def shortened(text: str, most: int = _QUOTED) -> str:
+    """Return a text of the user's in as many characters as a message shows."""
+    return text if len(text) <= most else text[: most - 1] + "…"
+
+
+def _pruned(value: Any, levels: int = 3) -> Any:
+    """Return as much of a value as a message shows: of nested ones, and of numbers of thousands of digits, little."""
+    if isinstance(value, int) and value.bit_length() > 1000:
+        return f"a number of some {0.30103 * value.bit_length():.0f} digits"
+    if not isinstance(value, dict | list | tuple):
+        return value
+    if levels == 0:
+        return "…"
+    if isinstance(value, dict):
+        return {str(key): _pruned(each, levels - 1) for key, each in islice(value.items(), _SHOWN)}
+    return [_pruned(each, levels - 1) for each in value[:_SHOWN]]
 
 
 def _key(path: KeyPath) -> str:

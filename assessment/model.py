@@ -8,14 +8,19 @@ from typing import TYPE_CHECKING
 from assessment.coarse_joints import coarse_joints
 from assessment.macro_blocks import chosen_mechanisms
 from assessment.messages import ProjectError
+from assessment.plausibility import implausible
 from mechanics import Assembly, DrawingError, Material
-from mechanics.drawing import Layer, read_drawing
+from mechanics.drawing import Drawing, Layer, survey_drawing
+from mechanics.faults import Fault, FaultyDrawingError
 from mechanics.joints import default_tolerance
-from mechanics.layout import check_layout
+from mechanics.layout import survey_layout
 
 if TYPE_CHECKING:
     from assessment.project import Project
     from assessment.project_schema import LayerTable
+
+MOST_SEGMENTS = 1_000_000  # of all joints: as many as memory holds
+UNSEEN = "gaps, and blocks that touch nothing, are looked for once these are mended"
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,36 +34,32 @@ class Model:
 def build_model(project: Project) -> Model:
     """Read the drawing, check it, and place the control points.
 
-    Raises DrawingError for a drawing that is no assembly and ProjectError for a control point outside every block or
-    a mechanism whose blocks are not there.
+    Raises DrawingError for a drawing that cannot be read, FaultyDrawingError, one of them, with all the faults of one
+    that is no assembly, and ProjectError for a control point outside every block or a mechanism whose blocks are not
+    there.
     """
     geometry = project.geometry
-    drawing = read_drawing(
+    drawing = survey_drawing(
         project.path(geometry.drawing),
         geometry.unit,
         _layer(project, None),
         {name: _layer(project, table) for name, table in project.layers.items()},
         geometry.sagitta_m,
     )
-    tolerance = geometry.tolerance_m or default_tolerance(drawing.blocks)
-    if all(block.support is not None for block in drawing.blocks):
-        noticed = "".join(f" ({warning})" for warning in drawing.warnings)
-        raise DrawingError(
-            f"{geometry.drawing}: every block is a support; put the movable ones on other layers{noticed}"
-        )
-    try:
-        warnings = drawing.warnings + check_layout(drawing.blocks, tolerance)
-    except DrawingError as error:
-        raise DrawingError(f"{geometry.drawing}: {error}") from None
-    if not any(block.support for block in drawing.blocks):
-        raise ProjectError(f'{project.source}: layers: no layer is a support; give one of them support = "…"')
+    tolerance, warnings = _laid_out(project, drawing)
     lacking = sorted({block.layer for block in drawing.blocks if block.material.normal_stiffness is None})
-    if lacking and _asks_for_elastic(project):
+    if lacking and project.elastic:
         raise ProjectError(
             f"{project.source}: layers.{lacking[0]}.normal_stiffness_kN_m3: missing ({', '.join(lacking)}), "
             "and elastic analyses need it for every block; give it there or in [material]"
         )
-    assembly = Assembly(drawing.blocks, geometry.segments_per_joint, tolerance)
+    try:
+        assembly = Assembly(drawing.blocks, geometry.segments_per_joint, tolerance)
+    except ValueError as error:  # a block too light beside the others
+        raise DrawingError(f"{geometry.drawing}: {error}") from None
+    if project.elastic and (count := int(assembly.segments.sum())) > MOST_SEGMENTS:
+        text = f"{count} segments in all joints, at most {MOST_SEGMENTS}; write fewer"
+        raise ProjectError(f"{project.source}: geometry.segments_per_joint: {text}")
     for point in project.control:
         try:
             assembly.block_at(point.point_m)
@@ -68,13 +69,24 @@ def build_model(project: Project) -> Model:
                 f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}"
             ) from None
     chosen_mechanisms(project, assembly)  # what is wrong in them is told before any analysis
-    return Model(assembly, (*warnings, *coarse_joints(project, assembly)))
+    return Model(assembly, (*warnings, *implausible(project, assembly), *coarse_joints(project, assembly)))
 
 
-def _asks_for_elastic(project: Project) -> bool:
-    asked = [project.pushover.contacts] if project.pushover else []
-    asked += [(motion.contacts,) for motion in (*project.history, project.incremental) if motion]
-    return any("elastic" in contacts for contacts in asked)
+def _laid_out(project: Project, drawing: Drawing) -> tuple[float, tuple[str, ...]]:
+    """Return the tolerance (m) of the joints and all warnings; FaultyDrawingError with every fault there is."""
+    name, blocks, faults = project.geometry.drawing, drawing.blocks, drawing.faults
+    if not blocks:
+        raise FaultyDrawingError(name, faults, drawing.outlines)
+    if not faults and all(block.support is not None for block in blocks):
+        noticed = "".join(f" ({warning})" for warning in drawing.warnings)
+        text = f"every block is a support; put the movable ones on other layers{noticed}"
+        raise FaultyDrawingError(name, [Fault("layer", text)], drawing.outlines)
+    tolerance = project.geometry.tolerance_m or default_tolerance(blocks)
+    layout = survey_layout(blocks, tolerance, whole=not faults)
+    if faults or layout.faults:
+        remedy = layout.remedy if not faults else UNSEEN
+        raise FaultyDrawingError(name, (*faults, *layout.faults), drawing.outlines, remedy)
+    return tolerance, drawing.warnings + layout.warnings
 
 
 def _layer(project: Project, table: LayerTable | None) -> Layer:
@@ -85,12 +97,15 @@ def _layer(project: Project, table: LayerTable | None) -> Layer:
         value: float | None = getattr(project.material, name) if own is None else own
         return value
 
-    material = Material(
-        unit_weight=key("unit_weight_kN_m3") or 0.0,
-        friction=key("friction") or 0.0,
-        normal_stiffness=key("normal_stiffness_kN_m3"),
-        tangential_stiffness=key("tangential_stiffness_kN_m3") or 0.0,
-    )
+    try:
+        material = Material(
+            unit_weight=key("unit_weight_kN_m3") or 0.0,
+            friction=key("friction") or 0.0,
+            normal_stiffness=key("normal_stiffness_kN_m3"),
+            tangential_stiffness=key("tangential_stiffness_kN_m3") or 0.0,
+        )
+    except ValueError as error:
+        raise ProjectError(f"{project.source}: material: {error}") from None
     if table is None:
         return Layer(material, project.geometry.depth_m)
     return Layer(

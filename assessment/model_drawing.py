@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -11,12 +12,14 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from assessment.canvas import Sheet, nice, sheet
-from assessment.drawings import ARROW, INK, SUPPORT, Bounds, fill, legend
+from assessment.drawings import ARROW, INK, SUPPORT, Bounds, fill, legend, legend_columns
 from assessment.outlines import outlines
 from assessment.words import Words
 
 Results = Mapping[str, Any]
 LAYER_GREYS = ("1.0", "0.88", "0.76", "0.94", "0.82", "0.70")
+LINE_MM = 4.0  # of the legend
+MOST_NAMED, LONGEST_NAME = 24, 50  # layers, and letters of one, in the legend
 DIMENSION = {
     "arrowstyle": "<|-|>,head_width=0.12,head_length=0.35",
     "shrinkA": 0.0,
@@ -28,21 +31,36 @@ DIMENSION = {
 def draw_model(results: Results, words: Words) -> Figure:
     """Draw blocks by layer, supports, vertical loads, control points, overall dimensions and the scale."""
     shape, blocks = outlines(results), results["geometry"]["blocks"]
-    page = sheet(shape.bounds, border_mm=14.0, foot_mm=20.0)
+    by_layer: dict[str, list[int]] = {}
+    for number, block in enumerate(blocks):
+        by_layer.setdefault(block["layer"], []).append(number)
+    named = {
+        layer: _label(layer, blocks[own[0]]["support"], words) for layer, own in sorted(by_layer.items())
+    }
+    labels = list(named.values())[:MOST_NAMED]
+    rows = math.ceil(len(labels) / legend_columns(labels))
+    page = sheet(shape.bounds, border_mm=14.0, foot_mm=max(20.0, 12.0 + LINE_MM * rows))
     axes = page.panels[0]
     handles: list[Any] = []
-    for index, layer in enumerate(sorted({block["layer"] for block in blocks})):
-        chosen = [i for i, block in enumerate(blocks) if block["layer"] == layer]
-        support = blocks[chosen[0]]["support"]
-        grey = SUPPORT if support else LAYER_GREYS[index % len(LAYER_GREYS)]
-        fill(axes, shape, chosen, grey)
-        label = words.plain("figure.support_layer", layer=layer, support=support) if support else layer
-        handles.append(Patch(facecolor=grey, edgecolor=INK, linewidth=0.5, label=label))
+    for index, (layer, label) in enumerate(named.items()):
+        grey = SUPPORT if blocks[by_layer[layer][0]]["support"] else LAYER_GREYS[index % len(LAYER_GREYS)]
+        fill(axes, shape, by_layer[layer], grey)
+        if index < MOST_NAMED:
+            handles.append(Patch(facecolor=grey, edgecolor=INK, linewidth=0.5, label=label))
+    if len(named) > MOST_NAMED:
+        more = words.plain("figure.more_layers", count=len(named) - MOST_NAMED)
+        handles.append(Line2D([], [], linestyle="none", label=more))
     handles += _loads(page, axes, blocks, words)
     handles += _controls(axes, results, words)
     _dimensions(page, axes, shape.bounds, words)
     legend(page, handles)
     return page.figure
+
+
+def _label(layer: str, support: str | None, words: Words) -> str:
+    """Return what the legend says of a layer, in as many letters as it has room for."""
+    label = words.plain("figure.support_layer", layer=layer, support=support) if support else layer
+    return label if len(label) <= LONGEST_NAME else f"{label[: LONGEST_NAME - 1]}…"
 
 
 def _loads(page: Sheet, axes: Axes, blocks: Sequence[Mapping[str, Any]], words: Words) -> list[Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shutil
 import tempfile
 from collections.abc import Mapping
@@ -16,6 +15,8 @@ from assessment.project_source import TOML, source_bytes
 from assessment.project_templates import DRAWING, NUMBER, TEMPLATES, Option, Template
 from assessment.spectrum import ElasticSpectrum
 
+SIZES = (1e-3, 1e3)  # m
+MOST_BLOCKS = 100  # of each kind, in a row
 COLOURS = (7, 8, 30, 1, 5, 3)  # AutoCAD colour indices of the layers, in their order
 
 
@@ -100,8 +101,9 @@ def _values(template: str, options: Mapping[str, float]) -> dict[str, float]:
         if name not in known:
             raise ProjectError(f"{template}: {name}: no such option; {nearest(name, known)}")
         counts = known[name][1] == NUMBER
-        if not (0.0 < value < math.inf) or (counts and value != int(value)):
-            must_be = "a whole number, 1 or more" if counts else f"a positive number, in {known[name][1]}"
-            raise ProjectError(f"{template}: {name}: is {value:g}; must be {must_be}")
+        low, high = (1, MOST_BLOCKS) if counts else SIZES
+        if not (low <= value <= high) or (counts and value != int(value)):
+            unit = "a whole number" if counts else f"a number, in {known[name][1]},"
+            raise ProjectError(f"{template}: {name}: is {value:g}; must be {unit} from {low:g} to {high:g}")
         values[name] = value
     return {name: int(v) if known[name][1] == NUMBER else float(v) for name, v in values.items()}

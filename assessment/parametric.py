@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 Layout = dict[str, list[Array]]
 
 THINNEST = 0.06  # m; a cut block thinner than this is joined to its neighbour
+MOST_COURSES = 100  # of a triumphal arch, whose blocks are cut one by one
 DECIMALS = 12  # of coordinates in m: shared vertices become identical
 
 
@@ -241,7 +242,12 @@ def _base(inner: float, outer: float) -> Array:
 
 def _levels(z0: float, z1: float, course_height: float) -> Array:
     """Levels of the nearest whole number of equal courses."""
-    return np.linspace(z0, z1, max(1, round((z1 - z0) / course_height)) + 1)
+    courses = max(1, round((z1 - z0) / course_height))
+    if courses > MOST_COURSES:
+        raise ValueError(
+            f"course_height_m: {course_height:g} makes {courses} courses, at most {MOST_COURSES}"
+        )
+    return np.linspace(z0, z1, courses + 1)
 
 
 def _is_sliver(piece: Polygon) -> bool:

@@ -12,7 +12,8 @@ from matplotlib.lines import Line2D
 
 from assessment.canvas import DASHES, chart
 from assessment.outlines import Array
-from assessment.words import Words
+from assessment.table import sense
+from assessment.words import Words, direction_name
 
 Results = Mapping[str, Any]
 WIDTHS = {"rigid": 0.8, "elastic": 1.9}
@@ -55,6 +56,7 @@ def draw_pushover(results: Results, words: Words, direction: str) -> Figure:
     """Draw the pushover curves of all states in one direction, and their first branch enlarged.
 
     Rigid contacts are thin, elastic ones thick; each state has its dashes; α0, (d_y, α_y), d_0 are marked.
+    Displacements are counted along the push.
     """
     states = {name: content["pushover"][direction] for name, content in pushed(results, direction).items()}
     yields = [p["elastic"]["d_y_m"] for p in states.values() if "elastic" in p and p["elastic"]["d_y_m"]]
@@ -65,14 +67,15 @@ def draw_pushover(results: Results, words: Words, direction: str) -> Figure:
                 if contacts in pushover:
                     curve = pushover[contacts]["curve"]
                     axes.plot(
-                        _mm(curve["displacement_m"]),
+                        sense(direction) * _mm(curve["displacement_m"]),
                         curve["multiplier"],
                         color="0.0",
                         linewidth=WIDTHS[contacts],
                         linestyle=dashes,
                     )
             _key_points(axes, pushover, names_yield=len(panels) == 1 or axes is panels[1])
-        axes.set(xlabel=words.plain("figure.control_displacement"), ylabel=words.plain("figure.multiplier"))
+        along = words.plain("figure.push_displacement", direction=direction_name(direction))
+        axes.set(xlabel=along, ylabel=words.plain("figure.multiplier"))
         axes.set_ylim(bottom=0.0)
         axes.set_xlim(left=0.0)
     if yields:
@@ -100,10 +103,12 @@ def pushed(results: Results, direction: str) -> dict[str, Any]:
 def _key_points(axes: Axes, pushover: Mapping[str, Any], names_yield: bool) -> None:
     mark: dict[str, Any] = {"color": "0.0", "markerfacecolor": "1.0", "linestyle": "none", "clip_on": True}
     rigid, elastic = pushover.get("rigid"), pushover.get("elastic")
-    text: dict[str, Any] = {"textcoords": "offset points", "annotation_clip": True}
+    text: dict[str, Any] = {"textcoords": "offset points", "annotation_clip": True, "parse_math": True}
     if rigid:
-        axes.plot(0.0, rigid["alpha_0"], marker="o", markersize=4.5, **(mark | {"clip_on": False}))
-        axes.annotate("$\\alpha_0$", (0.0, rigid["alpha_0"]), (5, 3), **text)
+        peak = rigid["curve"]["multiplier"].index(rigid["alpha_0"])
+        onset = 1000.0 * abs(rigid["curve"]["displacement_m"][peak])
+        axes.plot(onset, rigid["alpha_0"], marker="o", markersize=4.5, **(mark | {"clip_on": False}))
+        axes.annotate("$\\alpha_0$", (onset, rigid["alpha_0"]), (5, 3), **text)
         if rigid["d_0_m"] is not None:
             axes.plot(1000.0 * rigid["d_0_m"], 0.0, marker="^", markersize=5.0, **(mark | {"clip_on": False}))
             axes.annotate("$d_0$", (1000.0 * rigid["d_0_m"], 0.0), (0, 6), ha="center", **text)
@@ -126,8 +131,7 @@ def _key_numbers(name: str, pushover: Mapping[str, Any], words: Words) -> str:
 
 
 def _movement_lines(axes: Axes, content: Mapping[str, Any], words: Words) -> None:
-    settlement = content["settlement"]
-    applied = max(abs(component) for component in settlement["displacement_m"])
+    applied = max(stage["applied_movement_m"] for stage in content["pushdown"].values())
     if applied > 0.0:
         axes.axvline(1000.0 * applied, color="0.0", linewidth=0.7, linestyle=DASHES[1],
                      label=words.plain("figure.applied", movement=words.millimetres(applied)))  # fmt: skip

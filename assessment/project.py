@@ -8,6 +8,7 @@ together (names, files, stages that need each other) is.
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,8 @@ from assessment.project_source import SOURCES
 from assessment.project_toml import read_toml
 from assessment.project_xlsx import read_xlsx
 
+_CONTROL = re.compile(r"[\x00-\x1f\x7f]")  # a line of a message would end in the middle
+
 
 class Project(ProjectContent):
     """A checked project: the tables of its file, the folder it lives in and the file's name."""
@@ -31,6 +34,13 @@ class Project(ProjectContent):
     def path(self, name: str) -> Path:
         """Return the file that the project calls `name`, relative to its folder."""
         return self.folder / name
+
+    @property
+    def elastic(self) -> bool:
+        """Whether any analysis asks for elastic contacts."""
+        asked = [self.pushover.contacts] if self.pushover else []
+        asked += [(motion.contacts,) for motion in (*self.history, self.incremental) if motion]
+        return any("elastic" in contacts for contacts in asked)
 
     def control_point(self, name: str | None = None) -> ControlTable:
         """Return the control point of that name, or the first; stages that need one have one."""
@@ -96,6 +106,10 @@ def json_schema() -> dict[str, Any]:
 
 
 def _source(path: Path) -> Path:
+    if _CONTROL.search(str(path)):
+        from mechanics.faults import visible  # late: the mechanics take their time
+
+        raise ProjectError(f"{visible(str(path))}: project: control characters in the name; rename it")
     if path.name in SOURCES and path.is_file():
         return path
     if path.is_file():

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 from collections.abc import Iterable, Iterator
-from glob import escape, glob
+from contextlib import suppress
+from fnmatch import fnmatch
+from itertools import islice
 from pathlib import Path
 
 from assessment.messages import Problem, nearest
 from assessment.project_schema import (
+    MOST_ENTRIES,
     ORIGINAL,
     VARIED,
     AssessmentTable,
@@ -23,6 +28,9 @@ from assessment.project_schema import (
 )
 
 _MOST_INCREMENTS = 100_000
+MOST_LOOKED_AT = 20_000  # names in folders, to find the files that a pattern means
+LEAST_ROTATION = 1e-6  # of a macro-block, relative to the others'
+_WILD = re.compile(r"[*?[]")
 
 
 def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]:
@@ -51,35 +59,65 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
 
 
 def matches(folder: Path, pattern: str) -> list[Path]:
-    """Return the files in `folder` that a name or a pattern such as "records/*.acc" means, sorted."""
+    """Return the files in `folder` that a name or a pattern such as "records/*.acc" means, sorted.
+
+    Raises ValueError where more than MOST_LOOKED_AT names would have to be looked at, or there are too many files.
+    """
     if _is_file(folder / pattern):
         return [folder / pattern]
-    names = glob(str(Path(escape(str(folder))) / pattern))  # noqa: PTH207 - absolute patterns are fine here
-    return sorted(path for path in map(Path, names) if path.is_file())
+    if "**" in pattern:
+        raise ValueError("** is not understood; name the folders, * for each")
+    found, looked_at = [folder], 0
+    for part in Path(pattern).parts:
+        if not _WILD.search(part):
+            found = [path / part for path in found]
+            continue
+        within: list[Path] = []
+        for path in found:
+            for name in _names(path):
+                looked_at += 1
+                if looked_at > MOST_LOOKED_AT:
+                    raise ValueError(f"more than {MOST_LOOKED_AT} names to look at; name the folders")
+                if fnmatch(name, part) and (part.startswith(".") or not name.startswith(".")):
+                    within.append(path / name)
+        found = within
+    files = sorted(path for path in found if _is_file(path))
+    if len(files) > MOST_ENTRIES:
+        raise ValueError(f"{len(files)} files, at most {MOST_ENTRIES}; choose among them")
+    return files
+
+
+def _names(folder: Path) -> Iterator[str]:
+    """Yield the names in a folder; none where there is no such folder, or it may not be read."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            yield entry.name
 
 
 def _is_file(path: Path) -> bool:
     try:
         return path.is_file()
-    except OSError:  # a name that is too long, a folder that may not be searched
+    except (OSError, ValueError):  # a name that is too long or no name, a folder that may not be searched
         return False
 
 
 def _file(folder: Path, path: KeyPath, name: str | None) -> Iterator[Problem]:
     if name is not None and not _is_file(folder / name):
         parent = Path(name).parent
-        try:
-            files = [str(parent / file.name) for file in (folder / parent).iterdir() if file.is_file()]
-        except OSError:
-            files = []
+        names = islice(_names(folder / parent), MOST_ENTRIES)
+        files = sorted(str(parent / each) for each in names if _is_file(folder / parent / each))
         remedy = nearest(name, files) if files else "put it there or correct the name"
         yield Problem(path, f'no file "{name}" in the project folder; {remedy}')
 
 
 def _doubles(table: str, names: list[str | None]) -> Iterator[Problem]:
+    earlier: set[str] = set()
     for index, name in enumerate(names):
-        if name is not None and name in names[:index]:
+        if name is None:
+            continue
+        if name in earlier:
             yield Problem((table, index, "name"), f'"{name}" is the name of an earlier entry; write another')
+        earlier.add(name)
 
 
 def _known(path: KeyPath, name: str, valid: Iterable[str], what: str) -> Iterator[Problem]:
@@ -162,7 +200,12 @@ def _motions(project: ProjectContent, folder: Path) -> Iterator[Problem]:
         yield from _motion(project, path, history)
     if project.incremental:
         for index, pattern in enumerate(project.incremental.records):
-            if not matches(folder, pattern):
+            try:
+                found = matches(folder, pattern)
+            except ValueError as error:
+                yield Problem(("incremental", "records", index), f'"{pattern}": {error}')
+                continue
+            if not found:
                 yield from _file(folder, ("incremental", "records", index), pattern)
         yield from _motion(project, ("incremental",), project.incremental)
 
@@ -223,8 +266,10 @@ def _mechanisms(project: ProjectContent) -> Iterator[Problem]:
         if part.region_m is not None and (len(part.region_m) < 4 or len(part.region_m) % 2):
             text = "no corners; write x and z of two corners of a box, or of each corner of a polygon"
             yield Problem((*path, "region_m"), text)
-        if part.rotation == 0.0:
-            yield Problem((*path, "rotation"), "0 does not move the macro-block; leave the entry out")
+        if abs(part.rotation) < LEAST_ROTATION:
+            yield Problem(
+                (*path, "rotation"), f"{part.rotation:g} does not move the macro-block; leave the entry out"
+            )
         yield from _known((*path, "state"), part.state, project.states, "state")
         if part.state != states.setdefault(part.name, part.state):
             yield Problem(

@@ -23,7 +23,13 @@ ORIGINAL = "original"
 """Name of the state before any settlement."""
 
 # Nothing invisible: what cannot be seen in an editor or held by a spreadsheet cell is a typing slip.
-_UNSEEN = r"\x00-\x08\x0b-\x1f\x7f-\x9f\ufffe\uffff"
+_UNSEEN = r"\x00-\x08\x0b-\x1f\x7f-\x9f\u200b\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ufffe\uffff"
+
+_MOST_STIFFNESS = 1e11  # kN/m³
+MOST_ENTRIES = 1000
+"""Of a list of tables or of names."""
+MOST_LAYERS = 10_000
+"""Of tables [layers.NAME]."""
 
 
 def _unique(items: tuple[str, ...]) -> tuple[str, ...]:
@@ -32,21 +38,51 @@ def _unique(items: tuple[str, ...]) -> tuple[str, ...]:
     return items
 
 
+def _stiff_or_rigid(stiffness: float) -> float:
+    if _MOST_STIFFNESS < stiffness < math.inf:
+        raise ValueError(
+            f"{stiffness:g} is more than {_MOST_STIFFNESS:g}; write inf for a joint that is rigid in shear"
+        )
+    return stiffness
+
+
 def _without_default(schema: dict[str, Any]) -> None:
     """Leave an infinite default out of the JSON schema: JSON has no infinity."""
-    del schema["default"]
+    if schema.get("default") == math.inf:
+        del schema["default"]
 
 
-Positive = Annotated[float, Field(gt=0)]
-NotNegative = Annotated[float, Field(ge=0)]
-Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True)]
+# Bounds so wide that only a slip lies outside, so narrow that no arithmetic overflows.
+Length = Annotated[float, Field(ge=1e-6, le=1e5)]  # m
+Step = Annotated[float, Field(ge=1e-7, le=1e3)]  # m, of a movement
+Drawn = Annotated[float, Field(ge=1e-7, le=1e2)]  # m, a tolerance of the drawing
+Coordinate = Annotated[float, Field(ge=-1e7, le=1e7)]  # m
+Shift = Annotated[float, Field(ge=-1e5, le=1e5)]  # m
+Angle = Annotated[float, Field(ge=-6.3, le=6.3)]  # rad
+AngleStep = Annotated[float, Field(ge=1e-7, le=1)]  # rad
+UnitWeight = Annotated[float, Field(ge=1e-3, le=1e6)]  # kN/m³
+Stiffness = Annotated[float, Field(ge=1e-3, le=_MOST_STIFFNESS)]  # kN/m³
+Rigidity = Annotated[float, Field(ge=1e-3, allow_inf_nan=True), AfterValidator(_stiff_or_rigid)]  # kN/m³
+Friction = Annotated[float, Field(ge=0, allow_inf_nan=True)]  # inf: no sliding
+Load = Annotated[float, Field(ge=-1e9, le=1e9)]  # kN
+Seconds = Annotated[float, Field(ge=1e-6, le=1e3)]
+Instant = Annotated[float, Field(ge=-1e6, le=1e6)]  # s
+Acceleration = Annotated[float, Field(ge=1e-6, le=1e3)]  # g
+Factor = Annotated[float, Field(ge=1e-4, le=1e4)]
+Ratio = Annotated[float, Field(ge=-1e4, le=1e4)]
+Damping = Annotated[float, Field(ge=0, lt=1)]
+BlockNumber = Annotated[int, Field(ge=0, le=10**9)]
 Segments = Annotated[int, Field(ge=1, le=100)]
-Pair = Annotated[tuple[float, float], Field(strict=False)]
-Factors = Annotated[tuple[Positive, Positive], Field(strict=False)]
-Tolerance = Annotated[float, Field(gt=0, lt=1)]
+Pair = Annotated[tuple[Coordinate, Coordinate], Field(strict=False)]
+Movement = Annotated[tuple[Shift, Shift], Field(strict=False)]
+Window = Annotated[tuple[Instant, Instant], Field(strict=False)]
+Varied = Annotated[float, Field(ge=1e-2, le=1e2)]
+Factors = Annotated[tuple[Varied, Varied], Field(strict=False)]
+Tolerance = Annotated[float, Field(ge=1e-6, lt=1)]
 Name = Annotated[str, Field(max_length=200, pattern=rf"^[^\s{_UNSEEN}]([^\t\n{_UNSEEN}]*[^\s{_UNSEEN}])?$")]
 Text = Annotated[str, StringConstraints(strip_whitespace=True, max_length=2000, pattern=rf"^[^{_UNSEEN}]*$")]
-_ENTRIES = Field(strict=False, min_length=1, json_schema_extra={"uniqueItems": True})
+_ENTRIES = Field(strict=False, min_length=1, max_length=MOST_ENTRIES, json_schema_extra={"uniqueItems": True})
+_TABLES = Field(strict=False, max_length=MOST_ENTRIES)
 Names = Annotated[tuple[Name, ...], _ENTRIES, AfterValidator(_unique)]
 Contacts = Literal["rigid", "elastic"]
 Direction = Literal["+x", "-x"]
@@ -67,16 +103,16 @@ class GeometryTable(Table):
 
     drawing: Name = Field(description="DXF file with one closed polyline per block")
     unit: Literal["mm", "cm", "m"] = Field(description="unit of the drawing: mm, cm or m")
-    depth_m: Positive = Field(description="out-of-plane depth, m; default of every layer")
+    depth_m: Length = Field(description="out-of-plane depth, m; default of every layer")
     segments_per_joint: Segments = Field(
         default=16,
         description="contact interfaces along each joint, four contact points each; 1 is exact where rigid, "
         "elastic needs 16 or more",
     )
-    tolerance_m: Positive | None = Field(
+    tolerance_m: Drawn | None = Field(
         default=None, description="edges closer than this, m, form a joint; default from the drawing's size"
     )
-    sagitta_m: Positive | None = Field(
+    sagitta_m: Drawn | None = Field(
         default=None,
         description="largest distance, m, between a drawn arc and its chords; default from its size",
     )
@@ -85,13 +121,15 @@ class GeometryTable(Table):
 class MaterialTable(Table):
     """[material]: stone and joints, default of every layer."""
 
-    unit_weight_kN_m3: Positive = Field(description="unit weight of the stone, kN/m³")
-    friction: NotNegative = Field(default=0.6, description="tangent of the friction angle of a joint")
-    normal_stiffness_kN_m3: Positive | None = Field(
+    unit_weight_kN_m3: UnitWeight = Field(description="unit weight of the stone, kN/m³")
+    friction: Friction = Field(
+        default=0.6, description="tangent of the friction angle of a joint; inf: no sliding"
+    )
+    normal_stiffness_kN_m3: Stiffness | None = Field(
         default=None,
         description="normal stiffness of a joint per unit area, kN/m³; needed by elastic analyses only",
     )
-    tangential_stiffness_kN_m3: Stiffness = Field(
+    tangential_stiffness_kN_m3: Rigidity = Field(
         default=math.inf,
         description="tangential stiffness of a joint per unit area, kN/m³; inf (default): rigid in shear",
         json_schema_extra=_without_default,
@@ -101,28 +139,26 @@ class MaterialTable(Table):
 class LayerTable(Table):
     """[layers.NAME]: what the blocks on one layer of the drawing have of their own."""
 
-    unit_weight_kN_m3: Positive | None = Field(
+    unit_weight_kN_m3: UnitWeight | None = Field(
         default=None, description="unit weight, kN/m³, instead of [material]'s"
     )
-    friction: NotNegative | None = Field(
+    friction: Friction | None = Field(
         default=None, description="tangent of friction angle, instead of [material]'s"
     )
-    normal_stiffness_kN_m3: Positive | None = Field(
+    normal_stiffness_kN_m3: Stiffness | None = Field(
         default=None, description="normal stiffness, kN/m³, instead of [material]'s"
     )
-    tangential_stiffness_kN_m3: Stiffness | None = Field(
+    tangential_stiffness_kN_m3: Rigidity | None = Field(
         default=None, description="tangential stiffness, kN/m³, instead of [material]'s"
     )
-    depth_m: Positive | None = Field(
-        default=None, description="out-of-plane depth, m, instead of [geometry]'s"
-    )
+    depth_m: Length | None = Field(default=None, description="out-of-plane depth, m, instead of [geometry]'s")
     segments_per_joint: Segments | None = Field(
         default=None, description="contact interfaces along each joint, instead of [geometry]'s"
     )
     support: Name | None = Field(
         default=None, description="the blocks of this layer are a support of this name"
     )
-    vertical_load_kN: float = Field(
+    vertical_load_kN: Load = Field(
         default=0.0, description="load on each block of the layer, kN, downward, at its centroid"
     )
     load_has_mass: bool = Field(default=True, description="the load also counts as seismic mass")
@@ -140,14 +176,12 @@ class SettlementTable(Table):
 
     name: Name = Field(description="name of the settled state")
     support: Name = Field(description="the support that moves, as named in [layers]")
-    displacement_m: Pair = Field(default=(0.0, 0.0), description="movement along x and z, m")
-    rotation_rad: float = Field(
+    displacement_m: Movement = Field(default=(0.0, 0.0), description="movement along x and z, m")
+    rotation_rad: Angle = Field(
         default=0.0, description="rotation about the support's centroid, anticlockwise, rad"
     )
-    increment_m: Positive = Field(
-        default=0.001, description="step of the largest component of the movement, m"
-    )
-    increment_rad: Positive = Field(default=0.001, description="largest step of the rotation, rad")
+    increment_m: Step = Field(default=0.001, description="step of the largest component of the movement, m")
+    increment_rad: AngleStep = Field(default=0.001, description="largest step of the rotation, rad")
     to_collapse: bool = Field(
         default=False, description="also look for the ultimate movement along the same direction"
     )
@@ -167,7 +201,7 @@ class PushoverTable(Table):
 
     contacts: ContactsList = Field(default=("rigid",), description="contact models: rigid, elastic or both")
     directions: Directions = Field(default=("+x", "-x"), description="directions of the lateral loads")
-    increment_m: Positive = Field(default=0.001, description="step of the control point's displacement, m")
+    increment_m: Step = Field(default=0.001, description="step of the control point's displacement, m")
     control: Name | Annotated[dict[Direction, Name], Field(min_length=1)] | None = Field(
         default=None,
         description='control point, or one per direction: {"+x" = "C1", "-x" = "C2"}; default the first',
@@ -177,20 +211,18 @@ class PushoverTable(Table):
 class MotionTable(Table):
     """What [[history]] and [incremental] have in common."""
 
-    time_step_s: Positive | None = Field(
+    time_step_s: Seconds | None = Field(
         default=None,
         description="time step, s; default the record's; also the sampling step of a one-column record",
     )
-    window_s: Pair | Literal["arias"] | None = Field(
+    window_s: Window | Literal["arias"] | None = Field(
         default=None, description='first and last second of the record to use, or "arias": its 5–95 % window'
     )
     contacts: Contacts = Field(default="elastic", description="contact model: rigid or elastic")
     integrator: Literal["implicit-euler", "second-order"] = Field(
         default="second-order", description="time integration: second-order, or implicit-euler (the paper's)"
     )
-    damping_ratio: Annotated[float, Field(ge=0, lt=1)] | None = Field(
-        default=None, description="viscous damping ratio of the contacts"
-    )
+    damping_ratio: Damping | None = Field(default=None, description="viscous damping ratio of the contacts")
     control: Name | None = Field(default=None, description="control point; default the first")
     states: Names | None = Field(
         default=None, description='states to analyse: "original" and names of settlements; default all'
@@ -206,7 +238,7 @@ class HistoryTable(MotionTable):
     name: Name | None = Field(
         default=None, description="name in tables and figures; default the record's file name"
     )
-    scale: float = Field(default=1.0, description="factor on the accelerations of the record; not zero")
+    scale: Ratio = Field(default=1.0, description="factor on the accelerations of the record; not zero")
     vertical_record: Name | None = Field(default=None, description="file of the vertical ground acceleration")
     animation: bool = Field(default=False, description="also write the motion from every state as a GIF")
 
@@ -215,16 +247,16 @@ class IncrementalTable(MotionTable):
     """[incremental]: incremental dynamic analysis, PGA at incipient collapse per record and state."""
 
     records: Names = Field(description='record files; patterns such as "records/*.acc" are expanded')
-    tolerance_g: Positive = Field(default=0.01, description="tolerance of the PGA at collapse, g")
-    max_scale: Positive = Field(default=5.0, description="largest factor on a record that is tried")
+    tolerance_g: Acceleration = Field(default=0.01, description="tolerance of the PGA at collapse, g")
+    max_scale: Factor = Field(default=5.0, description="largest factor on a record that is tried")
 
 
 class HazardTable(Table):
     """[assessment.site.SLV] and so on: the hazard of one limit state, typed in."""
 
-    ag_g: Positive = Field(description="peak ground acceleration on rigid level ground, g")
-    F0: Positive = Field(description="largest amplification of the spectrum")
-    Tc_star_s: Positive = Field(description="T_C*, s: reference for the end of the constant branch")
+    ag_g: Acceleration = Field(description="peak ground acceleration on rigid level ground, g")
+    F0: Annotated[float, Field(ge=1, le=100)] = Field(description="largest amplification of the spectrum")
+    Tc_star_s: Seconds = Field(description="T_C*, s: reference for the end of the constant branch")
 
 
 class SiteTable(Table):
@@ -250,7 +282,9 @@ class SiteTable(Table):
     topography: Literal["T1", "T2", "T3", "T4"] = Field(
         default="T1", description="topographic class T1 to T4, NTC 2018 Tab. 3.2.III"
     )
-    nominal_life_years: Positive = Field(default=50.0, description="nominal life V_N, years")
+    nominal_life_years: Annotated[float, Field(ge=1, le=1e4)] = Field(
+        default=50.0, description="nominal life V_N, years"
+    )
     use_class: Literal["I", "II", "III", "IV"] = Field(
         default="II", description="use class I to IV, NTC 2018 §2.4.2"
     )
@@ -259,19 +293,19 @@ class SiteTable(Table):
 class FloorTable(Table):
     """[assessment.floor]: the building that carries a mechanism at height, for the floor spectrum."""
 
-    height_m: NotNegative = Field(
-        description="height z, m, of the restraints of the mechanism above the foundation"
+    height_m: Annotated[float, Field(ge=0, le=1e4)] = Field(
+        description="height z, m, of the restraints of the mechanism above the foundation; 0: on the ground"
     )
-    building_height_m: Positive = Field(description="height H of the building, m")
-    storeys: Annotated[int, Field(ge=1)] = Field(description="number of storeys n")
-    period_s: Positive = Field(description="period T_1 of the building's first mode, s")
-    damping_ratio: Annotated[float, Field(gt=0, lt=1)] = Field(
+    building_height_m: Length = Field(description="height H of the building, m")
+    storeys: Annotated[int, Field(ge=1, le=1000)] = Field(description="number of storeys n")
+    period_s: Seconds = Field(description="period T_1 of the building's first mode, s")
+    damping_ratio: Annotated[float, Field(ge=1e-3, lt=1)] = Field(
         default=0.05, description="viscous damping ratio of the building's modes"
     )
-    higher_periods_s: Annotated[tuple[Positive, ...], Field(strict=False)] = Field(
+    higher_periods_s: Annotated[tuple[Seconds, ...], Field(strict=False, max_length=100)] = Field(
         default=(), description="periods T_k of further modes, s"
     )
-    higher_participations: Annotated[tuple[float, ...], Field(strict=False)] = Field(
+    higher_participations: Annotated[tuple[Ratio, ...], Field(strict=False, max_length=100)] = Field(
         default=(), description="their products γ_k ψ_k(z), participation times shape at the height z"
     )
 
@@ -280,10 +314,10 @@ class AssessmentTable(Table):
     """[assessment]: the displacement-based check of every pushover curve."""
 
     limit_states: LimitStates = Field(default=("SLD", "SLV", "SLC"), description="limit states to check")
-    confidence_factor: Annotated[float, Field(ge=1)] = Field(
+    confidence_factor: Annotated[float, Field(ge=1, le=10)] = Field(
         default=1.35, description="confidence factor F_C"
     )
-    behaviour_factor: Annotated[float, Field(ge=1)] = Field(
+    behaviour_factor: Annotated[float, Field(ge=1, le=100)] = Field(
         default=2.0, description="behaviour factor q of the linear check"
     )
     model: Literal["trilinear", "bilinear", "none"] = Field(
@@ -304,7 +338,7 @@ class AssessmentTable(Table):
         default="at_period",
         description="displacement demand of a record: at_period T, as in the paper, or maximum over [T_0, T]",
     )
-    local_displacement_limit_m: Positive | None = Field(
+    local_displacement_limit_m: Length | None = Field(
         default=None,
         description="displacement of the control point, m, at a local loss such as a beam unseating",
     )
@@ -326,21 +360,23 @@ class MechanismTable(Table):
         description="name of the mechanism; each of its macro-blocks is an entry with this name"
     )
     about_m: Pair = Field(description="x and z, m, of the point about which the macro-block rotates")
-    rotation: float = Field(
+    rotation: Ratio = Field(
         default=-1.0,
         description="virtual rotation, anticlockwise positive, relative to the other macro-blocks",
     )
     layers: Names | None = Field(
         default=None, description="layers of the macro-block; default all, where a region is given"
     )
-    region_m: Annotated[tuple[float, ...], Field(strict=False, min_length=1)] | None = Field(
+    region_m: (
+        Annotated[tuple[Coordinate, ...], Field(strict=False, min_length=1, max_length=MOST_ENTRIES)] | None
+    ) = Field(
         default=None,
         description="x and z, m, of two opposite corners of a box, or of the corners of a polygon: the movable "
         "blocks of the layers whose centroid lies in it",
     )
-    blocks: Annotated[tuple[int, ...], Field(strict=False, min_length=1)] | None = Field(
-        default=None, description="numbers of further blocks, as in tables/blocks.csv"
-    )
+    blocks: (
+        Annotated[tuple[BlockNumber, ...], Field(strict=False, min_length=1, max_length=MOST_LAYERS)] | None
+    ) = Field(default=None, description="numbers of further blocks, as in tables/blocks.csv")
     state: Name = Field(
         default=ORIGINAL, description="state in whose configuration the mechanism and its points are taken"
     )
@@ -388,22 +424,22 @@ class ProjectContent(Table):
     )
     geometry: GeometryTable = Field(description="the drawing and how it becomes blocks and joints")
     material: MaterialTable = Field(description="stone and joints, default of every layer")
-    layers: dict[Name, LayerTable] = Field(
+    layers: Annotated[dict[Name, LayerTable], Field(max_length=MOST_LAYERS)] = Field(
         default={}, description="what the blocks of a layer have of their own"
     )
-    control: Annotated[tuple[ControlTable, ...], Field(strict=False)] = Field(
+    control: Annotated[tuple[ControlTable, ...], _TABLES] = Field(
         default=(), description="control points; the first one is the default"
     )
-    settlements: Annotated[tuple[SettlementTable, ...], Field(strict=False)] = Field(
+    settlements: Annotated[tuple[SettlementTable, ...], _TABLES] = Field(
         default=(), description="support movements to review, each one a state"
     )
     pushover: PushoverTable | None = Field(default=None, description="pushover analysis")
-    history: Annotated[tuple[HistoryTable, ...], Field(strict=False)] = Field(
+    history: Annotated[tuple[HistoryTable, ...], _TABLES] = Field(
         default=(), description="time histories, one per record and state"
     )
     incremental: IncrementalTable | None = Field(default=None, description="incremental dynamic analysis")
     assessment: AssessmentTable | None = Field(default=None, description="check against the standard")
-    mechanism: Annotated[tuple[MechanismTable, ...], Field(strict=False)] = Field(
+    mechanism: Annotated[tuple[MechanismTable, ...], _TABLES] = Field(
         default=(), description="mechanisms chosen by the user, one entry per macro-block"
     )
     sensitivity: SensitivityTable | None = Field(

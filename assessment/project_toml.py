@@ -8,24 +8,41 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from assessment.messages import ProjectError
+from assessment.messages import ProjectError, shortened
 from assessment.project_schema import KeyPath
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
+_DECIMAL_COMMA = re.compile(r"(?<![\w.,])([+-]?\d+),(\d+(?:[eE][+-]?\d+)?)(?![\w.]|,\d)")
+_TEXT = re.compile(r"\"[^\"]*\"|'[^']*'|#.*")  # in which no number is looked for
+_LONG_KEY = re.compile(r"""(?<![\w"'-])(?:[\w"'-]++[ \t]*+\.[ \t]*+){40}""")
+MOST_BYTES = 2_000_000  # of a project file
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 
 def read_toml(path: Path) -> dict[str, Any]:
     """Return the content of a TOML file; raises ProjectError with line and column where it is none."""
-    raw = path.read_bytes().removeprefix(_BYTE_ORDER_MARK)
+    with path.open("rb") as file:
+        raw = file.read(MOST_BYTES + 1)
+    if len(raw) > MOST_BYTES:
+        raise ProjectError(
+            f"{path.name}: file: more than {MOST_BYTES} bytes; keep what describes the project"
+        )
+    raw = raw.removeprefix(_BYTE_ORDER_MARK)
     try:
         text = raw.decode("utf-8")
     except UnicodeDecodeError as error:
         number = raw.count(b"\n", 0, error.start) + 1
         raise ProjectError(f"{path.name}: line {number}: not UTF-8 text; save the file as UTF-8") from None
+    if key := _LONG_KEY.search(text):  # no key has so many, and the time to read one grows with their square
+        number = text.count("\n", 0, key.start()) + 1
+        raise ProjectError(
+            f"{path.name}: line {number}: a key of 40 parts or more; write [table] and key = value"
+        )
     try:
         return tomllib.loads(text)
+    except RecursionError:
+        raise ProjectError(f"{path.name}: file: brackets within brackets without end; close them") from None
     except ValueError as error:  # TOMLDecodeError, or a number of thousands of digits
         raise ProjectError(f"{path.name}: {_syntax(text, str(error))}") from None
 
@@ -74,12 +91,15 @@ def _syntax(text: str, message: str) -> str:
         column = len(lines[number - 1]) + 1
     else:
         number, column = int(place[1]), int(place[2])
-    what = message[: place.start()] if place else message
+    what = shortened(message[: place.start()] if place else message)
     line = text.split("\n")[number - 1].strip()
-    return (
-        f"line {number}, column {column}: {what[:1].lower()}{what[1:]}: {line}; "
-        "texts stand in quotes, decimals have a point, a table or key appears once"
+    comma = _DECIMAL_COMMA.search(_TEXT.sub('""', line))
+    remedy = (
+        f"write a decimal point, not a comma: {shortened(f'{comma[1]}.{comma[2]}')}"
+        if comma
+        else "texts stand in quotes, decimals have a point, a table or key appears once"
     )
+    return f"line {number}, column {column}: {what[:1].lower()}{what[1:]}: {shortened(line)}; {remedy}"
 
 
 def _is_tables(value: Any) -> bool:

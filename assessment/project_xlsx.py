@@ -17,12 +17,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args, get_origin
-from zipfile import BadZipFile
 
 from assessment.messages import ProjectError, nearest
 from assessment.project_comments import unset_keys
 from assessment.project_keys import alternatives, annotation_at, keys_at, table_at, tables_of
 from assessment.project_schema import KeyPath, ProjectContent
+from assessment.project_workbook import Rows, read_sheets
 
 _FORMS = tables_of(ProjectContent)
 _SINGLE: dict[str, KeyPath] = {
@@ -34,8 +34,6 @@ _SHEETS = _SINGLE | {name: (name,) for name, form in _FORMS.items() if form != "
 _NAME = {name: "layer" if name == "layers" else "name" for name, form in _FORMS.items() if form == "named"}
 WIDEST = 90  # letters of a column
 _HELP = "help"  # the sheet that lists all keys; it is not read
-
-_Rows = dict[int, tuple[Any, ...]]
 
 
 class _Entry(NamedTuple):
@@ -51,21 +49,13 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str]]:
 
     Raises ProjectError naming sheet and cell where the form is wrong; values are not checked here.
     """
-    from openpyxl import load_workbook
-
-    try:
-        book, formulas = (load_workbook(path, read_only=True, data_only=values) for values in (True, False))
-    except (BadZipFile, KeyError, ValueError, SyntaxError):
-        raise ProjectError(f"{path.name}: file: not an XLSX workbook; save it as .xlsx") from None
-    rows = {sheet.title: _rows(sheet) for sheet in book.worksheets}
-    for sheet in formulas.worksheets:
-        if place := _unevaluated(_rows(sheet), rows[sheet.title]):
+    rows, formulas = read_sheets(path)
+    for name, sheet in formulas.items():
+        if place := _unevaluated(sheet, rows[name]):
             raise ProjectError(
-                f'{path.name}: sheet "{sheet.title}", cell {place}: a formula whose value is not stored; '
+                f'{path.name}: sheet "{name}", cell {place}: a formula whose value is not stored; '
                 "open the file in a spreadsheet program and save it, or write the value"
             )
-    book.close()
-    formulas.close()
     for name in rows.keys() - _SHEETS.keys() - {_HELP}:
         if rows[name]:
             raise ProjectError(f'{path.name}: sheet "{name}": unknown sheet; {nearest(name, _SHEETS)}')
@@ -135,17 +125,7 @@ def _explain_header(sheet: Any) -> None:
             cell.comment = Comment(meanings[cell.value], "Assesto", height=80, width=260)
 
 
-def _rows(sheet: Any) -> _Rows:
-    """Return the rows of a sheet that hold something, by number; blank texts are None."""
-    sheet.reset_dimensions()  # some programs store a wrong size
-    rows = {
-        number: tuple(None if isinstance(value, str) and not value.strip() else value for value in row)
-        for number, row in enumerate(sheet.iter_rows(values_only=True), 1)
-    }
-    return {number: row for number, row in rows.items() if any(value is not None for value in row)}
-
-
-def _unevaluated(formulas: _Rows, values: _Rows) -> str | None:
+def _unevaluated(formulas: Rows, values: Rows) -> str | None:
     """Return the first cell that has a formula and no value, which would else pass for an empty one."""
     from openpyxl.utils import get_column_letter
 
@@ -157,7 +137,7 @@ def _unevaluated(formulas: _Rows, values: _Rows) -> str | None:
     return None
 
 
-def _table_entries(name: str, rows: _Rows) -> Iterator[_Entry]:
+def _table_entries(name: str, rows: Rows) -> Iterator[_Entry]:
     table = _SINGLE[name]
     if table:
         yield _Entry(table, {}, "")
@@ -169,7 +149,7 @@ def _table_entries(name: str, rows: _Rows) -> Iterator[_Entry]:
         yield _Entry(path, _typed(value, annotation_at(path)), f", cell B{number}")
 
 
-def _list_entries(name: str, rows: _Rows) -> Iterator[_Entry]:
+def _list_entries(name: str, rows: Rows) -> Iterator[_Entry]:
     from openpyxl.utils import get_column_letter
 
     header, *entries = [*rows.items()] or [(0, ())]
@@ -216,7 +196,10 @@ def _typed(value: Any, annotation: Any) -> Any:
             parts = re.split(r";|,?\s", _text(value).strip().removeprefix("[").removesuffix("]"))
         else:
             one_line = _text(value).replace("\r", ";").replace("\n", ";")
-            parts = next(csv.reader([one_line], delimiter=";", skipinitialspace=True))
+            try:
+                parts = next(csv.reader([one_line], delimiter=";", skipinitialspace=True))
+            except csv.Error:  # more text than a cell can hold
+                return value
         return [_typed(part.strip(), member) for part in parts if part.strip()]
     if isinstance(value, str):
         return value if takes_text else _number(value, kinds)

@@ -1,4 +1,4 @@
-"""Reactions of the supports at rest and at the onset of every mechanism, and their balance with the loads."""
+"""Reactions of the supports at rest and at the activation of every mechanism, and their balance with the loads."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from assessment.hand_check import weights
 from assessment.joint_states import Situation, joint_states, situations
 from assessment.outlines import Array
-from assessment.table import Results, Row, Table
+from assessment.table import Results, Row, Table, sense
 
 WHERE = ("state", "direction", "contacts", "alpha")
 REACTIONS = (*WHERE, "support", "reaction_x_kN", "reaction_z_kN")
@@ -52,7 +52,7 @@ def balance(results: Results) -> Table:
     rows = []
     for each in situations(results):
         total = sum((force for _, force in _forces(results, each)), np.zeros(2))
-        along = each.alpha * seismic * (-1.0 if each.direction == "-x" else 1.0)
+        along = each.alpha * seismic * sense(each.direction or "+x")
         load = np.array([along, -dead])
         rows.append(
             _where(each)

@@ -180,7 +180,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         incremental_states(results),
         static_dynamic(results),
         *(reported(table, words) for table in convergence_tables(results)),
-        Table("quality", list(results["quality"].get("by_stage") or []), tables.QUALITY),
+        tables.quality(results),
         hand_check(results),
         Table("echo", list(echoed(results["echo"], words)), ("table", "settings")),
     ]

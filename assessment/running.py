@@ -56,7 +56,7 @@ def carry_out(
         if last and last.results == keys.results and last.intact(folder, RESULTS):
             outcome = last.outcome(folder)
             _retitle(outcome.results, project)
-            outcome.results["inputs"] = project.digests()
+            outcome.results["inputs"][project.source] = project.digests()[project.source]
         else:
             outcome = _analysed(project, folder, jobs, fresh, report, show)
         standing = last.standing(folder, keys) if last else frozenset()

@@ -123,6 +123,7 @@ def _limit_point(axes: Axes, point: Mapping[str, Any], limit: str) -> None:
         (-3, -4),
         ha="right",
         va="top",
+        parse_math=True,
         **OFFSET,
     )
     if point.get("T_s"):
@@ -132,7 +133,9 @@ def _limit_point(axes: Axes, point: Mapping[str, Any], limit: str) -> None:
         axes.plot(
             d_star, height, marker="o", color="0.0", markerfacecolor="1.0", markersize=5, linestyle="none"
         )
-        axes.annotate(f"$T_{{\\mathrm{{{limit}}}}}$", (d_star, height), (4, 3), va="bottom", **OFFSET)
+        axes.annotate(
+            f"$T_{{\\mathrm{{{limit}}}}}$", (d_star, height), (4, 3), va="bottom", parse_math=True, **OFFSET
+        )
 
 
 def _spectra_handles(words: Words, limit: str) -> list[Line2D]:

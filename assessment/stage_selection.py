@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from assessment.messages import ProjectError
+from assessment.messages import ProjectError, nearest
 
 if TYPE_CHECKING:
     from assessment.project import Project
@@ -31,7 +31,7 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
     wanted = list(only)
     for name in wanted:
         if name not in STAGES:
-            raise ProjectError(f"--only: {name}: no such stage; choose from {', '.join(STAGES)}")
+            raise ProjectError(f"--only: {name}: no such stage; {nearest(name, STAGES)}")
     if "sensitivity" in wanted and "assessment" not in wanted:
         wanted.append("assessment")
     if {"assessment", "scenarios"} & {*wanted} and "pushover" not in wanted:

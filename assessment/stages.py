@@ -11,6 +11,7 @@ import numpy as np
 from assessment.capacity import mechanism_participation
 from assessment.frames import pushdown_frames, pushover_frames
 from assessment.idealisation import CapacityError
+from assessment.table import sense
 from mechanics import (
     Assembly,
     CollapseError,
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
 
     from assessment.project_schema import ControlTable, SettlementTable
     from mechanics.static_step import Step
+
+STILL = 1e-6  # of the largest virtual displacement: a control point that takes no part in a mechanism
 
 
 @dataclass
@@ -246,12 +249,17 @@ def _curve_followed(
     result.warnings += [f"{title}: {text}" for text in overruns(model, behaviour, _points(path.steps))]
     result.warnings += _crossings(title, path.crossed)
     rigid = behaviour == "rigid"
-    numbers = _rigid(model, control, direction, path) if rigid else _elastic(model, path)
+    numbers = _rigid(model, control, direction, path) if rigid else _elastic(model, direction, path)
     result.numbers = {
         "control": control.name,
         **numbers,
         "frames": pushover_frames(model, behaviour, path),
     }
+    if rigid and path.formed != path.peak:
+        result.warnings.append(
+            f"{title}: the control point takes no part in the mechanism at α0: displacements, e*, Γ*, forces and hand "
+            f"check are those of d = {path.displacement[path.formed]:.4g} m, α = {path.multiplier[path.formed]:.4g}"
+        )
     # an elastic curve has served once it is past its peak; a rigid one is the capacity to its end
     if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * max(path.multiplier)):
         result.warnings.append(
@@ -267,12 +275,9 @@ def _crossings(title: str, crossed: NDArray[np.float64]) -> list[str]:
 
 
 def _rigid(model: Assembly, control: ControlTable, direction: Direction, path: Pushover) -> dict[str, Any]:
-    mechanism, at = path.mechanism, path.states[path.formed]
-    reference = path.multiplier[path.formed]
-    block = model.block_at(control.point_m)
-    small = 1e-6 * model.size / abs(mechanism[:, :2]).max()
-    shift = model.point_displacement(control.point_m, block, at.positions + small * mechanism)
-    rate = (shift - model.point_displacement(control.point_m, block, at.positions))[0] / small
+    """The numbers of a rigid curve; those of the mechanism are of its activation: the point of α0 (C8.7.1.2)."""
+    at = path.states[path.formed]
+    mechanism, control_dx = _scaled(model, control, at, path.mechanism)
     found = hinges(model, at, mechanism, path.forces)
     return {
         "alpha_0": float(path.multiplier[path.peak]),
@@ -282,32 +287,50 @@ def _rigid(model: Assembly, control: ControlTable, direction: Direction, path: P
         "reached_zero": path.reached_zero,
         "lost": path.lost,
         "end": path.end,
-        "curve": _curve(path),
+        "curve": _curve(path, direction),
         "mechanism": {
+            "point": path.formed,
+            "alpha": float(path.multiplier[path.formed]),
             "hinges": len(found.points),
-            **_participation(model, mechanism / rate),
-            "displacements": (mechanism / rate).tolist(),
+            **_participation(model, mechanism, control_dx),
+            "displacements": mechanism.tolist(),
+            "control_displacement_x": control_dx,
             "hinge_points_m": found.points.tolist(),
             "sliding_joints": found.sliding.tolist(),
             "moving_weight_kN": float(found.moving_weight),
-            "point": path.formed,
         },
         "virtual_work_alpha": virtual_work_multiplier(model, mechanism, direction),
-        "virtual_work_reference": float(reference),
         "mechanism_configuration": configuration(model, at),
         "final_configuration": configuration(model, path.states[-1]),
     }
 
 
-def _participation(model: Assembly, mechanism: NDArray[np.float64]) -> dict[str, float | None]:
+def _scaled(
+    model: Assembly, control: ControlTable, at: State, mechanism: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], float]:
+    """Return virtual displacements (b, 3) that move the control point by 1 m along x, either way, and its own.
+
+    Where the control point takes no part, the largest one is 1 m.
+    """
+    block, fastest = model.block_at(control.point_m), float(abs(mechanism[:, :2]).max())
+    small = 1e-6 * model.size / fastest
+    shift = model.point_displacement(control.point_m, block, at.positions + small * mechanism)
+    rate = float((shift - model.point_displacement(control.point_m, block, at.positions))[0]) / small
+    size = abs(rate) if abs(rate) > STILL * fastest else fastest
+    return mechanism / size, rate / size
+
+
+def _participation(
+    model: Assembly, mechanism: NDArray[np.float64], control_dx: float
+) -> dict[str, float | None]:
     try:
-        part = mechanism_participation(model, mechanism)
+        part = mechanism_participation(model, mechanism, control_dx)
     except CapacityError:  # said again, with its reason, where the capacity is asked for
         return {"e_star": None, "gamma_star": None}
     return {"e_star": part.e_star, "gamma_star": part.gamma_star}
 
 
-def _elastic(model: Assembly, path: Pushover) -> dict[str, Any]:
+def _elastic(model: Assembly, direction: Direction, path: Pushover) -> dict[str, Any]:
     return {
         "alpha_u": float(path.multiplier[path.peak]),
         "d_u_m": float(path.displacement[path.peak]),
@@ -315,14 +338,16 @@ def _elastic(model: Assembly, path: Pushover) -> dict[str, Any]:
         "d_y_m": None,
         "end": path.end,
         "reached_zero": path.reached_zero,
-        "curve": _curve(path),
+        "curve": _curve(path, direction),
         "rest_configuration": configuration(model, path.states[0]),
         "peak_configuration": configuration(model, path.states[path.peak]),
     }
 
 
-def _curve(path: Pushover) -> dict[str, list[float]]:
-    return {"displacement_m": path.displacement.tolist(), "multiplier": path.multiplier.tolist()}
+def _curve(path: Pushover, direction: Direction) -> dict[str, list[float]]:
+    """The points of a curve; displacements along x, as everywhere in the results: towards −x they are negative."""
+    along_x = sense(direction) * path.displacement + 0.0  # + 0.0: no −0.0
+    return {"displacement_m": along_x.tolist(), "multiplier": path.multiplier.tolist()}
 
 
 def _points(steps: Iterable[Step]) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:

@@ -24,16 +24,29 @@ from assessment.reactions import balance, joint_table, reactions
 from assessment.study_tables import study_tables
 from assessment.table import Results, Table, taken_to_collapse
 
+RUN = ("=", "+", "-", "@", "\t", "\r")  # what a formula begins with in a spreadsheet
+
 
 def write_tables(results: Results, folder: Path) -> None:
-    """Write every table of the results that has rows as CSV (comma, point, UTF-8) into the folder."""
+    """Write every table of the results that has rows as CSV (comma, point, UTF-8) into the folder.
+
+    A text that a spreadsheet would take for a formula, names as well as +x, has an apostrophe in front.
+    """
     import pandas as pd  # late: the report needs the rows only
 
     for table in tables(results):
         if table.rows:
             frame = pd.DataFrame(table.rows, columns=list(table.columns))
+            words = [name for name, kind in frame.dtypes.items() if not pd.api.types.is_numeric_dtype(kind)]
+            frame = frame.assign(**{str(name): frame[name].map(inert) for name in words})
+            frame.columns = frame.columns.map(inert)
             path = folder / f"{table.name}.csv"
             write_atomically(path, frame.to_csv(index=False, lineterminator="\n").encode())
+
+
+def inert(cell: Any) -> Any:
+    """Return a cell that no spreadsheet runs: texts that begin like a formula get an apostrophe in front."""
+    return f"'{cell}" if isinstance(cell, str) and cell.startswith(RUN) else cell
 
 
 def tables(results: Results) -> list[Table]:
@@ -48,13 +61,13 @@ def tables(results: Results) -> list[Table]:
         capacity_curves(results),
         summary(results),
         verification(results),
-        Table("comparison", list(results.get("comparison") or []), COMPARISON),
+        comparison(results),
         reactions(results),
         balance(results),
         joint_table(results),
         macro_block_table(results),
         hand_check(results),
-        Table("quality", list(results["quality"].get("by_stage") or []), QUALITY),
+        quality(results),
         spectrum(results),
         action(results),
         chosen_mechanisms(results),
@@ -69,6 +82,7 @@ def tables(results: Results) -> list[Table]:
 COMPARISON = (
     "state",
     "direction",
+    "limit_state",
     "static_pga_g",
     "static_reduction",
     "dynamic_pga_g",
@@ -83,6 +97,16 @@ QUALITY = (
     "worst_complementarity",
     "worst_cone_violation",
 )
+
+
+def comparison(results: Results) -> Table:
+    """List the capacities of each settled state beside the original one's."""
+    return Table("comparison", list(results.get("comparison") or []), COMPARISON)
+
+
+def quality(results: Results) -> Table:
+    """List the worst certificates of the solutions by state and stage."""
+    return Table("quality", list(results["quality"].get("by_stage") or []), QUALITY)
 
 
 def blocks(results: Results) -> Table:
@@ -108,9 +132,10 @@ def blocks(results: Results) -> Table:
 def layers(results: Results) -> Table:
     """Sum up each layer: its role, blocks, depth, material and loads; defaults from [material]."""
     echo, rows = results["echo"], []
-    blocks = results["geometry"]["blocks"]
-    for layer in sorted({block["layer"] for block in blocks}):
-        own = [block for block in blocks if block["layer"] == layer]
+    by_layer: dict[str, list[Any]] = {}
+    for block in results["geometry"]["blocks"]:
+        by_layer.setdefault(block["layer"], []).append(block)
+    for layer, own in sorted(by_layer.items()):
         given = {**(echo.get("material") or {}), **((echo.get("layers") or {}).get(layer) or {})}
         rows.append(
             {
@@ -147,7 +172,7 @@ def settlements(results: Results) -> Table:
                 "rotation_rad": settlement.get("rotation_rad") or 0.0,
             }
             for contacts, stage in (content.get("pushdown") or {}).items():
-                if "ultimate_movement_m" in stage and name in sought:
+                if name in sought or stage["ultimate_movement_m"] is not None:
                     row[f"ultimate_{contacts}_m"] = stage["ultimate_movement_m"]
             rows.append(row)
     columns = ("state", "support", "displacement_x_m", "displacement_z_m", "rotation_rad")
@@ -174,22 +199,29 @@ def pushdown_curves(results: Results) -> Table:
 
 
 def mechanisms(results: Results) -> Table:
-    """List the rigid mechanism of every state and direction."""
+    """List the rigid mechanism of every state and direction.
+
+    It is that of α0; where the control point takes no part in that one, `mechanism_alpha` is the multiplier at which
+    the one listed is activated.
+    """
     rows = []
     for name, direction, pushover in _pushovers(results):
         mechanism = pushover.get("rigid", {}).get("mechanism")
         if mechanism:
+            alpha_0, own = pushover["rigid"]["alpha_0"], mechanism["alpha"]
             rows.append(
-                {"state": name, "direction": direction, "alpha_0": pushover["rigid"]["alpha_0"]}
+                {"state": name, "direction": direction, "alpha_0": alpha_0}
+                | ({} if own == alpha_0 else {"mechanism_alpha": own})
                 | {key: mechanism.get(key) for key in ("hinges", "moving_weight_kN", "e_star", "gamma_star")}
                 | {"sliding_joints": len(mechanism["sliding_joints"])}
             )
-    columns = ("state", "direction", "alpha_0", "hinges", "sliding_joints", "moving_weight_kN")
-    return Table("mechanisms", rows, (*columns, "e_star", "gamma_star"))
+    named = ("mechanism_alpha",) if any("mechanism_alpha" in row for row in rows) else ()
+    columns = ("hinges", "sliding_joints", "moving_weight_kN", "e_star", "gamma_star")
+    return Table("mechanisms", rows, ("state", "direction", "alpha_0", *named, *columns))
 
 
 def pushover_curves(results: Results) -> Table:
-    """List the points of every pushover curve."""
+    """List the points of every pushover curve; displacements along x: towards −x they are negative."""
     rows = [
         {
             "state": name,

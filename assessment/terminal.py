@@ -7,10 +7,11 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from assessment.table import QUOTED
+from assessment.table import CHECKS, INDEXED, quoted_limit_state
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -19,7 +20,19 @@ if TYPE_CHECKING:
     from assessment.parallel import Show
 
 Results = Mapping[str, Any]
-LONGEST = 3600.0  # s: an analysis that takes longer than this leaves the time left unknown
+
+
+@dataclass(frozen=True)
+class TimeLeft:
+    """Time left until a moment (s, of the performance counter), written as h:mm:ss of now; None: not known."""
+
+    until: float | None = None
+
+    def __str__(self) -> str:
+        if self.until is None:
+            return "-:--:--"
+        seconds = max(0, round(self.until - time.perf_counter()))
+        return f"{seconds // 3600}:{seconds // 60 % 60:02}:{seconds % 60:02}"
 
 
 class Bars:
@@ -32,7 +45,6 @@ class Bars:
             Progress,
             TextColumn,
             TimeElapsedColumn,
-            TimeRemainingColumn,
         )
 
         columns = (
@@ -41,15 +53,15 @@ class Bars:
             MofNCompleteColumn(),
             TimeElapsedColumn(),
             TextColumn("left"),
-            TimeRemainingColumn(),
+            TextColumn("{task.fields[left]}", markup=False),
         )
-        self.progress = Progress(*columns, console=console, transient=True, speed_estimate_period=LONGEST)
+        self.progress = Progress(*columns, console=console, transient=True)
         self.stage, self.total, self.taken, self.began = "", 0, 0, 0.0
 
     def begin(self, stage: str, total: int, taken: int) -> None:
         """See Show."""
         self.stage, self.total, self.taken, self.began = stage, total, taken, time.perf_counter()
-        self.task = self.progress.add_task(stage, total=total, completed=taken)
+        self.task = self.progress.add_task(stage, total=total, completed=taken, left=TimeLeft())
 
     def under_way(self, title: str) -> None:
         """See Show."""
@@ -57,7 +69,10 @@ class Bars:
 
     def advance(self) -> None:
         """See Show."""
-        self.progress.advance(self.task)
+        [task] = self.progress.tasks
+        now, done = time.perf_counter(), int(task.completed) + 1
+        each = (now - self.began) / (done - self.taken)
+        self.progress.update(self.task, advance=1, left=TimeLeft(now + each * (self.total - done)))
 
     def end(self) -> None:
         """See Show."""
@@ -89,7 +104,7 @@ def model_summary(results: Results) -> str:
     model = results["model"]
     return "\n".join(
         [
-            f"{results['title']}",
+            results["title"],
             f"  blocks {model['blocks']} ({model['movable_blocks']} movable), joints {model['joints']}, "
             f"contact points {model['contact_points']}",
             f"  weight {model['weight_kN']:.4g} kN; stands under its own weight: "
@@ -154,13 +169,14 @@ def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
 
 
 def capacities(results: Results) -> list[dict[str, Any]]:
-    """Return a row per state and direction: α0, d_0, and a_g and ζ_E of the farthest limit state."""
+    """Return a row per state and direction: α0, d_0, a_g and ζ_E of the farthest limit state, and of every check."""
     rows = []
     for name, state in results["states"].items():
         for direction, curves in state["pushover"].items():
-            rigid, checks = curves.get("rigid") or {}, state["capacity"].get(direction) or {}
-            limit = next((limit for limit in QUOTED if limit in checks), None)
-            check = checks[limit] if limit else {}
+            rigid, found = curves.get("rigid") or {}, state["capacity"].get(direction) or {}
+            checks = {check: found[check] for check in CHECKS if check in found}
+            limit = quoted_limit_state(checks)
+            quoted = checks[limit] if limit else {}
             rows.append(
                 {
                     "state": name,
@@ -168,25 +184,36 @@ def capacities(results: Results) -> list[dict[str, Any]]:
                     "alpha_0": rigid.get("alpha_0"),
                     "d_0_m": rigid.get("d_0_m"),
                     "limit_state": limit,
-                    "a_g_g": check.get("a_g_g"),
-                    "zeta_E": check.get("zeta_E"),
+                    "a_g_g": quoted.get("a_g_g"),
+                    "zeta_E": quoted.get("zeta_E"),
+                    "checks": {
+                        check: {key: numbers[key] for key in ("a_g_g", "zeta_E")}
+                        for check, numbers in checks.items()
+                    },
                 }
             )
     return rows
 
 
 def _table(rows: list[dict[str, Any]]) -> list[str]:
+    """The capacities as lines: SLV beside SLC, the farthest limit state where neither was checked."""
     if not rows:
         return []
     width = max(len("state"), *(len(row["state"]) for row in rows))
-    limits = ", ".join(dict.fromkeys(row["limit_state"] for row in rows if row["limit_state"]))
-    lines = [f"{'state':{width}}  dir   α0      d_0 [m]  a_g [g]  ζ_E" + (f" ({limits})" if limits else "")]
+    asked = dict.fromkeys(check for row in rows for check in row["checks"])
+    shown = [limit for limit in INDEXED if limit in asked] or [row["limit_state"] for row in rows[:1]]
+    limits = [limit for limit in shown if limit]
+    above, head = " " * (width + 24), f"{'state':{width}}  dir   α0      d_0 [m] "
+    for limit in limits:
+        above += f" {limit:16}"
+        head += f" a_g [g]  {'ζ_E' if limit in INDEXED else 'ratio':6} "
+    lines = [above.rstrip(), head.rstrip()] if limits else [head.rstrip()]
     for row in rows:
-        numbers = (
-            f"{_number(row['alpha_0'], 4):7} {_number(row['d_0_m'], 4):8} "
-            f"{_number(row['a_g_g'], 3):8} {_number(row['zeta_E'], 2)}"
-        )
-        lines.append(f"{row['state']:{width}}  {row['direction']}  {numbers}")
+        numbers = f"{_number(row['alpha_0'], 4):7} {_number(row['d_0_m'], 4):8}"
+        for limit in limits:
+            check = row["checks"].get(limit) or {}
+            numbers += f" {_number(check.get('a_g_g'), 3):8} {_number(check.get('zeta_E'), 2):7}"
+        lines.append(f"{row['state']:{width}}  {row['direction']}  {numbers.rstrip()}")
     return lines
 
 

@@ -15,7 +15,7 @@ from importlib.resources import files
 from assessment.words import Words, direction_name
 
 NESTED = ("text", "reason", "block")  # fields that are messages themselves, or made of them
-KINDS = {"limit": "SL[A-Z]", "direction": "[+-]x", "a": r"\d+", "b": r"\d+"}
+KINDS = {"contacts": "rigid|elastic", "limit": "SL[A-Z]", "direction": "[+-]x", "a": r"\d+", "b": r"\d+"}
 _FIELD = re.compile(r"\{(\w+)\}")
 _POINT = re.compile(r"(?<=\d)\.(?=\d)")
 
@@ -31,21 +31,34 @@ def translated(message: str, words: Words) -> str:
     )
 
 
-def _translated(message: str, words: Words, entries: Sequence[Entry]) -> str | None:
-    """Return the message by the first entry that fits it with all the messages inside; None where there is none."""
+def _translated(
+    message: str, words: Words, entries: Sequence[Entry], known: dict[str, str | None] | None = None
+) -> str | None:
+    """Return the message by the first entry that fits it with all the messages inside; None where there is none.
+
+    `known`: parts met before, since a name full of colons can be cut in many ways.
+    """
+    known = {} if known is None else known
+    if message in known:
+        return known[message]
+    answer = None
     for pattern, text in entries:
         if (found := pattern.fullmatch(message)) is None:
             continue
-        fields = {name: _field(name, value, words, entries) for name, value in found.groupdict().items()}
+        fields = {name: _field(name, part, words, entries, known) for name, part in found.groupdict().items()}
         if None not in fields.values():
-            return text.format(**fields)
-    return None
+            answer = text.format(**fields)
+            break
+    known[message] = answer
+    return answer
 
 
-def _field(name: str, value: str, words: Words, entries: Sequence[Entry]) -> str | None:
+def _field(
+    name: str, value: str, words: Words, entries: Sequence[Entry], known: dict[str, str | None]
+) -> str | None:
     kind = name.partition("_")[0]
     if name in NESTED or re.fullmatch(rf"({'|'.join(NESTED)})_\d", name):
-        return _translated(value, words, entries)
+        return _translated(value, words, entries, known)
     if kind == "state":
         return direction_name(value) if value in {"+x", "-x"} else words.state(value)
     if kind == "contacts":

@@ -15,6 +15,7 @@ from assessment.idealisation import CapacityError
 from assessment.meeting import Solved, solve_activation, solve_displacement
 from assessment.rules import LAW, Method
 from assessment.spectrum import RecordSpectrum, Spectrum
+from assessment.table import INDEXED
 from assessment.trace import Trace, datum, step
 from mechanics.errors import require
 
@@ -36,8 +37,8 @@ class Check:
 
     method: "activation", "linear" or "nonlinear". d_star (m), a_star (g): point of the capacity curve that
     counts; T (s): its period; a_g: capacity, g; demand_a_g: demand, g; zeta_E: their ratio, with S on both
-    sides; return_period: of the capacity, years, where the site's hazard
-    is known (30 or 2475: there or beyond). governing: what gave a_g.
+    sides, which is the index ζ_E at SLV and SLC only (§8.3); return_period: of the capacity, years, where the site's
+    hazard is known (30 or 2475: there or beyond). governing: what gave a_g.
     Numbers are None where the capacity is not defined, and `notes` say why.
     """
 
@@ -181,9 +182,11 @@ def _check(
     demand, S_demand = (spectrum.ag, spectrum.S) if site is None else (site, 1.0)
     source = "hazard of the site, or peak of the record" if site is None else "a_g S of the site"
     zeta = a_g * S / (demand * S_demand)
+    indexed = limit_state in INDEXED
+    symbol, law = ("zeta_E", "NTC 2018, §8.3") if indexed else (f"r_{limit_state}", LAW[method.circular])
     lines = [
         datum("a_g_demand", demand, "g", source),
-        step("zeta_E", "a_g_capacity*S_capacity/(a_g_demand*S_demand)", zeta, "", "NTC 2018, §8.3",
+        step(symbol, "a_g_capacity*S_capacity/(a_g_demand*S_demand)", zeta, "", law,
              a_g_capacity=a_g, S_capacity=S, a_g_demand=demand, S_demand=S_demand),
     ]  # fmt: skip
     T_R = None

@@ -86,7 +86,7 @@ def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                     where = f"{direction_name(direction)}, {words.plain(f'value.{contacts}')}"
                     yield {
                         "title": _title(words, "pushover", name, where),
-                        "x_label": words.plain("figure.control_displacement"),
+                        "x_label": words.plain("figure.x_displacement"),
                         "y_label": words.plain("figure.multiplier"),
                         "series": series,
                         "frames": _frames(stage["frames"], series, len(results["geometry"]["joints"])),
@@ -102,7 +102,7 @@ def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                 yield {
                     "title": _title(words, "history", name, entry["record"]),
                     "x_label": words.plain("figure.time"),
-                    "y_label": words.plain("figure.control_displacement"),
+                    "y_label": words.plain("figure.x_displacement"),
                     "series": [_series("d", curve["time_s"], displacement)],
                     "frames": {
                         "x": kept["time_s"],

@@ -25,6 +25,11 @@ class Words:
     language: str
     strings: Mapping[str, Any]
 
+    @classmethod
+    def of(cls, language: str) -> Words:
+        """Return the words of a language."""
+        return cls(language, _strings(language))
+
     def __call__(self, key: str, **values: object) -> Markup:
         """Return the string as HTML, its {fields} shown by `show` and escaped."""
         return Markup(self._find(key)).format(**{name: self.show(value) for name, value in values.items()})
@@ -79,7 +84,7 @@ def words_of(results: Mapping[str, Any]) -> Words:
     language = (results["echo"].get("report") or {}).get("language", "it")
     if language not in LANGUAGES:
         raise ValueError(f"report.language = {language!r}: must be one of {', '.join(LANGUAGES)}")
-    return Words(language, _strings(language))
+    return Words.of(language)
 
 
 @cache

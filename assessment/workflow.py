@@ -8,20 +8,21 @@ from collections.abc import Callable, Mapping
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from assessment.checks import assess, assess_chosen, governing
+from assessment.checks import assess, assess_chosen, governing, safety_index
 from assessment.convergence import converge
 from assessment.demand import demand_spectra, spectra_numbers
 from assessment.description import describe
 from assessment.dynamic_stages import add_dynamics, dynamic_contacts, read_motions
 from assessment.outcome import Outcome
 from assessment.parallel import SILENCE, Show, Workers, large
+from assessment.plausibility import implausible_hazard
 from assessment.project_schema import ORIGINAL
 from assessment.segments import in_more_segments
 from assessment.stages import stand
 from assessment.states import Request, StateResult, analyse_states
 from assessment.study import Demands, behaviours
 from assessment.study_stages import add_studies
-from assessment.table import reduction, static_pga
+from assessment.table import quoted_limit_state, reduction, static_pga
 
 if TYPE_CHECKING:
     from assessment.model import Model
@@ -61,7 +62,7 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
     motions = read_motions(project)
     demands, hazard = demand_spectra(project, motions.history) if project.assessment else ({}, None)
     results = describe(project, model)
-    results["quality"]["warnings"] += motions.notes
+    results["quality"]["warnings"] += [*motions.notes, *implausible_hazard(project, demands)]
     [unstable] = workers.each("self-weight", stand, [(assembly,)], ["self-weight"], large(assembly))
     if unstable:
         results["model"]["self_weight_stable"] = False
@@ -97,6 +98,7 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
             notes: list[str] = []
             state["capacity"] = assess(project, assembly, state["pushover"], demands, hazard, notes)
             state["governing"] = governing(state["capacity"])
+            state["safety_index"] = safety_index(state["capacity"])
             warnings += [f"{name}: {note}" for note in notes]
         results["spectra"] = spectra_numbers(project, demands, hazard)
         results["timing_s"]["assessment"] = time.perf_counter() - began
@@ -132,7 +134,10 @@ def _merge(state: Results, stage: StateResult) -> None:
 
 
 def _comparison(states: Mapping[str, Any]) -> list[Results]:
-    """Capacities of each settled state beside the original one's; the dynamic one is the same in every direction."""
+    """Capacities of each settled state beside the original one's; the dynamic one is the same in every direction.
+
+    `limit_state`: the farthest one checked, of which the static capacity is.
+    """
     rows: list[Results] = []
     original = states.get(ORIGINAL)
     if original is None:
@@ -142,12 +147,13 @@ def _comparison(states: Mapping[str, Any]) -> list[Results]:
             continue
         dynamic = state["incremental"].get("pga_collapse_g")
         for direction in original["pushover"] or ([None] if state["incremental"] else []):
-            before = static_pga(original["capacity"].get(direction))
-            after = static_pga(state["capacity"].get(direction))
+            checked = [each["capacity"].get(direction) for each in (original, state)]
+            before, after = map(static_pga, checked)
             rows.append(
                 {
                     "state": name,
                     "direction": direction,
+                    "limit_state": next(filter(None, map(quoted_limit_state, checked)), None),
                     "static_pga_g": after,
                     "static_reduction": reduction(before, after),
                     "dynamic_pga_g": dynamic,

@@ -11,6 +11,8 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from mechanics.assembly import Assembly
 from mechanics.block import Array
 from mechanics.scene import Motion, Scene
+from mechanics.solvers.cholesky import factorise, substitute
+from mechanics.solvers.compiled import repeat_matrix
 from mechanics.solvers.kernels import STICKING
 
 RIGID_SHEAR = 1e3  # normal stiffnesses: what stands for an infinite tangential one in the first frequency
@@ -88,7 +90,7 @@ def first_frequency(scene: Scene) -> float:
     compliance = 1.0 / np.stack([k[:, 0], np.minimum(k[:, 1], RIGID_SHEAR * k[:, 0])], axis=1)
     state = np.full(len(k), STICKING)
     stored = np.empty_like(newton.stored)
-    newton.kernels.repeat_matrix(
+    repeat_matrix(
         newton.row,
         normal,
         tangent,
@@ -99,13 +101,13 @@ def first_frequency(scene: Scene) -> float:
         stored,
         newton.pattern,
     )
-    if not newton.iterations.factorise(stored, newton.pattern):
+    if not factorise(stored, newton.pattern):
         return 0.0
     root = np.sqrt(scene.mass[newton.order])
 
     def flexibility(x: Array) -> Array:
         y: Array = root * x.ravel()
-        newton.iterations.substitute(stored, newton.pattern, y)
+        substitute(stored, newton.pattern, y)
         return root * y
 
     size = len(root)

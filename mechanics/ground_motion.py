@@ -11,9 +11,11 @@ from scipy.linalg import solveh_banded
 
 from mechanics.block import Array
 from mechanics.errors import require
+from mechanics.faults import visible
 from mechanics.record_formats import parse_record
 
 HIGHEST_CREDIBLE_PGA = 10.0  # g; beyond it the unit is wrong
+LOWEST_PGA = 1e-9  # g; below it nothing moves
 SAME_TIME = 1e-6  # of a time step: times closer than this are one
 
 
@@ -141,12 +143,12 @@ def read_record(path: str | Path, time_step: float | None = None) -> Record:
     require(time_step is None or 0.0 < time_step < np.inf, "time_step", time_step, "positive, in s, or None")
     acceleration, step = parse_record(path, time_step)
     record = Record(acceleration, step, path.stem)
-    if np.ptp(acceleration) == 0.0:
+    if np.ptp(acceleration) < LOWEST_PGA:
         raise ValueError(
-            f"{path}: every sample is {acceleration[0]:g} g; a record must move: get the file again"
+            f"{visible(str(path))}: every sample is {acceleration[0]:g} g; a record must move: get the file again"
         )
     if record.pga > HIGHEST_CREDIBLE_PGA:
         raise ValueError(
-            f"{path}: peak of {record.pga:.4g} g; the unit is not the one stated (columns: s and g)"
+            f"{visible(str(path))}: peak of {record.pga:.4g} g; the unit is not the one stated (columns: s and g)"
         )
     return record

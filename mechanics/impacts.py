@@ -12,6 +12,7 @@ from mechanics.errors import ConvergenceError
 from mechanics.integrators import implicit_euler
 from mechanics.joints import Index
 from mechanics.scene import Load, Motion, Scene
+from mechanics.solvers import compiled_impacts as loops
 
 CLOSED = 1e-6  # of the block size: a gap that is none
 RESTING = 1e-5  # of √(g·size): an approach that is none
@@ -119,7 +120,7 @@ def _midpoint(scene: Scene, motion: Motion, gap: Array, load: Load, time: float,
     x, v = motion.x + dx, 2.0 * dx / step - motion.v
     v, taken, hold = _kept_together(scene, x, v, forces, gap + change, slip, STUCK * span)
     a, b = scene.contacts.a, scene.contacts.b
-    closes = scene.impact_loops.strikes(
+    closes = loops.strikes(
         a, b, normal, motion.v, gap, hold, CLOSED * scene.model.size, RESTING * scene.speed
     )
     # what contacts take: friction on their slip, and of normal forces where gaps close, or rows turn with the blocks
@@ -144,7 +145,7 @@ def _acceleration(scene: Scene, load: Array, rows: tuple[Array, Array], forces: 
     """
     found = np.empty_like(load)
     a, b = scene.contacts.a, scene.contacts.b
-    largest = scene.impact_loops.accelerations(a, b, *rows, forces, load, scene.mobility, found)
+    largest = loops.accelerations(a, b, *rows, forces, load, scene.mobility, found)
     if largest <= RESTING * GRAVITY or not forces.any():
         return np.zeros_like(found)
     return found
@@ -156,11 +157,11 @@ def _kept_together(
     """Velocities with the contacts that carry together, and those that came to rest in the step at rest; energy taken.
 
     A contact stuck in the mean, or whose slip (c,) turned in the step, would go back as fast as it came. Which contacts
-    (c,) are held, see impact_kernels.held.
+    (c,) are held, see compiled_impacts.held.
     """
     _, normal, tangent = scene.geometry(x)
     contacts, rate, hold = scene.contacts, np.empty_like(forces), np.empty(len(gap), np.intp)
-    fastest = scene.impact_loops.held(
+    fastest = loops.held(
         contacts.a, contacts.b, normal, tangent, v, forces, gap, slip, contacts.friction, CARRYING * scene.weight,
         CLOSED * scene.model.size, stuck, rate, hold,
     )  # fmt: skip
@@ -174,7 +175,7 @@ def _kept_together(
 def _impact(scene: Scene, motion: Motion, gap: Array) -> Motion:
     """Velocities after the impulses of the closed contacts that approach: M(v₁ − v₀) = A₀p, v₁ₙ ≥ −e·v₀ₙ."""
     _, normal, tangent = scene.geometry(motion.x)
-    closed, least, loops = CLOSED * scene.model.size, RESTING * scene.speed, scene.impact_loops
+    closed, least = CLOSED * scene.model.size, RESTING * scene.speed
     if loops.closing(scene.contacts.a, scene.contacts.b, normal, motion.v, gap, closed) >= -least:
         return motion
     scene.impacts += 1
@@ -203,7 +204,7 @@ def _without_dilation(
     where they carry. The shift is found by repetition, each correction extrapolated from the last two (Irons and Tuck,
     Int. J. Numer. Methods Eng. 1 (1969) 275). `rows` normal and tangential, (c, 6), follow the displacements.
     """
-    loops, a, b, friction = scene.impact_loops, scene.contacts.a, scene.contacts.b, scene.contacts.friction
+    a, b, friction = scene.contacts.a, scene.contacts.b, scene.contacts.friction
     (normal, tangent), near, share, last = rows(guess), guess[scene.movable].ravel(), 1.0, np.zeros_like(gap)
     shift = opened(guess) - scene.relative(normal, guess)
     bend, both = shift.copy(), np.zeros((len(gap), 2))

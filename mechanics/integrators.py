@@ -11,6 +11,7 @@ import numpy as np
 
 from mechanics.block import Array
 from mechanics.scene import Load, Motion, Scene
+from mechanics.solvers.compiled import at_start, springs
 
 RINGING = 0.3  # share of the last forces in the start of a midpoint step: it keeps what rings
 
@@ -42,7 +43,7 @@ def theta_step(scene: Scene, motion: Motion, load: Array, step: float, share: fl
         _, normal, tangent = scene.geometry(motion.x + (1.0 - share) * step * motion.v)
     stretch = 1.0 if scene.behaviour == "rigid" else share + scene.damping / step
     gap, compliance = np.empty_like(start), np.empty_like(start)
-    scene.newton.kernels.at_start(start, motion.shear, scene.compliance, stretch, gap, compliance)
+    at_start(start, motion.shear, scene.compliance, stretch, gap, compliance)
     mass = scene.mass / (share * step**2)
     inertia = step * motion.v[scene.movable].ravel()
     span = scene.span(motion.v, step)
@@ -55,7 +56,7 @@ def theta_step(scene: Scene, motion: Motion, load: Array, step: float, share: fl
     dx, forces = scene.spread(solution.displacement), solution.forces
     v = motion.v + (dx / step - motion.v) / share
     shear = np.empty_like(motion.shear)
-    rubbed, viscous, stepping = scene.newton.kernels.springs(
+    rubbed, viscous, stepping = springs(
         scene.contacts.a, scene.contacts.b, normal, tangent, dx, forces, start[:, 0], gap[:, 1], compliance,
         scene.stiffness, scene.contacts.friction, motion.shear, shear, stretch, scene.damping / step / stretch,
     )  # fmt: skip

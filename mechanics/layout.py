@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -11,160 +13,265 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from mechanics.block import Array, Block
-from mechanics.errors import DrawingError
+from mechanics.faults import Fault, FaultyDrawingError, Outline, listed
 from mechanics.joints import Index, Joints, find_joints
+from mechanics.overlaps import Polygons, eroded, name_of, overlaps_of, place_of
 
 NEAR = 20.0  # edges that face each other within so many tolerances were likely meant to touch
-LISTED = 20  # problems of one kind that are told in full
+MOST_NEIGHBOURS = 2e7  # pairs of edges within NEAR tolerances of each other, as many as memory holds
+ROOM = 1.5  # a tolerance that is proposed is at least so many times the widest gap
 
-Polygons = NDArray[np.object_]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """What a survey of blocks found: `faults`, `warnings`, and the `remedy` that would mend every gap ("": none)."""
+
+    faults: tuple[Fault, ...]
+    warnings: tuple[str, ...]
+    remedy: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class _Gaps:
+    """Pairs of blocks (g, 2) that face each other across `width` (g, 2: least, most) m.
+
+    `places` (g, 2): the middle of the widest stretch; `stretches`: the ends (s, 2, 2) of all of them.
+    """
+
+    pair: Index
+    width: Array
+    places: Array
+    stretches: tuple[Array, ...]
+
+    def take(self, chosen: Flags) -> _Gaps:
+        stretches = tuple(s for s, taken in zip(self.stretches, chosen, strict=True) if taken)
+        return _Gaps(self.pair[chosen], self.width[chosen], self.places[chosen], stretches)
 
 
 def check_layout(blocks: Sequence[Block], tolerance: float) -> tuple[str, ...]:
     """Check that blocks make an assembly, with the `tolerance` (m) with which its joints are found.
 
     Returns warnings: edges that face each other at more than the tolerance but less than `NEAR`
-    tolerances with nothing between them, and supports that touch nothing. Raises one DrawingError that
-    lists, with number, layer, handle and coordinates in m: blocks nowhere wider than the tolerance;
+    tolerances with nothing between them, and supports that touch nothing. Raises one FaultyDrawingError, a
+    DrawingError, that lists, with number, layer, handle and coordinates in m: blocks nowhere wider than the tolerance;
     blocks drawn twice; blocks that overlap by more than the tolerance (a circle of that diameter fits
     into the common area, or a vertex lies that deep inside); movable blocks that no chain of joints
     connects to a support.
     """
+    layout = survey_layout(blocks, tolerance)
+    if layout.faults:
+        raise FaultyDrawingError("", layout.faults, outlines_of(blocks), layout.remedy)
+    return layout.warnings
+
+
+def survey_layout(blocks: Sequence[Block], tolerance: float, whole: bool = True) -> Layout:
+    """Return what `check_layout` does, and the faults in place of raising them.
+
+    A fault is told once: blocks that overlap are taken to touch, those that only a gap parts from a support are told
+    by their gap, and a copy or a frame around others is left out of what follows. `whole`: whether the blocks are all
+    that there are; else nothing is said of gaps and of what floats.
+    """
     polygons = shapely.polygons([shapely.linearrings(b.polygon) for b in blocks])
-    problems = _too_thin(blocks, polygons, tolerance) + _overlaps(blocks, polygons, tolerance)
-    joints = find_joints(blocks, tolerance)
-    body, floating = _bodies(blocks, joints)
-    gaps, parts = _gaps(blocks, polygons, tolerance)
-    problems += _floating(blocks, body, floating)
-    problems += listed(
-        [gap for gap, (i, j) in zip(gaps, body[parts], strict=True) if floating[i] or floating[j]]
-    )
-    if problems:
-        raise DrawingError(itemised("the blocks do not make an assembly", problems))
-    return *listed(gaps), *_idle_supports(blocks, polygons, tolerance)
-
-
-def listed(items: Sequence[str]) -> list[str]:
-    """Return the items, those beyond `LISTED` being only counted."""
-    more = len(items) - LISTED
-    return [*items[:LISTED], f"and {more} more of this kind"] if more > 0 else list(items)
-
-
-def itemised(heading: str, items: Sequence[str]) -> str:
-    """Return one item as it is, several under a heading, one a line."""
-    return items[0] if len(items) == 1 else "\n  - ".join([f"{heading}:", *items])
-
-
-def _too_thin(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> list[str]:
-    thin = np.flatnonzero(shapely.is_empty(_eroded(polygons, tolerance))).tolist()
-    return listed(
-        [
-            f"{_name(blocks, i)} at {_at(blocks[i].centroid)} is nowhere wider than the joint tolerance of "
-            f"{tolerance:.3g} m; remove it, or lower the tolerance"
-            for i in thin
-        ]
+    faults = [*_too_thin(blocks, polygons, tolerance), *_too_short(blocks, tolerance)]
+    overlaps = overlaps_of(blocks, polygons, tolerance)
+    if overlaps.cut_short or not whole or any(fault.kind == "short" for fault in faults):
+        return Layout((*faults, *overlaps.faults), ())
+    kept = np.flatnonzero(~overlaps.surplus)
+    gaps = _gaps(blocks, polygons, kept, tolerance)
+    joints = _joints(blocks, kept, tolerance)
+    held = np.concatenate([np.stack([joints.a, joints.b], axis=1), overlaps.pairs])
+    held = held[~overlaps.surplus[held].any(axis=1)]
+    fixed = np.array([block.support is not None for block in blocks])
+    body, floating = _bodies(held, fixed)
+    if floating[body[kept]].all():
+        text = "no block is a support; name one in the table of a layer: support = …"
+        return Layout((*faults, *overlaps.faults, Fault("floating", text)), ())
+    parting = np.logical_or(*floating[body[gaps.pair]].T)
+    apart, adrift = _bodies(np.concatenate([held, gaps.pair[parting]]), fixed)
+    floats = _floating(blocks, kept[adrift[apart[kept]]], apart)
+    falls = _gap_faults(blocks, gaps.take(parting), body, floating, tolerance)
+    warnings = _gap_warnings(blocks, gaps.take(~parting), tolerance)
+    remedies = [
+        _remedy(blocks, polygons, kept, gaps.take(chosen), tolerance) for chosen in (parting, ~parting)
+    ]
+    return Layout(
+        (*faults, *overlaps.faults, *floats, *falls),
+        (*warnings, *filter(None, remedies[1:]), *_idle_supports(blocks, polygons, tolerance)),
+        remedies[0],
     )
 
 
-def _overlaps(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> list[str]:
-    pairs = _overlapping(blocks, polygons, tolerance)
-    told = []
-    for i, j in pairs[: LISTED + 1].tolist():
-        common = shapely.intersection(polygons[i], polygons[j])
-        where = _at(shapely.get_coordinates(shapely.point_on_surface(common))[0])
-        both = f"{_name(blocks, i)} and {_name(blocks, j)}"
-        if shapely.hausdorff_distance(polygons[i], polygons[j]) <= tolerance:
-            told.append(f"{both} are the same outline drawn twice, at {where}; delete one")
-        else:
-            told.append(f"{both} overlap by {common.area:.3g} m² around {where}; correct their outlines")
-    return listed(told + [""] * (len(pairs) - len(told)))
+def outlines_of(blocks: Sequence[Block]) -> list[Outline]:
+    """Return the outlines of blocks, for a picture."""
+    return [Outline(b.polygon, b.layer, support=b.support is not None) for b in blocks]
 
 
-def _overlapping(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> Index:
-    """Return the pairs (p, 2) of blocks that overlap by more than the tolerance, in order."""
-    cores = _eroded(polygons, tolerance)
-    i, j = shapely.STRtree(cores).query(cores, predicate="intersects")
-    owner = np.repeat(np.arange(len(blocks)), [len(b.polygon) for b in blocks])
-    vertices = shapely.points(np.concatenate([b.polygon for b in blocks]))
-    v, k = shapely.STRtree(polygons).query(vertices, predicate="within")
-    deep = shapely.distance(vertices[v], shapely.boundary(polygons[k])) > tolerance
-    pairs = np.sort(np.concatenate([np.stack([i, j], 1), np.stack([owner[v], k], 1)[deep]]), axis=1)
-    return np.unique(pairs[pairs[:, 0] < pairs[:, 1]], axis=0)
+def _too_thin(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> list[Fault]:
+    return [
+        Fault(
+            "thin",
+            f"{name_of(blocks, i)} at {place_of(blocks[i].centroid)} is nowhere wider than the joint tolerance of "
+            f"{tolerance:.3g} m; remove it, or lower the tolerance",
+            blocks[i].centroid[None],
+            (blocks[i].polygon,),
+        )
+        for i in np.flatnonzero(shapely.is_empty(eroded(polygons, tolerance))).tolist()
+    ]
 
 
-def _eroded(polygons: Polygons, tolerance: float) -> Polygons:
-    """Take a rim of half the tolerance off: what two eroded polygons share is their common area, eroded."""
-    eroded: Polygons = shapely.buffer(polygons, -0.5 * tolerance)
-    return eroded
+def _too_short(blocks: Sequence[Block], tolerance: float) -> list[Fault]:
+    """Refuse edges so short beside the tolerance that most pairs of them would be within it."""
+    edges = np.concatenate([np.hypot(*(np.roll(b.polygon, -1, axis=0) - b.polygon).T) for b in blocks])
+    near = float((2.0 * NEAR * tolerance / edges).sum())
+    if near <= MOST_NEIGHBOURS:
+        return []
+    text = (
+        f"with a joint tolerance of {tolerance:.3g} m some {near:.2g} pairs of edges are near each other, at most "
+        f"{MOST_NEIGHBOURS:.2g}: it is too large for edges of {np.median(edges):.3g} m; write a smaller "
+        "geometry.tolerance_m, or draw curves with fewer vertices"
+    )
+    return [Fault("short", text)]
 
 
-def _bodies(blocks: Sequence[Block], joints: Joints) -> tuple[Index, NDArray[np.bool_]]:
-    """Return the body (b,) of jointed blocks each block belongs to, and which bodies have no support."""
-    n = len(blocks)
-    graph = coo_array((np.ones(len(joints.a)), (joints.a, joints.b)), shape=(n, n))
+def _joints(blocks: Sequence[Block], kept: Index, tolerance: float) -> Joints:
+    """Return the joints between the blocks `kept`, which are called by their numbers among all."""
+    joints = find_joints([blocks[i] for i in kept], tolerance)
+    return replace(joints, a=kept[joints.a], b=kept[joints.b])
+
+
+def _bodies(pairs: Index, fixed: Flags) -> tuple[Index, Flags]:
+    """Return the body (b,) of connected blocks each block belongs to, and which bodies have no support."""
+    n = len(fixed)
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
     count, body = connected_components(graph, directed=False)
     floating = np.ones(count, dtype=bool)
-    floating[body[[b.support is not None for b in blocks]]] = False
+    floating[body[fixed]] = False
     return np.asarray(body, dtype=np.intp), floating
 
 
-def _floating(blocks: Sequence[Block], body: Index, floating: NDArray[np.bool_]) -> list[str]:
-    if floating.all():
-        return ["no block is a support; name one in the table of a layer: support = …"]
-    told = []
-    order = np.argsort(body, kind="stable")
-    for members in np.split(order, np.cumsum(np.bincount(body))[:-1]):
-        i = members[0]
-        if not floating[body[i]]:
+def _floating(blocks: Sequence[Block], adrift: Index, body: Index) -> list[Fault]:
+    """Tell each body of which `adrift` are the blocks."""
+    faults = []
+    order = adrift[np.argsort(body[adrift], kind="stable")]
+    for members in np.split(order, np.flatnonzero(np.diff(body[order])) + 1):
+        if not len(members):
             continue
-        block = f"{_name(blocks, i)} at {_at(blocks[i].centroid)}"
-        told.append(
+        first = blocks[members[0]]
+        block = f"{name_of(blocks, members[0])} at {place_of(first.centroid)}"
+        text = (
             f"{block} touches nothing; move it to the block it should rest on, or delete it"
             if len(members) == 1
-            else f"{block} and {len(members) - 1} more touch one another but nothing that leads to a support"
+            else f"{block} and {len(members) - 1} more touch one another but nothing that leads to a support; "
+            "move them to what they should rest on"
         )
-    return listed(told)
+        rings = tuple(blocks[i].polygon for i in members)
+        faults.append(Fault("floating", text, first.centroid[None], rings))
+    return faults
 
 
-def _gaps(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> tuple[list[str], Index]:
-    """Return texts (g) and blocks (g, 2) of the gaps that were likely meant to be joints."""
-    facing = find_joints(blocks, NEAR * tolerance)
+def _gaps(blocks: Sequence[Block], polygons: Polygons, kept: Index, tolerance: float) -> _Gaps:
+    """Return the gaps that were likely meant to be joints, those between the same blocks as one."""
+    facing = _joints(blocks, kept, NEAR * tolerance)
     pair = np.stack([facing.a, facing.b], axis=1)
-    sides = polygons[pair]  # (f, 2)
-    ends = shapely.points(facing.ends)  # (f, 2)
-    apart = shapely.distance(ends[:, :, None], sides[:, None, :]).sum(axis=2)  # (f, 2): at either end
+    apart = _apart(blocks, polygons, facing, 0.51 * NEAR * tolerance)
     middle = facing.ends.mean(axis=1)
-    at, k = shapely.STRtree(polygons).query(shapely.points(middle), predicate="dwithin", distance=tolerance)
-    between = at[(k != pair[at, 0]) & (k != pair[at, 1])]
-    open_ = apart.max(axis=1) > 1.001 * tolerance
+    midway = shapely.STRtree(shapely.points(middle))
+    k, at = midway.query(polygons[kept], predicate="dwithin", distance=tolerance)
+    between = at[(kept[k] != pair[at, 0]) & (kept[k] != pair[at, 1])]
+    open_ = apart.max(axis=1, initial=0.0) > 1.001 * tolerance
     open_[between] = False
-    texts = [
-        f"{_name(blocks, a)} and {_name(blocks, b)} face each other at {_at(p)} across {_width(low, high)} "
-        f"m, more than the joint tolerance of {tolerance:.3g} m: no joint; if they should touch, draw them so"
-        for (a, b), (low, high), p in zip(
-            pair[open_], np.sort(apart[open_], axis=1), middle[open_], strict=True
-        )
+    stretches = np.flatnonzero(open_)
+    stretches = stretches[np.lexsort((-apart[stretches].max(axis=1, initial=0.0), *pair[stretches].T[::-1]))]
+    pairs, first = np.unique(pair[stretches], axis=0, return_index=True)
+    groups = np.split(stretches, first[1:]) if len(first) else []
+    return _Gaps(
+        pairs,
+        np.array([(apart[group].min(), apart[group].max()) for group in groups]).reshape(-1, 2),
+        middle[stretches[first]],
+        tuple(facing.ends[group] for group in groups),
+    )
+
+
+def _apart(blocks: Sequence[Block], polygons: Polygons, facing: Joints, reach: float) -> Array:
+    """Return how far blocks that face each other are apart (f, 2) m at either end of the stretch along which they do.
+
+    An end lies midway: `reach` (m) holds both blocks. The distance to a block is that to the nearest of its edges.
+    """
+    side = np.stack([facing.a, facing.b], axis=1)  # (f, 2), beside (f, 2) ends
+    place = np.repeat(facing.ends.reshape(-1, 2), 2, axis=0)  # of each end twice: (f · end · side, 2)
+    of = np.repeat(side[:, None, :], 2, axis=1).ravel()
+    points = shapely.points(place)
+    start = np.concatenate([b.polygon for b in blocks])
+    end = np.concatenate([np.roll(b.polygon, -1, axis=0) for b in blocks])
+    owner = np.repeat(np.arange(len(blocks)), [len(b.polygon) for b in blocks])
+    edges = shapely.STRtree(shapely.linestrings(np.stack([start, end], axis=1)))
+    i, e = edges.query(points, predicate="dwithin", distance=reach)
+    i, e = i[owner[e] == of[i]], e[owner[e] == of[i]]
+    along = end[e] - start[e]
+    share = np.clip(((place[i] - start[e]) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
+    distance = np.full(len(place), reach)
+    np.minimum.at(distance, i, np.hypot(*(place[i] - start[e] - share[:, None] * along).T))
+    k, inside = shapely.STRtree(points).query(polygons, predicate="contains")
+    distance[inside[of[inside] == k]] = 0.0
+    return distance.reshape(-1, 2, 2).sum(axis=2)
+
+
+def _gap_faults(
+    blocks: Sequence[Block], gaps: _Gaps, body: Index, floating: Flags, tolerance: float
+) -> list[Fault]:
+    """Tell the gaps that part blocks from every support."""
+    sizes = np.bincount(body)
+    faults = []
+    for k, text in enumerate(_gap_texts(blocks, gaps, tolerance)):
+        pair = gaps.pair[k]
+        hanging = pair[floating[body[pair]]][0]
+        more = sizes[body[hanging]] - 1
+        hangs = f"block {hanging} and {more} more hang" if more else f"block {hanging} hangs"
+        full = f"{text}, and {hangs} in the air; draw them so that they touch"
+        faults.append(Fault("gap", full, gaps.places[k][None], tuple(gaps.stretches[k])))
+    return faults
+
+
+def _gap_warnings(blocks: Sequence[Block], gaps: _Gaps, tolerance: float) -> list[str]:
+    texts = _gap_texts(blocks, gaps, tolerance)
+    return listed([f"{text}; if they should touch, draw them so" for text in texts])
+
+
+def _gap_texts(blocks: Sequence[Block], gaps: _Gaps, tolerance: float) -> list[str]:
+    return [
+        f"{name_of(blocks, a)} and {name_of(blocks, b)} face each other at {place_of(place)} across "
+        f"{_width(low, high)} m, more than the joint tolerance of {tolerance:.3g} m: no joint"
+        for (a, b), (low, high), place in zip(gaps.pair.tolist(), gaps.width, gaps.places, strict=True)
     ]
-    return texts, pair[open_]
+
+
+def _remedy(blocks: Sequence[Block], polygons: Polygons, kept: Index, gaps: _Gaps, tolerance: float) -> str:
+    """Return the tolerance with which every gap is a joint and no block too thin; "" where there is none, or no gap."""
+    if not len(gaps.pair):
+        return ""
+    widest = float(gaps.width.max())
+    unit = 10.0 ** math.floor(math.log10(ROOM * widest))
+    wider = math.ceil(ROOM * widest / unit - 1e-9) * unit
+    joints = _joints(blocks, kept, wider)
+    joined = {*map(tuple, np.sort(np.stack([joints.a, joints.b], axis=1)).tolist())}
+    if shapely.is_empty(eroded(polygons[kept], wider)).any() or not joined.issuperset(
+        map(tuple, np.sort(gaps.pair).tolist())
+    ):
+        return ""
+    return f"gaps of up to {1e3 * widest:.3g} mm: geometry.tolerance_m = {wider:g} closes all of them"
 
 
 def _idle_supports(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> list[str]:
     i, j = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=tolerance)
     alone = np.setdiff1d(np.flatnonzero([b.support is not None for b in blocks]), i[i != j]).tolist()
     return listed(
-        [f"{_name(blocks, k)} at {_at(blocks[k].centroid)} is a support and touches nothing" for k in alone]
+        [
+            f"{name_of(blocks, k)} at {place_of(blocks[k].centroid)} is a support and touches nothing"
+            for k in alone
+        ]
     )
-
-
-def _name(blocks: Sequence[Block], index: int) -> str:
-    block = blocks[index]
-    origin = [f'layer "{block.layer}"'] * bool(block.layer) + [f"handle {block.handle}"] * bool(block.handle)
-    return f"block {index}" + (f" ({', '.join(origin)})" if origin else "")
-
-
-def _at(point: Array) -> str:
-    x, z = np.round(point, 9) + 0.0  # no −0, no rounding's remains
-    return f"({x:.6g}, {z:.6g}) m"
 
 
 def _width(low: float, high: float) -> str:

@@ -13,7 +13,7 @@ from mechanics.block import Array
 from mechanics.equilibrium import closed_program
 from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError, require
 from mechanics.limit import limit_of
-from mechanics.onset import SETTLED_FIRST, elastic_onset, mechanism_onset, no_way_from_rest
+from mechanics.onset import elastic_onset, mechanism_onset, no_way_from_rest
 from mechanics.other_steps import ACROSS, HALVINGS, other_shares
 from mechanics.program import Certificate
 from mechanics.solvers import solve
@@ -41,9 +41,9 @@ class Pushover:
     `steps`: the equilibria behind the points (rigid: none at the onset). `reached_zero`: whether the curve was
     followed to α = 0, at its last point; `lost`: whether it ends because no equilibrium lies beyond that point; `end`:
     why it ends; `crossed` (n, 2) m: between which displacements a part moves by itself, until others hold it again.
-    `certificates` of every step. `mechanism` (b, 3):
-    virtual displacements at the point `formed`, in which the control point moves: the onset, or in a settled state
-    whose onset is local the first tenth of the path; `forces` (c, 2) kN: the contact forces there.
+    `certificates` of every step. `mechanism` (b, 3): virtual displacements at the point `formed`, where the mechanism
+    is activated: the `peak`, or, where only a part without the control point moves there, the first point after it at
+    which the control point moves; `forces` (c, 2) kN: the contact forces there.
     """
 
     displacement: Array
@@ -61,12 +61,12 @@ class Pushover:
 
     @property
     def peak(self) -> int:
-        """Index of the largest multiplier.
+        """Index of the largest multiplier, the first of equals.
 
         In a settled state the onset may be a local motion that closes a hinge of the settlement: the multiplier then
         rises before it falls.
         """
-        return int(np.argmax(self.multiplier))
+        return _peak(self.multiplier)
 
 
 def pushover(
@@ -150,7 +150,6 @@ class _Curve:
         self.rate = self.first.rate
         little = 1e-6 * model.size / float(abs(self.rate[:, :2]).max())
         self.control_rate = self.along(self.first.state.positions + little * self.rate) / little
-        self.first_control_rate = self.control_rate
         self.plateau = (0.0, self.first.alpha)  # where α last changed, and to what
         self.crossed: list[tuple[float, float]] = []
         self.failing, self.why, self.end = False, "", ""
@@ -266,22 +265,38 @@ class _Curve:
         )
 
     def _mechanism(self) -> tuple[int, Array, Array]:
-        """Where the mechanism in which the control point moves has formed, its displacements, and the forces there."""
-        d, first = self.displacement, self.first
-        moves = self.first_control_rate >= 1e-3 * float(abs(first.rate[:, :2]).max())
-        if self.multiplier[0] == max(self.multiplier) and moves:
-            return 0, first.rate, first.forces
-        # the onset was the closing of a settlement's hinge: the mechanism is read off once that is over
-        peak = int(np.argmax(self.multiplier))
-        over = d[peak] + max(0.5 * self.increment, SETTLED_FIRST * (d[-1] - d[peak]))
-        formed = max(int(np.argmax(np.array(d) >= min(over, max(d)))) - 1, 0)
-        motion = self.states[formed + 1].positions - self.states[formed].positions
-        rigid = self.contacts == "rigid"
-        step = self.steps[max(formed - rigid, 0)]
-        if rigid:
-            there = replace(self.states[formed], positions=step.at) if formed else self.states[0]
-            motion = _mechanism(self.model, there, self.lateral, motion)
-        return formed, motion, step.forces
+        """The point at which the mechanism is activated, its virtual displacements (b, 3), and the forces there."""
+        peak = _peak(np.array(self.multiplier))
+        for point in range(peak, len(self.states)):
+            mechanism, forces = self._mechanism_at(point)
+            if self._takes_part(point, mechanism):
+                return point, mechanism, forces
+        return peak, *self._mechanism_at(peak)
+
+    def _mechanism_at(self, point: int) -> tuple[Array, Array]:
+        """Virtual displacements (b, 3) and forces (c, 2) kN at a point; elastic: the motion that follows."""
+        if self.contacts == "rigid" and point == 0:
+            return self.first.rate, self.first.forces
+        begin = min(point, len(self.states) - 2)
+        motion = self.states[begin + 1].positions - self.states[begin].positions
+        if self.contacts == "elastic":
+            return motion, self.steps[point].forces
+        step = self.steps[point - 1]
+        there = replace(self.states[point], positions=step.at)
+        return _mechanism(self.model, there, self.lateral, motion), step.forces
+
+    def _takes_part(self, point: int, mechanism: Array) -> bool:
+        """Whether the control point moves along the push in virtual displacements (b, 3) of a point."""
+        fastest = float(abs(mechanism[:, :2]).max())
+        little, at = 1e-6 * self.model.size / fastest, self.states[point].positions
+        moved = self.along(at + little * mechanism) - self.along(at)
+        return moved >= STILL * little * fastest
+
+
+def _peak(multiplier: Array) -> int:
+    """Index of the largest multiplier (k,), the first of those that differ by no more than rounding."""
+    largest = float(multiplier.max())
+    return int(np.argmax(multiplier >= largest - ZERO * abs(largest)))
 
 
 def _mechanism(model: Assembly, state: State, lateral: Array, motion: Array) -> Array:

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from mechanics.block import GRAVITY, Array
+from mechanics.faults import visible
 
 Samples = tuple[Array, float]  # acceleration (n,), g; time step, s
 
@@ -25,7 +26,12 @@ PEER_SIZES = (
     re.compile(rf"^\s*(?P<count>\d+)\s*,?\s*(?P<step>{NUMBER})\s*,?\s*NPTS\s*,\s*DT", re.IGNORECASE),
 )
 KNOWN = "known are ESM/ITACA and PEER files, five-column .acc files and columns: g, or s and g"
-HEADER_LINES = 100  # no known header is longer
+HEADER_LINES, HEADER_WIDTH = 100, 250  # lines, characters: no known header is longer, or wider
+MOST_BYTES = 100_000_000  # of a file
+MOST_VALUES = 2_000_000  # of a file: an hour at 250 Hz, with its times
+LARGEST = 1e6  # of a value in a file, in any of the units
+SHORTEST, LONGEST = 1e-6, 10.0  # s: time steps of a record
+SHOWN = 40  # characters of a text that a message shows
 
 
 @dataclass(frozen=True)
@@ -35,10 +41,17 @@ class RecordText:
     path: Path
     lines: list[str]
 
+    @property
+    def head(self) -> list[str]:
+        """The lines among which a header may stand, as much of each as it may take."""
+        return [line[:HEADER_WIDTH] for line in self.lines[:HEADER_LINES]]
+
     def error(self, line: int | None, message: str) -> ValueError:
         """Return a ValueError that reads `FILE: line N: message`."""
         return ValueError(
-            f"{self.path}: {message}" if line is None else f"{self.path}: line {line}: {message}"
+            f"{visible(str(self.path))}: {message}"
+            if line is None
+            else f"{visible(str(self.path))}: line {line}: {message}"
         )
 
 
@@ -66,6 +79,10 @@ class Header:
         value, line = self.value(key)
         return _positive(self.text, line, key, value)
 
+    def step(self, key: str) -> float:
+        """Time step (s) of `key`; ValueError if absent or no such number."""
+        return _check_step(self.text, self.value(key)[1], self.number(key))
+
 
 def parse_record(path: Path, time_step: float | None) -> Samples:
     """Acceleration (n,), g, and time step, s, of the file; `time_step` is for one column without times.
@@ -73,9 +90,20 @@ def parse_record(path: Path, time_step: float | None) -> Samples:
     Raises ValueError naming file, line and remedy.
     """
     try:
-        content = path.read_bytes().decode("utf-8-sig", errors="replace")
+        size = path.stat().st_size
+        with path.open("rb") as file:
+            raw = (
+                file.read(MOST_BYTES + 1) if 0 < size <= MOST_BYTES else b""
+            )  # what has no size may have no end
     except OSError as error:
-        raise ValueError(f"{path}: cannot be read: {error.strerror}; check the name of the record") from error
+        raise ValueError(
+            f"{visible(str(path))}: cannot be read: {error.strerror}; check the name of the record"
+        ) from error
+    if size > MOST_BYTES:
+        raise ValueError(
+            f"{visible(str(path))}: more than {MOST_BYTES} bytes; give one record, of one component"
+        )
+    content = raw.decode("utf-8-sig", errors="replace")
     for line_end in ("\r\r\n", "\r\n", "\r"):  # the first is common in copies of PEER files
         content = content.replace(line_end, "\n")
     text = RecordText(path, content.rstrip().split("\n"))
@@ -83,7 +111,7 @@ def parse_record(path: Path, time_step: float | None) -> Samples:
 
 
 def _format_of(text: RecordText) -> Callable[[RecordText, float | None], Samples]:
-    head = text.lines[:HEADER_LINES]
+    head = text.head
     if ESM_LINE.match(head[0]):
         return _esm
     if any(FIVE_COLUMN_KEY.match(line) for line in head):
@@ -95,14 +123,14 @@ def _format_of(text: RecordText) -> Callable[[RecordText, float | None], Samples
 
 def _esm(text: RecordText, _: float | None) -> Samples:
     """ESM and ITACA ASCII: `KEY: value` lines up to USER5, then one value a line."""
-    end = next((n for n, line in enumerate(text.lines[:HEADER_LINES], 1) if line.startswith("USER5")), None)
+    end = next((n for n, line in enumerate(text.head, 1) if line.startswith("USER5")), None)
     if end is None:
         raise text.error(
             None, "the header does not end with a USER5 line; get the file again from its source"
         )
     header = Header.of(text, end)
     unit = _unit(text, *header.value("UNITS"))
-    step, count = header.number("SAMPLING_INTERVAL_S"), header.number("NDATA")
+    step, count = header.step("SAMPLING_INTERVAL_S"), header.number("NDATA")
     return unit * _counted(text, end, count, "NDATA"), step
 
 
@@ -110,21 +138,21 @@ def _five_column(text: RecordText, _: float | None) -> Samples:
     """`Key : value` lines, a line that names the unit, then values of 14 characters, mostly five a line."""
     end, unit = _unit_line(text, r"^Acc\w* time series in (\S+)", len(text.lines))
     header = Header.of(text, end - 1)
-    step, count = header.number("Time Increment (s)"), header.number("Number of Data")
+    step, count = header.step("Time Increment (s)"), header.number("Number of Data")
     return unit * _counted(text, end, count, "Number of Data"), step
 
 
 def _peer(text: RecordText, _: float | None) -> Samples:
     """PEER AT2, old and new: a line that states the unit, a line with NPTS and DT, then values."""
-    head = text.lines[:HEADER_LINES]
+    head = text.head
     end = next((n for n, line in enumerate(head, 1) if re.search(r"\bNPTS\b", line, re.IGNORECASE)), None)
     if end is None:
         raise text.error(None, "no line with NPTS and DT; a PEER record needs 'NPTS= 4000, DT= 0.005 SEC'")
-    sizes = next((match for form in PEER_SIZES if (match := form.search(text.lines[end - 1]))), None)
+    sizes = next((match for form in PEER_SIZES if (match := form.search(head[end - 1]))), None)
     if sizes is None:
         raise text.error(end, "must read 'NPTS= 4000, DT= 0.005 SEC' or '4000 0.005 NPTS, DT'")
     _, unit = _unit_line(text, r"IN UNITS OF\s+(\S+)", end - 1)
-    step = _positive(text, end, "DT", sizes["step"])
+    step = _check_step(text, end, _positive(text, end, "DT", sizes["step"]))
     return unit * _counted(text, end, float(sizes["count"]), "NPTS"), step
 
 
@@ -134,10 +162,12 @@ def _columns(text: RecordText, time_step: float | None) -> Samples:
     Semicolons separate wherever there are any; commas separate where points are used for decimals or the
     header line holds commas too; in all other cases blanks separate and a comma is a decimal comma.
     """
-    header = 0 if _is_number(re.split(r"[;,\s]", text.lines[0].strip())[0]) else 1
-    title, lines = "".join(text.lines[:header]), text.lines[header:]
+    header = 0 if _is_number(re.split(r"[;,\s]", text.head[0].strip())[0]) else 1
+    title, lines = "".join(text.head[:header]), text.lines[header:]
     if re.search(r"m/s|\bgal\b", title, re.IGNORECASE):
-        raise text.error(header, f"{title.strip()!r}: columns must be in s and g; convert the accelerations")
+        raise text.error(
+            header, f"{title.strip()[:SHOWN]!r}: columns must be in s and g; convert the accelerations"
+        )
     body = "\n".join(lines)
     commas_separate = "," in body and ";" not in body and ("." in body or "," in title)
     separator = "," if commas_separate else ";" if ";" in body else None
@@ -157,7 +187,7 @@ def _columns(text: RecordText, time_step: float | None) -> Samples:
         times, acceleration = values.reshape(-1, 2).T
         return acceleration, _uniform_step(text, header, times)
     if time_step is None:
-        raise text.error(None, "one column of accelerations needs its time step: give time_step, in s")
+        raise text.error(None, "one column of accelerations needs its time step; give time_step, in s")
     return values, time_step
 
 
@@ -169,6 +199,7 @@ def _uniform_step(text: RecordText, header: int, times: Array) -> float:
         line = header + int(np.abs(steps - np.median(steps)).argmax()) + 2
         message = "the times are not evenly spaced; interpolate the record or give one column and time_step"
         raise text.error(line, message)
+    _check_step(text, None, step)
     return float(f"{step:.9g}")  # the times are printed decimals: 0.005, not 0.00499999999
 
 
@@ -188,20 +219,26 @@ def _apart(line: str) -> str:
 
 def _values(text: RecordText, header: int, cells: Callable[[str], list[str]]) -> Array:
     lines = text.lines[header:]
-    try:
-        values = np.array([float(cell) for line in lines for cell in cells(line)])
-    except ValueError:
-        values = np.array([np.nan])
-    if not np.isfinite(values).all():
+    found: list[float] = []
+    for number, line in enumerate(lines, header + 1):
+        try:
+            found += map(float, cells(line))
+        except ValueError:
+            found.append(np.nan)
+        if len(found) > MOST_VALUES:
+            raise text.error(number, f"more than {MOST_VALUES} numbers; give one record, of one component")
+    values = np.array(found)
+    if not (abs(values) <= LARGEST).all():
         numbered = ((n, cell) for n, line in enumerate(lines, header + 1) for cell in cells(line))
-        line, cell = next((n, cell) for n, cell in numbered if not _is_number(cell, finite=True))
-        raise text.error(line, f"{cell.strip()[:40]!r} is not a finite number; correct it; {KNOWN}")
+        line_number, cell = next((n, cell) for n, cell in numbered if not _is_number(cell, LARGEST))
+        wrong = f"is larger than {LARGEST:g}" if _is_number(cell, math.inf) else "is not a finite number"
+        raise text.error(line_number, f"{cell.strip()[:SHOWN]!r} {wrong}; correct it; {KNOWN}")
     return values
 
 
 def _unit_line(text: RecordText, form: str, end: int) -> tuple[int, float]:
     """Find the line of this form before line `end`: its number and the unit it states, in g."""
-    for n, line in enumerate(text.lines[: min(end, HEADER_LINES)], 1):
+    for n, line in enumerate(text.head[:end], 1):
         if match := re.search(form, line, re.IGNORECASE):
             return n, _unit(text, match[1], n)
     message = "no header line states the unit, such as 'Acceleration time series in units of g'; add it"
@@ -213,18 +250,30 @@ def _unit(text: RecordText, name: str, line: int) -> float:
     key = name.lower().rstrip(".,;").replace("²", "2").replace("^", "").replace("**", "")
     key = key.replace("sec", "s").replace("s/s", "s2")
     if key not in UNITS:
-        raise text.error(line, f"{name!r} is no unit of acceleration; use a record in g, m/s^2 or cm/s^2")
+        raise text.error(
+            line, f"{name[:SHOWN]!r} is no unit of acceleration; use a record in g, m/s^2 or cm/s^2"
+        )
     return UNITS[key]
 
 
 def _positive(text: RecordText, line: int, key: str, value: str) -> float:
-    if not _is_number(value, finite=True) or float(value) <= 0.0:
-        raise text.error(line, f"{key} is {value!r}; must be a positive number")
+    if not _is_number(value, math.inf) or float(value) <= 0.0:
+        raise text.error(line, f"{key} is {value[:SHOWN]!r}; must be a positive number")
     return float(value)
 
 
-def _is_number(cell: str, finite: bool = False) -> bool:
+def _check_step(text: RecordText, line: int | None, step: float) -> float:
+    """Return a time step; ValueError where no record has one like it."""
+    if not SHORTEST <= step <= LONGEST:
+        must = f"must be from {SHORTEST:g} to {LONGEST:g} s: times are in seconds"
+        raise text.error(line, f"a time step of {step:.3g} s; {must}")
+    return step
+
+
+def _is_number(cell: str, most: float | None = None) -> bool:
+    """Whether a cell is a number; one of that size at most, and finite, where `most` is given."""
     try:
-        return math.isfinite(float(cell)) or not finite
+        number = float(cell)
     except ValueError:
         return False
+    return most is None or (math.isfinite(number) and abs(number) <= most)

@@ -7,9 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
-from importlib import import_module
-from typing import Any
 
 import numpy as np
 
@@ -17,7 +14,7 @@ from mechanics.assembly import Assembly, Behaviour
 from mechanics.block import GRAVITY, Array
 from mechanics.errors import ConvergenceError
 from mechanics.program import Certificate, Program, Solution
-from mechanics.solvers import kernels, solve
+from mechanics.solvers import compiled, solve
 from mechanics.solvers.newton import ACCEPTED, Newton
 
 POOREST = 1e-5  # certificate: a step worse than this has failed
@@ -90,12 +87,6 @@ class Scene:
         self.mobility = np.where(model.movable[:, None], 1.0 / model.mass, 0.0)
         self._configuration: tuple[bytes, tuple[Array, Array, Array]] | None = None
 
-    @cached_property
-    def impact_loops(self) -> Any:
-        """The loops of `impact_kernels`, compiled where the solver's are."""
-        plain = self.newton.kernels is kernels
-        return import_module("mechanics.solvers." + ("impact_kernels" if plain else "compiled_impacts"))
-
     def geometry(self, x: Array) -> tuple[Array, Array, Array]:
         """Gap and slide (c, 2), and the rows (c, 6) of A₀ᵀ, normal and tangential; to be read only.
 
@@ -106,7 +97,7 @@ class Scene:
             return self._configuration[1]
         c, k = len(self.contacts), self.contacts
         gap, normal, tangent = np.empty((c, 2)), np.empty((c, 6)), np.empty((c, 6))
-        self.newton.kernels.geometry(k.a, k.b, k.p, k.q, k.n, x, gap, normal, tangent)
+        compiled.geometry(k.a, k.b, k.p, k.q, k.n, x, gap, normal, tangent)
         gap[:, 0] -= self.lifted
         self._configuration = key, (gap, normal, tangent)
         return gap, normal, tangent
@@ -116,13 +107,13 @@ class Scene:
         if self.behaviour == "rigid":
             return 0.0
         gap, _, _ = self.geometry(x)
-        energy: float = self.newton.kernels.strain_energy(gap, self.stiffness, self.compliance, shear)
+        energy: float = compiled.strain_energy(gap, self.stiffness, self.compliance, shear)
         return energy
 
     def relative(self, rows: Array, moved: Array) -> Array:
         """Change (c,) of gaps or slides that displacements or velocities (b, 3) cause."""
         change = np.empty(len(rows))
-        self.newton.kernels.relative(self.contacts.a, self.contacts.b, rows, moved, change)
+        compiled.relative(self.contacts.a, self.contacts.b, rows, moved, change)
         return change
 
     def span(self, v: Array, step: float) -> float:

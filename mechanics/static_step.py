@@ -13,9 +13,9 @@ from mechanics.block import Array
 from mechanics.errors import NoEquilibriumError
 from mechanics.joints import Index
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Neighbour, Program, Solution
-from mechanics.solvers import kernels, solve, suits_central_path
+from mechanics.solvers import solve, suits_central_path
+from mechanics.solvers.compiled import geometry
 from mechanics.solvers.elimination import Elimination
-from mechanics.solvers.kernels import fastest
 
 GEOMETRY_TOLERANCE = 1e-3  # of the step: how closely the geometry of forces and of positions must agree
 ALTERNATION = 0.5  # of the step: how far apart alternating mechanisms of rigid blocks may leave the blocks
@@ -265,7 +265,6 @@ def programs(
     with them the rounding in the gaps.
     """
     contacts, movable = model.contacts(behaviour), model.movable
-    geometry = (fastest() if suits_central_path(len(contacts)) else kernels).geometry
     compliance = np.zeros((len(contacts), 2)) if behaviour == "rigid" else 1.0 / contacts.stiffness
 
     def kinematics(positions: Array) -> tuple[Array, Array, Array]:

@@ -49,7 +49,7 @@
     const F = [force[2 * at], force[2 * at + 1]], share = Number.isNaN(centre[at]) ? 0.5 : centre[at];
     const [N, T] = [dot(F, n), dot(F, t)], off = Math.abs(share - 0.5);
     const condition = N < limits.idle * data.weight ? "idle"
-      : Math.abs(T) > limits.friction * joint.friction * N ? "sliding"
+      : Math.abs(T) > limits.friction * (joint.friction ?? Infinity) * N ? "sliding"
         : off > 0.5 - limits.edge ? "edge" : off > 1 / 6 ? "partial" : "whole";
     const point = [0, 1].map((i) => ends[0][i] + share * (ends[1][i] - ends[0][i]));
     return { ...state, F, N, T, condition, point, eccentricity: (share - 0.5) * length };

@@ -8,9 +8,14 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from assessment import figures
 from tests.block_project import write_block
+
+# no example is too slow: how long one takes is the machine's affair, and that of what else it is doing
+settings.register_profile("assesto", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("assesto")
 
 
 def pytest_addoption(parser):
@@ -39,7 +44,7 @@ def drawn():
 def quick(monkeypatch, request):
     """One empty figure, and a PDF that only looks like one (the real ones: see test_figures, test_report)."""
 
-    def blank(_crew: object, folder: Path) -> None:
+    def blank(_pool: object, folder: Path) -> None:
         folder.mkdir()
         (folder / "model.svg").write_text("<?xml?>", encoding="utf-8")
 

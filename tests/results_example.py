@@ -45,6 +45,7 @@ def results_example(language: str = "it") -> dict[str, Any]:
             {
                 "state": SETTLED,
                 "direction": direction,
+                "limit_state": "SLC",
                 "static_pga_g": _pga(states, SETTLED, direction),
                 "static_reduction": 1.0
                 - _pga(states, SETTLED, direction) / _pga(states, "original", direction),
@@ -181,7 +182,7 @@ def _configuration(movement: float) -> list[list[float]]:
     return np.column_stack([movement * share, -movement * share**2, tilt]).tolist()
 
 
-def _mechanism(sign: float, e_star: float, gamma_star: float) -> dict[str, Any]:
+def _mechanism(sign: float, alpha_0: float, e_star: float, gamma_star: float) -> dict[str, Any]:
     rings = _rings()
     centroids = np.array([ring.mean(axis=0) for ring in rings])
     rotation = np.array([0.0, -0.8, 0.5, 0.5, -0.6, -0.6, 0.0]) * sign
@@ -198,7 +199,11 @@ def _mechanism(sign: float, e_star: float, gamma_star: float) -> dict[str, Any]:
         arm = centroids[block] - anchor
         displacement[block, 2] = rotation[block]
         displacement[block, :2] = position + rotation[block] * np.array([-arm[1], arm[0]])
+    displacement /= abs(displacement[3, 0])  # block 3 holds the control point
     return {
+        "point": 0,
+        "alpha": alpha_0,
+        "control_displacement_x": float(displacement[3, 0]),
         "hinges": 4,
         "e_star": e_star,
         "gamma_star": gamma_star,
@@ -213,6 +218,7 @@ def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
     pushover, capacity = {}, {}
     for direction, factor in (("+x", 1.0), ("-x", 1.07)):
         a0, d0, e_star, gamma_star = alpha_0 * factor, d_0 * factor, 0.75 + movement, 0.66 + movement
+        sense = 1.0 if direction == "+x" else -1.0
         displacement = np.linspace(0.0, d0, 60)
         rigid = a0 * (1.0 - displacement / d0)
         peak = 0.12 * d0
@@ -225,8 +231,9 @@ def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
             "rigid": {
                 "alpha_0": a0,
                 "d_0_m": d0,
-                "curve": {"displacement_m": displacement.tolist(), "multiplier": rigid.tolist()},
-                "mechanism": _mechanism(1.0 if direction == "+x" else -1.0, e_star, gamma_star),
+                "curve": {"displacement_m": (sense * displacement).tolist(), "multiplier": rigid.tolist()},
+                "mechanism": _mechanism(sense, a0, e_star, gamma_star),
+                "mechanism_configuration": _configuration(movement),
                 "final_configuration": _configuration(movement),
                 "virtual_work_alpha": a0 * 1.0004,
             },
@@ -234,7 +241,7 @@ def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
                 "alpha_u": alpha_u,
                 "alpha_y": alpha_y,
                 "d_y_m": d_y,
-                "curve": {"displacement_m": displacement.tolist(), "multiplier": elastic.tolist()},
+                "curve": {"displacement_m": (sense * displacement).tolist(), "multiplier": elastic.tolist()},
                 "load_control_peak": alpha_u,
                 "peak_configuration": _configuration(movement),
             },
@@ -335,6 +342,7 @@ def _pushdown() -> dict[str, Any]:
             "reaction_x_kN": (-0.0104 - 0.08 * movement).tolist(),
             "reaction_z_kN": (0.62 + 0.5 * movement).tolist(),
             "ultimate_movement_m": ultimate,
+            "applied_movement_m": 0.02,
             "configuration": _configuration(0.02),
             "ultimate_configuration": _configuration(ultimate),
             "control_displacement_m": (0.5 * movement).tolist(),

@@ -152,7 +152,7 @@ def test_tables_plots_and_summary_are_written(measured, tmp_path, capsys):
 
 def test_a_benchmark_that_there_is_none_of(tmp_path, capsys):
     assert cli.main(["benchmark", "wals", "--out", str(tmp_path / "out")]) == cli.WRONG_INPUT
-    assert "wals: no such benchmark; choose from statics" in capsys.readouterr().err
+    assert 'wals: no such benchmark; did you mean "walls"?' in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 

@@ -9,13 +9,10 @@ from scipy.spatial import Delaunay
 from mechanics import pushover, time_history
 from mechanics.block import Array
 from mechanics.joints import Index
-from mechanics.solvers import elimination, kernels
+from mechanics.solvers import cholesky, compiled, elimination, kernels
 from mechanics.solvers.dissection import SMALLEST, dissected, fronts
-from mechanics.solvers.elimination import Elimination
+from mechanics.solvers.elimination import Elimination, Pattern
 from tests.structures import arch_on_piers, running_bond
-
-compiled = pytest.importorskip("mechanics.solvers.compiled")
-cholesky = pytest.importorskip("mechanics.solvers.cholesky")
 
 
 def neighbours(centres: Array, share: float) -> Index:
@@ -86,15 +83,15 @@ def test_rows_that_lie_side_by_side_are_taken_off_together() -> None:
         assert np.array_equal(found.place[i : i + rows] - found.place[i], 3 * np.arange(rows))
 
 
-def dense(stored: Array, layout: Elimination) -> Array:
-    """The matrix that is stored, rows in the order of elimination."""
-    size, pattern = len(layout.order), layout.pattern
+def dense(stored: Array, row: Index, pattern: Pattern) -> Array:
+    """The matrix that is stored, rows in the order of elimination; `row` (c, 2) as in Elimination."""
+    size = 3 * len(pattern.own)
     whole = np.zeros((size, size))
     places = [
         *zip(range(0, size, 3), range(0, size, 3), pattern.own, pattern.step, strict=True),
         *(
-            (row.max(), row.min(), at, step)
-            for row, at, step in zip(layout.row, pattern.between, pattern.stride, strict=True)
+            (pair.max(), pair.min(), at, step)
+            for pair, at, step in zip(row, pattern.between, pattern.stride, strict=True)
             if at >= 0
         ),
     ]
@@ -131,7 +128,7 @@ def test_factors_in_fronts_solve_the_dense_system(
     in_fronts(monkeypatch)
     layout = laid_out(blocks, share)
     stored = filled(layout, 1.0)
-    matrix = dense(stored, layout)
+    matrix = dense(stored, layout.row, layout.pattern)
     b = np.random.default_rng(1).standard_normal(len(matrix))
     x = b.copy()
     assert len(layout.fronts.base) and cholesky.factorise(stored, layout.pattern)

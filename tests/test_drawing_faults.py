@@ -118,7 +118,7 @@ def test_all_faults_in_one_message(tmp_path):
     outline(space, SQUARE, close=False)
     outline(space, [(0, 0), (10, 10), (10, 0), (0, 10)])
     message = refused(document, tmp_path, layers={"STONE": STONE, "NAVE": STONE})
-    assert message.count("\n  - ") == 4
+    assert [line.split(": ")[1] for line in message.splitlines()] == [f"fault {n}" for n in range(1, 5)]
     for text in (
         "is open",
         "crosses or touches itself",

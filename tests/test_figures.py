@@ -50,8 +50,8 @@ def test_figures_speak_the_language_of_the_report(drawn, tmp_path):
             save_svg(picture.draw, tmp_path / "pushover_plus_x.svg")
     english = {path.name: path.read_text() for path in tmp_path.iterdir()}
     italian = {path.name: path.read_text() for path in drawn}
-    assert "spostamento del punto di controllo [mm]" in italian["pushover_plus_x.svg"]
-    assert "displacement of the control point [mm]" in english["pushover_plus_x.svg"]
+    assert "spostamento del punto di controllo verso +x [mm]" in italian["pushover_plus_x.svg"]
+    assert "displacement of the control point towards +x [mm]" in english["pushover_plus_x.svg"]
     assert "d₀ = 192 mm" in english["pushover_plus_x.svg"]
     assert "α_y = 0,118" in italian["pushover_plus_x.svg"]
     assert "scala 1:20" in italian["model.svg"]

@@ -115,6 +115,15 @@ def test_the_line_of_thrust_of_an_arch_passes_each_voussoir_within_its_joints():
             assert max(z0, z1) <= high[1] + 1e-9
 
 
+def test_nothing_slides_where_friction_is_infinite():
+    """Null in results.json, which has no infinity; idle joints included."""
+    results = analysed()
+    for joint in results["geometry"]["joints"]:
+        joint["friction"] = None
+    conditions = {c for each in situations(results) for c in joint_states(results, each).condition}
+    assert "sliding" not in conditions and "edge" in conditions
+
+
 def test_four_hinges_at_the_onset_of_an_arch_and_open_joints_there():
     results = analysed()
     onset = next(each for each in situations(results) if each.direction == "+x")

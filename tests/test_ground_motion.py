@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mechanics import record_formats
 from mechanics.block import GRAVITY
 from mechanics.ground_motion import Record, read_record
 from mechanics.response_spectrum import response_spectrum
@@ -161,9 +162,26 @@ FAULTS = {
     "backwards": ("0.2,0.1\n0.1,0.2\n0.0,0.1\n", "not evenly spaced"),
     "other unit": (columns(",", header="t [s],a [m/s2]\n"), "line 1: .*must be in s and g"),
     "one sample": ("0.0,0.1\n", "fewer than two samples"),
-    "no step": (column(), "needs its time step: give time_step"),
+    "no step": (column(), "needs its time step; give time_step"),
     "zero": (columns(",", values=np.zeros(9)), "every sample is 0 g"),
     "constant": (columns(";", values=np.full(9, 0.1)), "every sample is 0.1 g"),
+    "no motion": (columns(",", values=1e-12 * VALUES), "every sample is 0 g"),
+    "too large": (
+        columns(",").replace("0.200000000", "1e7"),
+        "line 6: '1e7' is larger than 1e.06; correct it",
+    ),
+    "peer step in ms": (
+        peer(sizes="NPTS= {n}, DT= 50.0 SEC"),
+        "line 4: a time step of 50 s; must be from 1e-06 to",
+    ),
+    "times in ms": (
+        "0,0.1\n50,0.2\n100,0.1\n",
+        "a time step of 50 s; must be from 1e-06 to 10 s: times are in sec",
+    ),
+    "esm step of nothing": (
+        esm(SAMPLING_INTERVAL_S=1e-9),
+        "line 54: a time step of 1e-09 s; must be from 1e-06",
+    ),
     "wrong unit": (columns(",", values=981.0 * VALUES), "peak of 245.2 g; the unit is not"),
 }
 
@@ -177,22 +195,21 @@ def test_faults_are_named_with_file_and_line(write, name):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("limit", "said"),
+    [("MOST_BYTES", "more than 20 bytes"), ("MOST_VALUES", "line 11: more than 20 numbers")],
+)
+def test_files_have_a_limit(write, monkeypatch, limit, said):
+    monkeypatch.setattr(record_formats, limit, 20)
+    with pytest.raises(ValueError, match=f"{said}; give one record, of one component"):
+        read_record(write(columns(",")))
+
+
 def test_files_that_cannot_be_read(tmp_path):
     with pytest.raises(ValueError, match=r"absent.asc: cannot be read: No such file.*check the name"):
         read_record(tmp_path / "absent.asc")
     with pytest.raises(ValueError, match=r"cannot be read"):
         read_record(tmp_path)
-
-
-@given(content=st.binary(max_size=300))
-@settings(max_examples=60, deadline=None)
-def test_any_bytes_are_a_record_or_a_clear_refusal(tmp_path_factory, content):
-    path = tmp_path_factory.mktemp("bytes") / "motion.dat"
-    path.write_bytes(content)
-    try:
-        assert np.isfinite(read_record(path, time_step=0.01).acceleration).all()
-    except ValueError as error:
-        assert str(error).startswith(str(path))
 
 
 # --- scale, window, time scale ---

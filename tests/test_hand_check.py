@@ -92,7 +92,7 @@ def test_weights_come_from_the_input_alone():
 def test_a_wrong_multiplier_is_found_out():
     results = analysed()
     rigid = results["states"]["original"]["pushover"]["+x"]["rigid"]
-    rigid["virtual_work_reference"] *= 1.05
+    rigid["mechanism"]["alpha"] *= 1.05
     assert abs(hand_check(results).rows[0]["hand_deviation"]) > 0.04
 
 
@@ -110,7 +110,8 @@ def test_a_mechanism_goes_where_the_loads_push_it_and_its_joints_open():
                 overlap(drawing.start.swept(sign * drawing.velocity, 0.01 * drawing.amount))
                 for sign in (1.0, -1.0)
             )
-            assert forth < 0.1 * back
+            assert forth <= 0.1 * back
+            assert back > 0.0 or state == SETTLED  # a settled arch stands with its joints open
 
 
 def overlap(shape):
@@ -127,4 +128,4 @@ def test_a_mechanism_of_many_macro_blocks_is_left_to_the_table(tmp_path, monkeyp
     left_out = render_html(results, tmp_path, words_of(results))
     assert "Macro-blocks of the mechanism" in printed and "too many" not in printed
     assert "Macro-blocks of the mechanism" not in left_out and "too many for a check by hand" in left_out
-    assert "Multiplier at onset from the program" in left_out
+    assert "Multiplier at activation from the program" in left_out

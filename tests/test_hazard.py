@@ -179,7 +179,9 @@ def test_bad_site_tables_are_named(tmp_path, small):
         site_curve(_site_table(tmp_path / "none.csv", "T_R;a_g;F0;T_C*"))
     path = _site_table(tmp_path / "short.csv")
     path.write_text("\n".join(path.read_text(encoding="latin-1").splitlines()[:-1]))
-    with pytest.raises(ValueError, match=r"short\.csv: a site's table has one line for each return period"):
+    with pytest.raises(
+        ValueError, match=r"short\.csv: a site's table must have one line for each return period"
+    ):
         site_curve(path)
     with pytest.raises(ValueError, match=r"grid\.txt: is a grid of many nodes; give the latitude"):
         site_curve(small)

@@ -1,9 +1,8 @@
-"""The compiled loops of a time step against the plain ones and against LAPACK."""
+"""The loops of a time step: factors against those of LAPACK, springs, runs, and what ends an iteration."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -12,11 +11,12 @@ from scipy.linalg import lapack
 
 from mechanics.block import Array
 from mechanics.joints import Index
-from mechanics.solvers import iterations, kernels
+from mechanics.solvers import cholesky, compiled, kernels
 from mechanics.solvers.band import envelope
+from mechanics.solvers.compiled_iterations import semismooth
 from mechanics.solvers.dissection import NO_FRONTS
 from mechanics.solvers.elimination import PADDING, Elimination, Pattern
-from mechanics.solvers.iterations import worst
+from mechanics.solvers.kernels import worst
 from mechanics.solvers.runs import runs
 from mechanics.solvers.threads import _libraries, one_thread
 from tests.steps import euler_step
@@ -54,9 +54,8 @@ def pattern_of(row: Index, blocks: int, places: int) -> Pattern:
 
 @pytest.mark.parametrize("share", [1.0, 0.3])
 @pytest.mark.parametrize(("blocks", "reach"), [(1, 0), (2, 1), (3, 2), (5, 3), (22, 1), (40, 9), (61, 20)])
-def test_compiled_factorisation_is_that_of_lapack(blocks: int, reach: int, share: float) -> None:
+def test_factorisation_is_that_of_lapack(blocks: int, reach: int, share: float) -> None:
     """Bands narrower and wider than a tile and than the matrix, full and ragged; factor and solution to rounding."""
-    cholesky = pytest.importorskip("mechanics.solvers.cholesky")
     row, width = linked(blocks, reach, share), 3 * reach + 3
     band, pattern = banded(row, blocks, width + PADDING), pattern_of(row, blocks, width + PADDING)
     factor, failed = lapack.dpbtrf(band[:, :width].T.copy(), lower=1)
@@ -76,7 +75,6 @@ def test_compiled_factorisation_is_that_of_lapack(blocks: int, reach: int, share
 
 @pytest.mark.parametrize("row", [0, 4, 11])
 def test_a_matrix_that_is_not_positive_definite_is_told(row: int) -> None:
-    cholesky = pytest.importorskip("mechanics.solvers.cholesky")
     pairs = linked(4, 1, 1.0)
     for value in (0.0, -1.0, np.nan):
         band = banded(pairs, 4, 6 + PADDING)
@@ -91,68 +89,69 @@ def test_envelope_of_a_few_links() -> None:
     assert last.tolist() == [8] * 3 + [11] * 9 + [14] * 3
 
 
-@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
-@pytest.mark.parametrize("name", sorted(MODELS))
-def test_both_sets_of_iterations_do_the_same(name: str, behaviour: str) -> None:
-    """As many factorisations, the same contact states and forces, from the inside and from states."""
-    compiled = pytest.importorskip("mechanics.solvers.compiled")
-    model = MODELS[name]
-    for seed in range(4):
-        program = euler_step(model, behaviour, shaken(model, seed), 0.3)
-        next_one = euler_step(model, behaviour, shaken(model, seed), 0.32)
-        solvers = [newton_for(model, program, loops) for loops in (kernels, compiled)]
-        still, none = np.zeros(len(program.load)), np.zeros_like(program.gap)
-        for step in (program, next_one):
-            plain, quick = (solver.solve(step, still, none) for solver in solvers)
-            assert plain is not None and quick is not None
-            assert plain.forces == pytest.approx(quick.forces, abs=1e-6 * step.weight)
-            assert solvers[0].factorisations == solvers[1].factorisations
-            assert solvers[0].repeated == solvers[1].repeated
-            assert (solvers[0].state == solvers[1].state).all()
+def test_an_empty_right_hand_side_is_left_alone(capfd: pytest.CaptureFixture[str]) -> None:
+    """LAPACK, which once took it, printed a line of complaint for each."""
+    pairs = linked(4, 1, 1.0)
+    band, pattern, b = banded(pairs, 4, 6 + PADDING).ravel(), pattern_of(pairs, 4, 6 + PADDING), np.empty(0)
+    assert cholesky.factorise(band, pattern)
+    cholesky.substitute(band, pattern, b)
+    assert not len(b) and capfd.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
-def test_springs_of_a_step_are_the_same_in_both_loops(behaviour: str) -> None:
-    compiled = pytest.importorskip("mechanics.solvers.compiled")
+def springs(behaviour: str) -> tuple[tuple[float, float, float], Array, Array]:
+    """Energies of a step, and the shear of the springs before and after it."""
     model = MODELS["arch"]
     contacts = model.contacts(behaviour)
     rows = model.kinematics(behaviour, shaken(model, 1).positions)
     rng, c = np.random.default_rng(2), len(contacts)
     moved, forces = rng.standard_normal((len(model.blocks), 3)), rng.standard_normal((c, 2))
     stiffness = np.full(c, np.inf) if behaviour == "rigid" else contacts.stiffness[:, 0].copy()
-    compliance, before = rng.uniform(0.0, 1.0, (c, 2)), rng.standard_normal(c)
-    if behaviour == "rigid":
-        compliance[:] = 0.0
-    start, results = rng.standard_normal(c), []
-    for loops in (kernels, compiled):
-        shear = np.empty(c)
-        sums = loops.springs(
-            contacts.a, contacts.b, rows.normal, rows.tangent, moved, forces, start,
-            rows.slide, compliance, stiffness, contacts.friction, before, shear, 0.7, 0.2,
-        )  # fmt: skip
-        results.append((sums, shear))
-    assert results[0][0] == pytest.approx(results[1][0], rel=1e-12)
-    assert results[0][1] == pytest.approx(results[1][1], rel=1e-12)
-    if behaviour == "rigid":
-        assert (results[0][1] == before).all() and results[0][0][1] == 0.0
+    compliance = np.zeros((c, 2)) if behaviour == "rigid" else rng.uniform(0.0, 1.0, (c, 2))
+    start, before, shear = rng.standard_normal(c), rng.standard_normal(c), np.empty(c)
+    energies = compiled.springs(
+        contacts.a, contacts.b, rows.normal, rows.tangent, moved, forces, start,
+        rows.slide, compliance, stiffness, contacts.friction, before, shear, 0.7, 0.2,
+    )  # fmt: skip
+    opening, slide = (
+        (row * np.concatenate([moved[contacts.a], moved[contacts.b]], axis=1)).sum(axis=1)
+        for row in (rows.normal, rows.tangent)
+    )
+    slip = compliance[:, 1] * forces[:, 1] + rows.slide + slide
+    assert energies[0] == pytest.approx(-forces[:, 1] @ slip), "friction works on the slip"
+    work = -forces[:, 0] @ opening - forces[:, 1] @ (slide - slip)
+    flexible, ends = 0.7 * compliance[:, 1], (start, start + opening)
+    pressed, after = (np.maximum(-gap, 0.0) * np.where(np.isinf(stiffness), 0.0, stiffness) for gap in ends)
+    stored = 0.5 * ((after**2 - pressed**2) / stiffness + flexible * (shear**2 - before**2)).sum()
+    assert energies[2] == pytest.approx(work - energies[1] - stored), "the rest is the time stepping's"
+    return energies, before, shear
 
 
-def test_what_springs_hold_at_the_start_is_the_same_in_both_loops() -> None:
+def test_springs_of_rigid_contacts_hold_nothing() -> None:
+    energies, before, shear = springs("rigid")
+    assert energies[1] == 0.0
+    assert (shear == before).all()
+
+
+def test_springs_of_elastic_contacts_lose_energy_to_dashpots() -> None:
+    energies, before, shear = springs("elastic")
+    assert energies[1] > 0.0
+    assert (shear != before).any()
+
+
+def test_what_springs_hold_at_the_start_of_a_step() -> None:
     """Gaps and slides of a step, compliances and energy; an open gap stays what it is, a closed one is stretched."""
-    compiled = pytest.importorskip("mechanics.solvers.compiled")
     rng = np.random.default_rng(3)
     start, compliance = rng.standard_normal((9, 2)), rng.uniform(0.0, 1.0, (9, 2))
     shear, stiffness = rng.standard_normal(9), rng.uniform(0.5, 1.0, 9)
-    results = []
-    for loops in (kernels, compiled):
-        gap, soft = np.empty((9, 2)), np.empty((9, 2))
-        loops.at_start(start, shear, compliance, 0.7, gap, soft)
-        results.append((gap, soft, loops.strain_energy(start, stiffness, compliance, shear)))
-    for plain, quick in zip(*results, strict=True):
-        assert quick == pytest.approx(plain, rel=1e-14)
-    gap, closed = results[0][0], start[:, 0] < 0.0
+    gap, soft = np.empty((9, 2)), np.empty((9, 2))
+    compiled.at_start(start, shear, compliance, 0.7, gap, soft)
+    closed = start[:, 0] < 0.0
     assert 0 < closed.sum() < 9
     assert gap[:, 0] == pytest.approx(np.where(closed, start[:, 0] / 0.7, start[:, 0]))
+    assert gap[:, 1] == pytest.approx(-soft[:, 1] * shear)
+    assert soft == pytest.approx(compliance / 0.7)
+    energy = 0.5 * (stiffness[closed] @ start[closed, 0] ** 2 + compliance[:, 1] @ shear**2)
+    assert compiled.strain_energy(start, stiffness, compliance, shear) == pytest.approx(energy)
 
 
 def test_contacts_of_two_blocks_form_one_run() -> None:
@@ -180,42 +179,14 @@ def test_what_is_no_number_is_no_solution() -> None:
     assert worst((0.0, 0.0, np.nan, 0.0), 1.0, 1.0) == np.inf
     assert worst((1e-9, 2e-9, 1e-9, 1e-9), 1.0, 1.0) == 2e-9
     model = MODELS["arch"]
-    for loops in _every_loop():
-        program = euler_step(model, "elastic", shaken(model, 1), 0.3)
-        program.load[4] = np.nan
-        newton = newton_for(model, program, loops)
-        for _ in range(2):
-            assert newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap)) is None
-        program.load[4] = 0.0
-        found = newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
-        assert found is not None, "what went wrong is not begun from again"
-
-
-def _every_loop() -> list[ModuleType]:
-    try:
-        from mechanics.solvers import compiled
-    except ImportError:
-        return [kernels]
-    return [kernels, compiled]
-
-
-def test_compiled_code_goes_by_the_sources_of_all_that_it_uses(tmp_path: Path) -> None:
-    """A cache by the file of each function alone would keep the code of what has changed in another file."""
-    compiler = pytest.importorskip("mechanics.solvers.compiler")
-    from mechanics.solvers import cholesky, compiled, compiled_iterations
-
-    name = compiler.digest(Path(compiler.__file__).with_name(f"{source}.py") for source in compiler.SOURCES)
-    for module in (cholesky, compiled, compiled_iterations):
-        assert Path(module.__file__).stem in compiler.SOURCES
-        for value in vars(module).values():
-            if hasattr(value, "py_func"):
-                assert value.py_func.__qualname__.endswith(name)
-    files = tmp_path / "a.py", tmp_path / "b.py"
-    for file in files:
-        file.write_text("x = 1\n")
-    before = compiler.digest(files)
-    files[1].write_text("x = 2\n")
-    assert compiler.digest(files) != before
+    program = euler_step(model, "elastic", shaken(model, 1), 0.3)
+    program.load[4] = np.nan
+    newton = newton_for(model, program)
+    for _ in range(2):
+        assert newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap)) is None
+    program.load[4] = 0.0
+    found = newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
+    assert found is not None, "what went wrong is not begun from again"
 
 
 def test_one_thread_within_and_as_many_as_before_afterwards() -> None:
@@ -241,9 +212,7 @@ def test_corrections_end_where_they_are_many() -> None:
     state = np.full(len(forces), kernels.STICKING)
     scale = (program.weight, program.size, program.step, 1e-6)
     posed = newton._posed(program, program.mass[newton.order], program.load[newton.order])
-    count, residuals = iterations.semismooth(
-        *posed, x, forces, state, newton.stored, newton.pattern, scale, 3
-    )
+    count, residuals = semismooth(*posed, x, forces, state, newton.stored, newton.packed, scale, 3)
     assert count == 1
     assert worst(residuals, program.weight, program.step) == np.inf
     assert not x.any() and not forces.any()

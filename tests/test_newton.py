@@ -1,9 +1,9 @@
-"""The Newton solver against the interior point method of PIQP, and its loops against each other."""
+"""The Newton solver against the interior point method of PIQP, and its loops against their definitions."""
 
 from __future__ import annotations
 
 import sys
-from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,18 +14,21 @@ from mechanics import Assembly, State, time_history
 from mechanics.assembly import Behaviour
 from mechanics.block import Array
 from mechanics.program import Program, certify
-from mechanics.solvers import kernels, solve
-from mechanics.solvers.kernels import fastest
+from mechanics.solvers import compiled, solve
+from mechanics.solvers.elimination import PADDING
+from mechanics.solvers.kernels import OPEN
 from mechanics.solvers.newton import ACCEPTED, Newton
 from mechanics.time_history import Integrator
+from tests import reference_loops
 from tests.steps import euler_step
 from tests.structures import arch_on_piers, block_on_base, running_bond
+from tests.test_dissection import dense
 
 MODELS = {"block": block_on_base(), "wall": running_bond(3, 3), "arch": arch_on_piers(voussoirs=7, courses=3)}
 
 
-def newton_for(model: Assembly, program: Program, loops: ModuleType = kernels) -> Newton:
-    return Newton(program.dof, model.initial.positions[model.movable, :2], loops)
+def newton_for(model: Assembly, program: Program) -> Newton:
+    return Newton(program.dof, model.initial.positions[model.movable, :2])
 
 
 def shaken(model: Assembly, seed: int) -> State:
@@ -60,40 +63,78 @@ def test_agrees_with_the_reference_solver(name: str, behaviour: str, seed: int, 
     )
 
 
-@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
-def test_compiled_loops_give_the_same_results(behaviour: str) -> None:
-    compiled = pytest.importorskip("mechanics.solvers.compiled")
-    model = MODELS["arch"]
-    for seed in range(3):
-        program = euler_step(model, behaviour, shaken(model, seed), 0.3)
-        answers = [
-            newton_for(model, program, loops).solve(
-                program, np.zeros(len(program.load)), np.zeros_like(program.gap)
-            )
-            for loops in (kernels, compiled)
-        ]
-        assert answers[0].displacement == pytest.approx(answers[1].displacement, abs=1e-7 * program.step)
-
-
-def test_geometry_of_the_loops_is_that_of_the_contacts() -> None:
-    compiled = pytest.importorskip("mechanics.solvers.compiled")
+def test_geometry_is_that_of_its_definition_and_of_the_contacts() -> None:
     model = MODELS["arch"]
     contacts, x = model.contacts("rigid"), shaken(model, 1).positions
     exact = model.kinematics("rigid", x)
-    for loops in (kernels, compiled):
-        gap, normal, tangent = (np.empty((len(contacts), n)) for n in (2, 6, 6))
-        loops.geometry(contacts.a, contacts.b, contacts.p, contacts.q, contacts.n, x, gap, normal, tangent)
-        assert gap[:, 0] == pytest.approx(exact.gap, abs=1e-14)
-        assert gap[:, 1] == pytest.approx(exact.slide, abs=1e-14)
-        assert normal == pytest.approx(exact.normal, abs=1e-14)
-        assert tangent == pytest.approx(exact.tangent, abs=1e-14)
+    gap, normal, tangent = (np.empty((len(contacts), n)) for n in (2, 6, 6))
+    where = contacts.a, contacts.b, contacts.p, contacts.q, contacts.n
+    compiled.geometry(*where, x, gap, normal, tangent)
+    for gap_and_slide, *rows in (
+        reference_loops.geometry(*where, x),
+        (np.stack([exact.gap, exact.slide], axis=1), exact.normal, exact.tangent),
+    ):
+        assert gap == pytest.approx(gap_and_slide, abs=1e-14)
+        assert normal == pytest.approx(rows[0], abs=1e-14)
+        assert tangent == pytest.approx(rows[1], abs=1e-14)
+
+
+def posed(model: Assembly, seed: int) -> tuple[tuple[Any, ...], Newton, Array, Array]:
+    """Rows, gaps, friction and a compliance of the contact points of a shaken model, and displacements (m,)."""
+    program = euler_step(model, "elastic", shaken(model, seed), 0.5)
+    newton, rng = newton_for(model, program), np.random.default_rng(seed)
+    compliance = program.compliance + rng.uniform(0.0, 1e-6, program.compliance.shape)
+    x = 1e-3 * model.size * rng.standard_normal(len(program.load))
+    gap = program.gap + 1e-3 * model.size * rng.standard_normal(program.gap.shape)
+    law = newton.row, program.normal, program.tangent, gap, program.friction, compliance
+    assert program.mass is not None
+    return law, newton, program.mass[newton.order], x
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("name", sorted(MODELS))
+def test_contact_law_and_residuals_are_those_of_their_definitions(name: str, seed: int) -> None:
+    law, _, mass, x = posed(MODELS[name], seed)
+    c = len(law[0])
+    state, forces, total = np.zeros(c, np.intp), np.empty((c, 2)), np.empty_like(x)
+    changes = compiled.contact_law(*law, x, state, forces, total)
+    expected = reference_loops.contact_law(*law, x)
+    assert forces == pytest.approx(expected[0], rel=1e-12, abs=1e-12 * abs(expected[0]).max())
+    assert (state == expected[1]).all() and changes == (state != OPEN).sum()
+    assert total == pytest.approx(expected[2], rel=1e-12, abs=1e-10 * abs(expected[0]).max())
+    rest = law, mass, total, x, forces + 1.0, 0.7
+    found, defined = (loops.residuals(*law, *rest[1:]) for loops in (compiled, reference_loops))
+    assert found == pytest.approx(defined, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", sorted(MODELS))
+def test_contacts_that_keep_their_states_are_springs(name: str) -> None:
+    """Their forces are those of the law where its states are theirs; the matrix is the derivative of M̄x − A₀c."""
+    law, newton, mass, x = posed(MODELS[name], 4)
+    row, normal, tangent, _, friction, compliance = law
+    forces, state, _ = reference_loops.contact_law(*law, x)
+    assert len(set(state)) > 1
+    kept, totals = np.empty_like(forces), []
+    move = np.random.default_rng(5).standard_normal(len(x))
+    for at in (x, x + move):
+        totals.append(np.empty_like(x))
+        compiled.repeat_forces(*law, at, state, kept, totals[-1])
+        if at is x:
+            assert kept == pytest.approx(forces, rel=1e-12, abs=1e-12 * abs(forces).max())
+    compiled.repeat_matrix(
+        row, normal, tangent, friction, compliance, mass, state, newton.stored, newton.pattern
+    )
+    change = mass * move - (totals[1] - totals[0])
+    assert dense(newton.stored, newton.row, newton.pattern) @ move == pytest.approx(
+        change, rel=1e-9, abs=1e-9 * abs(change).max()
+    )
 
 
 def test_band_is_narrow_and_known_states_need_one_factorisation() -> None:
     model = running_bond(6, 6)
     program = euler_step(model, "rigid", model.initial, 0.0)
     newton = newton_for(model, program)
-    assert newton.pattern.places <= 3 * 16, "reverse Cuthill–McKee: courses of at most 7 bricks"
+    assert newton.pattern.places <= 3 * 16 + PADDING, "reverse Cuthill–McKee: courses of at most 7 bricks"
     first = newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
     before = newton.factorisations
     newton.solve(program, np.zeros(len(program.load)), first.forces)
@@ -142,7 +183,7 @@ def test_a_corpus_of_random_assemblies_agrees_with_the_reference_solver(
             program = euler_step(model, behaviour, state, rng.uniform(-1.0, 1.0))
             assert program.mass is not None
             reference = solve(program)
-            newton = newton_for(model, program, fastest())
+            newton = newton_for(model, program)
             found = newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
             assert found is not None and found.certificate.worst(program.step) <= 1e-8, number
             energies = []
@@ -160,8 +201,7 @@ def test_a_corpus_of_random_assemblies_agrees_with_the_reference_solver(
 
 
 def test_the_line_search_finds_the_minimum_along_a_direction() -> None:
-    """The slope is that of the energy, checked by differences; both sets of loops take the same share."""
-    compiled = pytest.importorskip("mechanics.solvers.compiled")
+    """The slope there, that of the energy, is zero, or still negative where the whole step is taken."""
     model = MODELS["wall"]
     program = euler_step(model, "elastic", shaken(model, 3), 0.5)
     assert program.mass is not None
@@ -171,23 +211,16 @@ def test_the_line_search_finds_the_minimum_along_a_direction() -> None:
     mass, load = program.mass[newton.order], program.load[newton.order]
     law = (program.gap, program.friction, compliance)
     x = np.zeros_like(mass)
-    states, forces, total = (
-        np.zeros(len(newton.row), dtype=np.intp),
-        np.zeros_like(program.gap),
-        np.zeros_like(x),
-    )
 
     def downhill(at: Array) -> Array:
-        kernels.contact_law(*rows, *law, at, states, forces, total)
-        return load + total - mass * at
+        return load + reference_loops.contact_law(*rows, *law, at)[2] - mass * at
 
     first = downhill(x)
     for length in (0.5, 3.0, 30.0):
         dx = length * first / mass
-        shares = [loops.line_search(*rows, *law, mass, load, x, dx) for loops in (kernels, compiled)]
-        assert shares[0] == pytest.approx(shares[1], rel=1e-9)
-        slope = downhill(shares[0] * dx) @ dx
-        assert (shares[0] == 1.0 and slope > 0.0) or abs(slope) <= 0.1 * (first @ dx)
+        share = compiled.line_search(*rows, *law, mass, load, x, dx)
+        slope = downhill(share * dx) @ dx
+        assert (share == 1.0 and slope > 0.0) or abs(slope) <= 0.1 * (first @ dx)
 
 
 def test_sweeps_order_a_wall_by_its_courses() -> None:
@@ -197,9 +230,8 @@ def test_sweeps_order_a_wall_by_its_courses() -> None:
     newton = Newton(
         np.concatenate([model.dof[contacts.a], model.dof[contacts.b]], axis=1),
         model.initial.positions[model.movable, :2],
-        kernels,
     )
-    assert newton.pattern.places <= 3 * 20, "reverse Cuthill–McKee has 3 · 28"
+    assert newton.pattern.places <= 3 * 20 + PADDING, "reverse Cuthill–McKee has 3 · 28"
 
 
 def counted(

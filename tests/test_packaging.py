@@ -13,8 +13,11 @@ from pathlib import Path
 
 import pytest
 
+from mechanics.solvers.compiler import cache_folder
+
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("assessment", "mechanics", "templates")
+COMPILED = {"NUMBA_CACHE_DIR": str(folder.parent)} if (folder := cache_folder()) else {}  # not once more
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 
 
@@ -32,7 +35,7 @@ def execute(*command: str | Path, cwd: Path, **environment: str) -> str:
     done = subprocess.run(
         [sys.executable, *command],
         cwd=cwd,
-        env=os.environ | environment,
+        env=os.environ | COMPILED | environment,
         capture_output=True,
         text=True,
         check=False,

@@ -6,22 +6,28 @@ import gc
 import multiprocessing
 import os
 import time
+from pathlib import Path
 
 import pytest
 
 from assessment.parallel import Workers
 
 
-def test_as_many_processes_as_asked_for():
+def test_as_many_processes_as_asked_for(tmp_path):
+    """The first analysis waits for another process to have begun one: the second process, however late it starts."""
     with Workers(jobs=2) as workers:
-        pids = workers.each("wait", _pid, [(k,) for k in range(6)], [""] * 6, worthwhile=False)
+        tasks = [(str(tmp_path), 2)] * 6
+        pids = workers.each("wait", _pid, tasks, [""] * 6, worthwhile=False)
     assert len({*pids} - {os.getpid()}) == 2
     with Workers(jobs=1) as workers:
-        assert workers.each("wait", _pid, [(1,), (2,)], ["", ""], worthwhile=False) == [os.getpid()] * 2
+        tasks = [(str(tmp_path), 1)] * 2
+        assert workers.each("wait", _pid, tasks, ["", ""], worthwhile=False) == [os.getpid()] * 2
 
 
-def _pid(_: int) -> int:
-    time.sleep(0.2)
+def _pid(folder: str, processes: int) -> int:
+    Path(folder, str(os.getpid())).touch()
+    while len(list(Path(folder).iterdir())) < processes:
+        time.sleep(0.01)
     return os.getpid()
 
 

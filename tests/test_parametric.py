@@ -208,8 +208,8 @@ def test_options_change_the_dimensions(tmp_path: Path) -> None:
     [
         ("archh", {}, '--template: archh: .*did you mean "arch"'),
         ("arch", {"spam_m": 3.0}, 'arch: spam_m: .*did you mean "span_m"'),
-        ("arch", {"span_m": -1.0}, "span_m: is -1; must be a positive number, in m"),
-        ("arch", {"span_m": float("nan")}, "span_m: is nan; must be a positive number"),
+        ("arch", {"span_m": -1.0}, "span_m: is -1; must be a number, in m, from 0.001 to 1000"),
+        ("arch", {"span_m": float("nan")}, "span_m: is nan; must be a number"),
         ("arch", {"voussoirs": 7.5}, "voussoirs: is 7.5; must be a whole number"),
         ("arch", {"rise_m": 2.0}, "rise_m: 2 is more than half of span_m"),
         ("wall", {"moving_blocks": 6}, "moving_blocks: must be fewer than blocks"),

@@ -9,9 +9,11 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
+from assessment import project_checks
 from assessment.project import json_schema, load_project
+from assessment.project_checks import matches
 from assessment.project_toml import to_toml
-from tests.contract_project import CONTRACT, HAZARD, MINIMAL, load, write_named_files
+from tests.contract_project import CONTRACT, HAZARD, MINIMAL, load, message, write_named_files
 
 
 @pytest.fixture
@@ -121,6 +123,67 @@ def test_json_schema_describes_every_key():
         assert all(key["description"] for key in table["properties"].values())
     assert set(schema["required"]) == {"title", "geometry", "material"}
     assert schema["$defs"]["GeometryTable"]["properties"]["unit"]["enum"] == ["mm", "cm", "m"]
+
+
+def test_every_number_has_bounds():
+    """Only friction and stiffness may be infinite; nothing else is so large or small that arithmetic fails."""
+    unbounded = set()
+
+    def look(node, key):
+        if isinstance(node, dict):
+            if node.get("type") in {"number", "integer"} and "enum" not in node:
+                low, high = (
+                    node.keys() & {f"{end}imum", f"exclusive{end.title()}imum"} for end in ("min", "max")
+                )
+                if not (low and high):
+                    unbounded.add(key)
+            if node.get("type") == "array" and "prefixItems" not in node and "uniqueItems" not in node:
+                assert node["maxItems"] <= 10_000, key
+            for name, each in node.items():
+                look(each, key if name in {"anyOf", "items", "prefixItems"} else name)
+        elif isinstance(node, list):
+            for each in node:
+                look(each, key)
+
+    look(json_schema(), "")
+    assert unbounded == {"friction", "tangential_stiffness_kN_m3"}
+
+
+@pytest.mark.parametrize(
+    ("pattern", "found"),
+    [
+        ("records/*.acc", ["aqv_ns.acc", "aqv_up.acc"]),
+        ("rec*/aqv_[nu]?.acc", ["aqv_ns.acc", "aqv_up.acc"]),
+        ("./records/../records/*.csv", ["b.csv"]),
+        ("*/b.csv", ["b.csv"]),
+        ("*/*", ["aqv_ns.acc", "aqv_up.acc", "b.csv"]),
+        ("*/.*", [".hidden.acc"]),
+        ("records/*/*", []),
+        ("nowhere/*", []),
+        ("records/b.csv/*", []),
+    ],
+)
+def test_patterns_of_records(folder, pattern, found):
+    (folder / "records" / ".hidden.acc").touch()
+    (folder / "records" / "deep").mkdir()
+    for each in (pattern, str(folder / pattern)):
+        assert [file.name for file in matches(folder, each)] == found
+
+
+@pytest.mark.parametrize(
+    ("limit", "pattern", "said"),
+    [
+        ("MOST_LOOKED_AT", "*/*", "more than 2 names to look at; name the folders"),
+        ("MOST_ENTRIES", "records/*", "3 files, at most 2; choose among them"),
+        ("", "/**/*", "is not understood; name the folders"),
+    ],
+)
+def test_patterns_have_limits(folder, monkeypatch, limit, pattern, said):
+    if limit:
+        monkeypatch.setattr(project_checks, limit, 2)
+    text = CONTRACT.replace('"records/*.acc"', f'"{pattern}"')
+    (line,) = message(folder, text).splitlines()
+    assert line.startswith(f'project.toml: incremental.records[1]: "{pattern}": ') and said in line
 
 
 def test_importing_stays_cheap():

@@ -12,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assessment.figures import write_figures
-from assessment.judgement import draft_judgement
 from assessment.pool import Pool
 from assessment.printing import APT_COMMAND, COMMANDS
 from assessment.report import CHAPTERS, render_html, write_page, write_pdf
@@ -248,29 +247,6 @@ def test_segments_of_layers_are_told_beside_those_of_the_drawing(tmp_path):
     results["echo"]["layers"]["BASE_LEFT"]["segments_per_joint"] = 16
     write_figures(Pool(0, results), tmp_path)
     assert "the one that asks for more decides: 4, 16." in render_html(results, tmp_path, words_of(results))
-
-
-def test_judgement_names_the_governing_condition():
-    results = results_example("en")
-    checks = [
-        (capacity[limit]["zeta_E"], name, direction, limit)
-        for name, content in results["states"].items()
-        for direction, capacity in content["capacity"].items()
-        for limit in ("SLD", "SLV", "SLC")
-    ]
-    worst = min(checks)
-    first = draft_judgement(results, words_of(results))[0]
-    assert f"“{worst[1]}” in direction {worst[2]} at the limit state {worst[3]}" in first
-    assert "not verified" in first
-
-
-def test_judgement_does_not_hide_poor_certificates_or_a_poor_hand_check():
-    results = results_example("en")
-    results["quality"]["worst_equilibrium_residual"] = 1e-4
-    results["states"]["original"]["pushover"]["+x"]["rigid"]["virtual_work_alpha"] = 0.2
-    text = " ".join(draft_judgement(results, words_of(results)))
-    assert "must be checked" in text
-    assert "must be explained" in text
 
 
 def test_without_system_libraries_the_html_is_written_and_the_command_given(tmp_path, monkeypatch, capsys):

@@ -1,5 +1,6 @@
 """The tables hold the numbers of the results; reductions compare settled states with the original."""
 
+import csv
 import io
 
 import pandas as pd
@@ -37,13 +38,13 @@ def test_all_tables_are_written(written):
 
 
 def test_errors_of_capacities_and_of_peaks_stand_apart(written):
-    assert pd.read_csv(written["segments_convergence"]).direction.to_list() == ["+x"]
+    assert pd.read_csv(written["segments_convergence"]).direction.to_list() == ["'+x"]
     assert pd.read_csv(written["history_segments_convergence"]).record.to_list() == ["wave"]
 
 
 def test_curves_come_back_as_they_were(written):
     frame = pd.read_csv(written["pushover"])
-    chosen = frame[(frame.state == SETTLED) & (frame.direction == "-x") & (frame.contacts == "elastic")]
+    chosen = frame[(frame.state == SETTLED) & (frame.direction == "'-x") & (frame.contacts == "elastic")]
     curve = results_example()["states"][SETTLED]["pushover"]["-x"]["elastic"]["curve"]
     assert chosen.displacement_m.to_list() == pytest.approx(curve["displacement_m"], rel=1e-14)
     assert chosen.multiplier.to_list() == pytest.approx(curve["multiplier"], rel=1e-14)
@@ -105,6 +106,24 @@ def test_one_check_per_state_direction_and_limit_state():
 
 def test_deviation_of_the_hand_check():
     assert hand_check(results_example()).rows[0]["deviation"] == pytest.approx(4e-4)
+
+
+def test_no_cell_begins_like_a_formula(tmp_path):
+    results = results_example()
+    for name in ("=1+1", "+SUM(A1)", "-2", "@A1", "=cmd|'/c calc'!A0"):
+        results["states"][name] = results["states"][SETTLED]
+    results["geometry"]["blocks"][0]["layer"] = "=HYPERLINK(0)"
+    write_tables(results, tmp_path)
+    words = 0
+    for path in tmp_path.iterdir():
+        with path.open(encoding="utf-8", newline="") as file:
+            for cell in (cell for row in csv.reader(file) for cell in row):
+                try:
+                    float(cell)
+                except ValueError:
+                    words += 1
+                    assert not cell.startswith(("=", "+", "-", "@", "\t", "\r"))
+    assert words > 100
 
 
 def test_same_bytes_and_plain_csv(written, tmp_path):

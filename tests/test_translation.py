@@ -16,8 +16,16 @@ RAISED |= {"CapacityError", "MechanismError"}
 LISTS = {"warnings", "notes", "failures", "findings"}
 ELSEWHERE = {"mechanics/synthetic_motion.py", "assessment/benchmark/dynamics.py"}  # no part of a run
 NAMED = {"_SHAPES", "_COLLAPSE_FIRST", "end"}
-SAYING = {"not_met", "missed", "collapse", "overruns", "passing_through", "_notes", "_gaps", "scatter"}
-SAYING |= {"coarse_joints", "too_few", "_peak_warnings", "_collapse_warnings"}
+SAYING = {"not_met", "missed", "collapse", "overruns", "passing_through", "_notes", "scatter"}
+SAYING |= {
+    "_gap_texts",
+    "_gap_warnings",
+    "_remedy",
+    "coarse_joints",
+    "too_few",
+    "_peak_warnings",
+    "_collapse_warnings",
+}
 MESSAGE = "another part falls"  # in the place of a message within a message
 WITHIN = {"error", "collapse", "stop", "fall", "refusal", "note", "text", "why", "start", "end", "said"}
 WITHIN |= {"self.end", "unstable", "path.end", "last.collapse_reason", "failed[state]", "warnings[0]"}
@@ -85,7 +93,7 @@ def value(expression):
         return "increments" if expression == "what" else "depth" if expression == "names" else MESSAGE
     if expression in {"title", "name", "state"}:
         return "original, rigid contacts" if expression == "title" else "original"
-    if expression.startswith("_name("):
+    if expression.startswith("name_of("):
         return 'block 3 (layer "WALL", handle 2F)'
     return {"direction": "+x", "limit_state": "SLV"}.get(expression, "1.5")
 

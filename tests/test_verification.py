@@ -244,17 +244,21 @@ def test_floor_spectrum_by_hand():
     a_Z = 0.36·0.6·√(1 + 0.0004·25) = 0.217077 g; ξ = 8 %: η = 0.877058, A = 1.1·0.877058/√0.05 = 4.314555.
     T = 0: a_Z; 0.4 ≤ T < 0.55: A a_Z = 0.936592 g; T = 0.2: A a_Z/(1 + 3.314555·0.5^1.6) = 0.447403 g;
     T = 1.1: A a_Z/(1 + 3.314555) = 0.217077 g, above S_e(1.1, 8 %) = 0.25·2.4·0.877058·0.3/1.1 = 0.143519 g.
+    The ground governs at T = 0 (a_g S = 0.25 g) and T = 0.2 (0.25·2.4·0.877058 = 0.526235 g); at twice the height the
+    modes do, with twice as much.
     """
     floor = FloorSpectrum(SOIL_A.with_damping(0.08), (Mode(0.5, 1.2, 0.5),))
     a_Z = 0.36 * 0.6 * 1.01**0.5
     A = 1.1 * (10 / 13) ** 0.5 / 0.05**0.5
     assert a_Z == pytest.approx(0.217077, abs=1e-6)
     np.testing.assert_allclose(A, 4.314555, atol=1e-6)
-    expected = [0.217077, 0.447403, 0.936592, 0.936592, 0.217077]
-    np.testing.assert_allclose(floor.acceleration([0.0, 0.2, 0.4, 0.54, 1.1]), expected, atol=1e-6)
-    low = FloorSpectrum(SOIL_A, (Mode(0.5, 1.2, 0.05),))  # near the ground: not below S_e beyond T_1
+    T, modes = [0.0, 0.2, 0.4, 0.54, 1.1], np.array([0.217077, 0.447403, 0.936592, 0.936592, 0.217077])
+    np.testing.assert_allclose(floor.acceleration(T), [0.25, 0.526235, *modes[2:]], atol=1e-6)
+    top = FloorSpectrum(SOIL_A.with_damping(0.08), (Mode(0.5, 1.2, 1.0),))
+    np.testing.assert_allclose(top.acceleration(T), 2.0 * modes, atol=2e-6)
+    low = FloorSpectrum(SOIL_A, (Mode(0.5, 1.2, 0.05),))  # near the ground: nowhere below S_e
     assert low.acceleration(0.8) == SOIL_A.acceleration(0.8)
-    assert low.acceleration(0.4) < SOIL_A.acceleration(0.4)
+    assert low.acceleration(0.2) == SOIL_A.acceleration(0.2)
     plateau_end = A * a_Z * GRAVITY * (0.55 / (2 * np.pi)) ** 2
     assert floor.largest_displacement(0.0, 0.7) == (pytest.approx(plateau_end), 0.55)
     assert first_mode(0.5, 3, 4.0, 10.0).gamma == pytest.approx(9 / 7)
@@ -340,7 +344,9 @@ def test_the_trace_ends_in_the_numbers_of_the_check(hazard):
         last = {"activation": "a_g_act", "linear": "a_g_linear", "nonlinear": f"a_g_{check.limit_state}"}
         symbol = last[check.method] if last[check.method] in results else "a_g_nonlinear"
         assert results[symbol] == check.a_g
-        assert results["zeta_E"] == check.zeta_E
+        indexed = check.limit_state in {"SLV", "SLC"}  # §8.3: the ratio at SLO and SLD is no index
+        assert results["zeta_E" if indexed else f"r_{check.limit_state}"] == check.zeta_E
+        assert ("zeta_E" in results) == indexed
         assert results["a_g_demand"] == check.demand_a_g
 
 

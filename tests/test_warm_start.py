@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
-from mechanics.solvers import kernels
-from mechanics.solvers.kernels import fastest
+from mechanics.solvers import newton
+from mechanics.solvers.compiled import changed
 from mechanics.solvers.newton import ACCEPTED
 from mechanics.solvers.warm_start import FORCES, GAPS, WarmStart
 from tests.steps import euler_step
@@ -20,18 +18,17 @@ BEARS, OPEN = 4.0 * WEIGHT, 0.6 * STEP
 
 
 def kept(*solutions, newest=1.0):
-    start = WarmStart(kernels, newest)
+    start = WarmStart(newest)
     for s, z in solutions:
         start.keep(np.array(s), np.array(z), WEIGHT, STEP)
     return start
 
 
-@pytest.mark.parametrize("loops", [kernels, fastest()], ids=lambda loops: loops.NAME)
-def test_changes_are_those_of_all_rays(loops):
+def test_changes_are_those_of_all_rays():
     """Of four rays one opens and one closes: half change sides, by 4 weights and 0.6 steps."""
     s, z = np.array([[BEARS, 0.0], [0.0, BEARS]]), np.array([[0.0, OPEN], [OPEN, 0.0]])
     before, apart = np.array([[BEARS, BEARS], [0.0, 0.0]]), np.array([[0.0, 0.0], [OPEN, OPEN]])
-    sides, forces, gaps = loops.changed(s, z, before, apart, WEIGHT, STEP)
+    sides, forces, gaps = changed(s, z, before, apart, WEIGHT, STEP)
     assert sides == 0.5
     assert forces == pytest.approx(4.0 * np.sqrt(0.5), rel=1e-12)
     assert gaps == pytest.approx(0.6 * np.sqrt(0.5), rel=1e-12)
@@ -64,17 +61,17 @@ def test_the_first_solution_and_one_that_failed_leave_the_default():
     assert (along == FORCES * WEIGHT).all() and (apart == GAPS[1] * STEP).all()
 
 
-def test_a_poor_solution_is_a_better_start_than_none():
+def test_a_poor_solution_is_a_better_start_than_none(monkeypatch):
     """Thrown away, it leaves the next solve to begin from nothing, which fails again where joints hardly hold."""
     model = running_bond(3, 3)
     program = euler_step(model, "elastic", shaken(model, 1), 0.3)
-    solver, calls = newton_for(model, program, fastest()), []
+    solver, calls, interior = newton_for(model, program), [], newton.interior
 
     def poor(*arguments):
-        calls.append(solver.iterations.interior(*arguments))
+        calls.append(interior(*arguments))
         return calls[-1][0], (1e3 * ACCEPTED * program.weight, 0.0, 0.0, 0.0)
 
-    solver.iterate = SimpleNamespace(interior=poor, semismooth=solver.iterations.semismooth)
+    monkeypatch.setattr(newton, "interior", poor)
     assert solver.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap)) is not None
     assert len(calls) == 2
     assert solver.start.last is not None

@@ -10,7 +10,7 @@ import pytest
 
 from assessment import stages
 from assessment.cli import main
-from tests.block_project import command, contents, edit, run
+from tests.block_project import ASSESSMENT, PROJECT, command, contents, edit, run, write_block
 
 pytestmark = pytest.mark.usefixtures("quick")
 ROOT = Path(__file__).parents[1]
@@ -64,7 +64,10 @@ def test_wrong_input_is_said_in_one_message_and_nothing_is_touched(project, caps
     assert err.startswith("error: ")
     assert message in err
     assert "Traceback" not in err
-    assert contents(project / "output") == before
+    after = contents(project / "output")
+    if verb == "check" and err.startswith("error: geometry.dxf: "):
+        assert "drawing with the faults marked: " in err and after.pop("model.svg")
+    assert after == before
 
 
 @pytest.mark.parametrize("verb", ["run", "check", "report"])
@@ -75,7 +78,7 @@ def test_a_project_that_is_not_there(tmp_path, capsys, verb):
 
 def test_an_unknown_stage(project, capsys):
     assert run(project, "--only", "pushover,colapse") == 2
-    assert "error: --only: colapse: no such stage; choose from pushdown" in capsys.readouterr().err
+    assert 'error: --only: colapse: no such stage; valid: "pushdown", "pushover"' in capsys.readouterr().err
 
 
 def test_a_drawing_that_is_none(project, capsys):
@@ -128,7 +131,7 @@ def test_the_report_needs_results(project, capsys):
         (["--template", "arc"], "no such template; did you mean"),
         (["--template", "block", "--set", "width=1"], 'no such option; did you mean "width_m"'),
         (["--template", "block", "--set", "width_m"], "--set width_m: not KEY=NUMBER"),
-        (["--template", "block", "--set", "width_m=-1"], "must be a positive number"),
+        (["--template", "block", "--set", "width_m=-1"], "must be a number, in m, from 0.001 to 1000"),
     ],
 )
 def test_new_says_what_is_wrong(tmp_path, capsys, options, message):
@@ -179,3 +182,55 @@ def test_a_value_error_of_a_library_is_a_bug_and_not_the_users(project, monkeypa
     monkeypatch.setattr("assessment.project.load_project", lambda _: np.array_split(np.zeros(3), 0))
     with pytest.raises(ValueError, match="number sections"):
         main(["check", str(project)])
+
+
+OPENED = ("geometry.dxf", "grid.txt", "shaking.csv", "upward.csv", "more.csv")
+
+
+@pytest.mark.parametrize("verb", ["run", "check"])
+@pytest.mark.parametrize("broken", OPENED)
+def test_a_check_opens_every_file_that_a_run_opens(tmp_path, capsys, broken, verb):
+    history = '[[history]]\nrecord = "shaking.csv"\nvertical_record = "upward.csv"\ncontacts = "rigid"\n'
+    site = '[assessment.site]\nsoil = "B"\nlatitude = 42.02\nlongitude = 13.02\ngrid = "grid.txt"\n'
+    folder = write_block(
+        tmp_path / "block",
+        PROJECT
+        + history
+        + '[incremental]\nrecords = ["m*.csv"]\n'
+        + ASSESSMENT.partition("[assessment.site]")[0]
+        + site,
+    )
+    values = "\t".join(f"{0.5 + k}\t2.4\t0.3" for k in range(9))
+    nodes = [f"{13.0 + 0.06 * i}\t{42.0 + 0.05 * j}\t{values}" for i in range(2) for j in range(2)]
+    (folder / "grid.txt").write_text("\n".join(nodes), encoding="utf-8")
+    for name in OPENED[2:]:
+        (folder / name).write_text("0,0\n0.01,0.1\n0.02,0\n", encoding="utf-8")
+    if verb == "check":
+        assert main(["check", str(folder)]) == 0
+        capsys.readouterr()
+    (folder / broken).write_text("broken", encoding="utf-8")
+    assert main([verb, str(folder)]) == 2
+    assert broken in capsys.readouterr().err
+
+
+FAULTS = {
+    "Python": ("int(float('nan'))", True),
+    "NumPy": ("numpy.zeros(3) + numpy.zeros(4)", True),
+    "ours": ("raise_it()", False),
+}
+
+
+@pytest.mark.parametrize("whose", FAULTS)
+def test_an_error_of_python_or_numpy_is_never_passed_off_as_the_users(project, monkeypatch, capsys, whose):
+    """A fault of ours ends with a traceback, also where the line that meets it is in one of our own modules."""
+    expression, is_fault = FAULTS[whose]
+    own = {"__name__": "mechanics.made_up", "numpy": np}
+    exec("def raise_it(): raise ValueError('geometry.dxf: wrong; mend it')", own)
+    exec(f"def tolerance(blocks): {expression}", own)
+    monkeypatch.setattr("assessment.model.default_tolerance", own["tolerance"])
+    if is_fault:
+        with pytest.raises(ValueError, match=r"NaN|broadcast"):
+            main(["check", str(project)])
+    else:
+        assert main(["check", str(project)]) == 2
+        assert capsys.readouterr().err == "error: geometry.dxf: wrong; mend it\n"

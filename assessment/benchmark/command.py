@@ -15,6 +15,7 @@ from assessment.benchmark.plots import work_precision
 from assessment.benchmark.table import Column, as_csv, listed, number, percent, pivoted
 from assessment.canvas import save_png, save_svg
 from assessment.files import write_atomically
+from assessment.messages import nearest
 
 SUMMARY = "summary.md"
 
@@ -39,7 +40,7 @@ def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
     """
     for name in names:
         if name not in BENCHMARKS:
-            raise ValueError(f"benchmark: {name}: no such benchmark; choose from {', '.join(BENCHMARKS)}")
+            raise ValueError(f"benchmark: {name}: no such benchmark; {nearest(name, BENCHMARKS)}")
     summary = [machine()]
     print(summary[0], flush=True)
     for name in names or BENCHMARKS:
@@ -131,7 +132,6 @@ STEP_COLUMNS: tuple[Column, ...] = (
     ("points", "points", str),
     ("contacts", "contacts", str),
     ("integrator", "integrator", str),
-    ("threads", "threads", str),
     ("step_ms", "step, ms", number),
     ("piqp_ms", "PIQP, ms", number),
     RATIO,
@@ -172,8 +172,7 @@ BENCHMARKS = {
         plain(*STEP_COLUMNS),
     ),
     "growth": Benchmark(
-        "the same as walls grow, and the exponent of its time over the number of blocks; then by one thread alone "
-        "what two have worked at.",
+        "the same as walls grow, and the exponent of its time over the number of blocks.",
         steps.growth,
         plain(*STEP_COLUMNS),
     ),

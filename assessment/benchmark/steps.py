@@ -1,8 +1,8 @@
 """Time of a dynamic step, elastic and rigid, and how it grows with the number of blocks.
 
 The state at rest from which a motion begins is not counted. `geometry_ms` and `solve_ms` (the Newton solver) are
-milliseconds a step; `repeated` is the share of the solves that repeated the last contact states. Times are elapsed,
-since two threads work at large models; those of PIQP, by one, are processor times.
+milliseconds a step; `repeated` is the share of the solves that repeated the last contact states. Times are elapsed;
+those of PIQP are processor times.
 
 Tried, and not kept (wall 18 x 19, elastic, strong motion): semismooth Newton alone, with augmented Lagrangian rounds
 and an exact line search, 38 to 50 factorisations a step where the interior point method takes 8 (line searches end at
@@ -54,18 +54,14 @@ nearer than 0.002 of a step: 11.2, but rigid walls of 70 blocks 3.2, not 2.9. Fr
 are large: 15. Correctors of Gondzio's only where a step is held up, below a fifth to nine tenths of the way: 12.5 to
 10.8 iterations for one to ten of them, at a fifth of an iteration each.
 
-Two threads, each at a half of the model (see halves): an iteration at 2997 blocks 3.4 ms, not 5.9, at 1008 blocks 0.85,
-not 1.6 (Intel Xeon; AMD EPYC 2.5, not 4.8, and 0.69, not 1.15). At 351 blocks, in fronts for their sake, 1.4 to 1.9 ms
-a solve where one thread takes 1.9 in the band: there it stays. A meeting of the two takes a microsecond; numba's own
-loops in parallel as little with OpenMP, which does not survive that a process forks, and 76 to 100 with the layer that
-does. A thread that waits looks for a tenth of a millisecond before it sleeps: after 200 000 looks, however long these
-take, an iteration at 2997 blocks took 4.1 ms, not 3.4 (Intel Xeon), and beside two busy programs a solve at 1008 blocks
-21 ms, not 18 (one thread: 14); twice as much now and then where it looks for longer. A thread of its own for each solve
-takes 0.13 ms to come and go, one that is kept 0.05. Taking what is a half's out of the whole took 1.8 of 8.2 ms at 1008
-blocks in NumPy, 0.3 compiled. Substituting into each front as soon as it is eliminated: a thirtieth less. Loops over
-the contact points with a quarter fewer numbers to read and write (what s z and z lack not stored, the predictor's
-right-hand side beside the matrix, its changes not written): six per cent of an iteration by one thread, three by two;
-given up, as it moves the last digits of statics, and with them the scatter of sliding joints.
+Two threads, each at the blocks on one side of the line that is eliminated last (in an earlier version): one takes 1.6
+and 1.7 times as long for a step of the elastic walls of 1008 and 2997 blocks, 1.4 and 1.5 of the rigid ones, where the
+second core is free. Given up: the second core serves another analysis.
+
+Substituting into each front as soon as it is eliminated: a thirtieth less. Loops over the contact points with a quarter
+fewer numbers to read and write (what s z and z lack not stored, the predictor's right-hand side beside the matrix, its
+changes not written): six per cent of an iteration; given up, as it moves the last digits of statics, and with them the
+scatter of sliding joints.
 """
 
 from __future__ import annotations
@@ -91,7 +87,6 @@ from mechanics.ground_motion import read_record
 from mechanics.program import Program
 from mechanics.scene import Scene
 from mechanics.solvers.newton import Newton
-from mechanics.solvers.threads import at_most
 
 STEP, WINDOW = 0.005, (4.0, 11.0)  # s: of the artificial record that comes with every template
 QUICK_WINDOW = (4.0, 5.0)
@@ -135,10 +130,7 @@ def steps(quick: bool) -> Iterator[Row]:
 
 
 def growth(quick: bool) -> Iterator[Row]:
-    """A row for every wall, implicit Euler; and the exponent of the time of a step over the number of blocks.
-
-    Those at which two threads have worked once more by one, and the exponent without the other.
-    """
+    """A row for every wall, implicit Euler; and the exponent of the time of a step over the number of blocks."""
     record = strong_record(WINDOW)
     record = 0.55 * record[: round(SHARE * len(record))]
 
@@ -153,13 +145,6 @@ def growth(quick: bool) -> Iterator[Row]:
         rows = [wall(*size, contacts) for size in walls]
         yield from rows
         yield {"case": "exponent", "contacts": contacts, "step_ms": exponent(rows, "step_ms")}
-        by_two = [k for k, row in enumerate(rows) if row["threads"] > 1]
-        for k in by_two:
-            with at_most(1):
-                rows[k] = wall(*walls[k], contacts)
-            yield rows[k]
-        if by_two:
-            yield {"case": "exponent, one thread", "contacts": contacts, "step_ms": exponent(rows, "step_ms")}
 
 
 def strong_record(window: tuple[float, float]) -> Array:
@@ -233,7 +218,6 @@ def _counted(run: Callable[[Array], TimeHistory], record: Array) -> tuple[Row, l
         "solves_per_step": motion.solves / n,
         "factorisations_per_step": newton.factorisations / n,
         "repeated": newton.repeated / max(newton.solved, 1),
-        "threads": newton.threads,
         "resolved": motion.resolved,
         "fallbacks": motion.fallbacks,
         "collapsed": motion.collapsed,

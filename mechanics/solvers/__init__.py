@@ -10,7 +10,7 @@ import numpy as np
 from mechanics.block import GRAVITY, Array
 from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.program import Neighbour, Program, Solution, certify
-from mechanics.solvers import interior_point, kernels
+from mechanics.solvers import interior_point
 from mechanics.solvers.elimination import Elimination
 
 Answer = tuple[Array, float, Array]
@@ -18,14 +18,13 @@ Answer = tuple[Array, float, Array]
 GOOD = 1e-8  # a certificate that needs no second opinion
 USABLE = 1e-6  # the worst that is accepted when every solver has been asked
 BALANCED = 1e-6  # of gravity: an acceleration that is none
-WORTH_WHILE = 40, 400  # contact points from which central_path is: compiled, and in plain NumPy
+WORTH_WHILE = 40  # contact points from which central_path is quicker than PIQP
 MARGINAL = 1e-8  # of gravity: one that decides where no solver finds an answer
 
 
 def suits_central_path(contacts: int) -> bool:
     """Whether central_path is quicker than PIQP for a static program of so many contact points."""
-    compiled, plain = WORTH_WHILE
-    return contacts >= (plain if kernels.fastest() is kernels else compiled)
+    return contacts >= WORTH_WHILE
 
 
 def solve(program: Program, near: Neighbour | None = None, layout: Elimination | None = None) -> Solution:

@@ -11,16 +11,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
-from types import ModuleType
 
 import numpy as np
 
 from mechanics.block import Array
 from mechanics.program import LARGEST_MULTIPLIER, Neighbour, Program, Solution, certify
-from mechanics.solvers import GOOD, kernels
+from mechanics.solvers import GOOD
+from mechanics.solvers import compiled_interior_step as loops
+from mechanics.solvers.compiled_interior_step import HOLDING, Posed
 from mechanics.solvers.elimination import Elimination
-from mechanics.solvers.interior_step import HOLDING, Posed
 from mechanics.solvers.kernels import Residuals
 from mechanics.solvers.threads import one_thread
 
@@ -59,7 +58,7 @@ def follow(
 
 
 def load() -> None:
-    """Have the loops at hand: numba takes half a second to load them, in a process that has solved nothing."""
+    """Load the compiled loops: a process that has solved nothing takes half a second for it."""
     one = np.ones(1)
     block = Program(
         dof=np.array([[-1, -1, -1, 0, 1, 2]]), normal=np.eye(6)[None, 4], tangent=np.eye(6)[None, 3],
@@ -91,11 +90,11 @@ def _run(
     start: Array | None,
     pose: Callable[[Array], Program] | None,
 ) -> tuple[Array, Solution] | None:
-    loops, x = _loops(), np.zeros(len(program.load))
+    x = np.zeros(len(program.load))
     at = _begin(program, near)
     if start is not None:
         at.x[:] = start[layout.order]
-    stored, pattern = layout.matrix(), loops.handed(layout)
+    stored = layout.matrix()
     lateral = np.zeros(0) if program.lateral is None else program.lateral[layout.order]
     scale = program.weight, program.size, program.step
     accepted = min(PER_BLOCK * len(x) / 3, MOST)
@@ -109,7 +108,7 @@ def _run(
         missing = float(lateral @ at.x) - program.work if len(lateral) else 0.0
         unbalanced, products, lacking = _shares(residuals, program, missing)
         if unbalanced <= NEARLY and max(products, lacking) <= accepted:
-            restored = _restored(program, layout, at, posed, lateral, stored, loops)
+            restored = _restored(program, layout, at, posed, lateral, stored)
             quality = restored.certificate
             if quality.equilibrium <= GOOD and quality.worst(program.step) <= accepted:
                 return x, restored
@@ -122,7 +121,7 @@ def _run(
         holding = max(LET_GO * holding, HOLDING)
         led, at.alpha, holding = loops.advance(
             posed, lack, lateral, program.work, scale, holding, at.x, at.alpha, at.s, at.z, at.last, stored,
-            pattern,
+            layout.packed,
         )  # fmt: skip
         if not led or abs(at.alpha) > LARGEST_MULTIPLIER:
             return None
@@ -131,11 +130,6 @@ def _run(
             at.x[:] = 0.0
             program = pose(x)
     return None
-
-
-def _loops() -> ModuleType:
-    compiled = kernels.fastest() is not kernels
-    return import_module("mechanics.solvers." + ("compiled_interior_step" if compiled else "interior_step"))
 
 
 def _begin(program: Program, near: Neighbour | None) -> _Iterate:
@@ -178,12 +172,11 @@ def _restored(
     posed: Posed,
     lateral: Array,
     stored: Array,
-    loops: ModuleType,
 ) -> Solution:
     """The iterate with forces changed by the least shares of themselves that restore equilibrium."""
     s, scale = at.s.copy(), (program.weight, program.size, program.step)
     load = program.load[layout.order]
-    alpha = loops.restore(posed, load, lateral, scale, s, at.alpha, stored, loops.handed(layout))
+    alpha = loops.restore(posed, load, lateral, scale, s, at.alpha, stored, layout.packed)
     n = 1.0 / np.hypot(1.0, program.friction)
     forces = np.stack([n * (s[:, 0] + s[:, 1]), program.friction * n * (s[:, 0] - s[:, 1])], axis=1)
     displacement = at.x[layout.back]

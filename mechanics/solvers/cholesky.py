@@ -12,7 +12,6 @@ import numpy as np
 
 from mechanics.block import Array
 from mechanics.solvers.compiler import compiler
-from mechanics.solvers.meeting import add_up, add_up_rows
 from mechanics.solvers.tiles import BYTES, COLUMNS, ROWS, below, half_below, sums
 
 compiled = compiler("contract", "reassoc")
@@ -24,15 +23,14 @@ def factorise(matrix: Array, pattern: Any) -> bool:
     fronts = pattern.fronts
     if len(fronts.first) == 0:
         return _band(matrix, pattern.places, pattern.first, pattern.last)
-    return _fronts(matrix, fronts, 0, len(fronts.base), np.empty(0))
+    return _fronts(matrix, fronts, np.empty(0))
 
 
 @compiled
-def solve(matrix: Array, pattern: Any, x: Array, shared: Any = None) -> bool:
+def solve(matrix: Array, pattern: Any, x: Array) -> bool:
     """The factor in place of the matrix, and of b (m,) the solution of LLᵀx = b; False if the matrix has no factor.
 
-    Each front is substituted into as soon as it is eliminated, while it is in fast memory. `shared`: where the last
-    front is that of two halves (see meeting), of which this is one.
+    Each front is substituted into as soon as it is eliminated, while it is in fast memory.
     """
     fronts = pattern.fronts
     if len(fronts.first) == 0:
@@ -40,21 +38,15 @@ def solve(matrix: Array, pattern: Any, x: Array, shared: Any = None) -> bool:
         if found:
             substitute(matrix, pattern, x)
         return found
-    line = len(fronts.base) - 1
-    last = matrix[fronts.base[line] :]
-    if not _fronts(matrix, fronts, 0, line, x):
-        last[:] = np.nan  # which the other half is told as well
-    add_up(shared, last)
-    add_up_rows(shared, x)
-    if not _fronts(matrix, fronts, line, line + 1, x):
+    if not _fronts(matrix, fronts, x):
         return False
     _backward_through(matrix, fronts, x)
     return True
 
 
 @compiled
-def substitute(matrix: Array, pattern: Any, x: Array, shared: Any = None) -> None:
-    """The solution of LLᵀx = b in place of b (m,), three rows a block; of an empty b none."""
+def substitute(matrix: Array, pattern: Any, x: Array) -> None:
+    """The solution of LLᵀx = b in place of b (m,), three rows a block; nothing is done to an empty b."""
     if len(x) == 0:
         return
     fronts = pattern.fronts
@@ -63,10 +55,8 @@ def substitute(matrix: Array, pattern: Any, x: Array, shared: Any = None) -> Non
         _backward(matrix, pattern.places - 1, len(x), pattern.last, x)
         return
     seen, last = _room(fronts)
-    for k in range(len(fronts.base) - 1):
+    for k in range(len(fronts.base)):
         _forward_through(matrix, fronts, k, x, seen, last)
-    add_up_rows(shared, x)
-    _forward_through(matrix, fronts, len(fronts.base) - 1, x, seen, last)
     _backward_through(matrix, fronts, x)
 
 
@@ -124,12 +114,12 @@ def _first(reached: Any, i: int, end: int) -> int:
 
 
 @compiled
-def _fronts(panels: Array, fronts: Any, begin: int, end: int, x: Array) -> bool:
+def _fronts(panels: Array, fronts: Any, x: Array) -> bool:
     """Front by front: its own columns, what later fronts lose by them (supernodal, right-looking), and x, if any."""
     tile, inverse = np.empty((COLUMNS, ROWS)), np.empty(COLUMNS)
     update = np.empty(fronts.largest)
     seen, last = _room(fronts)
-    for k in range(begin, end):
+    for k in range(len(fronts.base)):
         height, own = fronts.height[k], fronts.first[k + 1] - fronts.first[k]
         if not _panel(panels, fronts.base[k], height, own, tile, inverse):
             return False

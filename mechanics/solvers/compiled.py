@@ -1,4 +1,16 @@
-"""The loops of `kernels`, compiled by numba: same names, arguments and results."""
+"""The loops over contact points, compiled by numba: geometry, contact law with its stiffness, springs, residuals.
+
+Arguments that several loops take, of c contact points and a matrix of m rows, three a block:
+
+- `a`, `b` (c,): the two blocks of each point; `row` (c, 2): the first of the three rows of either in the order of
+  elimination, −1 for a support;
+- `normal`, `tangent` (c, 6): the rows of A₀ᵀ, the change of gap and of slide per unit x, z, ω of block a, then of
+  block b; `gap` (c, 2) m: gap and slide at x = 0;
+- `friction` (c,); `compliance` (c, 2) m/kN, normal and tangential; `forces` (c, 2) kN, normal and tangential;
+- `mass` (m,), `load` (m,), `x` (m,): diagonal of M̄, loads and displacements of the program;
+- `state` (c,): OPEN, STICKING, SLIDING_ON or SLIDING_BACK (see kernels);
+- `stored`: the numbers of a symmetric matrix whose lower triangle stands as its `pattern` tells (see elimination).
+"""
 
 from __future__ import annotations
 
@@ -8,10 +20,10 @@ import numpy as np
 
 from mechanics.block import Array
 from mechanics.solvers.compiler import compiler
-from mechanics.solvers.kernels import FLAT, OPEN, SEARCHES, SLIDING_BACK, SLIDING_ON, STICKING
-from mechanics.solvers.meeting import add_up_rows, largest, together
+from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING
 
-NAME = "numba"
+SEARCHES = 12  # slopes that a line search computes, at most
+FLAT = 0.1  # of the slope at the start: a slope that counts as zero
 compiled = compiler()
 
 
@@ -19,7 +31,11 @@ compiled = compiler()
 def geometry(
     a: Any, b: Any, p: Array, q: Array, n: Array, positions: Array, gap: Array, normal: Array, tangent: Array
 ) -> None:
-    """See kernels.geometry."""
+    """Gap and slide (c, 2) and the rows of A₀ᵀ for block positions (b, 3), into the last three arguments.
+
+    Points `p`, their feet `q` and the outward normals `n` (c, 2) are in the blocks' own axes, see contacts.Contacts;
+    the result is that of contacts.kinematics.
+    """
     blocks = len(positions)
     cos, sin = np.empty(blocks), np.empty(blocks)
     for j in range(blocks):
@@ -44,7 +60,7 @@ def geometry(
 
 @compiled
 def relative(a: Any, b: Any, rows: Array, moved: Array, change: Array) -> None:
-    """See kernels.relative."""
+    """Change (c,) of gaps or slides caused by displacements (b, 3), into `change`; `rows` (c, 6): those of A₀ᵀ."""
     for k in range(len(a)):
         total = 0.0
         for e in range(3):
@@ -54,7 +70,10 @@ def relative(a: Any, b: Any, rows: Array, moved: Array, change: Array) -> None:
 
 @compiled
 def at_start(start: Array, shear: Array, compliance: Array, stretch: float, gap: Array, soft: Array) -> None:
-    """See kernels.at_start."""
+    """The gaps and slides (c, 2) of a step with elastic joints, and its compliances (c, 2), into the last arguments.
+
+    From the gaps (c, 2) at the start and the `shear` (c,) of the springs there; `stretch` as in integrators.
+    """
     share = 1.0 / stretch
     for k in range(len(start)):
         soft[k, 0], soft[k, 1] = compliance[k, 0] * share, compliance[k, 1] * share
@@ -64,7 +83,7 @@ def at_start(start: Array, shear: Array, compliance: Array, stretch: float, gap:
 
 @compiled
 def strain_energy(gap: Array, stiffness: Array, compliance: Array, shear: Array) -> float:
-    """See kernels.strain_energy."""
+    """Energy (kNm) of springs of normal `stiffness` (c,), tangential `compliance` (c, 2), `shear` (c,), gaps (c, 2)."""
     energy = 0.0
     for k in range(len(gap)):
         energy += stiffness[k] * min(gap[k, 0], 0.0) ** 2 + compliance[k, 1] * shear[k] ** 2
@@ -89,7 +108,14 @@ def springs(
     stretch: float,
     dashpot: float,
 ) -> tuple[float, float, float]:
-    """See kernels.springs."""
+    """Energy taken by friction, by dashpots and by the time stepping (kNm); shear of the springs at the end, written.
+
+    For a step with displacements `moved` (b, 3): from contact forces (c, 2), the normal gaps at its start, `start`
+    (c,), the slides of the program, `gap` (c,), compliances (c, 2) and stiffness (c,), infinite for rigid contacts, and
+    the shear `before` (c,); `stretch` and `dashpot` as in integrators. What the time stepping takes is the work of the
+    contact forces, less that of friction and dashpots, less the change of the energy in the springs. Where sliding
+    dilates, this work comes back when the gap closes.
+    """
     rubbed, work, viscous, stored, share = 0.0, 0.0, 0.0, 0.0, 1.0 / stretch
     for k in range(len(a)):
         own, other, along, across = moved[a[k]], moved[b[k]], normal[k], tangent[k]
@@ -114,13 +140,6 @@ def springs(
         stored += (after**2 - pressed**2) * soft + flexible * (shear[k] ** 2 - before[k] ** 2)
     viscous *= dashpot * share
     return rubbed, viscous, work - viscous - 0.5 * stored
-
-
-@compiled
-def opening(row: Any, normal: Array, tangent: Array, gap: Array, x: Array, u: Array) -> None:
-    """See kernels.opening."""
-    for k in range(len(row)):
-        u[k, 0], u[k, 1] = _opening(row, k, x, normal, tangent, gap)
 
 
 @compiled
@@ -193,7 +212,7 @@ def repeat_matrix(
     stored: Array,
     pattern: Any,
 ) -> None:
-    """See kernels.repeat_matrix."""
+    """M̄ + A₀KA₀ᵀ into `stored`, K the stiffness of contacts that keep their `state`."""
     diagonal(mass, stored, pattern)
     for k in range(len(row)):
         if state[k] == OPEN:
@@ -220,7 +239,7 @@ def repeat_forces(
     forces: Array,
     total: Array,
 ) -> None:
-    """See kernels.repeat_forces."""
+    """Forces c = −K(A₀ᵀx + g) of contacts that keep their `state`, into `forces`; A₀c into `total` (m,)."""
     total[:] = 0.0
     for k in range(len(row)):
         fn, ft = 0.0, 0.0
@@ -261,7 +280,10 @@ def contact_law(
     forces: Array,
     total: Array,
 ) -> int:
-    """See kernels.contact_law."""
+    """Forces that minimise ½cᵀCc + cᵀ(A₀ᵀx + g) in the friction cone, their states and A₀c (m,), all written.
+
+    Returns how many states changed.
+    """
     total[:] = 0.0
     changes = 0
     for k in range(len(row)):
@@ -286,9 +308,12 @@ def line_search(
     load: Array,
     x: Array,
     dx: Array,
-    shared: Any = None,
 ) -> float:
-    """See kernels.line_search; along the step of both halves where this is one (see meeting)."""
+    """The share of the step `dx` (m,) to go: where ½xᵀM̄x − f̄ᵀx + Σφ(A₀ᵀx + g) is least along it, −∇φ the contact law.
+
+    The slope is exact and never falls, so its root is found by regula falsi (Illinois). The full step is taken where
+    the slope is still negative at its end.
+    """
     c = len(row)
     u, du = np.empty((c, 2)), np.empty((c, 2))
     constant, linear = 0.0, 0.0
@@ -311,7 +336,6 @@ def line_search(
                 friction[k],
             )
             slope -= fn * du[k, 0] + ft * du[k, 1]
-        (slope,) = together(shared, (slope,))
         if trial == 0:
             at_low, steep, share = slope, abs(slope), 1.0
             continue
@@ -332,7 +356,11 @@ def line_search(
 def changed(
     s: Array, z: Array, before: Array, apart: Array, weight: float, step: float
 ) -> tuple[float, float, float]:
-    """See kernels.changed."""
+    """How much forces and gaps (c, 2) along the rays changed, from `before` and `apart` to s and z.
+
+    The share of the rays that carried and do so no longer, or the other way round; and the root mean squares of the
+    changes of forces, per weight, and of gaps, per step.
+    """
     sides, forces, gaps = 0, 0.0, 0.0
     for k in range(len(s)):
         for e in range(2):
@@ -356,9 +384,8 @@ def residuals(
     x: Array,
     forces: Array,
     size: float,
-    shared: Any = None,
 ) -> tuple[float, float, float, float]:
-    """See kernels.residuals; of both halves where this is one (see meeting)."""
+    """The definitions of program.Certificate, with their units: unbalanced force, cone, |cᵀw|, penetration."""
     residual = load - mass * x
     cone, power, penetration = 0.0, 0.0, 0.0
     for k in range(len(row)):
@@ -373,10 +400,7 @@ def residuals(
             if first >= 0:
                 for e in range(3):
                     residual[first + e] += fn * normal[k, 3 * side + e] + ft * tangent[k, 3 * side + e]
-    add_up_rows(shared, residual)
     unbalanced = 0.0
     for i in range(len(x)):
         unbalanced = max(unbalanced, abs(residual[i]) / (size if i % 3 == 2 else 1.0))
-    unbalanced, cone, penetration = largest(shared, (unbalanced, cone, penetration))
-    (power,) = together(shared, (power,))
     return unbalanced, cone, power, penetration

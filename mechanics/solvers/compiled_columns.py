@@ -16,7 +16,6 @@ from mechanics.block import Array
 from mechanics.solvers.compiled import diagonal
 from mechanics.solvers.compiled_runs import act, part_of, see, stiffen
 from mechanics.solvers.compiler import compiler, larger
-from mechanics.solvers.meeting import largest, together
 
 WORK = 6  # numbers of a point
 compiled = compiler("contract", "reassoc")
@@ -73,7 +72,11 @@ def matrix(
     runs: Any, lever: Array, arm: Array, law: Array, mass: Array, s: Array, z: Array, inverse: Array, work: Array,
     stored: Array, pattern: Any,
 ) -> None:  # fmt: skip
-    """As kernels.interior_matrix; 1/s, too, into `inverse` (5, c)."""
+    """M̄ + B(RᵀCR + Z/S)⁻¹Bᵀ into `stored`, B = A₀R; the inverses and 1/s into `inverse` (5, c).
+
+    R holds the unit rays of the friction cones, ∝ (1, ±μ); s (2, c) > 0 are the forces along them, z > 0 their gaps.
+    Rows of `inverse`: its first and second diagonal entry, the one off the diagonal, 1/s of either ray.
+    """
     diagonal(mass, stored, pattern)
     for q in range(len(runs.parts)):
         part = part_of(runs, q)
@@ -93,7 +96,10 @@ def right_hand_side(
     runs: Any, lever: Array, arm: Array, law: Array, r: Array, p: Array, inverse: Array, short: Array, work: Array,
     rhs: Array,
 ) -> None:  # fmt: skip
-    """As kernels.interior_rhs: what z lacks is `r` (2, c), what s z does `p` (2, c), what equilibrium does `short`."""
+    """The right-hand side, into `rhs` (m,), of the step that takes z to z − r, s z to s z − p and equilibrium to zero.
+
+    `r` (2, c): the residual of z (see lacking), `p` (2, c): the change of s z, `short` (m,): the unbalanced forces.
+    """
     rhs[:] = short
     for q in range(len(runs.parts)):
         part = part_of(runs, q)
@@ -110,9 +116,13 @@ def right_hand_side(
 @compiled
 def changes_with(
     runs: Any, lever: Array, arm: Array, law: Array, s: Array, z: Array, r: Array, p: Array, inverse: Array,
-    dx: Array, ds: Array, dz: Array, work: Array, shared: Any = None,
+    dx: Array, ds: Array, dz: Array, work: Array,
 ) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """As kernels.interior_step, and the sums of z ds, s dz and ds dz; of both halves together where this is one."""
+    """The steps in s and z that go with `dx` (m,), into `ds`, `dz` (2, c).
+
+    Returned: the shares, at most 1, of these steps at which the first force and the first gap vanish; and the sums of
+    z ds, s dz and ds dz.
+    """
     of_force, of_gap, zds, sdz, both = 1.0, 1.0, 0.0, 0.0, 0.0
     for q in range(len(runs.parts)):
         part = part_of(runs, q)
@@ -127,8 +137,6 @@ def changes_with(
         )  # fmt: skip
         of_force, of_gap = max(of_force, found[0]), max(of_gap, found[1])
         zds, sdz, both = zds + found[2], sdz + found[3], both + found[4]
-    of_force, of_gap = largest(shared, (of_force, of_gap))
-    zds, sdz, both = together(shared, (zds, sdz, both))
     return 1.0 / of_force, 1.0 / of_gap, zds, sdz, both
 
 

@@ -1,4 +1,8 @@
-"""The loops of `impact_kernels`, compiled by numba: same names, arguments and results."""
+"""The loops over contact points of rigid impacts (see mechanics.impacts), compiled by numba.
+
+Blocks `a` and `b` (c,) of the contact points, the rows `normal` and `tangent` (c, 6) of A₀ᵀ, `forces` (c, 2) kN,
+`gap` (c,) m, `friction` (c,).
+"""
 
 from __future__ import annotations
 
@@ -12,7 +16,7 @@ from mechanics.solvers.compiled import compiled
 def accelerations(
     a: Any, b: Any, normal: Array, tangent: Array, forces: Array, load: Array, mobility: Array, found: Array
 ) -> float:  # fmt: skip
-    """See impact_kernels.accelerations."""
+    """Of blocks of 1/mass `mobility` (b, 3) under loads (b, 3) and contact forces, into `found`; the largest, m/s²."""
     found[:] = load
     for k in range(len(a)):
         fn, ft = forces[k, 0], forces[k, 1]
@@ -29,7 +33,7 @@ def accelerations(
 
 @compiled
 def closing(a: Any, b: Any, normal: Array, v: Array, gap: Array, closed: float) -> float:
-    """See impact_kernels.closing."""
+    """The least rate, at most zero, at which gaps of at most `closed` change with velocities `v` (b, 3)."""
     least = 0.0
     for k in range(len(a)):
         if gap[k] <= closed:
@@ -42,7 +46,13 @@ def dilation(
     a: Any, b: Any, normal: Array, tangent: Array, moved: Array, forces: Array, friction: Array, gap: Array,
     change: Array, shift: Array, bend: Array, carrying: float, opening: Array, slip: Array, off: Array, matters: Array,
 ) -> tuple[float, float]:  # fmt: skip
-    """See impact_kernels.dilation."""
+    """The error of gaps shifted by `shift` (c,): dilation and curvature that it should make up for (see impacts).
+
+    Displacements `moved` (b, 3) really `change` the gaps by so much (c,). Written, each (c,): `opening` and `slip` by
+    the rows of A₀ᵀ; `bend`, what `change` has beyond `opening`; `off`, dilation and bend less the shift; and whether a
+    contact `matters`: it has more than a `carrying` force, or its gap ends closer than `off`. Returned, of those that
+    matter: the largest `off`, and the largest change of `bend`.
+    """
     lacking, bends = 0.0, 0.0
     for k in range(len(a)):
         opening[k], slip[k] = _change(a, b, k, normal, moved), _change(a, b, k, tangent, moved)
@@ -60,7 +70,13 @@ def held(
     a: Any, b: Any, normal: Array, tangent: Array, v: Array, forces: Array, gap: Array, slip: Array, friction: Array,
     carrying: float, closed: float, stuck: float, rate: Array, hold: Any,
 ) -> float:  # fmt: skip
-    """See impact_kernels.held."""
+    """Rates of gaps and slides (c, 2) with velocities `v` (b, 3), and which are to vanish, into `rate` and `hold` (c,).
+
+    `hold`: 0 neither, 1 the gap's, 2 both. Held are a closed gap that carries, and its slide where the `slip` (c,) is
+    `stuck` or turns back; without friction no slide is. Two contacts see an end of a joint, from either side: the one
+    with the larger force is held, at equal force the first. Where the blocks have slid a little, both together would
+    hold the rotation of the hinge that they are. Returned: the largest rate that is to vanish.
+    """
     largest = 0.0
     for k in range(len(a)):
         rate[k, 0], rate[k, 1] = _change(a, b, k, normal, v), _change(a, b, k, tangent, v)
@@ -84,7 +100,7 @@ def held(
 def strikes(
     a: Any, b: Any, normal: Array, v: Array, gap: Array, hold: Any, closed: float, resting: float
 ) -> bool:  # fmt: skip
-    """See impact_kernels.strikes."""
+    """Whether a contact on `hold` was open before, or closed faster than `resting`, with velocities `v` (b, 3) then."""
     struck = False
     for k in range(len(a)):
         struck |= hold[k] > 0 and (gap[k] > closed or _change(a, b, k, normal, v) < -resting)

@@ -1,6 +1,11 @@
-"""The iteration of `interior_step`, compiled by numba: same names, arguments and results.
+"""An iteration of the static interior-point method, compiled by numba: the residuals of an iterate, the step from it.
 
-What an iterate lacks comes with the contact points packed into runs and columns, from which its step goes on.
+The unknowns are Δx, α, the forces s ≥ 0 along the rays of the friction cones and their gaps z ≥ 0, both (c, 2); s and z
+are eliminated, which leaves three rows a block in a sparse matrix, bordered by α. Proximal terms, whose centre is the
+iterate itself, bound the stiffness of closed contacts and hold blocks that nothing holds, without a trace in the
+solution. `posed`: row, normal, tangent, gap, friction and compliance of the contact points, as in `compiled`, and their
+runs (see runs); `scale`: weight, size and step of the program; `stored`: work space for a matrix whose pattern is
+`packed` (see elimination); `lateral` (m,): the load that α multiplies, empty where there is none.
 """
 
 from __future__ import annotations
@@ -10,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from mechanics.block import Array
+from mechanics.joints import Index
 from mechanics.solvers.cholesky import factorise, substitute
 from mechanics.solvers.compiled import compiled
 from mechanics.solvers.compiled_columns import (
@@ -22,28 +28,31 @@ from mechanics.solvers.compiled_columns import (
     right_hand_side,
     work_space,
 )
-from mechanics.solvers.compiled_pattern import handed, unpacked
+from mechanics.solvers.compiled_pattern import unpacked
 from mechanics.solvers.compiled_runs import pack
-from mechanics.solvers.interior_step import (
-    FIRM,
-    FIRMER,
-    HOLDING,
-    LEAST,
-    OUTLIERS,
-    RESTORATIONS,
-    STIFFEST,
-    TINY,
-    TO_AND_FRO,
-    TO_THE_BOUND,
-)
+from mechanics.solvers.kernels import Residuals
+from mechanics.solvers.runs import Runs
 
-__all__ = ["advance", "handed", "measured", "restore"]
-LOW, HIGH = OUTLIERS
+STIFFEST = 1e12  # of closed contacts, per weight and step
+HOLDING = 1e-9  # stiffness that holds blocks, per weight and step
+FIRMER, FIRM = 10.0, 1.0  # its growth where the matrix is not definite, and its most
+LOW, HIGH = 0.1, 10.0  # products s z outside this range about their target are corrected once
+TO_THE_BOUND = 0.995  # share of the way to the bounds that an iteration goes
+TO_AND_FRO = -0.3  # of a step: its return that asks for a shorter one
+TINY = 1e-300
+RESTORATIONS = 2
+LEAST = 0.5  # share of a force that a restoration leaves
+
+Posed = tuple[Index, Array, Array, Array, Array, Array, Runs]
 
 
 @compiled
-def measured(posed: Any, load: Array, x: Array, s: Array, z: Array, size: float) -> Any:
-    """See interior_step.measured."""
+def measured(posed: Any, load: Array, x: Array, s: Array, z: Array, size: float) -> tuple[Residuals, Any]:
+    """The residuals of an iterate: unbalanced force, |cᵀw|, penetration and the mean of s z; and what `advance` needs.
+
+    The latter: the contact points packed into runs and columns, the residuals of the gaps along the rays, z − Rᵀw, and
+    of equilibrium.
+    """
     row, normal, tangent, gap, friction, compliance, runs = posed
     lever, arm, law = pack(row, normal, tangent, friction, compliance, runs)
     along, apart, work = columns(s, runs), columns(z, runs), work_space(runs)
@@ -66,7 +75,12 @@ def advance(
     posed: Any, lack: Any, lateral: Array, work: float, scale: Any, holding: float, x: Array, alpha: float, s: Array,
     z: Array, last: Array, stored: Array, packed: Any,
 ) -> tuple[bool, float, float]:  # fmt: skip
-    """See interior_step.advance."""
+    """One step of the iterate, x, s, z and `last`, the step in x (m,), in place; whether there is one, α and `holding`.
+
+    `lack`: what `measured` returned; `work`: that of the lateral load in x after the step. Predictor and corrector
+    (Mehrotra), and one more corrector for products that would leave their range (Gondzio). There is no step where
+    rounding makes the matrix indefinite even with the firmest hold.
+    """
     pattern = unpacked(packed)
     lever, arm, law, r, short, along, apart = lack
     runs, c = posed[6], len(s)
@@ -109,6 +123,7 @@ def advance(
             dalpha, force, gap = dalpha2, force2, gap2
             dx, ds, dz = dx2, ds2, dz2
     force, gap = min(1.0, TO_THE_BOUND * force), min(1.0, TO_THE_BOUND * gap)
+    # where the geometry of one iteration and the next send the blocks to and fro, they meet in between
     returns = _dot(dx, last) / max(_dot(last, last), TINY)
     if returns < TO_AND_FRO:
         gap /= 1.0 - max(returns, -1.0)
@@ -144,7 +159,7 @@ def _change(
         dalpha = (work - _dot(lateral, x) - _dot(lateral, dx)) / gives
         dx += dalpha * swayed
     force, gap, zds, sdz, both = changes_with(runs, lever, arm, law, s, z, r, p, inverse, dx, ds, dz, room)
-    if elastic:
+    if elastic:  # compliance ties gaps to forces
         force = gap = min(force, gap)
     return dalpha, force, gap, _dot(s.ravel(), z.ravel()) + force * zds + gap * sdz + force * gap * both
 
@@ -153,7 +168,7 @@ def _change(
 def restore(
     posed: Any, load: Array, lateral: Array, scale: Any, s: Array, alpha: float, stored: Array, packed: Any
 ) -> float:
-    """See interior_step.restore."""
+    """Change forces s in place, and the α returned, by the least shares of themselves that restore equilibrium."""
     pattern = unpacked(packed)
     row, normal, tangent, _, friction, compliance, runs = posed
     lever, arm, law = pack(row, normal, tangent, friction, np.zeros_like(compliance), runs)

@@ -1,4 +1,11 @@
-"""The iterations of `iterations`, compiled by numba: same names, arguments and results."""
+"""The two iterations of the Newton solver (see newton), compiled by numba: from contact states, and from the inside.
+
+Arguments as in `compiled`, rows in the order of elimination; `runs`: the contact points between the same two blocks
+(see runs.Runs); `stored`: work space for a matrix whose pattern is `packed` (see elimination); `scale`: weight, size
+and step of the program, and the certificate that is accepted. Both write the displacements x (m,) and contact forces
+(c, 2) that they find, and return the number of factorisations and the residuals (as compiled.residuals), infinite where
+nothing is found.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from mechanics.block import Array
-from mechanics.solvers.cholesky import factorise, solve, substitute
+from mechanics.solvers.cholesky import solve, substitute
 from mechanics.solvers.compiled import (
     compiled,
     contact_law,
@@ -27,22 +34,17 @@ from mechanics.solvers.compiled_columns import (
     right_hand_side,
     work_space,
 )
-from mechanics.solvers.compiled_pattern import handed, unpacked
+from mechanics.solvers.compiled_pattern import unpacked
 from mechanics.solvers.compiled_runs import pack
-from mechanics.solvers.iterations import (
-    CORRECTIONS,
-    LIKELY,
-    MOST_ITERATIONS,
-    NONE,
-    PROXIMAL,
-    STATES,
-    TO_THE_BOUND,
-    worst,
-)
-from mechanics.solvers.kernels import Residuals
-from mechanics.solvers.meeting import share_of, together
+from mechanics.solvers.kernels import OPEN, SLIDING_BACK, SLIDING_ON, STICKING, Residuals, worst
 
-__all__ = ["factorise", "handed", "interior", "semismooth", "substitute"]
+CORRECTIONS = 7  # of the contact states
+MOST_ITERATIONS = 40  # from the inside
+TO_THE_BOUND = 0.995  # share of the way to the cone that a step goes
+PROXIMAL = 1e6  # stiffness that stands for a rigid contact, per scaled mass: one or two rounds make it exact
+STATES = np.array([[OPEN, SLIDING_BACK], [SLIDING_ON, STICKING]])  # by which of its rays carry
+LIKELY = 2e2  # accepted complementarities: while the sum of s z is larger, the residuals are not computed
+NONE = (np.inf, np.inf, np.inf, np.inf)  # residuals where nothing is found
 
 _worst: Any = compiled(worst)
 
@@ -51,9 +53,12 @@ _worst: Any = compiled(worst)
 def semismooth(
     row: Any, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
     load: Array, x: Array, forces: Array, state: Any, stored: Array, packed: Any, scale: Any, many: int,
-    shared: Any = None,
 ) -> tuple[int, Residuals]:  # fmt: skip
-    """See iterations.semismooth; of a half of the model where `shared` is told (see meeting)."""
+    """From known contact states (c,), corrected in place; given up where a step changes more than `many` of them.
+
+    A semismooth Newton method: the stiffness of the contact states, an exact line search. Rigid contacts get a small
+    compliance whose centre is the force found; with the centre moved there, the solution is exact.
+    """
     pattern = unpacked(packed)
     weight, size, step, accepted = scale
     soft, centred, extra = np.empty_like(gap), np.empty_like(gap), np.zeros_like(gap)
@@ -61,7 +66,7 @@ def semismooth(
         mobility = 0.0
         for side in range(2):
             if row[k, side] >= 0:
-                mobility += share_of(shared, row[k, side], len(mass)) / mass[row[k, side]]
+                mobility += 1.0 / mass[row[k, side]]
         for e in range(2):
             if compliance[k, e] == 0.0:
                 extra[k, e] = mobility / PROXIMAL
@@ -69,6 +74,7 @@ def semismooth(
             centred[k, e] = gap[k, e] - extra[k, e] * forces[k, e]
     found, total, kept, at = np.empty_like(forces), np.empty_like(load), state.copy(), x.copy()
     contact_law(row, normal, tangent, centred, friction, soft, at, kept, found, total)
+    # where joints are elastic the last states tell more than a guess of the slip; rigid ones need the forces
     for k in range(len(row)):
         if compliance[k, 0] == 0.0:
             state[k] = kept[k]
@@ -81,17 +87,15 @@ def semismooth(
         if changes:
             repeat_matrix(row, normal, tangent, friction, soft, mass, state, stored, pattern)
             factorisations += 1
-            if not solve(stored, pattern, dx, shared):
+            if not solve(stored, pattern, dx):
                 return factorisations, NONE
         else:
-            substitute(stored, pattern, dx, shared)
+            substitute(stored, pattern, dx)
         if changes and correction:
-            dx *= line_search(row, normal, tangent, centred, friction, soft, mass, load, at, dx, shared)
+            dx *= line_search(row, normal, tangent, centred, friction, soft, mass, load, at, dx)
         at += dx
-        changes = _all(
-            shared, contact_law(row, normal, tangent, centred, friction, soft, at, state, found, total)
-        )
-        here = residuals(row, normal, tangent, gap, friction, compliance, mass, load, at, found, size, shared)
+        changes = contact_law(row, normal, tangent, centred, friction, soft, at, state, found, total)
+        here = residuals(row, normal, tangent, gap, friction, compliance, mass, load, at, found, size)
         if _worst(here, weight, step) <= accepted:
             again = good[0] < np.inf
             x[:], forces[:], kept[:], good = at, found, state, here
@@ -100,10 +104,9 @@ def semismooth(
         if changes > many:
             return factorisations, NONE
         if not changes:
+            # right but for the compliance that stands for none: with its centre in the forces found, exact
             centred = gap - extra * found
-            changes = _all(
-                shared, contact_law(row, normal, tangent, centred, friction, soft, at, state, found, total)
-            )
+            changes = contact_law(row, normal, tangent, centred, friction, soft, at, state, found, total)
             if good[0] < np.inf and changes:
                 break
     state[:] = kept
@@ -111,22 +114,17 @@ def semismooth(
 
 
 @compiled
-def _all(shared: Any, count: int) -> int:
-    """Of both halves."""
-    (counted,) = together(shared, (float(count),))
-    return int(counted)
-
-
-@compiled
 def interior(
     row: Any, normal: Array, tangent: Array, gap: Array, friction: Array, compliance: Array, mass: Array,
     load: Array, x: Array, forces: Array, s: Array, z: Array, state: Any, runs: Any, stored: Array, packed: Any,
-    scale: Any, shared: Any = None,
+    scale: Any,
 ) -> tuple[int, Residuals]:  # fmt: skip
-    """See iterations.interior; of a half of the model where `shared` is told (see meeting).
+    """From forces s and gaps z (c, 2) along the rays of the friction cones, all positive, left at those found.
 
-    In exact arithmetic a step of a share of the way leaves the rest of the linear residuals: `short` of equilibrium and
-    `r` of z, which are therefore not computed again.
+    The contact states (c,) follow from the rays whose force, per weight, exceeds their gap, per step. A primal-dual
+    interior point method (Mehrotra): it returns at the first certificate that is accepted, otherwise the best one met.
+    In exact arithmetic a share of a step leaves the rest of the linear residuals, `short` of equilibrium and `r` of z:
+    they are not computed again.
     """
     pattern = unpacked(packed)
     weight, size, step, accepted = scale
@@ -137,25 +135,24 @@ def interior(
     lacking(runs, lever, arm, law, columns(gap, runs), x, along, apart, r, work, short)
     p, ds, dz = along * apart, np.empty_like(r), np.empty_like(r)
     inverse, dx = np.empty((5, c)), np.empty_like(x)
-    rays, product = together(shared, (2.0 * c, p.sum()))
+    rays, product = 2.0 * c, p.sum()
     at, found, best, iteration = x.copy(), np.empty_like(forces), NONE, 0
     while iteration < MOST_ITERATIONS:
         iteration += 1
         matrix(runs, lever, arm, law, mass, along, apart, inverse, work, stored, pattern)
         right_hand_side(runs, lever, arm, law, r, p, inverse, short, work, dx)
-        if not solve(stored, pattern, dx, shared):
+        if not solve(stored, pattern, dx):
             break
         to_force, to_gap, zds, sdz, both = changes_with(
-            runs, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work, shared
+            runs, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work
         )
         ahead = product + to_force * zds + to_gap * sdz + to_force * to_gap * both
         corrected(p.ravel(), ds.ravel(), dz.ravel(), (ahead / product) ** 3 * product / rays)
         right_hand_side(runs, lever, arm, law, r, p, inverse, short, work, dx)
-        substitute(stored, pattern, dx, shared)
-        reach = changes_with(runs, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work, shared)
+        substitute(stored, pattern, dx)
+        reach = changes_with(runs, lever, arm, law, along, apart, r, p, inverse, dx, ds, dz, work)
         share = min(1.0, TO_THE_BOUND * min(reach[0], reach[1]))
-        left = advance(share, along.ravel(), apart.ravel(), ds.ravel(), dz.ravel(), r.ravel(), p.ravel())
-        (product,) = together(shared, (left,))
+        product = advance(share, along.ravel(), apart.ravel(), ds.ravel(), dz.ravel(), r.ravel(), p.ravel())
         at += share * dx
         short *= 1.0 - share
         if product <= LIKELY * accepted * weight * step or iteration == MOST_ITERATIONS:
@@ -163,9 +160,7 @@ def interior(
                 i = runs.column[k]
                 found[k, 0] = law[0, i] * (along[0, i] + along[1, i])
                 found[k, 1] = law[1, i] * (along[0, i] - along[1, i])
-            here = residuals(
-                row, normal, tangent, gap, friction, compliance, mass, load, at, found, size, shared
-            )
+            here = residuals(row, normal, tangent, gap, friction, compliance, mass, load, at, found, size)
             if _worst(here, weight, step) < _worst(best, weight, step):
                 x[:], forces[:], best = at, found, here
             if _worst(best, weight, step) <= accepted:

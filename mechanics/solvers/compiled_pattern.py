@@ -4,18 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from mechanics.joints import Index
 from mechanics.solvers.compiler import compiler
 from mechanics.solvers.dissection import Fronts
-from mechanics.solvers.elimination import Elimination, Pattern
+from mechanics.solvers.elimination import Pattern
 
 compiled = compiler()
 LISTS, NUMBERS = 15, 3
-
-
-def handed(layout: Elimination) -> Index:
-    """See iterations.handed."""
-    return layout.packed
 
 
 @compiled

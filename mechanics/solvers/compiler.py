@@ -1,8 +1,13 @@
-"""numba's compiler with a cache on disk that is never out of date."""
+"""numba's compiler, with a cache on disk that is never out of date and never in the way."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import os
+import stat
+import sys
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -10,19 +15,20 @@ from typing import Any
 
 import numba
 from llvmlite import ir
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.compiler import Compiler
 from numba.core.types import float64
 from numba.extending import intrinsic
 
-SOURCES = (
-    "cholesky", "compiled", "compiled_columns", "compiled_halves", "compiled_impacts", "compiled_interior_step",
-    "compiled_iterations", "compiled_pattern", "compiled_runs", "compiler", "dissection", "elimination",
-    "interior_step", "iterations", "kernels", "meeting", "tiles",
-)  # fmt: skip
+SOURCES = sorted(Path(__file__).parent.rglob("*.py"))  # whichever of them compiled code may use
 
 
 _Compiler: Any = Compiler
+_config: Any = numba.config
+_FunctionCache: Any = FunctionCache
+_Implementation: Any = CompileResultCacheImpl
 _intrinsic: Any = intrinsic
+_Place: Any = _CacheLocator
 
 
 class _Apart(_Compiler):  # type: ignore[misc]
@@ -39,18 +45,111 @@ def compiler(*fastmath: str, apart: bool = False) -> Callable[[Callable[..., Any
     `apart`: the arrays among the arguments do not overlap, so that loops over any number of them become vector
     instructions; otherwise those over few enough to look do.
 
-    numba looks whether the file of a function has changed, not those of the functions and constants that it uses: so
-    the cache goes by a name that tells the sources of all.
+    Compiled code is kept on disk, see cache_folder.
     """
     pipeline: Any = _Apart if apart else Compiler
 
     def compile_(function: Callable[..., Any]) -> Any:
-        function.__qualname__ += f"_{_sources()}"
-        return numba.njit(
-            cache=True, nogil=True, fastmath=set(fastmath), error_model="numpy", pipeline_class=pipeline
-        )(function)
+        loop: Any = numba.njit(fastmath=set(fastmath), error_model="numpy", pipeline_class=pipeline)(function)
+        if cache_folder() is not None:
+            loop._cache = _Cache(function)
+        return loop
 
     return compile_
+
+
+class _Locator(_Place):  # type: ignore[misc]
+    """Tells numba that code is in cache_folder, wherever the sources are."""
+
+    def __init__(self, function: Callable[..., Any], path: str) -> None:
+        self._py_file, self._lineno = path, function.__code__.co_firstlineno
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], path: str) -> Any:
+        return cls(function, path)
+
+    def get_cache_path(self) -> str:
+        return str(cache_folder())
+
+    def get_source_stamp(self) -> str:
+        return digest([Path(self._py_file)])
+
+    def get_disambiguator(self) -> str:
+        return str(self._lineno)
+
+
+class _Kept(_Implementation):  # type: ignore[misc]
+    _locator_classes = (_Locator,)
+
+
+class _Cache(_FunctionCache):  # type: ignore[misc]
+    """Code that cannot be read, from a damaged file, is compiled again; code that cannot be written is not kept."""
+
+    _impl_class = _Kept
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        try:
+            return super().load_overload(signature, context)
+        except Exception:  # whatever a damaged pickle raises
+            with suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, signature: Any, code: Any) -> None:
+        with suppress(OSError):
+            super().save_overload(signature, code)
+
+
+@cache
+def cache_folder() -> Path | None:
+    """Where compiled code is kept: in the first of these folders in which files can be made; None if there is none.
+
+    NUMBA_CACHE_DIR; __pycache__ beside the sources; the user's folder for caches; a folder of the user's own among the
+    temporary files. The folder is named after what is in SOURCES: a function's code is out of date, too, when a
+    function or a constant that it uses has changed in another file.
+    """
+    sources = digest(SOURCES)
+    return next((folder / sources for folder in _folders() if _takes_files(folder / sources)), None)
+
+
+def _folders() -> Iterator[Path]:
+    if _config.CACHE_DIR:
+        yield Path(_config.CACHE_DIR)
+    yield Path(__file__).with_name("__pycache__")
+    with suppress(RuntimeError):
+        yield _users_caches() / "assesto"
+    with suppress(OSError):
+        folder = Path(tempfile.gettempdir()) / f"assesto-{os.getuid() if hasattr(os, 'getuid') else 'cache'}"
+        folder.mkdir(mode=0o700, exist_ok=True)
+        if _is_ours_alone(folder):
+            yield folder
+
+
+def _users_caches() -> Path:
+    """The user's folder for caches. Raises RuntimeError where the user has no home."""
+    if sys.platform == "win32" and "LOCALAPPDATA" in os.environ:
+        return Path(os.environ["LOCALAPPDATA"])
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches"
+    told = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    return told if told.is_absolute() else Path.home() / ".cache"
+
+
+def _is_ours_alone(folder: Path) -> bool:
+    """Whether nobody else can put code there, which would be run: temporary files are everybody's."""
+    status = folder.lstat()
+    if not hasattr(os, "getuid"):
+        return stat.S_ISDIR(status.st_mode)  # Windows: every user's temporary files are their own
+    return stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid() and not status.st_mode & 0o022
+
+
+def _takes_files(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError:
+        return False
+    return True
 
 
 @_intrinsic
@@ -65,11 +164,6 @@ def larger(typing_context: Any, a: Any, b: Any) -> Any:
         return builder.call(function, arguments, fastmath=("nnan", "nsz"))
 
     return float64(float64, float64), generate
-
-
-@cache
-def _sources() -> str:
-    return digest(Path(__file__).with_name(f"{name}.py") for name in SOURCES)
 
 
 def digest(paths: Iterable[Path]) -> str:

@@ -1,6 +1,6 @@
 """In which order the rows of equilibrium are eliminated, and where the matrices that follow are stored.
 
-In a band where that is narrow; compiled, and for large models, in the fronts of a nested dissection.
+In a band where that is narrow; for large models, in the fronts of a nested dissection.
 """
 
 from __future__ import annotations
@@ -13,12 +13,11 @@ import numpy as np
 
 from mechanics.block import Array
 from mechanics.joints import Index
-from mechanics.solvers import kernels
 from mechanics.solvers.band import envelope, half_band, narrowest_order
 from mechanics.solvers.dissection import NO_FRONTS, Fronts, dissected, fronts
 from mechanics.solvers.runs import Runs, runs
 
-PADDING = 13  # places of a band beyond its width, for compiled tiles that reach over its edge
+PADDING = 13  # places of a band beyond its width, for tiles that reach over its edge
 WORTH_WHILE = 4e6  # products of a factorisation in the band, from which dissection is tried
 DEARER = 1.5  # a product in a front than one in the band
 
@@ -71,20 +70,15 @@ class Elimination:
     fronts: Fronts
 
     @classmethod
-    def of(cls, dof: Index, centres: Array | None = None, compiled: bool | None = None) -> Elimination:
-        """The order for contact points of rows `dof` (c, 6), as in Program; `centres` (m/3, 2) of the blocks help.
-
-        `compiled`: for the compiled loops, by default where there are any.
-        """
-        if compiled is None:
-            compiled = kernels.fastest() is not kernels
+    def of(cls, dof: Index, centres: Array | None = None) -> Elimination:
+        """The order for contact points of rows `dof` (c, 6), as in Program; `centres` (m/3, 2) of the blocks help."""
         blocks = (int(dof.max(initial=-1)) + 1) // 3 if centres is None else len(centres)
         pairs = dof[:, [0, 3]] // 3
         linked = np.unique(np.sort(pairs[(pairs >= 0).all(axis=1)], axis=1), axis=0)
         order, found = narrowest_order(linked, blocks, centres), NO_FRONTS
         width = 3 * half_band(linked, order) + 3
         in_band = 0.5 * 3 * blocks * width**2
-        if compiled and centres is not None and in_band >= WORTH_WHILE:
+        if centres is not None and in_band >= WORTH_WHILE:
             other, bounds = dissected(linked, centres)
             panels = fronts(np.argsort(other)[linked], bounds)
             if DEARER * panels.products() < in_band:
@@ -93,7 +87,7 @@ class Elimination:
         rows = (3 * order[:, None] + np.arange(3)).ravel()
         # contiguous by points: compiled loops are compiled once for each layout of their arrays
         row = np.ascontiguousarray(np.where(pairs >= 0, 3 * rank[pairs], -1), dtype=np.intp)
-        return cls(rows, np.argsort(rows), row, width + PADDING * compiled, found)
+        return cls(rows, np.argsort(rows), row, width + PADDING, found)
 
     def take(self, index: Index) -> Elimination:
         """The same order for a choice of the contact points."""

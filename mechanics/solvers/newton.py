@@ -9,8 +9,7 @@ factorisation where they are right. The second is a primal-dual interior point m
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from importlib import import_module
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,10 +17,11 @@ import numpy as np
 from mechanics.block import Array
 from mechanics.joints import Index
 from mechanics.program import Program, Solution
-from mechanics.solvers import kernels, threads
+from mechanics.solvers.cholesky import factorise, substitute
+from mechanics.solvers.compiled import repeat_forces, repeat_matrix
+from mechanics.solvers.compiled_iterations import PROXIMAL, interior, semismooth
 from mechanics.solvers.elimination import Elimination
-from mechanics.solvers.iterations import PROXIMAL, worst
-from mechanics.solvers.kernels import OPEN, SLIDING_ON, STICKING, certificate, fastest
+from mechanics.solvers.kernels import OPEN, SLIDING_ON, STICKING, certificate, worst
 from mechanics.solvers.warm_start import WarmStart
 
 ACCEPTED = 1e-6  # certificate; worse ones are left to the interior point method of PIQP
@@ -41,30 +41,18 @@ class Newton:
 
     dof: Index
     centres: Array
-    kernels: Any = field(default_factory=fastest)
     factorisations: int = 0
     repeated: int = 0
     solved: int = 0
 
     def __post_init__(self) -> None:
-        self.start = WarmStart(self.kernels)
-        layout = Elimination.of(self.dof, self.centres, self.kernels is not kernels)
+        self.start = WarmStart()
+        layout = Elimination.of(self.dof, self.centres)
         self.order, self.back, self.row = layout.order, layout.back, layout.row
         self.runs, self.pattern, self.stored = layout.runs, layout.pattern, layout.matrix()
-        self.iterations: Any = import_module(
-            "mechanics.solvers." + ("iterations" if self.kernels is kernels else "compiled_iterations")
-        )
-        self.handed: Any = self.iterations.handed(layout)
-        self.iterate: Any = self.iterations
-        if len(layout.fronts.base) and threads.at_hand() > 1:
-            self.iterate = import_module("mechanics.solvers.halves").Halves.of(layout) or self.iterations
+        self.packed = layout.packed
         self.state: Index | None = None
         self.pause, self.next_try = 0, 0
-
-    @property
-    def threads(self) -> int:
-        """That work at a program."""
-        return 1 if self.iterate is self.iterations else 2
 
     def solve(self, program: Program, guess: Array, forces: Array) -> Solution | None:
         """The certified solution near displacements `guess` (m,) and contact forces (c, 2); None where none is found.
@@ -103,7 +91,7 @@ class Newton:
     ) -> Solution | None:
         """From known contact states, none where a step changes more than `many` of them."""
         x, forces, state = x.copy(), forces.copy(), state.copy()
-        count, residuals = self.iterate.semismooth(
+        count, residuals = semismooth(
             *self._posed(program, mass, load), x, forces, state, *self._work_space(program), many
         )
         self.factorisations += count
@@ -116,7 +104,7 @@ class Newton:
         c = len(program.gap)
         s, z = self.start.begin(c, program.weight, program.step)
         x, forces, state = x.copy(), np.empty((c, 2)), np.empty(c, np.intp)
-        count, residuals = self.iterate.interior(
+        count, residuals = interior(
             *self._posed(program, mass, load), x, forces, s, z, state, self.runs, *self._work_space(program)
         )
         self.factorisations += count
@@ -132,7 +120,7 @@ class Newton:
 
     def _work_space(self, program: Program) -> tuple[Any, ...]:
         scale = program.weight, program.size, program.step, ACCEPTED
-        return self.stored, self.handed, scale
+        return self.stored, self.packed, scale
 
     def close(self, mass: Array, normal: Array, tangent: Array, gap: Array, held: Index) -> Array:
         """The smallest displacements (m,), in the norm of the mass (m,), that close gaps and slides (c, 2).
@@ -145,12 +133,12 @@ class Newton:
         compliance = np.repeat(mobility[:, None] / PROXIMAL, 2, axis=1)
         frictionless = np.zeros(len(gap))
         rows = (self.row, normal, tangent)
-        self.kernels.repeat_matrix(*rows, frictionless, compliance, scaled, state, self.stored, self.pattern)
+        repeat_matrix(*rows, frictionless, compliance, scaled, state, self.stored, self.pattern)
         self.factorisations += 1
-        definite = self.iterations.factorise(self.stored, self.pattern)
+        definite = factorise(self.stored, self.pattern)
         assert definite
         forces, total, still = np.empty((len(gap), 2)), np.empty_like(mass), np.zeros_like(mass)
-        self.kernels.repeat_forces(*rows, gap, frictionless, compliance, still, state, forces, total)
-        self.iterations.substitute(self.stored, self.pattern, total)
+        repeat_forces(*rows, gap, frictionless, compliance, still, state, forces, total)
+        substitute(self.stored, self.pattern, total)
         moved: Array = total[self.back]
         return moved

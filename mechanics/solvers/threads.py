@@ -1,42 +1,16 @@
-"""How many threads may work at once: here, and in the BLAS of NumPy and SciPy."""
+"""How many threads the BLAS of NumPy and SciPy may use."""
 
 from __future__ import annotations
 
 import ctypes
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import scipy
-
-_told: ContextVar[int] = ContextVar("threads at hand")
-
-
-def at_hand() -> int:
-    """Threads that a large model may take: as many as the process has cores, or was told to take at most."""
-    if os.name != "posix":  # a thread that waits for another has to be able to sleep
-        return 1
-    return min(cores(), _told.get(cores()))
-
-
-def cores() -> int:
-    """Those that the process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-@contextmanager
-def at_most(threads: int) -> Iterator[None]:
-    """So many threads at hand: other analyses are at work as well."""
-    token = _told.set(threads)
-    try:
-        yield
-    finally:
-        _told.reset(token)
 
 
 @contextmanager

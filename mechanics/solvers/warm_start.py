@@ -8,11 +8,11 @@ root mean square of their changes, forces by that of theirs, the less the fewer 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from mechanics.block import Array
+from mechanics.solvers.compiled import changed
 
 FORCES = 0.01  # least distance per weight
 GAPS = 0.003, 0.01  # least and most per step
@@ -22,12 +22,11 @@ GAPS = 0.003, 0.01  # least and most per step
 class WarmStart:
     """The start of the next solution.
 
-    `kernels`: the loops of the solver; `last`: forces (c, 2) kN and gaps (c, 2) m along the rays of the last solution
+    `last`: forces (c, 2) kN and gaps (c, 2) m along the rays of the last solution
     that it has found; `newest`: its share in them, the rest being what it began from. `forces`, `gaps`: distance from
     the cone at which the next one is sought, per weight and step.
     """
 
-    kernels: Any
     newest: float = 1.0
     last: tuple[Array, Array] | None = None
     forces: float = FORCES
@@ -41,7 +40,7 @@ class WarmStart:
     def keep(self, s: Array, z: Array, weight: float, step: float) -> None:
         """Forces kN and gaps m (c, 2) of a solution, from which the next one begins."""
         if self.last is not None:
-            sides, forces, gaps = self.kernels.changed(s, z, *self.last, weight, step)
+            sides, forces, gaps = changed(s, z, *self.last, weight, step)
             self.forces = max(FORCES, sides**0.5 * forces)
             self.gaps = min(max(GAPS[0], gaps), GAPS[1])
             if self.newest < 1.0:

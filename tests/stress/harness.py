@@ -1,8 +1,10 @@
-"""A case, its outcome, and the process of its own with a time limit in which it runs."""
+"""A case, its outcome, and the process of its own with a limit of processor time in which it runs."""
 
 from __future__ import annotations
 
 import multiprocessing
+import resource
+import signal
 import time
 import traceback
 import warnings
@@ -18,7 +20,7 @@ from mechanics.program import Certificate
 
 USABLE = 1e-6  # the certificate that the program itself asks for (mechanics.solvers)
 REFUSALS = (UnstableError, NoEquilibriumError, ControlError, ConvergenceError)
-SECONDS, LONG_SECONDS = 60.0, 900.0  # a hang, on however busy a machine
+SECONDS, LONG_SECONDS = 60, 900  # of processor time, as every other process leaves it: more is a hang
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,8 @@ def judge(case: Case) -> Outcome:
     return outcome("certified")
 
 
-def _send(case: Case, line: Connection) -> None:
+def _send(case: Case, line: Connection, seconds: int) -> None:
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
     line.send(judge(case))
 
 
@@ -111,16 +114,16 @@ def apart(case: Case) -> Outcome:
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["tests.stress.warm"])
     here, there = context.Pipe(duplex=False)
-    process = context.Process(target=_send, args=(case, there))
+    limit = LONG_SECONDS if case.long else SECONDS
+    process = context.Process(target=_send, args=(case, there, limit))
     process.start()
     there.close()
-    limit = LONG_SECONDS if case.long else SECONDS
     try:
-        if not here.poll(limit):
-            return Outcome("failed", f"no answer within {limit:g} s", limit)
         return here.recv()
     except EOFError:
         process.join()
+        if process.exitcode == -signal.SIGXCPU:
+            return Outcome("failed", f"no answer within {limit} s of processor time", limit)
         return Outcome("failed", f"the process ended with {process.exitcode}")
     finally:
         process.kill()

@@ -15,7 +15,6 @@ from mechanics.block import Array
 from mechanics.program import Neighbour, Program, Solution, certify
 from mechanics.solvers import central_path, interior_point, linear, solve
 from mechanics.solvers.elimination import Elimination
-from mechanics.solvers.kernels import fastest
 from mechanics.solvers.newton import Newton
 from tests.stress.corpus import assemblies, dynamic, static
 from tests.structures import arch_on_piers, block_on_base, running_bond
@@ -92,7 +91,7 @@ def test_displacements_of_dynamics(behaviour, monkeypatch):
     rng = np.random.default_rng(12)
     for number, model in assemblies(DYNAMICS):
         program = dynamic(model, behaviour, rng)
-        newton = Newton(program.dof, model.initial.positions[model.movable, :2], fastest())
+        newton = Newton(program.dof, model.initial.positions[model.movable, :2])
         found = newton.solve(program, np.zeros(len(program.load)), np.zeros_like(program.gap))
         assert found is not None, number
         assert kinetic(program, found.displacement, solve(program).displacement) < 5e-5, number

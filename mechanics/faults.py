@@ -1,0 +1,85 @@
+"""What keeps a drawing from being an assembly: faults with their places, each told once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import groupby
+from typing import Literal
+
+import numpy as np
+
+from mechanics.block import Array
+from mechanics.errors import DrawingError
+
+LISTED = 20  # faults of one kind that are told in full
+
+Kind = Literal["outline", "layer", "thin", "short", "twice", "frame", "overlap", "floating", "gap"]
+
+
+@dataclass(frozen=True, eq=False)
+class Fault:
+    """What is wrong: `text` names the entity, where it is and what to do.
+
+    `points` (p, 2) and `lines` (each (n, 2)), m: what a picture marks; none where the fault is at no place.
+    """
+
+    kind: Kind
+    text: str
+    points: Array = field(default_factory=lambda: np.empty((0, 2)))
+    lines: tuple[Array, ...] = ()
+
+    def scaled(self, factor: float) -> Fault:
+        """Return the fault with its places multiplied by a factor."""
+        return replace(self, points=factor * self.points, lines=tuple(factor * line for line in self.lines))
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """An outline (n, 2), m, of a drawing, for a picture: a block or what was meant as one."""
+
+    points: Array
+    layer: str
+    closed: bool = True
+    support: bool = False
+
+
+class FaultyDrawingError(DrawingError):
+    """A drawing that could be read and is no assembly: its `faults` in the order of their numbers, its `outlines`.
+
+    The message has a line per fault, each with `origin`, the drawing's name, in front; a last line is the `remedy`.
+    """
+
+    def __init__(
+        self, origin: str, faults: Sequence[Fault], outlines: Sequence[Outline] = (), remedy: str = ""
+    ) -> None:
+        self.faults, self.outlines = tuple(faults), tuple(outlines)
+        lines = [*numbered(faults), *([remedy] if remedy else [])]
+        super().__init__("\n".join(f"{origin}: {line}" if origin else line for line in lines))
+
+
+def numbered(faults: Sequence[Fault]) -> list[str]:
+    """Return a line per fault with its number, counted from 1; of one kind those beyond LISTED are only counted."""
+    if len(faults) == 1:
+        return [faults[0].text]
+    lines: list[str] = []
+    for _, group in groupby(enumerate(faults, 1), lambda item: item[1].kind):
+        of_kind = list(group)
+        lines += [f"fault {number}: {fault.text}" for number, fault in of_kind[:LISTED]]
+        if rest := of_kind[LISTED:]:
+            lines.append(f"and {len(rest)} more of this kind (faults {rest[0][0]} to {rest[-1][0]})")
+    return lines
+
+
+def listed(items: Sequence[str]) -> list[str]:
+    """Return the items, those beyond `LISTED` being only counted."""
+    more = len(items) - LISTED
+    return [*items[:LISTED], f"and {more} more of this kind"] if more > 0 else list(items)
+
+
+def visible(text: str) -> str:
+    """Return a text of unknown origin with what is not seen, such as control characters, as escapes.
+
+    A terminal or a page shows such a text and does nothing else with it.
+    """
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)

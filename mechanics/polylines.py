@@ -1,0 +1,209 @@
+"""A polyline of a drawing as an outline in model space, and what keeps it from being that of a block."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from ezdxf.entities.dxfgfx import DXFGraphic
+from ezdxf.entities.lwpolyline import LWPolyline
+from ezdxf.entities.polyline import Polyline
+from ezdxf.math import Matrix44, Vec3
+
+from mechanics.block import Array
+from mechanics.faults import Fault
+from mechanics.joints import Index
+
+SAME_POINT = 1e-6  # of an outline's size: vertices closer than this are one vertex
+SAGITTA = 1e-3  # of an arc's width: the default distance between an arc and its chords
+SPLINE_FRAME = 16  # flag of a vertex that controls a spline-fitted polyline but is not on it
+FARTHEST = 1e7  # m from the origin: beyond it rounding is no longer small beside a joint's tolerance
+SMALLEST = 1e-6  # m: the width or height of an outline
+MOST_BULGE = 1e4  # an arc that is a full circle but for a ten-thousandth of its radius
+MOST_CHORDS = 10_000  # of one arc
+MOST_POINTS = 1_000_000  # of all outlines
+NOWHERE = Vec3(math.nan, math.nan, math.nan)
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """An entity as model space shows it, inside INSERTs or not; `handle` is INSERT/…/entity."""
+
+    entity: DXFGraphic
+    to_model: Matrix44
+    layer: str
+    handle: str
+    hidden: bool
+
+    def at(self, *points: Array) -> str:
+        """Return layer, type, handle and coordinates (drawing units), for a message."""
+        where = " and ".join(f"({p[0]:.9g}, {p[1]:.9g})" for p in points)
+        return f'layer "{self.layer}", {self.entity.dxftype()} {self.handle} at {where or "no point"}'
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedOutline:
+    """A polyline in model space: distinct `points` (n, 3), drawing units, arcs replaced by chords within `sagitta`.
+
+    `broken`: why there are no such points; they are then those of the file.
+    """
+
+    source: Placed
+    points: Array
+    closed: bool
+    sagitta: float
+    broken: str = ""
+
+
+def is_polyline(entity: DXFGraphic) -> bool:
+    """Tell polylines from all else, meshes of the same type included."""
+    if isinstance(entity, Polyline):
+        return bool(entity.is_2d_polyline or entity.is_3d_polyline)
+    return isinstance(entity, LWPolyline)
+
+
+def has_direction(entity: DXFGraphic) -> bool:
+    """Whether the extrusion of an entity, the normal of its own axes, has a direction."""
+    size = Vec3(entity.dxf.get("extrusion", Vec3(0.0, 0.0, 1.0))).magnitude
+    return SAME_POINT < size < 1.0 / SAME_POINT
+
+
+def placed_outline(source: Placed, scale: float, sagitta: float | None) -> PlacedOutline:
+    """Place a polyline in model space, its arcs as chords within `sagitta` (m; None: SAGITTA of an arc's width).
+
+    `scale`: m per drawing unit.
+    """
+    vertices, closed = _vertices(source.entity)
+    xyz, bulges = vertices[:, :3], vertices[:, 3]
+
+    def broken(why: str) -> PlacedOutline:
+        return PlacedOutline(source, xyz, True, 0.0, why)
+
+    if not len(vertices):
+        return PlacedOutline(source, xyz, True, 0.0)
+    if not has_direction(source.entity):
+        return broken("has an extrusion that is no direction; draw it again")
+    to_model = _to_model(source)
+    with np.errstate(all="ignore"):
+        placed = xyz @ to_model[:3, :3] + to_model[3, :3]
+        far = float(abs(placed).max()) * scale
+    if not (np.isfinite(vertices).all() and np.isfinite(placed).all()):
+        return broken("has a coordinate that is no number; draw it again")
+    if far > FARTHEST:
+        return broken(f"lies {far:.3g} m from the origin, at most {FARTHEST:g} m; move the drawing there")
+    if abs(bulges).max() > MOST_BULGE:
+        return broken(f"has an arc of bulge {abs(bulges).max():.3g}, at most {MOST_BULGE:g}; draw it again")
+    stretch = float(np.linalg.norm(to_model[:3, :3], 2))
+    allowed = None if sagitta is None else sagitta / max(scale * stretch, 1e-99)
+    counts, worst = _divisions(vertices, closed, allowed)
+    if counts.max() > MOST_CHORDS:
+        return broken(
+            f"has an arc of {counts.max():.3g} chords, at most {MOST_CHORDS}, with sagitta_m = {sagitta:g}; "
+            "write a larger one"
+        )
+    if counts.sum() > MOST_POINTS:
+        return broken(f"has {counts.sum():.3g} vertices with its arcs, at most {MOST_POINTS:g}; simplify it")
+    points = _chords(vertices, counts.astype(np.intp)) @ to_model[:3, :3] + to_model[3, :3]
+    same = SAME_POINT * float(np.ptp(points, axis=0).max())
+    closed = closed or (len(points) > 2 and bool(np.linalg.norm(points[0] - points[-1]) <= same))
+    distinct = points[np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1) > same]
+    return PlacedOutline(source, distinct if closed and len(distinct) else points, closed, worst * stretch)
+
+
+def fault_of(outline: PlacedOutline, scale: float) -> Fault | None:
+    """Say what keeps an outline from being a block, where (text in drawing units, places in m), and what to do."""
+    points, at = outline.points, outline.source.at
+    flat = points[:, :2]
+    line = np.concatenate([flat, flat[:1]]) if outline.closed else flat
+
+    def fault(text: str, *places: Array) -> Fault:
+        return Fault("outline", text, np.array([p[:2] for p in places]).reshape(-1, 2), (line,)).scaled(scale)
+
+    if outline.broken:
+        return Fault("outline", f"{at(points[0])} {outline.broken}")
+    if not outline.closed:
+        apart = float(np.linalg.norm(points[0] - points[-1]))
+        remedy = "close it, or freeze its layer if it is no block"
+        text = f"{at(points[0], points[-1])} is open, its ends {apart:.6g} apart; {remedy}"
+        return fault(text, points[0], points[-1])
+    size = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
+    if size and np.ptp(points[:, 2]) > SAME_POINT * size:
+        return fault(f"{at(points[0])} is not in the XY plane; flatten it", points[0])
+    if 0.0 < size * scale < SMALLEST:
+        text = f"is {size * scale:.3g} m large, at least {SMALLEST:g} m; delete it or correct geometry.unit"
+        return fault(f"{at(points[0])} {text}", points[0])
+    polygon = shapely.Polygon(flat) if len(points) > 2 else shapely.Polygon()
+    if polygon.convex_hull.area <= SAME_POINT * size**2:
+        text = f"has no area, {len(points)} vertices in line; delete it or draw it again"
+        return fault(f"{at(*points[:1])} {text}", *points[:1])
+    if not polygon.is_valid:
+        place = np.array(shapely.is_valid_reason(polygon).partition("[")[2].strip("]").split(), dtype=float)
+        return fault(f"{at(place)} crosses or touches itself there; draw it as one simple outline", place)
+    return None
+
+
+def _is_flat(entity: Any) -> bool:
+    """Whether a polyline is drawn in its own plane, and may have arcs."""
+    return isinstance(entity, LWPolyline) or bool(entity.is_2d_polyline)
+
+
+def _vertices(entity: Any) -> tuple[Array, bool]:
+    """Return the vertices (n, 4: x, y, z, bulge) of a polyline as drawn, and whether they close."""
+    if isinstance(entity, LWPolyline):
+        rows = [(x, y, 0.0, bulge) for x, y, bulge in entity.get_points("xyb")]
+    else:
+        on_it = [v.dxf for v in entity.vertices if not v.dxf.flags & SPLINE_FRAME]
+        rows = [(*v.get("location", NOWHERE).xyz, v.bulge if _is_flat(entity) else 0.0) for v in on_it]
+    return np.array(rows, dtype=float).reshape(-1, 4), bool(entity.is_closed)
+
+
+def _to_model(source: Placed) -> Array:
+    """Return the matrix (4, 4), of row vectors, from what a polyline is drawn in to model space."""
+    ocs = source.entity.ocs()
+    drawn_apart = ocs is not None and ocs.transform and _is_flat(source.entity)
+    matrix = ocs.matrix * source.to_model if ocs is not None and drawn_apart else source.to_model
+    return np.array(list(matrix)).reshape(4, 4)
+
+
+def _divisions(vertices: Array, closed: bool, sagitta: float | None) -> tuple[Array, float]:
+    """Return the chords (n,) that each edge of a polyline (n, 4) takes, and how far arcs are from theirs.
+
+    Of an arc of radius R and angle θ n chords are within 2R sin²(θ/4n). An arc no deeper than allowed is one chord.
+    """
+    w, b = vertices[:, 0] + 1j * vertices[:, 1], abs(vertices[:, 3])
+    chord = abs(np.roll(w, -1) - w)
+    allowed = SAGITTA * chord * np.maximum(1.0, 0.5 * (b + 1.0 / np.maximum(b, 1.0)))
+    if sagitta is not None:
+        allowed = np.full(len(w), sagitta)
+    deep = (chord > 0.0) & ((0.5 * b * chord > allowed) | (b > 1.0))
+    deep[-1] &= closed
+    flat = (chord > 0.0) & ~deep
+    flat[-1] &= closed
+    theta = 4.0 * np.arctan(b[deep])
+    radius = 0.25 * chord[deep] * (1.0 / b[deep] + b[deep])
+    counts = np.ones(len(w))
+    half = np.arcsin(np.sqrt(0.5 * np.minimum(allowed[deep] / radius, 0.5)))
+    counts[deep] = np.ceil(theta / (4.0 * np.maximum(half, 1e-99)))
+    sagittas = [2.0 * radius * np.sin(theta / (4.0 * counts[deep])) ** 2, 0.5 * (b * chord)[flat]]
+    return counts, float(np.concatenate(sagittas).max(initial=0.0))
+
+
+def _chords(vertices: Array, counts: Index) -> Array:
+    """Return the points (m, 3) of a polyline (n, 4: x, y, z, bulge), each edge divided into its chords.
+
+    A bulge b is the tangent of a quarter of the arc's angle, positive with the arc right of its chord p →
+    q; the point at the angle φ of the arc θ is p + (q − p) · sin ½φ / sin ½θ · exp ½i(φ − θ).
+    """
+    if counts.max() == 1:
+        return vertices[:, :3]
+    w = vertices[:, 0] + 1j * vertices[:, 1]
+    edge = np.repeat(np.arange(len(w)), counts)
+    share = (np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)) / counts[edge]
+    theta = np.where(counts > 1, 4.0 * np.arctan(vertices[:, 3]), 1.0)[edge]
+    phi = share * theta
+    along = np.sin(phi / 2.0) / np.sin(theta / 2.0) * np.exp(0.5j * (phi - theta))
+    points = w[edge] + (np.roll(w, -1) - w)[edge] * along
+    return np.column_stack([points.real, points.imag, np.full(len(edge), vertices[0, 2])])
