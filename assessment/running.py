@@ -114,8 +114,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
             if last is not None and not edited and last.results == keys_of(project).results:
                 raise  # a bug: just so they were written
             raise ValueError(
-                f"{stored}: damaged or edited, cannot be printed ({type(error).__name__}: {error}); "
-                "run the project again"
+                f"{stored}: damaged or edited, cannot be printed; run the project again"
             ) from error
         if last is None or edited:
             forget(folder)
@@ -139,8 +138,8 @@ def stored_results(path: Path) -> Results:
         results: Results = json.loads(path.read_text(encoding="utf-8"))
         results["echo"]["report"]
         missing = [key for key in NEEDED if key not in results]
-    except (ValueError, LookupError, TypeError, RecursionError) as error:
-        raise ValueError(f"{path}: not readable as results ({error}); run the project again") from None
+    except (ValueError, LookupError, TypeError, RecursionError):
+        raise ValueError(f"{path}: not readable as results; run the project again") from None
     if missing:
         raise ValueError(f"{path}: {', '.join(missing)} missing: results cut short; run the project again")
     return results

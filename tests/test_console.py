@@ -9,6 +9,7 @@ import sys
 
 import pytest
 
+from assessment.console import say, tell
 from tests.block_project import PROJECT, ROOT, run, write_block
 
 TITLE = 'title = "Block"'
@@ -72,6 +73,12 @@ def test_no_file_gets_the_number_of_a_stream():
     code = "import os, sys; from assessment.console import prepare; prepare(); sys.exit(open(os.devnull).fileno())"
     command = ["sh", "-c", 'exec "$0" -c "$1" 0>&- 1>&- 2>&-', sys.executable, code]
     assert subprocess.run(command, cwd=ROOT, check=False).returncode > 2
+
+
+def test_what_a_terminal_would_obey_is_shown(capsys):
+    say("a\x1b[31m\tb\nc\x9b2J")
+    tell("d\x07\ne")
+    assert capsys.readouterr() == ("a\\x1b[31m\\tb\nc\\x9b2J\n", "d\\x07\\ne\n")
 
 
 def gone() -> int:

@@ -86,6 +86,28 @@ def test_there_is_no_moment_with_some_of_either(folder, monkeypatch):
     assert seen == [BEFORE, AFTER]
 
 
+@pytest.mark.usefixtures("way")
+def test_everything_is_on_the_disk_before_it_takes_its_place(folder, monkeypatch):
+    flush, exchange, replace, flushed = swap._flush, swap._exchange_names, Path.replace, []
+
+    def noted(path: Path) -> None:
+        flush(path)
+        flushed.append(path)
+
+    def checked(step):
+        def after_all(path: Path, target: Path) -> None:
+            assert {folder / f"{swap.SCRATCH}1" / name for name in NEW} <= {*flushed}
+            step(path, target)
+
+        return after_all
+
+    monkeypatch.setattr(swap, "_flush", noted)
+    monkeypatch.setattr(swap, "_exchange_names", checked(exchange))
+    monkeypatch.setattr(Path, "replace", checked(replace))
+    put(folder)
+    assert texts(folder) == AFTER
+
+
 @pytest.mark.parametrize("failing", range(len(OLD) + len(NEW)))
 def test_where_one_file_cannot_be_moved_those_before_it_are_moved_back(folder, monkeypatch, failing):
     monkeypatch.setattr(swap, "_exchange_names", refused)
