@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from assessment.console import prepare, say, tell, visible
-from assessment.interruption import leave, watch
+from assessment.interruption import interrupted, leave, watch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -65,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         gc.set_threshold(NEW_OBJECTS)  # the processes of a run inherit it
         _silence_libraries()
     try:
-        code: int = options.command(options)
+        code = _carry_out(options)
     except (ValueError, OSError) as error:
         if not _is_input_error(error):
             raise
@@ -83,6 +83,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
             leave(f"interrupted: {unchanged}", INCOMPLETE)
         tell(f"interrupted: {unchanged}")
         return INCOMPLETE
+    return code
+
+
+def _carry_out(options: argparse.Namespace) -> int:
+    """Return the exit code of a command. Raises KeyboardInterrupt for whatever a library makes of an interruption."""
+    try:
+        code: int = options.command(options)
+    except Exception as error:
+        if interrupted():
+            raise KeyboardInterrupt from error
+        raise
     return code
 
 

@@ -13,7 +13,13 @@ from typing import NoReturn
 
 GRACE = 0.4  # s that the run has for ending in good order
 SHOW_CURSOR = "\r\x1b[2K\x1b[?25h"  # a bar hides it
-ASKED = ("SIGTERM", "SIGHUP", "SIGBREAK")  # signals that mean the same as Ctrl-C, where the system has them
+ASKED = (
+    "SIGINT",
+    "SIGTERM",
+    "SIGHUP",
+    "SIGBREAK",
+)  # Ctrl-C and what means the same, where the system has them
+_came = threading.Event()
 
 
 def watch(said: str, code: int) -> None:
@@ -24,8 +30,8 @@ def watch(said: str, code: int) -> None:
     """
     for name in ASKED:
         number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) == signal.SIG_DFL:  # nohup wants SIGHUP ignored
-            signal.signal(number, signal.default_int_handler)
+        if number is not None and signal.getsignal(number) != signal.SIG_IGN:  # nohup wants SIGHUP ignored
+            signal.signal(number, _interrupt)
     woken, wake = socket.socketpair()  # a pipe that does not block is none on Windows
     wake.setblocking(False)
     signal.set_wakeup_fd(wake.fileno(), warn_on_full_buffer=False)
@@ -37,6 +43,16 @@ def watch(said: str, code: int) -> None:
             leave(said, code)
 
     threading.Thread(target=follow, daemon=True).start()
+
+
+def interrupted() -> bool:
+    """Return whether an interruption came: a library may have made another exception of it."""
+    return _came.is_set()
+
+
+def _interrupt(*_: object) -> NoReturn:
+    _came.set()
+    raise KeyboardInterrupt
 
 
 def leave(said: str, code: int) -> NoReturn:

@@ -190,16 +190,23 @@ def test_nohup_keeps_a_run_alive():
     assert "KeyboardInterrupt" in done.stderr, "what a command makes its message of"
 
 
-def test_an_interruption_that_a_library_swallows_ends_the_run_all_the_same(project):
+SWALLOWED = (
+    "    while True:\n        with contextlib.suppress(KeyboardInterrupt):\n            time.sleep(3600)\n"
+)
+RENAMED = (
+    "    try:\n        time.sleep(3600)\n    except KeyboardInterrupt:\n        raise {}\n"  # as numba does
+)
+
+
+@pytest.mark.parametrize("deaf", [SWALLOWED, *map(RENAMED.format, ("SystemError", "ValueError", "OSError"))])
+def test_an_interruption_that_a_library_swallows_ends_the_run_all_the_same(project, deaf):
     code = (
         "import contextlib, os, sys, time\n"
         "from assessment import stages\n"
         "from assessment.cli import main\n"
         "def deaf(*_):\n"
         "    os.write(1, b'begun\\n')\n"
-        "    while True:\n"
-        "        with contextlib.suppress(KeyboardInterrupt):\n"
-        "            time.sleep(3600)\n"
+        f"{deaf}"
         "stages.pushover = deaf\n"
         "main()"
     )
