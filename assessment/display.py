@@ -11,8 +11,7 @@ from markupsafe import Markup
 
 from assessment.capacity_tables import directions
 from assessment.hazard_files import RETURN_PERIODS
-from assessment.rules import INDEXED
-from assessment.table import Row, Table
+from assessment.table import INDEXED, Row, Table
 from assessment.words import Words, direction_name
 
 MILLIMETRES = {

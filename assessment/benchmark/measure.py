@@ -6,7 +6,8 @@ ratio carries over to other machines, and to a busy one, where seconds do not.
 
 from __future__ import annotations
 
-import resource
+import math
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -22,6 +23,11 @@ from mechanics.block import Array
 from mechanics.program import Program, Solution
 from mechanics.solvers import interior_point
 from mechanics.solvers.newton import Newton
+
+try:
+    import resource
+except ImportError:  # Windows
+    resource = None  # type: ignore[assignment]
 
 Row = dict[str, Any]
 """A line of a table: what was measured, by column."""
@@ -105,10 +111,16 @@ def exponent(rows: Sequence[Row], column: str) -> float:
 
 
 def peak_memory() -> float:
-    """The most memory (MB) that this process has come to hold, Python and its libraries included."""
+    """The most memory (MB) that this process has come to hold, Python and its libraries included.
+
+    NaN where the system does not tell.
+    """
     status = Path("/proc/self/status")
     if status.is_file():  # getrusage also counts what the parent held as this process was made
         for line in status.read_text(encoding="ascii").splitlines():
             if line.startswith("VmHWM"):
                 return float(line.split()[1]) / 1024.0
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    if resource is None:
+        return math.nan
+    unit = 1.0 if sys.platform == "darwin" else 1024.0  # bytes
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1024.0**2

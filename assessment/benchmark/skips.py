@@ -119,7 +119,8 @@ def all_skips() -> list[Skip]:
 def stages(only: tuple[str, ...] | None, store: Store | None = None) -> tuple[Array, int]:
     """Multiplier and displacement capacity of the block template as drawn, from some of its stages or all."""
     from assessment.model import build_model
-    from assessment.workflow import run, select
+    from assessment.stage_selection import select
+    from assessment.workflow import run
 
     project = select(_with_history(template("block")), only)
     outcome = run(project, build_model(project), 1, store)
