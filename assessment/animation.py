@@ -14,29 +14,30 @@ from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.patches import PathPatch
 
 from assessment.canvas import STYLE, sheet
-from assessment.crew import Crew
 from assessment.drawings import GHOST, INK, SUPPORT
 from assessment.dynamic_plots import bounds_of_views, shaken
-from assessment.files import write_atomically
+from assessment.files import naming, write_atomically
 from assessment.outlines import outlines
+from assessment.pool import Pool
 from assessment.words import slug, words_of
 
 DOTS_PER_INCH = 110
 
 
-def write_animations(crew: Crew, folder: Path) -> list[Future[Path]]:
+def write_animations(pool: Pool, folder: Path) -> list[Future[Path]]:
     """Begin to write `history_N_STATE.gif` into the folder for every history whose project asks for an animation."""
-    results, begun = crew.results, []
+    results, begun = pool.held, []
     for index, motion in enumerate(results.get("motions") or []):
         for state, entry in shaken(results, motion["name"]).items():
             if entry.get("frames"):
                 path = folder / f"history_{index + 1}_{slug(results, state)}.gif"
-                begun.append(crew.do(_write_animation, path, state, motion["name"]))
+                begun.append(pool.apply(_write_animation, path, state, motion["name"]))
     return begun
 
 
 def _write_animation(results: Mapping[str, Any], path: Path, state: str, record: str) -> Path:
-    write_atomically(path, animation(results, state, shaken(results, record)[state]))
+    with naming(path):  # the film is made elsewhere first
+        write_atomically(path, animation(results, state, shaken(results, record)[state]))
     return path
 
 

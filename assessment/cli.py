@@ -15,16 +15,14 @@ from opcode import opmap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from assessment.interruption import leave, watch
+from assessment.console import prepare, say, tell, visible
+from assessment.interruption import interrupted, leave, watch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from typing import Any, NoReturn
 
-    from assessment.workflow import Results
-
 DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
-NEEDED = ("title", "model", "geometry", "states", "quality")  # of stored results, for a report
 BENCHMARKS = (
     "statics", "dynamics", "ensembles", "dissipation", "collapse", "steps", "growth", "walls", "chain", "skips"
 )  # fmt: skip
@@ -54,44 +52,50 @@ NEW_OBJECTS = 50_000  # between two looks for garbage: with Python's 700 the PDF
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return its exit code: 0 done, 2 wrong input, 3 an analysis could not be completed."""
+    whole = arguments is None  # the process is this command
+    if whole:
+        prepare()
     try:
         options = _options(sys.argv[1:] if arguments is None else arguments)
     except ValueError as error:
-        from mechanics.faults import visible
-
-        print(f"error: {visible(str(error))}", file=sys.stderr)
+        tell(f"error: {error}")
         return WRONG_INPUT
     kept = "; finished analyses are kept: run again to go on" if options.command is _run else ""
-    interrupted = f"interrupted: nothing of an earlier result was changed{kept}"
-    if whole := arguments is None:  # the process is this command
-        watch(interrupted, INCOMPLETE)
+    unchanged = f"nothing of an earlier result was changed{kept}"
+    if whole:
+        watch(f"interrupted: {unchanged}", INCOMPLETE)
         gc.set_threshold(NEW_OBJECTS)  # the processes of a run inherit it
         _silence_libraries()
     try:
-        code: int = options.command(options)
-        sys.stdout.flush()
-    except BrokenPipeError:  # who reads, head for one, has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return DONE
+        code = _carry_out(options)
     except (ValueError, OSError) as error:
         if not _is_input_error(error):
             raise
         _tell(error)
         if options.command is _run and getattr(error, "outlines", None):
-            print("assesto check draws model.svg with the faults marked", file=sys.stderr)
+            tell("assesto check draws model.svg with the faults marked")
         return WRONG_INPUT
-    except RuntimeError as error:
-        from mechanics import ConvergenceError
-
-        if not isinstance(error, ConvergenceError):
+    except (RuntimeError, MemoryError) as error:
+        if (cause := _incomplete(error, unchanged)) is None:
             raise
-        _tell(error, "; nothing was written")
+        tell(f"error: {cause}")
         return INCOMPLETE
     except KeyboardInterrupt:
         if whole:
-            leave(interrupted, INCOMPLETE)
-        print(interrupted, file=sys.stderr)
+            leave(f"interrupted: {unchanged}", INCOMPLETE)
+        tell(f"interrupted: {unchanged}")
         return INCOMPLETE
+    return code
+
+
+def _carry_out(options: argparse.Namespace) -> int:
+    """Return the exit code of a command. Raises KeyboardInterrupt for whatever a library makes of an interruption."""
+    try:
+        code: int = options.command(options)
+    except Exception as error:
+        if interrupted():
+            raise KeyboardInterrupt from error
+        raise
     return code
 
 
@@ -131,8 +135,6 @@ class _Parser(argparse.ArgumentParser):
     """A parser that shows arguments as they are and does nothing else with them."""
 
     def error(self, message: str) -> NoReturn:
-        from mechanics.faults import visible
-
         super().error(visible(message))
 
 
@@ -150,7 +152,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     _add_project(run)
     run.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder of the results (default: PROJECT/output)"
+        "--out", type=_folder, metavar="DIR", help="folder of the results (default: PROJECT/output)"
     )
     run.add_argument(
         "--only",
@@ -158,7 +160,9 @@ def _parser() -> argparse.ArgumentParser:
         metavar="STAGE,…",
         help=f"only these stages, with what they need: {', '.join(STAGES)}",
     )
-    run.add_argument("--jobs", type=int, default=0, metavar="N", help="processes (default: as many as help)")
+    run.add_argument(
+        "--jobs", type=_jobs, default=0, metavar="N", help="processes (default: as many as help)"
+    )
     run.add_argument("--no-report", action="store_true", help="numbers, tables and figures only")
     run.add_argument(
         "--fresh", action="store_true", help="compute again what an earlier run has already computed"
@@ -171,12 +175,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     _add_project(check)
     check.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder of model.svg (default: PROJECT/output)"
+        "--out", type=_folder, metavar="DIR", help="folder of model.svg (default: PROJECT/output)"
     )
     check.set_defaults(command=_check)
 
     new = commands.add_parser("new", help="make a new project folder from a template", **_end("new"))
-    new.add_argument("folder", type=Path, metavar="DIR", nargs="?", help="the folder to make")
+    new.add_argument("folder", type=_folder, metavar="DIR", nargs="?", help="the folder to make")
     new.add_argument("--template", metavar="NAME", help=", ".join(TEMPLATES))
     new.add_argument(
         "--set", action="append", default=[], metavar="KEY=NUMBER", help="a dimension; see --list"
@@ -203,7 +207,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     _add_project(report)
     report.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder of the results (default: PROJECT/output)"
+        "--out", type=_folder, metavar="DIR", help="folder of the results (default: PROJECT/output)"
     )
     report.set_defaults(command=_report)
 
@@ -214,7 +218,7 @@ def _parser() -> argparse.ArgumentParser:
     benchmark.add_argument("--quick", action="store_true", help="fewer and smaller cases: a minute or so")
     benchmark.add_argument(
         "--out",
-        type=Path,
+        type=_folder,
         default=Path("benchmark"),
         metavar="DIR",
         help="folder of tables, plots and summary.md (default: benchmark)",
@@ -246,29 +250,39 @@ class _Version(argparse.Action):
 
 def _add_project(command: argparse.ArgumentParser) -> None:
     command.add_argument(
-        "project", type=Path, metavar="PROJECT", help="folder that holds project.toml or project.xlsx"
+        "project", type=_folder, metavar="PROJECT", help="folder that holds project.toml or project.xlsx"
     )
 
 
+def _folder(text: str) -> Path:
+    """Return the folder that an argument names; an empty one would be the folder the command is given in."""
+    if not text:
+        raise argparse.ArgumentTypeError("is empty; give the name of a folder")
+    return Path(text)
+
+
+def _jobs(text: str) -> int:
+    """Return a number of processes, one or more."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no number of processes; write 1 or more, or leave it out"
+        )
+    return int(text)
+
+
 def _run(options: argparse.Namespace) -> int:
-    from assessment.writer import Writer
+    from assessment.project import load_project
+    from assessment.running import carry_out
+    from assessment.stage_selection import select
+    from assessment.terminal import as_json, progress, summary
 
-    with Writer(not options.no_report, options.jobs) as writer:  # before the imports: both take their time
-        from assessment.model import build_model
-        from assessment.project import load_project
-        from assessment.store import FOLDER, Store
-        from assessment.terminal import as_json, progress, summary
-        from assessment.workflow import run, select
-
-        project = select(load_project(options.project), options.only)
-        folder = _writable(options.out or project.folder / "output")
-        model = build_model(project)
-        with progress() as show:
-            outcome = run(project, model, options.jobs, Store(folder / FOLDER), options.fresh, show)
-            show.begin("report" if not options.no_report else "figures and tables", 1, 0)
-            noticed = writer.write(outcome.results, folder)
-            show.end()
-    print((as_json if options.json else summary)(outcome, folder, noticed))
+    project = select(load_project(options.project), options.only)
+    folder = _writable(options.out or project.folder / "output")
+    with progress() as show:
+        outcome, warnings = carry_out(
+            project, folder, options.jobs, options.fresh, not options.no_report, show
+        )
+    say((as_json if options.json else summary)(outcome, folder, warnings))
     return DONE if outcome.complete else INCOMPLETE
 
 
@@ -285,7 +299,7 @@ def _check(options: argparse.Namespace) -> int:
     from assessment.stages import stand
     from assessment.terminal import model_summary, told
     from assessment.words import Words, words_of
-    from mechanics.faults import FaultyDrawingError, visible
+    from mechanics.faults import FaultyDrawingError
 
     project = load_project(options.project)
     folder = _writable(options.out or project.folder / "output")
@@ -296,7 +310,7 @@ def _check(options: argparse.Namespace) -> int:
         _tell(faulty)
         if faulty.outlines:
             save_svg(partial(draw_faults, faulty, Words.of(project.report.language)), drawing)
-            print(f"drawing with the faults marked: {visible(str(drawing))}", file=sys.stderr)
+            tell(f"drawing with the faults marked: {drawing}")
         return WRONG_INPUT
     results = describe(project, model)
     motions = read_motions(project)
@@ -308,23 +322,22 @@ def _check(options: argparse.Namespace) -> int:
         results["model"]["self_weight_stable"] = False
         results["model"]["warnings"].append(unstable)
     save_svg(lambda: draw_model(results, words_of(results)), drawing)
-    print(model_summary(results))
-    print(f"drawing of the model: {visible(str(drawing))}")
+    say(model_summary(results))
+    say(f"drawing of the model: {drawing}")
     for line in told(results["model"]["warnings"]):
-        print(line)
+        say(line)
     return DONE
 
 
 def _new(options: argparse.Namespace) -> int:
     from assessment.new_project import new_project, template_options
     from assessment.project_source import TOML, XLSX
-    from mechanics.faults import visible
 
     if options.list:
         for template in [options.template] if options.template else TEMPLATES:
-            print(f"{template}:")
+            say(f"{template}:")
             for name, (default, unit, description) in template_options(template).items():
-                print(f"  {name:18} {default:>8g} {unit:6} {description}")
+                say(f"  {name:18} {default:>8g} {unit:6} {description}")
         return DONE
     if options.template is None:
         raise ValueError(f"--template: missing; choose from {', '.join(TEMPLATES)}")
@@ -340,58 +353,35 @@ def _new(options: argparse.Namespace) -> int:
         except ValueError:
             raise ValueError(f"--set {item}: not KEY=NUMBER; give for example span_m=6.0") from None
     new_project(options.folder, options.template, given, XLSX if options.excel else TOML)
-    folder = visible(str(options.folder))
-    print(f"wrote {folder}; next: assesto check {folder}")
+    say(f"wrote {options.folder}; next: assesto check {options.folder}")
     return DONE
 
 
 def _convert(options: argparse.Namespace) -> int:
     from assessment.project import load_project
     from assessment.project_source import convert
-    from mechanics.faults import visible
 
     new, kept = convert(load_project(options.project))
-    print(f"wrote {visible(str(new))}; the earlier file is kept as {kept.name}")
+    say(f"wrote {new}; the earlier file is kept as {kept.name}")
     return DONE
 
 
 def _schema(_: argparse.Namespace) -> int:
     from assessment.project import json_schema
 
-    print(json.dumps(json_schema(), indent=2, ensure_ascii=False))
+    say(json.dumps(json_schema(), indent=2))
     return DONE
 
 
 def _report(options: argparse.Namespace) -> int:
-    from assessment.output import write
     from assessment.project import load_project
-    from mechanics.faults import visible
+    from assessment.running import print_again
 
     project = load_project(options.project)
     folder = _writable(options.out or project.folder / "output")
-    stored = folder / "results.json"
-    if not stored.is_file():
-        raise ValueError(
-            f"{stored}: no stored results; run the project first (assesto run {options.project})"
-        )
-    try:
-        results: Results = json.loads(stored.read_text(encoding="utf-8"))
-        echo = results["echo"]["report"]
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
-        raise ValueError(f"{stored}: not readable as results; run the project again") from error
-    if missing := [key for key in NEEDED if key not in results]:
-        raise ValueError(f"{stored}: {', '.join(missing)} missing: results cut short; run the project again")
-    for key in ("client", "engineer", "location", "language"):
-        echo[key] = getattr(project.report, key)
-    try:
-        noticed = write(results, folder, jobs=0)
-    except KeyError as error:  # what this version prints and another did not keep
-        raise ValueError(
-            f"{stored}: {error} missing: written by another version of assesto; run the project again"
-        ) from error
-    for warning in noticed:
-        print(f"warning: {visible(warning)}", file=sys.stderr)
-    print(f"report: {visible(str(folder / 'report.html'))}")
+    for warning in print_again(project, folder):
+        tell(f"warning: {warning}")
+    say(f"report: {folder / 'report.html'}")
     return DONE
 
 
@@ -400,22 +390,32 @@ def _benchmark(options: argparse.Namespace) -> int:
 
     folder = _writable(options.out)
     benchmark(options.names, options.quick, folder)
-    print(f"\ntables and plots: {folder}")
+    say(f"\ntables and plots: {folder}")
     return DONE
 
 
 def _writable(folder: Path) -> Path:
     """The folder, if results can be written there: asked before any analysis."""
-    from mechanics.faults import visible
-
     existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not existing.is_dir():
-        raise ValueError(f"{visible(str(existing))}: is a file; give another folder with --out DIR")
+        raise ValueError(f"{existing}: is a file; give another folder with --out DIR")
     if not os.access(existing, os.W_OK):
         raise ValueError(
-            f"{visible(str(existing))}: no permission to write; change it or give another folder with --out DIR"
+            f"{existing}: no permission to write; change it or give another folder with --out DIR"
         )
     return folder
+
+
+def _incomplete(error: RuntimeError | MemoryError, unchanged: str) -> str | None:
+    """Return what kept an analysis from being completed, and what is left; None where the error is a bug."""
+    from assessment.pool import KilledError
+    from mechanics import ConvergenceError
+
+    if isinstance(error, ConvergenceError):
+        return f"{error}; nothing was written"
+    if isinstance(error, KilledError | MemoryError):
+        return f"{'memory ran out' if isinstance(error, MemoryError) else error}; {unchanged}"
+    return None
 
 
 def _is_input_error(error: ValueError | OSError) -> bool:
@@ -439,14 +439,12 @@ def _is_input_error(error: ValueError | OSError) -> bool:
     return ours and last.tb_frame.f_code.co_code[last.tb_lasti] == RAISE
 
 
-def _tell(error: ValueError | OSError | RuntimeError, more: str = "") -> None:
-    from mechanics.faults import visible
-
+def _tell(error: ValueError | OSError) -> None:
     for line in _message(error).split("\n"):
-        print(f"error: {visible(line)}{more}", file=sys.stderr)
+        tell(f"error: {line}")
 
 
-def _message(error: ValueError | OSError | RuntimeError) -> str:
+def _message(error: ValueError | OSError) -> str:
     if isinstance(error, OSError) and error.filename:
         return f"{error.filename}: {error.strerror}; change it or choose another place"
     return str(error)

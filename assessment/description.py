@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
-import os
 import platform
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
@@ -44,10 +42,7 @@ def describe(project: Project, model: Model) -> Results:
     return {
         "assesto": installed("assesto"),
         "title": project.title,
-        "inputs": {
-            visible(name): hashlib.sha256(project.path(name).read_bytes()).hexdigest()
-            for name in _inputs(project)
-        },
+        "inputs": {visible(name): digest for name, digest in project.digests().items()},
         "model": {
             "blocks": len(a.blocks),
             "movable_blocks": int(a.movable.sum()),
@@ -135,13 +130,3 @@ def _geometry(project: Project, a: Assembly) -> Results:
         "joint_tolerance_m": a.joint_tolerance,
         "gravity_m_s2": GRAVITY,
     }
-
-
-def _inputs(project: Project) -> list[str]:
-    names = [project.source, project.geometry.drawing]
-    if project.assessment and project.assessment.site and project.assessment.site.grid:
-        names.append(project.assessment.site.grid)
-    for history in project.history:
-        names += [name for name in (history.record, history.vertical_record) if name]
-    names += [os.path.relpath(path, project.folder) for path in project.incremental_records()]
-    return list(dict.fromkeys(names))

@@ -12,7 +12,6 @@ from typing import Any, TypeVar
 from matplotlib.figure import Figure
 
 from assessment.canvas import save_png, save_svg
-from assessment.crew import Crew
 from assessment.drawings import draw_chosen, draw_mechanisms, draw_overturned, draw_settlement
 from assessment.dynamic_plots import (
     draw_fragility,
@@ -26,6 +25,7 @@ from assessment.dynamic_plots import (
 from assessment.joint_states import situations
 from assessment.model_drawing import draw_model
 from assessment.plots import draw_pushdown, draw_pushover, pushed
+from assessment.pool import Pool, result_of
 from assessment.spectral_plots import draw_demand, draw_spectra
 from assessment.study_plots import draw_scenarios, draw_tornado, varied
 from assessment.thrust import draw_thrust
@@ -47,16 +47,19 @@ class Picture:
     fields: dict[str, object] = field(default_factory=dict)
 
 
-def write_figures(crew: Crew, folder: Path) -> list[Path]:
-    """Write every figure as SVG into the folder, the same bytes for the same results; return paths in their order."""
-    drawn = [crew.do(_write_vector, folder, number) for number in range(len(pictures(crew.results)))]
-    return [path.result() for path in drawn]
+def write_figures(pool: Pool, folder: Path) -> list[Path]:
+    """Write every figure of the results that the pool holds as SVG into the folder; return paths in their order.
+
+    The same bytes for the same results.
+    """
+    drawn = [pool.apply(_write_vector, folder, number) for number in range(len(pictures(pool.held)))]
+    return [result_of(path) for path in drawn]
 
 
-def write_images(crew: Crew, folder: Path) -> list[Future[None]]:
+def write_images(pool: Pool, folder: Path) -> list[Future[None]]:
     """Begin to write every figure as PNG into the folder, and deformed.dxf; the same bytes for the same results."""
-    begun = [crew.do(_write_raster, folder, number) for number in range(len(pictures(crew.results)))]
-    return [*begun, crew.do(_write_drawing, folder / "deformed.dxf")]
+    begun = [pool.apply(_write_raster, folder, number) for number in range(len(pictures(pool.held)))]
+    return [*begun, pool.apply(_write_drawing, folder / "deformed.dxf")]
 
 
 def _write_vector(results: Mapping[str, Any], folder: Path, number: int) -> Path:

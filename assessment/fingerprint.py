@@ -10,14 +10,24 @@ from dataclasses import fields, is_dataclass
 from functools import cache, lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from pydantic import BaseModel
 
-from mechanics import Assembly
+from assessment.files import file_digest
+
+if TYPE_CHECKING:
+    from mechanics import Assembly
 
 PACKAGES = ("numpy", "scipy", "piqp", "numba", "shapely", "ezdxf")  # that numbers can depend on
+PRINTING = (
+    "pandas",
+    "matplotlib",
+    "pillow",
+    "jinja2",
+    "weasyprint",
+    "pydantic",
+)  # that only products depend on
 
 
 def fingerprint(function: Callable[..., Any], arguments: tuple[Any, ...]) -> str:
@@ -26,7 +36,7 @@ def fingerprint(function: Callable[..., Any], arguments: tuple[Any, ...]) -> str
     Equal digests: the same numbers to the last bit. Raises TypeError for an argument whose content cannot be told.
     """
     name = f"{function.__module__}.{function.__qualname__}"
-    return _digest([program(), name, [_plain(each) for each in arguments]])
+    return digest([program(), name, [_plain(each) for each in arguments]])
 
 
 @cache
@@ -39,7 +49,15 @@ def program() -> str:
     for path in sources:
         code.update(path.relative_to(_root()).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     libraries = [installed(name) for name in PACKAGES]
-    return _digest([code.hexdigest(), libraries, platform.python_version(), platform.machine()])
+    return digest([code.hexdigest(), libraries, platform.python_version(), platform.machine()])
+
+
+@cache
+def printing() -> str:
+    """Return a digest of what tables, figures and report depend on beside the results and `program`."""
+    folder = _root() / "templates"
+    templates = [(path.name, file_digest(path)) for path in sorted(folder.iterdir()) if path.is_file()]
+    return digest([templates, [installed(name) for name in PRINTING], platform.system()])
 
 
 def installed(package: str) -> str:
@@ -54,12 +72,17 @@ def _root() -> Path:
     return Path(__file__).parents[1]
 
 
-def _digest(tree: Any) -> str:
+def digest(tree: Any) -> str:
+    """Return a digest (hexadecimal) of what JSON has a form for."""
     return hashlib.sha256(json.dumps(tree).encode()).hexdigest()
 
 
 def _plain(value: Any) -> Any:
     """Return nested lists that no value of other content or type shares."""
+    import numpy as np  # late: a run that takes over all results needs neither
+
+    from mechanics import Assembly
+
     if value is None or isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, Assembly):
@@ -83,4 +106,4 @@ def _plain(value: Any) -> Any:
 @lru_cache(maxsize=32)
 def _assembly(model: Assembly) -> str:
     """Return the digest of a model: asked for by every analysis of it, computed once."""
-    return _digest([_plain(model.blocks), model.segments_per_joint, model.tolerance, model.collisions])
+    return digest([_plain(model.blocks), model.segments_per_joint, model.tolerance, model.collisions])

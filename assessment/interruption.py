@@ -1,16 +1,25 @@
-"""Ctrl-C ends the process within a second, whatever it is at."""
+"""Ctrl-C, and a system or a terminal that asks a process to end, end it within a second, whatever it is at."""
 
 from __future__ import annotations
 
 import os
 import signal
+import socket
 import sys
 import threading
 import time
+from contextlib import suppress
 from typing import NoReturn
 
 GRACE = 0.4  # s that the run has for ending in good order
 SHOW_CURSOR = "\r\x1b[2K\x1b[?25h"  # a bar hides it
+ASKED = (
+    "SIGINT",
+    "SIGTERM",
+    "SIGHUP",
+    "SIGBREAK",
+)  # Ctrl-C and what means the same, where the system has them
+_came = threading.Event()
 
 
 def watch(said: str, code: int) -> None:
@@ -19,19 +28,35 @@ def watch(said: str, code: int) -> None:
     A callback from C swallows that exception, and a library at work in C does not see it before it comes back: the
     interpreter's own signal handler, which is in C too, wakes a thread.
     """
-    woken, wake = os.pipe()
-    os.set_blocking(wake, False)
-    signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
+    for name in ASKED:
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) != signal.SIG_IGN:  # nohup wants SIGHUP ignored
+            signal.signal(number, _interrupt)
+    woken, wake = socket.socketpair()  # a pipe that does not block is none on Windows
+    wake.setblocking(False)
+    signal.set_wakeup_fd(wake.fileno(), warn_on_full_buffer=False)
 
     def follow() -> None:
-        os.read(woken, 1)
-        time.sleep(GRACE)
-        leave(said, code)
+        with wake:
+            woken.recv(1)
+            time.sleep(GRACE)
+            leave(said, code)
 
     threading.Thread(target=follow, daemon=True).start()
 
 
+def interrupted() -> bool:
+    """Return whether an interruption came: a library may have made another exception of it."""
+    return _came.is_set()
+
+
+def _interrupt(*_: object) -> NoReturn:
+    _came.set()
+    raise KeyboardInterrupt
+
+
 def leave(said: str, code: int) -> NoReturn:
     """End the process now: taking its libraries down in order would take a second and more."""
-    print((SHOW_CURSOR if sys.stderr.isatty() else "") + said, file=sys.stderr, flush=True)
+    with suppress(OSError):  # the terminal may be gone
+        print((SHOW_CURSOR if sys.stderr.isatty() else "") + said, file=sys.stderr, flush=True)
     os._exit(code)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import codecs
 import hashlib
 import re
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -12,6 +14,7 @@ from pathlib import Path
 from markupsafe import Markup, escape
 
 from assessment.judgement import draft_judgement
+from assessment.messages import ProjectError
 from assessment.table import Results
 from assessment.words import Words
 
@@ -22,9 +25,9 @@ BULLET, HEADING = re.compile(r"[-*] +"), re.compile(r"#+ +")
 
 @dataclass(frozen=True)
 class Judgement:
-    """`text` of the file to write; `edited`: the engineer's own words as HTML, None while it is the draft; warnings."""
+    """`content` of the file; `edited`: the engineer's own words as HTML, None while it is the draft; warnings."""
 
-    text: str
+    content: bytes
     edited: Markup | None
     warnings: tuple[str, ...] = ()
 
@@ -33,21 +36,36 @@ def judgement(results: Results, words: Words, folder: Path) -> Judgement:
     """Return the judgement to write into `folder` beside the results: the draft, or the file there where it was edited.
 
     The first line of the file holds a digest of the draft that follows: a text that does not match it was edited. Where
-    the draft has changed since, a warning says so.
+    the draft has changed since, a warning says so. Raises ProjectError for a file that cannot be read as text.
     """
     body = "\n".join(f"- {_plain(sentence)}" for sentence in draft_judgement(results, words)) + "\n"
     mark = f"<!-- draft {_digest(body)}: {words.plain('judgement.file')} -->\n\n"
     path = folder / NAME
     if path.is_file():
-        text = path.read_text(encoding="utf-8")
+        text = read_judgement(path)
         first, _, rest = text.partition("\n")
         found = MARK.match(first)
         written = rest if found else text
         if written.strip() and not (found and found[1] == _digest(written)):
             changed = not found or found[1] != _digest(body)
             notes = (words.plain("warning.judgement", file=NAME),) if changed else ()
-            return Judgement(text, to_html(written), notes)
-    return Judgement(mark + body, None)
+            return Judgement(path.read_bytes(), to_html(written), notes)
+    return Judgement((mark + body).encode(), None)
+
+
+def read_judgement(path: Path) -> str:
+    """Return the text of the file: UTF-8, or what editors on Windows write, UTF-16 and the code page of the West.
+
+    Raises ProjectError where it is none of them.
+    """
+    content = path.read_bytes()
+    wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    for encoding in ("utf-16",) if wide else ("utf-8-sig", "cp1252"):
+        with suppress(UnicodeDecodeError):
+            text = content.decode(encoding)
+            if "\0" not in text:
+                return "\n".join(text.splitlines()) + "\n"
+    raise ProjectError(f"{path}: not readable as text; save it as UTF-8, or delete it to have a new draft")
 
 
 def to_html(markdown: str) -> Markup:

@@ -58,6 +58,8 @@ def write_project(folder: Path, layout: Layout, content: Mapping[str, Any], sour
         write_drawing(temporary / DRAWING, layout)
         (temporary / source).write_bytes(source_bytes(source, content))
         write_artificial_record(temporary, _spectrum(content["assessment"]["site"]))
+        if folder.is_dir():
+            folder.rmdir()  # Windows renames nothing over a folder, not even over an empty one
         temporary.replace(folder)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)

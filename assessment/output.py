@@ -1,23 +1,33 @@
-"""The output folder: each file and each set of files appears whole or not at all."""
+"""The output folder: each set of files appears whole or not at all."""
 
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from concurrent.futures import Future
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from assessment.earlier import (
+    EVERYTHING,
+    FIGURES,
+    JUDGEMENT,
+    REPORT,
+    RESULTS,
+    TABLES,
+    files_of,
+)
 from assessment.files import write_atomically
-
-SCRATCH = ".assesto-"  # where files are made before they take their place
+from assessment.pool import KilledError, Pool, processes, result_of
+from assessment.printing import printable
+from assessment.swap import SCRATCH, put_in_place
 
 
 def prepare(report: bool) -> None:
-    """Import what `write` needs: nearly a second's work, which may be done while others compute."""
+    """Import what `write` needs: nearly two seconds' work, which may be done while others compute."""
     import pandas  # noqa: F401
 
     import assessment.animation
@@ -26,74 +36,83 @@ def prepare(report: bool) -> None:
     if report:
         import assessment.report  # noqa: F401
 
-        with suppress(OSError):  # said where the PDF is written
-            import weasyprint  # noqa: F401
+        printable()
 
 
-def write(results: Mapping[str, Any], folder: Path, report: bool = True, jobs: int = 1) -> list[str]:
-    """Write results.json, tables, figures and report into `folder`; each appears whole or not at all.
+def write(
+    results: Mapping[str, Any],
+    folder: Path,
+    parts: Collection[str] = EVERYTHING,
+    kept: Collection[str] = (),
+    jobs: int = 1,
+) -> list[str]:
+    """Write parts of what is made of results into `folder`, all at once; each set appears whole or not at all.
 
-    A judgement.md that was edited is kept and printed. Returns warnings (a PDF that could not be made). results.json
-    comes last: where it is new, all is. `jobs`: processes, 0: one per core.
+    Parts `kept` stand there as they are; those of earlier results that are neither go. A judgement.md that was edited
+    is kept and printed. Returns warnings (a PDF that could not be made). `jobs`: processes, 0: one per core. Raises
+    KilledError where one of them was ended from outside, OSError that names a file; nothing is changed then.
     """
+    folder.mkdir(parents=True, exist_ok=True)
+    ours = (folder / "results.json").exists()
+    with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=folder, ignore_cleanup_errors=True) as scratch:
+        new = Path(scratch)
+        try:
+            for name in files_of(folder, kept):  # the report is made with them
+                _linked(folder / name, new / name)
+            warnings = _make(results, folder, new, parts, jobs)
+            gone = files_of(folder, EVERYTHING - {*kept}) if ours else []
+            put_in_place(new, folder, files_of(new, parts), gone)
+        except KilledError as error:
+            raise KilledError(f"{', '.join(sorted(parts))}: {error}") from None
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, _at_home(error.filename, new, folder)) from error
+    return warnings
+
+
+def _make(
+    results: Mapping[str, Any], folder: Path, new: Path, parts: Collection[str], jobs: int
+) -> list[str]:
+    """Make the parts in the folder `new`; return warnings."""
     from assessment.animation import write_animations
-    from assessment.crew import Crew
     from assessment.figures import write_figures, write_images
     from assessment.judgement_file import NAME, judgement
     from assessment.report import write_page, write_pdf
     from assessment.tables import write_tables
     from assessment.words import words_of
 
-    folder.mkdir(parents=True, exist_ok=True)
-    for left in folder.glob(f"{SCRATCH}*"):  # of a run that was killed
-        shutil.rmtree(left)
-    warnings: list[str] = []
-    with (
-        tempfile.TemporaryDirectory(prefix=SCRATCH, dir=folder) as scratch,
-        Crew(results, jobs) as crew,
-    ):
-        new = Path(scratch)
-        opinion = judgement(results, words_of(results), folder)
-        write_atomically(new / NAME, opinion.text.encode())
-        warnings += opinion.warnings
-        write_figures(crew, new / "figures")
-        printed = crew.do(write_pdf, new, opinion.edited) if report else None  # first: it takes longest
-        begun: list[Future[Any]] = [*write_animations(crew, new / "figures")]
-        begun += write_images(crew, new / "figures")
-        begun.append(crew.do(write_tables, new / "tables"))
-        if report:
-            begun.append(crew.do(write_page, new, opinion.edited))
+    opinion = judgement(results, words_of(results), folder)
+    if JUDGEMENT in parts:
+        write_atomically(new / NAME, opinion.content)
+    number = processes(jobs)
+    with Pool(number if number > 1 else 0, results) as pool:
+        begun: list[Future[Any]] = []
+        printed: Future[list[str]] | None = None
+        if FIGURES in parts:
+            write_figures(pool, new / "figures")
+        if REPORT in parts:
+            printed = pool.apply(write_pdf, new, opinion.edited)  # first: it takes longest
+            begun.append(pool.apply(write_page, new, opinion.edited))
+        if FIGURES in parts:
+            begun += [*write_animations(pool, new / "figures"), *write_images(pool, new / "figures")]
+        if TABLES in parts:
+            begun.append(pool.apply(write_tables, new / "tables"))
+        if RESULTS in parts:
+            text = json.dumps(results, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+            write_atomically(new / "results.json", text.encode())
         for work in begun:
-            work.result()
-        if printed:
-            warnings += printed.result()
-        text = json.dumps(results, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-        write_atomically(new / "results.json", text.encode())
-        ours, made_now = (folder / "results.json").exists(), {item.name for item in new.iterdir()}
-        for item in sorted(new.iterdir(), key=lambda path: path.name == "results.json"):
-            _replace(item, folder / item.name, ours)
-        for name in ("report.pdf", "report.html"):  # one of earlier results would stand beside the new ones
-            if ours and name not in made_now:
-                (folder / name).unlink(missing_ok=True)
-    return warnings
+            result_of(work)
+        return [*opinion.warnings, *(result_of(printed) if printed else [])]
 
 
-def _replace(new: Path, old: Path, ours: bool) -> None:
-    """Put a finished file, or each file of a finished folder, in the place of an earlier one.
+def _linked(old: Path, new: Path) -> None:
+    """Have a file in a second place as well, on the disk once where that can be."""
+    new.parent.mkdir(exist_ok=True)
+    try:
+        os.link(old, new)
+    except OSError:
+        shutil.copy2(old, new)
 
-    `ours`: an earlier run filled the folder, so that what it made and this one did not is removed.
-    """
-    if not new.is_dir():
-        new.replace(old)
-        return
-    old.mkdir(exist_ok=True)
-    names = {item.name for item in new.iterdir()}
-    for name in sorted(names):
-        (new / name).replace(old / name)
-    if ours:
-        for stale in {
-            item
-            for item in old.iterdir()
-            if item.suffix in {".csv", ".svg", ".png", ".dxf", ".gif"} and item.name not in names
-        }:
-            stale.unlink()
+
+def _at_home(name: Any, new: Path, folder: Path) -> Any:
+    """Return the name of a file in the place that is meant for it."""
+    return str(folder / Path(name).relative_to(new)) if name and Path(name).is_relative_to(new) else name

@@ -7,14 +7,12 @@ finished, whatever becomes of the others.
 from __future__ import annotations
 
 import gc
-import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar, TypeVarTuple
 
 from assessment.fingerprint import fingerprint
-from assessment.processes import belong_to_parent, dismiss
+from assessment.pool import KilledError, Pool, finished, processes
 from assessment.store import Store, packed, unpacked
 
 if TYPE_CHECKING:
@@ -65,7 +63,8 @@ class Workers:
     """How analyses are computed, and how many were.
 
     `jobs`: processes, 0: one per core if the work is worth starting them. `store`: where finished analyses are kept and
-    looked for, None: nowhere; `fresh`: they are kept, but not looked for.
+    looked for, None: nowhere; `fresh`: they are kept, but not looked for. `meanwhile`: what this process does, once,
+    while others compute.
     """
 
     jobs: int = 0
@@ -74,7 +73,8 @@ class Workers:
     show: Show = SILENCE
     computed: int = 0
     taken: int = 0
-    pool: ProcessPoolExecutor | None = None
+    meanwhile: Callable[[], object] | None = None
+    pool: Pool | None = None
 
     def each(
         self,
@@ -87,6 +87,7 @@ class Workers:
         """Return function(*task) for every task, in their order.
 
         What was computed goes the same way through JSON as what is taken over: both are equal to the last bit.
+        Raises KilledError where a process was ended from outside.
         """
         keys = [fingerprint(function, task) for task in tasks] if self.store else []
         sought = () if self.fresh else enumerate(keys)
@@ -96,12 +97,15 @@ class Workers:
         if not tasks:
             return []
         self.show.begin(stage, len(tasks), len(known))
-        for number, text in self._compute(function, tasks, titles, unknown, worthwhile):
-            if self.store:
-                self.store.keep(keys[number], text)
-            known[number] = unpacked(text)  # now, while other processes are at work
-            self.computed += 1
-            self.show.advance()
+        try:
+            for number, text in self._compute(function, tasks, titles, unknown, worthwhile):
+                if self.store:
+                    self.store.keep(keys[number], text)
+                known[number] = unpacked(text)  # now, while other processes are at work
+                self.computed += 1
+                self.show.advance()
+        except KilledError as error:
+            raise KilledError(f"{stage}: {error}") from None
         self.show.end()
         return [known[number] for number in range(len(tasks))]
 
@@ -126,29 +130,25 @@ class Workers:
                 yield number, _packed(function, tasks[number])
             return
         pool = self._pool()
-        pending = {pool.submit(_packed, function, tasks[number]): number for number in numbers}
-        while pending:
-            for future in wait(pending, return_when=FIRST_COMPLETED).done:
-                yield pending.pop(future), future.result()
+        begun = {pool.submit(_packed, function, tasks[number]): number for number in numbers}
+        if self.meanwhile is not None:
+            self.meanwhile()
+            self.meanwhile = None
+        yield from finished(begun)
 
-    def _pool(self) -> ProcessPoolExecutor:
+    def _pool(self) -> Pool:
         """Return the processes, started when first needed and kept for the stages to come."""
         if self.pool is None:
             gc.freeze()  # nor need it be looked through for garbage, here or there: a tenth of a second each time
-            self.pool = ProcessPoolExecutor(self.processes, initializer=belong_to_parent)
+            self.pool = Pool(processes(self.jobs))
         return self.pool
-
-    @property
-    def processes(self) -> int:
-        """At work at once."""
-        return self.jobs or os.cpu_count() or 1
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         if self.pool is not None:
-            dismiss(self.pool, at_once=kind is not None)
+            self.pool.close(at_once=kind is not None)
             gc.unfreeze()
             self.pool = None
 

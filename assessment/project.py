@@ -7,12 +7,14 @@ together (names, files, stages that need each other) is.
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 from typing import Any
 
 from pydantic import Field, ValidationError
 
+from assessment.files import file_digest
 from assessment.messages import ProjectError, project_error, schema_problems
 from assessment.project_checks import content_problems, matches
 from assessment.project_schema import ControlTable, Direction, ProjectContent
@@ -53,6 +55,22 @@ class Project(ProjectContent):
         """Record files of [incremental], patterns expanded, each file once, sorted within a pattern."""
         patterns = self.incremental.records if self.incremental else ()
         return tuple(dict.fromkeys(file for pattern in patterns for file in matches(self.folder, pattern)))
+
+    def digests(self) -> dict[str, str]:
+        """Return the SHA-256 of every file that a run reads, the project file first, by names with slashes."""
+        names = [self.source, self.geometry.drawing]
+        if self.assessment and self.assessment.site and self.assessment.site.grid:
+            names.append(self.assessment.site.grid)
+        for history in self.history:
+            names += [name for name in (history.record, history.vertical_record) if name]
+        names += map(self._name, self.incremental_records())
+        return {name: file_digest(self.path(name)) for name in names}
+
+    def _name(self, path: Path) -> str:
+        try:
+            return Path(os.path.relpath(path, self.folder)).as_posix()
+        except ValueError:  # on another drive
+            return path.as_posix()
 
     def content(self, defaults: bool = True) -> dict[str, Any]:
         """Return what the file says as plain values, without what is absent; by default defaults included."""

@@ -28,6 +28,7 @@ from assessment.files import write_atomically
 from assessment.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check
 from assessment.joint_report import joint_law, pressures_told, reported_pressures
 from assessment.judgement import all_warnings, draft_judgement, worst_scenario
+from assessment.printing import command, load_weasyprint
 from assessment.reactions import balance, reactions
 from assessment.report_traces import traces
 from assessment.study_tables import reported_studies
@@ -37,7 +38,6 @@ from assessment.viewer import Viewer, viewer
 from assessment.words import Words, direction_name, words_of
 
 Results = Mapping[str, Any]
-APT_COMMAND = "sudo apt-get install libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0 fonts-dejavu-core"
 CHAPTERS = (
     "units",
     "analysis",
@@ -77,10 +77,10 @@ def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> l
     """
     words = words_of(results)
     try:
-        import weasyprint
+        weasyprint = load_weasyprint()
     except OSError as error:  # a shared library that cannot be loaded
         reason = str(error).partition("\n")[0]
-        return [words.plain("warning.no_pdf", reason=reason, command=APT_COMMAND)]
+        return [words.plain("warning.no_pdf", reason=reason, command=command())]
     page = render_html(results, folder / "figures", words, edited)
     write_atomically(folder / "report.pdf", weasyprint.HTML(string=page).write_pdf())
     return []

@@ -10,7 +10,6 @@ from assessment.hazard import HazardCurve
 from mechanics.errors import require
 
 ACTIVATION_DAMPING = 0.05
-INDEXED = ("SLV", "SLC")  # where the ratio of a_g borne to a_g demanded is the index ζ_E (NTC 2018, §8.3)
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,19 +11,14 @@ import json
 import os
 from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from assessment.dynamics import StageResult
 from assessment.files import write_atomically
-from assessment.stages import Part
-from mechanics import State
 
 FOLDER = ".stages"  # in the output folder
 MOST_BYTES = 300_000_000  # of all entries; those not used for longest go first
-KINDS = {kind.__name__: kind for kind in (Part, StageResult, State)}
 KIND, ARRAY = "·kind", "·array"
 
 
@@ -45,15 +40,19 @@ class Store:
 
     def find(self, key: str) -> str | None:
         """Return the packed result that was kept under a fingerprint; None where there is none, or it is damaged."""
-        path = self.folder / key
+        text = self.read(key)
+        if text is not None:
+            with suppress(OSError):
+                os.utime(self.folder / key)
+        return text
+
+    def read(self, key: str) -> str | None:
+        """Return the same, and write nothing: not even that it was used."""
         try:
-            digest, _, text = path.read_text(encoding="utf-8").partition("\n")
-            if digest != _digest(key, text):
-                return None
-            os.utime(path)
+            digest, _, text = (self.folder / key).read_text(encoding="utf-8").partition("\n")
         except (OSError, UnicodeDecodeError):
             return None
-        return text
+        return text if digest == _digest(key, text) else None
 
     def keep(self, key: str, text: str) -> None:
         """Keep a packed result; a disk that refuses costs the resumption, not the run."""
@@ -75,13 +74,25 @@ def _digest(key: str, text: str) -> str:
     return hashlib.sha256(f"{key}\n{text}".encode()).hexdigest()
 
 
+@cache
+def _kinds() -> dict[str, type]:
+    """Return the classes of results by name; late: a run that takes over all of them needs none."""
+    from assessment.dynamics import StageResult
+    from assessment.stages import Part
+    from mechanics import State
+
+    return {kind.__name__: kind for kind in (Part, StageResult, State)}
+
+
 def _plain(value: Any) -> Any:
     """Return what JSON has no form for as an object that `_restored` knows."""
+    import numpy as np
+
     if isinstance(value, np.ndarray):
         return {ARRAY: value.tolist(), "shape": value.shape, "type": value.dtype.str}
     if isinstance(value, np.generic):
         return value.item()
-    if is_dataclass(value) and type(value).__name__ in KINDS:
+    if is_dataclass(value) and type(value).__name__ in _kinds():
         content = {field.name: getattr(value, field.name) for field in fields(value)}
         return {KIND: type(value).__name__} | content
     raise TypeError(f"{type(value).__name__}: not a result of an analysis")
@@ -89,7 +100,9 @@ def _plain(value: Any) -> Any:
 
 def _restored(content: dict[str, Any]) -> Any:
     if ARRAY in content:
+        import numpy as np
+
         return np.array(content[ARRAY], dtype=content["type"]).reshape(content["shape"])
     if KIND in content:
-        return KINDS[content.pop(KIND)](**content)
+        return _kinds()[content.pop(KIND)](**content)
     return content

@@ -11,15 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from assessment.rules import INDEXED
-from assessment.table import CHECKS, quoted_limit_state
-from mechanics.faults import visible
+from assessment.table import CHECKS, INDEXED, quoted_limit_state
 
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from assessment.outcome import Outcome
     from assessment.parallel import Show
-    from assessment.workflow import Outcome
 
 Results = Mapping[str, Any]
 
@@ -106,7 +104,7 @@ def model_summary(results: Results) -> str:
     model = results["model"]
     return "\n".join(
         [
-            visible(results["title"]),
+            results["title"],
             f"  blocks {model['blocks']} ({model['movable_blocks']} movable), joints {model['joints']}, "
             f"unknowns {model['unknowns']}",
             f"  weight {model['weight_kN']:.4g} kN; stands under its own weight: "
@@ -117,7 +115,7 @@ def model_summary(results: Results) -> str:
 
 def told(warnings: Iterable[str]) -> list[str]:
     """Warnings as lines of their own, each once."""
-    return [f"warning: {visible(text)}" for text in dict.fromkeys(warnings)]
+    return [f"warning: {text}" for text in dict.fromkeys(warnings)]
 
 
 def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
@@ -146,7 +144,7 @@ def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
             f"taken over from earlier runs: {outcome.taken} of {outcome.taken + outcome.computed} analyses, "
             "inputs unchanged (--fresh computes them again)"
         )
-    lines.append(f"results: {visible(str(folder))}")
+    lines.append(f"results: {folder}")
     return "\n".join([*lines, *told(_warnings(results, warnings))])
 
 
@@ -167,8 +165,7 @@ def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
         "warnings": _warnings(results, warnings),
         "timing_s": results["timing_s"],
     }
-    text = json.dumps(content, ensure_ascii=False, allow_nan=False, indent=2)
-    return "".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text)
+    return json.dumps(content, allow_nan=False, indent=2)
 
 
 def capacities(results: Results) -> list[dict[str, Any]]:

@@ -13,8 +13,9 @@ from assessment.capacity import CapacityCurve
 from assessment.hazard import EXCEEDANCE
 from assessment.idealisation import CapacityError
 from assessment.meeting import Solved, solve_activation, solve_displacement
-from assessment.rules import INDEXED, LAW, Method
+from assessment.rules import LAW, Method
 from assessment.spectrum import RecordSpectrum, Spectrum
+from assessment.table import INDEXED
 from assessment.trace import Trace, datum, step
 from mechanics.errors import require
 

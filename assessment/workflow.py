@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +13,7 @@ from assessment.convergence import converge
 from assessment.demand import demand_spectra, spectra_numbers
 from assessment.description import describe
 from assessment.dynamic_stages import add_dynamics, dynamic_contacts, read_motions
-from assessment.messages import ProjectError, nearest
+from assessment.outcome import Outcome
 from assessment.parallel import SILENCE, Show, Workers, large
 from assessment.plausibility import implausible_hazard
 from assessment.project_schema import ORIGINAL
@@ -35,59 +34,6 @@ if TYPE_CHECKING:
 Results = dict[str, Any]
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """What a run came to: its results, whether every analysis asked for was completed, and how they were come by.
-
-    `computed`: analyses of this run; `taken`: those of earlier ones whose inputs have not changed.
-    """
-
-    results: Results
-    complete: bool
-    computed: int
-    taken: int
-
-
-STAGES = {  # stage: table
-    "pushdown": "settlements",
-    "pushover": "pushover",
-    "history": "history",
-    "incremental": "incremental",
-    "assessment": "assessment",
-    "scenarios": "settlements",
-    "sensitivity": "sensitivity",
-}
-
-
-def select(project: Project, only: Iterable[str] | None) -> Project:
-    """The project with only some of its stages; ProjectError for a stage that does not exist.
-
-    A settled state is made where a stage needs it: settlements stay unless no other stage but the assessment is left.
-    """
-    if only is None:
-        return project
-    wanted = list(only)
-    for name in wanted:
-        if name not in STAGES:
-            raise ProjectError(f"--only: {name}: no such stage; {nearest(name, STAGES)}")
-    if "sensitivity" in wanted and "assessment" not in wanted:
-        wanted.append("assessment")
-    if {"assessment", "scenarios"} & {*wanted} and "pushover" not in wanted:
-        wanted.append("pushover")
-    by_record = project.assessment is not None and project.assessment.spectrum == "record"
-    if "assessment" in wanted and "history" not in wanted and by_record:
-        raise ProjectError('--only: assessment: spectrum = "record" needs the history stage; add history')
-    dropped: dict[str, Any] = {
-        table: () if table == "history" else None
-        for stage, table in STAGES.items()
-        if stage not in wanted and table != "settlements"
-    }
-    if "scenarios" not in wanted:
-        whole = (each.model_copy(update={"steps": None}) for each in project.settlements)
-        dropped["settlements"] = tuple(whole)
-    return project.model_copy(update=dropped)
-
-
 def run(
     project: Project,
     model: Model,
@@ -95,12 +41,14 @@ def run(
     store: Store | None = None,
     fresh: bool = False,
     show: Show = SILENCE,
+    meanwhile: Callable[[], object] | None = None,
 ) -> Outcome:
     """Carry out every stage that the project asks for.
 
-    `jobs`: processes, 0: as many as help; `store`: where finished analyses are kept, and taken from unless `fresh`.
+    `jobs`: processes, 0: as many as help; `store`: where finished analyses are kept, and taken from unless `fresh`;
+    `meanwhile`: what this process does, once, while others compute.
     """
-    with Workers(jobs, store, fresh, show) as workers:
+    with Workers(jobs, store, fresh, show, meanwhile=meanwhile) as workers:
         results, complete = _stages(project, model, workers)
     if store:
         store.prune()

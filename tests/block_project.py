@@ -110,10 +110,10 @@ def run(folder: Path, *options: str) -> int:
     return main(["run", str(folder), "--no-report", *options])
 
 
-def command(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
-    """Run the program as a process of its own."""
+def command(*arguments: str, code: str = "", **options: object) -> subprocess.CompletedProcess[str]:
+    """Run the program as a process of its own, or some code."""
     return subprocess.run(
-        [sys.executable, "-m", "assessment.cli", *arguments],
+        [sys.executable, *(("-c", code) if code else ("-m", "assessment.cli", *arguments))],
         cwd=ROOT,
         capture_output=True,
         text=True,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,6 +16,17 @@ from tests.block_project import write_block
 # no example is too slow: how long one takes is the machine's affair, and that of what else it is doing
 settings.register_profile("assesto", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("assesto")
+
+
+def pytest_addoption(parser):
+    starts = multiprocessing.get_all_start_methods()
+    text = "how processes begin in every test: spawn is what Windows and macOS do (default: the system's)"
+    parser.addoption("--start", choices=starts, help=text)
+
+
+def pytest_configure(config):
+    if start := config.getoption("--start"):
+        multiprocessing.set_start_method(start, force=True)
 
 
 @pytest.fixture
@@ -32,7 +44,7 @@ def drawn():
 def quick(monkeypatch, request):
     """One empty figure, and a PDF that only looks like one (the real ones: see test_figures, test_report)."""
 
-    def blank(_crew: object, folder: Path) -> None:
+    def blank(_pool: object, folder: Path) -> None:
         folder.mkdir()
         (folder / "model.svg").write_text("<?xml?>", encoding="utf-8")
 

@@ -6,7 +6,7 @@ import pytest
 
 from assessment import cli
 from assessment.cli import main
-from assessment.workflow import STAGES
+from assessment.stage_selection import STAGES
 from tests.block_project import edit
 
 

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 from assessment.accuracy import Accuracy, accuracy_of
 from assessment.convergence import Levels, converge, estimated_error
-from assessment.crew import Crew
 from assessment.figures import write_figures
 from assessment.increments import refined
 from assessment.messages import ProjectError
 from assessment.model import build_model
 from assessment.new_project import new_project, template_layout, write_drawing
 from assessment.parallel import Workers
+from assessment.pool import Pool
 from assessment.project import Project, load_project
 from assessment.project_schema import PushoverTable, SettlementTable
 from assessment.project_source import convert
@@ -288,7 +288,7 @@ def test_what_is_no_accuracy_is_told(block, written):
 @pytest.mark.parametrize("language", ["it", "en"])
 def test_the_report_states_the_error_or_that_there_is_no_estimate(language, tmp_path):
     results = results_example(language)
-    write_figures(Crew(results), tmp_path)
+    write_figures(Pool(0, results), tmp_path)
     words = words_of(results)
 
     def chapter(content: dict) -> str:

@@ -10,7 +10,6 @@ from assessment import dynamics, response
 from assessment.animation import write_animations
 from assessment.artificial_record import write_artificial_record
 from assessment.base_motion import BaseMotion, history_motions
-from assessment.crew import Crew
 from assessment.dynamic_stages import read_motions
 from assessment.dynamics import history, thinned
 from assessment.ensemble import sustained_peak
@@ -18,6 +17,7 @@ from assessment.figures import pictures, write_figures
 from assessment.messages import ProjectError
 from assessment.model import build_model
 from assessment.new_project import new_project
+from assessment.pool import Pool
 from assessment.project import load_project
 from assessment.project_schema import ControlTable, HistoryTable
 from assessment.report import render_html
@@ -191,7 +191,7 @@ def test_figures_tables_and_report(outcome, tmp_path, language):
     assert {"record_1", "history_1", "history_2", "incremental"} <= names
     assert {"shapes_1_0_original", "shapes_2_1_base_turned_20_mrad"} <= names
     assert "fragility" not in names  # one record has no scatter
-    write_figures(Crew(results), tmp_path)
+    write_figures(Pool(0, results), tmp_path)
     filled = {table.name: table for table in tables(results) if table.rows}
     assert len(filled["history"].rows) == 4
     assert {"history_energy", "history_curves", "record_spectra"} <= filled.keys()
@@ -310,7 +310,7 @@ def test_an_animation_is_written_where_it_is_asked_for(tmp_path, language, monke
     times, configurations = strong["frames"]["time_s"], strong["frames"]["configuration"]
     assert len(times) == len(configurations) <= dynamics.FRAMES
     assert np.array(configurations).shape == (len(times), 2, 3)
-    paths = [film.result() for film in write_animations(Crew(results), tmp_path)]
+    paths = [film.result() for film in write_animations(Pool(0, results), tmp_path)]
     assert [path.name for path in paths] == [
         "history_2_0_original.gif",
         "history_2_1_base_turned_20_mrad.gif",
@@ -320,7 +320,7 @@ def test_an_animation_is_written_where_it_is_asked_for(tmp_path, language, monke
         assert sum(_duration(film, n) for n in range(film.n_frames)) == pytest.approx(
             len(times) * times[1], rel=0.05
         )
-    again = write_animations(Crew(results), tmp_path / "again")[0].result()
+    again = write_animations(Pool(0, results), tmp_path / "again")[0].result()
     assert paths[0].read_bytes() == again.read_bytes()
 
 

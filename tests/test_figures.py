@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assessment.canvas import MM, SCALES, nice, save_svg, sheet
-from assessment.crew import Crew
 from assessment.figures import pictures, write_figures
 from assessment.outlines import Outlines, outlines
 from assessment.plots import draw_pushdown
+from assessment.pool import Pool
 from assessment.words import slug, words_of
 from tests.results_example import SETTLED, results_example
 
@@ -20,7 +20,7 @@ from tests.results_example import SETTLED, results_example
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory):
     folder = tmp_path_factory.mktemp("figures")
-    return write_figures(Crew(results_example()), folder)
+    return write_figures(Pool(0, results_example()), folder)
 
 
 def test_every_figure_of_the_results_is_written(drawn):
@@ -35,7 +35,7 @@ def test_every_figure_of_the_results_is_written(drawn):
 
 
 def test_bytes_depend_on_the_results_only(drawn, tmp_path):
-    write_figures(Crew(results_example()), tmp_path)
+    write_figures(Pool(0, results_example()), tmp_path)
     for first in drawn[0].parent.iterdir():
         assert first.read_bytes() == (tmp_path / first.name).read_bytes()
 

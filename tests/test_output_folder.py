@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from assessment import output, workflow
+from assessment import output, swap, workflow
 from assessment.cli import main
-from tests.block_project import contents, run
+from tests.block_project import contents, edit, run
 
 pytestmark = pytest.mark.usefixtures("quick")
 ROOT = Path(__file__).parents[1]
@@ -74,7 +75,7 @@ def test_a_disk_that_refuses_leaves_the_earlier_result(project, capsys, monkeypa
         raise OSError(28, "No space left on device", str(project / "output"))
 
     monkeypatch.setattr(output, "write_atomically", full)
-    assert run(project) == 2
+    assert run(project, "--fresh") == 2
     assert "No space left on device" in capsys.readouterr().err
     assert contents(project) == before
     assert sorted(path.name for path in project.iterdir()) == [
@@ -82,6 +83,72 @@ def test_a_disk_that_refuses_leaves_the_earlier_result(project, capsys, monkeypa
         "output",
         "project.toml",
     ]
+
+
+def refused(*_: object) -> None:
+    raise OSError
+
+
+def test_a_file_that_is_open_elsewhere_is_told_by_name_and_all_else_is_kept(project, capsys, monkeypatch):
+    """On Windows: the earlier results stay as they are, analyses are kept, and the next run writes them."""
+    assert run(project) == 0
+    edit(project, "increment_m = 0.2", "increment_m = 0.1")
+    before, replace = contents(project / "output"), Path.replace
+
+    def held(path: Path, target: Path) -> Path:
+        if path.name == "blocks.csv" and path.parent.parent.name == "output":
+            raise PermissionError(32, "used by another process", str(path))
+        return replace(path, target)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(swap, "_exchange_names", refused)
+        patch.setattr(Path, "replace", held)
+        assert run(project) == 2
+    path = project / "output" / "tables" / "blocks.csv"
+    said = capsys.readouterr().err
+    assert said.startswith(
+        f"error: {path}: cannot be replaced (used by another process); close it where it is open"
+    )
+    assert said.count("\n") == 1
+    assert contents(project / "output") == before
+    assert run(project, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["analyses"]["computed"] == 0
+
+
+def test_a_full_disk_names_the_file_in_its_place(project, capsys, monkeypatch):
+    """Not the one beside it under which it is written first."""
+    assert run(project) == 0
+    before, write = contents(project), Path.write_bytes
+
+    def full(path: Path, content: bytes) -> int:
+        if "blocks.csv" in path.name:
+            raise OSError(28, "No space left on device")
+        return write(path, content)
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    assert run(project, "--fresh", "--jobs", "1") == 2
+    place = project / "output" / "tables" / "blocks.csv"
+    assert capsys.readouterr().err.startswith(f"error: {place}: No space left on device")
+    assert contents(project) == before
+
+
+@pytest.mark.parametrize("jobs", ["0", "-1", "x", "1.5", ""])
+def test_a_number_of_processes_is_one_or_more(project, capsys, jobs):
+    with pytest.raises(SystemExit) as left:
+        run(project, "--jobs", jobs)
+    assert left.value.code == 2
+    assert "is no number of processes; write 1 or more, or leave it out" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", [["run"], ["check"], ["report"]])
+def test_a_name_of_a_folder_is_not_empty(project, capsys, command, monkeypatch):
+    """It would be the folder the command is given in."""
+    monkeypatch.chdir(project)
+    for arguments in ([*command, ""], [*command, str(project), "--out", ""]):
+        with pytest.raises(SystemExit) as left:
+            main(arguments)
+        assert left.value.code == 2
+        assert "is empty; give the name of a folder" in capsys.readouterr().err
 
 
 def test_a_stale_figure_goes_and_a_stranger_stays(project):

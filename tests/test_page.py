@@ -7,9 +7,9 @@ import re
 import numpy as np
 import pytest
 
-from assessment.crew import Crew
 from assessment.figures import pictures, write_figures
 from assessment.outlines import outlines
+from assessment.pool import Pool
 from assessment.report import render_html
 from assessment.viewer import viewer
 from assessment.words import words_of
@@ -28,7 +28,7 @@ def html(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("assessment.figures.pictures", lambda _: some)
         patch.setattr("assessment.report.pictures", lambda _: some)
-        write_figures(Crew(results), folder / "figures")
+        write_figures(Pool(0, results), folder / "figures")
         page = render_html(results, folder / "figures", words, interactive=viewer(results, words))
     path = folder / "report.html"
     path.write_text(page, encoding="utf-8")

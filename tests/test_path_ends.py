@@ -8,8 +8,6 @@ import pytest
 from assessment.benchmark.structures import assembly, template
 from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover
 from mechanics.errors import CollapseError, NoEquilibriumError
-from mechanics.procedures import pushdown as pushdown_procedure
-from mechanics.procedures import pushover as pushover_procedure
 from tests.structures import arch_on_piers, block_on_base, rectangle
 
 STONE = Material(20.0, 0.6, 1e6)

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from assessment import cli
+from assessment.printing import APT_COMMAND, COMMANDS
 from assessment.project_keys import annotation_at, table_at, tables_of
 from assessment.project_schema import ProjectContent, Table
 
@@ -121,6 +122,13 @@ def test_the_commands_and_the_options_that_are_named_exist():
 def test_the_templates_and_benchmarks_that_are_named_exist():
     [new] = [cells[1] for cells in rows("command | does") if cells[0].startswith("`assesto new")]
     assert tuple(re.findall(r"`([a-z-]+)`", new))[: len(cli.TEMPLATES)] == cli.TEMPLATES
+
+
+def test_what_installs_pango_is_what_the_warning_says():
+    told = {"Debian, Ubuntu": APT_COMMAND, "Windows": COMMANDS["Windows"], "macOS": COMMANDS["Darwin"]}
+    for system, text in rows("system"):
+        assert f"`{told.pop(system).partition(' (')[0]}`" in text
+    assert not told
 
 
 def test_the_exit_codes_are_those_of_the_command_line():

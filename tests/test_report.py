@@ -11,10 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.crew import Crew
 from assessment.figures import write_figures
 from assessment.joint_report import joint_law
-from assessment.report import APT_COMMAND, CHAPTERS, render_html, write_page, write_pdf
+from assessment.pool import Pool
+from assessment.printing import APT_COMMAND, COMMANDS
+from assessment.report import CHAPTERS, render_html, write_page, write_pdf
 from assessment.words import LANGUAGES, words_of
 from tests.results_example import SETTLED, results_example
 
@@ -43,7 +44,7 @@ def report(request, tmp_path_factory):
     results = results_example(request.param)
     if request.param == "en":
         one_direction(results)  # half the time, and a form of its own
-    write_figures(Crew(results), folder / "figures")
+    write_figures(Pool(0, results), folder / "figures")
     write_page(results, folder)
     assert write_pdf(results, folder) == []
     pages = [page.extract_text() for page in pypdf.PdfReader(folder / "report.pdf").pages]
@@ -226,7 +227,7 @@ def test_degraded_forms_render(form, tmp_path):
     results = results_example("en")
     one_direction(results)
     form(results)
-    write_figures(Crew(results), tmp_path)
+    write_figures(Pool(0, results), tmp_path)
     html = render_html(results, tmp_path, words_of(results))
     for chapter in CHAPTERS:
         assert f'<h2 id="{chapter}">' in html
@@ -271,10 +272,11 @@ def test_crushing_friction_and_collisions_are_told():
     assert "pass through each other" in laws_told(results)
 
 
-def test_without_system_libraries_the_html_is_written_and_the_command_given(tmp_path, monkeypatch):
+def test_without_system_libraries_the_html_is_written_and_the_command_given(tmp_path, monkeypatch, capsys):
     class Broken:
         def find_spec(self, name, path=None, target=None):
             if name.partition(".")[0] == "weasyprint":
+                print("WeasyPrint could not import some external libraries.")  # as it does
                 raise OSError("cannot load library 'libpango-1.0-0': not found")
 
     for name in [name for name in sys.modules if name.partition(".")[0] == "weasyprint"]:
@@ -282,9 +284,13 @@ def test_without_system_libraries_the_html_is_written_and_the_command_given(tmp_
     monkeypatch.setattr(sys, "meta_path", [Broken(), *sys.meta_path])
     results = results_example("en")
     only_the_model(results)
-    [warning] = write_pdf(results, tmp_path)
-    assert APT_COMMAND in warning
-    assert "libpango-1.0-0" in warning
+    for system, command in {"Linux": APT_COMMAND, **COMMANDS}.items():
+        monkeypatch.setattr("platform.system", lambda system=system: system)
+        [warning] = write_pdf(results, tmp_path)
+        assert command in warning
+        assert "(cannot load library 'libpango-1.0-0': not found)" in warning
+        assert "print report.html from a browser" in warning
+    assert capsys.readouterr().out == ""
     assert not list(tmp_path.iterdir())
 
 

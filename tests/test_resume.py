@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from assessment import figures, fingerprint
+from assessment.earlier import forget
 from assessment.model import build_model
 from assessment.project import load_project
 from assessment.store import FOLDER, Store
@@ -42,6 +43,7 @@ def output(folder: Path) -> dict[str, bytes]:
 def test_what_is_taken_over_is_what_was_computed_byte_for_byte(project, capsys):
     assert counts(project, capsys) == (ALL, 0)
     computed = output(project)
+    forget(project / "output")
     assert counts(project, capsys) == (0, ALL)
     assert output(project) == computed
 
@@ -116,6 +118,7 @@ def test_another_version_of_the_program_takes_over_nothing(project, capsys, monk
 def test_a_damaged_entry_counts_as_absent(project, capsys, damage):
     assert assesto(project) == 0
     before, (first, second, *_) = output(project), entries(project)
+    forget(project / "output")
     content = bytearray(first.read_bytes())
     if damage == "a folder":
         first.unlink()

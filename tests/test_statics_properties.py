@@ -23,7 +23,7 @@ from mechanics.steps.equilibrium import closed_program, reaction, rest
 from mechanics.steps.static_step import StepProblem, find_equilibrium, static_system
 from tests.drawn_projects import drawn
 from tests.stress.corpus import assemblies
-from tests.structures import arch_on_piers, block_on_base, running_bond, semicircular_arch
+from tests.structures import arch_on_piers, block_on_base, semicircular_arch
 
 SIZE = 0.02  # m, of the movement imposed
 FOLDERS = (Path(__file__).parents[1] / "projects").iterdir()

@@ -15,7 +15,8 @@ from assessment.new_project import template_layout, write_drawing
 from assessment.project import load_project
 from assessment.scenarios import part, worst
 from assessment.sensitivity import scatter, with_factor, without_effect
-from assessment.workflow import run, select
+from assessment.stage_selection import select
+from assessment.workflow import run
 from mechanics import limit_analysis
 from tests.block_project import block
 

@@ -8,9 +8,9 @@ from xml.etree import ElementTree
 import pytest
 from markupsafe import Markup
 
-from assessment.crew import Crew
 from assessment.figures import pictures, write_figures
 from assessment.judgement import draft_judgement
+from assessment.pool import Pool
 from assessment.report import render_html
 from assessment.study_tables import reported_studies, scenarios, sensitivity, tornado
 from assessment.words import LANGUAGES, words_of
@@ -131,7 +131,7 @@ def test_chapters_name_the_worst_case_and_show_tables_and_figures(language, fall
         last = results["scenarios"]["points"][-1]
         last |= {"collapses": True, "alpha_0": None, "a_g_g": None, "zeta_E": None, "reduction": None}
     words = words_of(results)
-    write_figures(Crew(results), tmp_path)
+    write_figures(Pool(0, results), tmp_path)
     html = render_html(results, tmp_path, words)
     for chapter in ("scenarios", "sensitivity"):
         start = html.index(f'<h2 id="{chapter}"')
@@ -155,7 +155,7 @@ def texts(path) -> list[str]:
 
 
 def test_the_plots_name_scenarios_worst_case_and_factors(tmp_path):
-    write_figures(Crew(results_with_studies("en")), tmp_path)
+    write_figures(Pool(0, results_with_studies("en")), tmp_path)
     shown = texts(tmp_path / "scenarios.svg")
     assert f"1  {SETTLED}" in shown and f"worst: {SETTLED}, 20.0 mm, −x" in shown
     assert "capacity a_g at SLC [g]" in shown and "ultimate movement (the smaller)" in shown

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -10,11 +9,12 @@ from functools import partial
 from pathlib import Path
 
 from assessment.benchmark import chain, dynamics, ensembles, skips, statics, steps, walls
-from assessment.benchmark.machine import machine
+from assessment.benchmark.machine import load, machine
 from assessment.benchmark.measure import Row
 from assessment.benchmark.plots import shown, work_precision
 from assessment.benchmark.table import Column, as_csv, listed, number, percent, pivoted
 from assessment.canvas import save_png, save_svg
+from assessment.console import say
 from assessment.files import write_atomically
 from assessment.messages import nearest
 
@@ -43,7 +43,7 @@ def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
         if name not in BENCHMARKS:
             raise ValueError(f"benchmark: {name}: no such benchmark; {nearest(name, BENCHMARKS)}")
     summary = [machine()]
-    print(summary[0], flush=True)
+    say(summary[0])
     for name in names or BENCHMARKS:
         chosen = BENCHMARKS[name]
         rows = list(_told(name, chosen.rows(quick)))
@@ -54,8 +54,8 @@ def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
             save_svg(plot, folder / f"{name}-{parameter.split()[0]}.svg")
             save_png(plot, folder / f"{name}-{parameter.split()[0]}.png")
         summary.append(f"**{name}**: {chosen.about}\n\n{chosen.show(rows)}")
-        print(f"\n{summary[-1]}", flush=True)
-    summary.append(f"Load {os.getloadavg()[0]:.1f} at the end.")
+        say(f"\n{summary[-1]}")
+    summary.append(f"Load {load()} at the end.")
     write_atomically(folder / SUMMARY, ("\n\n".join(summary) + "\n").encode())
 
 

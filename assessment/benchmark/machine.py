@@ -13,12 +13,22 @@ PACKAGES = ("assesto", "numpy", "scipy", "piqp", "numba", "ezdxf", "matplotlib",
 
 def machine() -> str:
     """Processor, cores, memory, system, versions, commit and load, in a sentence or two."""
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
     versions = ", ".join(f"{name} {_version(name)}" for name in PACKAGES)
     return (
-        f"{processor()}, {os.cpu_count()} cores, {memory:.0f} GB, {platform.system()}; Python "
-        f"{platform.python_version()}, {versions}; commit {_commit()}; load {os.getloadavg()[0]:.1f} at the start."
+        f"{processor()}, {os.cpu_count()} cores, {_memory()}{platform.system()}; Python "
+        f"{platform.python_version()}, {versions}; commit {_commit()}; load {load()} at the start."
     )
+
+
+def load() -> str:
+    """How many processes want to run, in the mean over a minute; Windows does not count them."""
+    return f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
+
+
+def _memory() -> str:
+    if not hasattr(os, "sysconf"):  # Windows
+        return ""
+    return f"{os.sysconf('SC_PAGE_SIZE') * os.sysconf('SC_PHYS_PAGES') / 2**30:.0f} GB, "
 
 
 def processor() -> str:

@@ -7,7 +7,8 @@ two contact points at its ends, the least that PIQP can be given.
 
 from __future__ import annotations
 
-import resource
+import math
+import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -36,6 +37,11 @@ from mechanics.program import Program
 from mechanics.solvers import qp_piqp
 from mechanics.steps.static_step import StepProblem, static_system
 from mechanics.types import GRAVITY, Array
+
+try:
+    import resource
+except ImportError:  # Windows
+    resource = None  # type: ignore[assignment]
 
 Row = dict[str, Any]
 """A line of a table: what was measured, by column."""
@@ -146,10 +152,16 @@ def exponent(rows: Sequence[Row], column: str) -> float:
 
 
 def peak_memory() -> float:
-    """The most memory (MB) that this process has come to hold, Python and its libraries included."""
+    """The most memory (MB) that this process has come to hold, Python and its libraries included.
+
+    NaN where the system does not tell.
+    """
     status = Path("/proc/self/status")
     if status.is_file():  # getrusage also counts what the parent held as this process was made
         for line in status.read_text(encoding="ascii").splitlines():
             if line.startswith("VmHWM"):
                 return float(line.split()[1]) / 1024.0
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    if resource is None:
+        return math.nan
+    unit = 1.0 if sys.platform == "darwin" else 1024.0  # bytes
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1024.0**2

@@ -21,7 +21,7 @@ from assessment.benchmark.dynamics import DAMPING, pulse, shaking
 from assessment.benchmark.measure import Row, in_turn
 from assessment.benchmark.structures import assembly, block_on_base, template
 from assessment.idealisation import SECANT_SHARE
-from assessment.incremental import find_collapse
+from assessment.bracket import find_collapse
 from assessment.states import PAST_PEAK
 from mechanics import TimeHistory, pushover, time_history
 from mechanics.assembly import Behaviour, Direction
@@ -117,7 +117,8 @@ def all_skips() -> list[Skip]:
 def stages(only: tuple[str, ...] | None, store: Store | None = None) -> tuple[Array, int]:
     """Multiplier and displacement capacity of the block template as drawn, from some of its stages or all."""
     from assessment.model import build_model
-    from assessment.workflow import run, select
+    from assessment.stage_selection import select
+    from assessment.workflow import run
 
     project = select(_with_history(template("block")), only)
     outcome = run(project, build_model(project), 1, store)
@@ -267,7 +268,7 @@ def bisection() -> tuple[Array, int]:
         runs.append(level)
         return _overturns(level)
 
-    collapse = find_collapse(collapses, 0.3, HIGHEST, RESOLVED).collapse
+    collapse = find_collapse(collapses, collapses, 0.3, HIGHEST, RESOLVED).collapse
     assert collapse is not None
     return np.array([collapse]), len(runs)
 

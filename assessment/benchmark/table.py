@@ -56,7 +56,9 @@ def _markdown(headings: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
 
 
 def number(value: float) -> str:
-    """Two significant digits."""
+    """Two significant digits; a dash for what is not known."""
+    if math.isnan(value):
+        return "–"
     if value != 0.0 and (abs(value) < 1e-3 or abs(value) >= 1e5):
         return f"{value:.0e}"
     return f"{value:.{max(0, 1 - math.floor(math.log10(abs(value))))}f}" if value else "0"
