@@ -321,7 +321,7 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
             if best is None or settled.certificate.equilibrium < best.certificate.equilibrium:
                 best = settled
             residual = (at - before)[system.model.movable] * (1.0, 1.0, system.model.size)
-            if past is not None and system.rigid:
+            if past is not None:
                 change = residual - past
                 relax = float(
                     np.clip(-relax * (past * change).sum() / max((change * change).sum(), 1e-300), 0.1, 1.0)
