@@ -38,7 +38,17 @@ PERCENT |= {"deviation", "hand_deviation", "relative_error", "relative_scatter",
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
 TEXT |= {"mechanism", "governing", "kind", "soil", "topography", "refused"}
 TEXT |= {"property", "collapses", "table", "settings", "expected", "computed", "verified"}
-TEXT |= {"case", "source", "test", "record", "contacts", "control", "collapsed", "resurrections", "integrator"}
+TEXT |= {
+    "case",
+    "source",
+    "test",
+    "record",
+    "contacts",
+    "control",
+    "collapsed",
+    "resurrections",
+    "integrator",
+}
 LETTERS = 125.0  # of average width in a row of a table
 CENTRES = {"x_C_m", "z_C_m"}  # a block that does not turn has none
 ROUNDING = 1e-9  # a reduction no larger is none

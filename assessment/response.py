@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from assessment.project_schema import ControlTable, MotionTable
 
 TAIL = 2.0  # s of free motion after the record, where the blocks still move
-TAILS = 10  # of them at most, while the control point is farther than ever: a fall under way is seen to its end
+TAILS = (
+    10  # of them at most, while the control point is farther than ever: a fall under way is seen to its end
+)
 STILL = 0.01  # of √(g·size): a speed that is none
 STORED = ("kinetic", "potential", "elastic")
 TAKEN = ("friction", "impact", "viscous", "integrator")

@@ -35,7 +35,9 @@ def plain_results(model):
 def situation(frames, number):
     """The situation of a frame."""
     force, centre = (np.array(frames[key][number], dtype=float) for key in ("force_kN", "centre"))
-    return Situation("", "+x", "", 0.0, np.array(frames["configuration"][number]), force, centre, frames["met"])
+    return Situation(
+        "", "+x", "", 0.0, np.array(frames["configuration"][number]), force, centre, frames["met"]
+    )
 
 
 def forces_on(model, states):
@@ -132,7 +134,9 @@ def test_opening_at_both_ends_of_a_block_turned_about_its_toe():
 @given(
     st.floats(0.01, 5.0), st.floats(0.05, 3.0), st.floats(0.0, 1.0), st.floats(0.0, 0.98), st.floats(1.0, 1e4)
 )
-def test_the_length_that_presses_and_its_edge_pressure_balance_what_acts(length, share, full, spare, strength):
+def test_the_length_that_presses_and_its_edge_pressure_balance_what_acts(
+    length, share, full, spare, strength
+):
     """Against stress blocks integrated by hand: the strength over c, then linearly down to zero over t."""
     c, t = full * share * length / 3.0, (1.0 - full) * share * length / 3.0
     if not 1e-6 < c + t <= length:
