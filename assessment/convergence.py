@@ -45,14 +45,11 @@ def estimated_error(values: Sequence[float | None]) -> float | None:
 class Levels:
     """Quantities with the increments given, halved, halved again…: what each level gave (None: not reached).
 
-    `size` (m) of the model: lengths below its NOISE are none. `result`: which level is the result, the finest or 0.
-    `resolution`: what the values of a level are themselves known to, part of every error.
+    `size` (m) of the model: lengths below its NOISE are none. The result is the finest level.
     """
 
     size: float
     measured: tuple[Measured, ...]
-    result: int = -1
-    resolution: float = 0.0
 
     def joined(self, finer: Measured) -> Levels:
         """Return the levels with one more."""
@@ -69,26 +66,15 @@ class Levels:
 
     @property
     def errors(self) -> dict[str, float | None]:
-        """Estimated error of each quantity that the result or one of the last two levels reached; None: not known."""
+        """Estimated error of each quantity that one of the last two levels reached; None: not known."""
         if len(self.measured) < 2:
             return {}
-        counted = (self.measured[self.result], *self.measured[-2:])
+        counted = self.measured[-2:]
         return {
-            key: self._error(key)
+            key: estimated_error(self.values(key))
             for key in self.measured[-1]
             if any(level.get(key) is not None for level in counted)
         }
-
-    def _error(self, key: str) -> float | None:
-        """The estimated error of the finest level, and how far the result is from that level."""
-        error, result, finest = (
-            estimated_error(self.values(key)),
-            self.measured[self.result][key],
-            self.measured[-1][key],
-        )
-        if error is None or result is None or finest is None:
-            return None
-        return error + abs(result - finest) + self.resolution
 
     @property
     def relative(self) -> dict[str, float | None]:
@@ -96,7 +82,7 @@ class Levels:
         return {
             key: None
             if error is None
-            else error / max(abs(self.measured[self.result][key] or 0.0), self._least(key))
+            else error / max(abs(self.measured[-1][key] or 0.0), self._least(key))
             for key, error in self.errors.items()
         }
 

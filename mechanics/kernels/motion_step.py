@@ -39,7 +39,7 @@ compiled = compiler("contract", "reassoc")
 ELASTIC, RUBBED, IMPACT, VISCOUS, STEPPING, INPUT = range(6)
 ENERGIES = 6
 STANDARD_GRAVITY = 9.80665  # m/s²
-COLD = 10.0  # per weight and span: forces and gaps of a start from nowhere
+COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a start from nowhere
 MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
 CLOSED = 1e-6  # of the block size: a gap that is none
 GONE = 1e-9  # of the block size: an overlap that is none
@@ -85,13 +85,14 @@ def _apart(gap: float, rate: float, closed: float, bounce: float) -> float:
 def attempt(
     a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, load: Array,
     x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, energy: Array, h: float, theta: float, beta: float,
-    restitution: float, lifted: Array, scale: Any, resultants: Array, stored_matrix: Array, packed: Any,
+    restitution: float, lifted: Array, scale: Any, resultants: Array, stored_matrix: Array, packed: Any, cold: bool,
 ) -> tuple[int, float, float, float, float]:  # fmt: skip
     """A step of length h from positions x and velocities v (b, 3), both changed in place, as all that describes the motion.
 
     `load` (b, 3) kN at the share θ; `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4), near which the solution is sought;
     `shear` (j,) of springs; `energy` (ENERGIES,); `restitution` of velocities at which rigid ends meet; `lifted` (j,):
-    gaps that count as none; `resultants` (j, 3): N, P and T found. Returns the iterations, negative where nothing was
+    gaps that count as none; `resultants` (j, 3): N, P and T found; `cold`: nothing is known of forces and gaps but the
+    gaps that are there, and that impacts stop the blocks within the step. Returns the iterations, negative where nothing was
     found, the energy that impacts and the stepping took, and the residuals: force, gap, product.
     """
     weight, size, span, accepted = scale
@@ -162,7 +163,14 @@ def attempt(
                 dx[j + e] = h * v[i, e]
                 pushed[j + e] = load[i, e] + scaled[j + e] * dx[j + e]
     none = np.empty(0)
+    pressed = COLD * weight * span / (STANDARD_GRAVITY * h * h)
     for k in range(count):
+        if cold:
+            for e in range(2):
+                gap = at[k, U] + (2 * e - 1) * at[k, H] * at[k, PHI]
+                y[k, e] = COLD * span + max(gap, 0.0)
+                f[k, e] = pressed * COLD * span / y[k, e]
+            f[k, 2], y[k, 2], y[k, 3] = 0.0, COLD * span, COLD * span
         f[k, 0], f[k, 1] = max(f[k, 0], 1e-2 * weight), max(f[k, 1], 1e-2 * weight)
         bound = 0.98 * laws[k, FRICTION] * (f[k, 0] + f[k, 1])
         f[k, 2] = min(max(f[k, 2], -bound), bound)
@@ -287,14 +295,11 @@ def march(
             span = max(STANDARD_GRAVITY * step * step, fastest * step)
             solved, taken = False, 0.0
             for start in range(2):
-                if start == 1:  # from nowhere
-                    forces[:], gaps[:] = 0.0, 0.0
-                    forces[:, :2] = COLD * weight
-                    gaps[:] = COLD * span
-                    counts[3] += 1
+                counts[3] += start
                 done, taken, force, gap, product = attempt(
                     a, b, faces, basic, tolerance, row, first, mass, load, x, v, past, forces, gaps, shear, energy, step,
                     theta, beta, restitution, lifted, (weight, size, span, accepted), resultants, stored_matrix, packed,
+                    start == 1,
                 )  # fmt: skip
                 counts[0] += 1
                 counts[1] += abs(done)
