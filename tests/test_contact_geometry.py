@@ -9,7 +9,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from mechanics import Assembly, Block, CollapseError, Material, State, pushdown, pushover, time_history
+from mechanics import (
+    Assembly,
+    Block,
+    CollapseError,
+    Material,
+    State,
+    limit_analysis,
+    pushdown,
+    pushover,
+    time_history,
+)
 from mechanics.kernels.joint import H
 from mechanics.steps.static_step import static_system
 from tests.structures import rectangle
@@ -225,3 +235,12 @@ def test_contacts_about_a_configuration_hold_every_pair_that_touches(seed):
             area = shapes[a].intersection(shapes[b]).area
             if 0.0 < area < 5e-3:
                 assert (a, b) in known, (a, b, area)
+
+
+@pytest.mark.parametrize("height", [0.001, 0.01, 0.1])
+def test_the_top_of_a_thin_slab_is_not_held_by_the_underside_of_its_floor(height):
+    """A slab of 1 m on a floor as thin: it slides at μ; faces that look at each other through both wedged it."""
+    stone = Material(20.0, 0.7)
+    floor = Block(rectangle(-5.0, -0.1 * height, 5.0, 0.0), 1.0, stone, support="base")
+    model = Assembly([floor, Block(rectangle(0.0, 0.0, 1.0, height), 1.0, stone)])
+    assert limit_analysis(model).alpha == pytest.approx(0.7, abs=1e-7)

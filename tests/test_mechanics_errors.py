@@ -79,6 +79,13 @@ def test_a_state_in_which_nothing_stands_is_refused(model):
             analysis(model, state=fallen)
 
 
+@pytest.mark.parametrize("lean", [-0.19, -0.1, -0.01])
+def test_a_block_that_leans_on_its_corner_falls_back(model, lean):
+    """Gravity alone is not carried, though it would be by the end of the joint that is open."""
+    with pytest.raises(UnstableError, match="start to move"):
+        limit_analysis(model, state=model.rotated(1, (0.2, 0.0), lean))
+
+
 @pytest.mark.parametrize(
     ("name", "call"),
     [

@@ -21,6 +21,7 @@ from mechanics.types import Array, Index
 
 POINTS_AT = 0.3  # sine of the angle by which a corner's edges may lean towards the face at which it points
 STEEPEST = 0.3  # cosine between two faces of a joint
+DEEPEST = 0.5  # of the thinner block: how far a corner may lie in another block that holds it
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +64,12 @@ class Outlines:
     def length(self) -> Array:
         """Lengths of the edges (e,), m."""
         return np.hypot(*(self.end - self.start).T)
+
+    @cached_property
+    def thickness(self) -> Array:
+        """Of the blocks (b,), m: twice the area over the outline, which of a thin one is its thickness."""
+        area = np.array([block.area for block in self.blocks])
+        return 2.0 * area / np.bincount(self.owner, self.length, len(self.blocks))
 
 
 def near(outlines: Outlines, drawn: Contacts, now: Contacts, positions: Array, reach: float) -> Contacts:
@@ -117,7 +124,10 @@ def _pairs(outlines: Outlines, positions: Array, reach: float) -> tuple[Index, I
     t = (apart * along[f]).sum(axis=1)
     outward = np.stack([along[f][:, 1], -along[f][:, 0]], axis=1)
     d = (apart * outward).sum(axis=1)
-    close = (abs(d) <= reach) & (t >= -reach) & (t <= outlines.length[f] + reach)
+    # a corner is not held by a face through which it would have to pass the block behind, or its own
+    inside = DEEPEST * np.minimum(outlines.thickness[own[c]], outlines.thickness[own[f]])
+    close = (d <= reach) & (d >= -np.minimum(reach, inside))
+    close &= (t >= -reach) & (t <= outlines.length[f] + reach)
     c, f, t, outward = c[close], f[close], t[close], outward[close]
     # the corner is convex and points at the face
     after, before = along[c], along[outlines.before[c]]

@@ -9,7 +9,8 @@ import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.kernels.interior_iteration import BED, LIFT, SHEAR, SLID
-from mechanics.kernels.joint import PHI, U, V
+from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, Solution, certify
 from mechanics.solvers import interior
 from mechanics.solvers.elimination import Elimination
@@ -21,6 +22,7 @@ GOOD = 1e-8  # a certificate that needs no second opinion
 USABLE = 1e-6  # the worst that is accepted when every solver has been asked
 BALANCED = 1e-6  # of gravity: an acceleration that is none
 MARGINAL = 1e-8  # of gravity: one that decides where no solver finds an answer
+OPEN = 100.0  # steps: a gap that does not close
 
 
 def solve(
@@ -76,11 +78,13 @@ def _better(program: Program, best: Solution | None, found: Solution) -> Solutio
 def imbalance(program: Program, layout: Elimination) -> float:
     """The least acceleration, per gravity, with which blocks of mean mass would start to move (Gauss's principle).
 
-    Every joint of a static program counts as closed and rigid. This auxiliary program always has a solution: zero where
-    the loads (for some multiplier, where there is one) can be balanced.
+    Joints count as rigid, and as closed where they may close within the program's step. This auxiliary program always has a
+    solution: zero where the loads (for some multiplier, where there is one) can be balanced.
     """
     places, law = program.places.copy(), program.law.copy()
-    places[:, [U, PHI, V]] = 0.0
+    low, high = np.where(end_gaps(places) > OPEN * program.step, OPEN * GRAVITY, 0.0).T
+    places[:, U], places[:, PHI] = 0.5 * (low + high), 0.5 * (high - low) / np.maximum(places[:, H], 1e-300)
+    places[:, V] = 0.0
     law[:, BED], law[:, SHEAR], law[:, SLID] = np.inf, 0.0, 0.0
     law[:, LIFT] = law[:, 0]
     mass = np.full(len(program.load), program.weight / GRAVITY)

@@ -23,6 +23,7 @@ from mechanics.steps.static_step import (
     StepProblem,
     carried,
     find_equilibrium,
+    lay_shear,
     static_system,
 )
 from mechanics.types import Array, Index
@@ -120,8 +121,10 @@ def rest_size(model: Assembly, behaviour: Behaviour) -> float:
 
 def reaction(model: Assembly, step: Equilibrium, support: Index) -> Array:
     """Force (x, z) in kN and moment about the origin in kNm (3,) that a support exerts on the structure."""
-    contacts, x = step.contacts, step.state.positions
-    entries = np.einsum("jrc,jr->jc", rows(step.places), step.forces)
+    contacts, x, places = step.contacts, step.state.positions, step.places.copy()
+    if not step.system.rigid:
+        lay_shear(places, step.forces, np.zeros(len(places)))
+    entries = np.einsum("jrc,jr->jc", rows(places), step.forces)
     total = np.zeros(3)
     for part, owner in ((entries[:, :3], contacts.a), (entries[:, 3:], contacts.b)):
         on = np.isin(owner, support)
