@@ -21,6 +21,8 @@ compiled = compiler("contract", "reassoc")
 
 MOST_SEGMENTS = 64  # of a bed of points
 NEWTON, HALVINGS = 60, 30  # iterations for the displacements of a bed of finite strength, and halvings of one
+NEARLY_NOTHING = 1e-6  # of the force: one from which no step is taken
+ROUGHLY = 1e-10  # of the force: the same, of a point at which the bed is made linear
 EXACT = 1e-13  # of the force: an imbalance of the bed that is none
 
 
@@ -211,6 +213,34 @@ def bent_under(
     d11, d22, d12 = 0.25 * (c0 - 2.0 * c1 + c2), 0.25 * (c0 + 2.0 * c1 + c2), 0.25 * (c0 - c2)
     det = max(d11 * d22 - d12 * d12, 1e-300)
     return u - half * phi, u + half * phi, d22 / det, d12 / det, d11 / det
+
+
+@compiled
+def bent_linearised(
+    n1: float, n2: float, turn: float, half: float, stiffness: float, kink: float, u0: float, phi0: float, below: float,
+    above: float,
+) -> tuple[float, float, float, float, float]:  # fmt: skip
+    """As linearised, of a bent bed."""
+    w1, w2, c11, c12, c22 = bent_under(n1, n2, half, stiffness, kink, u0, phi0, below, above)
+    n, m, phi = n1 + n2, half * (n2 - n1), -0.5 * turn / half
+    u, p, d0, d1, d2 = 0.5 * (w1 + w2), 0.0, 0.0, 0.0, 0.0
+    for _ in range(NEWTON):
+        f, p, d0, d1, d2 = bent(u, phi, half, stiffness, kink, u0, phi0, below, above)
+        if abs(f - n) <= ROUGHLY * n:
+            break
+        if f <= NEARLY_NOTHING * n:  # into contact, all of the face
+            u -= half * abs(phi) + n / (2.0 * half * stiffness) + abs(u0) + half * abs(phi0)
+        else:  # f falls and is convex: from where it is too large Newton's steps lead on and on
+            u += (f - n) / d0
+    if abs(f - n) > ROUGHLY * n or abs(p) >= abs(m):
+        return w1, w2, c11, c12, c22
+    # the turn is behind the forces: the bed is stiffer there
+    d1, d2 = d1 / half, d2 / (half * half)
+    e11, e22, e12 = 0.25 * (d0 - 2.0 * d1 + d2), 0.25 * (d0 + 2.0 * d1 + d2), 0.25 * (d0 - d2)
+    det = max(e11 * e22 - e12 * e12, 1e-300)
+    c11, c12, c22 = e22 / det, e12 / det, e11 / det
+    shift = 0.5 * (p - m) / half  # of N₁; that of N₂ is the opposite
+    return u - half * phi - (c11 + c12) * shift, u + half * phi + (c12 + c22) * shift, c11, c12, c22
 
 
 @compiled

@@ -22,7 +22,15 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.bed import bent_under, closures, linearised, points_under, softness, under
+from mechanics.kernels.bed import (
+    bent_linearised,
+    bent_under,
+    closures,
+    linearised,
+    points_under,
+    softness,
+    under,
+)
 from mechanics.kernels.cholesky import factorise, substitute
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, H, U, V
@@ -85,8 +93,22 @@ def missing(
     if law[BED] < np.inf:
         soft = 1.0 / (2.0 * h * law[BED])
         if law[BELOW] != law[ABOVE]:
-            w1, w2, c11, c12, c22 = bent_under(
+            w1, w2, _, _, _ = bent_under(
                 n1, n2, h, law[BED], law[KINK], law[U0], law[PHI0], law[BELOW], law[ABOVE]
+            )
+            y[0], y[1] = _taken(first - w1, y[0]), _taken(second - w2, y[1])
+            off = max(abs(w1 + y[0] - first), abs(w2 + y[1] - second))
+            w1, w2, c11, c12, c22 = bent_linearised(
+                n1,
+                n2,
+                first - second - y[0] + y[1],
+                h,
+                law[BED],
+                law[KINK],
+                law[U0],
+                law[PHI0],
+                law[BELOW],
+                law[ABOVE],
             )
         elif law[STRENGTH] < np.inf:
             w1, w2 = under(n1, n2, h, law[BED], law[STRENGTH])

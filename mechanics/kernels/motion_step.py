@@ -41,6 +41,7 @@ ENERGIES = 6
 STANDARD_GRAVITY = 9.80665  # m/s²
 COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a start from nowhere
 MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
+PRESSED = 1e-6  # of the weight of a block: a force that is one
 CLOSED = 1e-6  # of the block size: a gap that is none
 GONE = 1e-9  # of the block size: an overlap that is none
 
@@ -84,7 +85,7 @@ def _apart(gap: float, rate: float, closed: float, bounce: float) -> float:
 @compiled
 def attempt(
     a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, load: Array,
-    x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, energy: Array, h: float, theta: float, beta: float,
+    x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, slides: Array, energy: Array, h: float, theta: float, beta: float,
     restitution: float, lifted: Array, scale: Any, resultants: Array, stored_matrix: Array, packed: Any, cold: bool,
 ) -> tuple[int, float, float, float, float]:  # fmt: skip
     """A step of length h from positions x and velocities v (b, 3), both changed in place, as all that describes the motion.
@@ -150,6 +151,10 @@ def attempt(
                 p[U], p[PHI] = 0.0, 0.0
             elif max(low, high) <= 0.0:
                 p[U], p[PHI] = p[U] * closed, p[PHI] * closed
+        # Coulomb: the lift of a slide that goes on is taken back, which leaves that by which it has changed; where a
+        # slower slide has let rigid faces into each other, it is left until they are out again
+        lift = law[k, FRICTION] * h * slides[k]
+        p[U] += lift if elastic else max(lift + min(s[U] - lifted[k] - s[H] * abs(s[PHI]), 0.0), 0.0)
     share = theta if elastic else 1.0
     chosen = active[:count]
     rows, at, laws = row[chosen], places[chosen], law[chosen]
@@ -199,7 +204,7 @@ def attempt(
             jerked += mass[i, e] * (speed[i, e] - v[i, e]) ** 2
             work += load[i, e] * moved[i, e]
     contact, rubbed, viscous = 0.0, 0.0, 0.0
-    forces[:], resultants[:] = 0.0, 0.0
+    forces[:], resultants[:], slides[:] = 0.0, 0.0, 0.0
     before, after = 0.0, 0.0
     new_shear = np.zeros(c)
     for q in range(count):
@@ -208,6 +213,8 @@ def attempt(
         du, dphi, dv = relative(at[q], a[k], b[k], moved)
         normal, moment, t = f[q, 0] + f[q, 1], at[q, H] * (f[q, 1] - f[q, 0]), f[q, 2]
         resultants[k, 0], resultants[k, 1], resultants[k, 2] = normal, moment, t
+        if normal > PRESSED * weight:
+            slides[k] = abs(y[q, 2] - y[q, 3]) / h
         contact += normal * du + moment * dphi + t * dv
         if elastic:
             soft = laws[q, SHEAR]
@@ -250,7 +257,7 @@ def attempt(
 @compiled
 def march(
     a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, dead: Array,
-    base: Array, x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, energy: Array, h: float,
+    base: Array, x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, slides: Array, energy: Array, h: float,
     theta: float, beta: float, restitution: float, lifted: Array, sizes: Any, halving: Any, margin: float, radius: Array,
     begun: Array, xs: Array, vs: Array, fs: Array, es: Array, counts: Any, stored_matrix: Array, packed: Any,
 ) -> tuple[int, int]:  # fmt: skip
@@ -275,9 +282,10 @@ def march(
         np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3)), np.empty((c, 3)), np.empty((c, 4)), np.empty(c),
         np.empty(ENERGIES),
     )  # fmt: skip
+    kept_slides, whole_slides = np.empty(c), np.empty(c)
     for k in range(steps):
         whole_x[:], whole_v[:], whole_past[:], whole_f[:] = x, v, past, forces
-        whole_y[:], whole_s[:], whole_e[:] = gaps, shear, energy
+        whole_y[:], whole_s[:], whole_e[:], whole_slides[:] = gaps, shear, energy, slides
         time, top = 0.0, 0
         duration[0], level[0] = h, 0
         while top >= 0:
@@ -291,13 +299,13 @@ def march(
                     kinetic += 0.5 * mass[i, e] * v[i, e] ** 2
                     load[i, e] = dead[i, e] - mass[i, e] * ((1.0 - at) * base[k, e] + at * base[k + 1, e])
             kept_x[:], kept_v[:], kept_past[:], kept_f[:] = x, v, past, forces
-            kept_y[:], kept_s[:], kept_e[:] = gaps, shear, energy
+            kept_y[:], kept_s[:], kept_e[:], kept_slides[:] = gaps, shear, energy, slides
             span = max(STANDARD_GRAVITY * step * step, fastest * step)
             solved, taken = False, 0.0
             for start in range(2):
                 counts[3] += start
                 done, taken, force, gap, product = attempt(
-                    a, b, faces, basic, tolerance, row, first, mass, load, x, v, past, forces, gaps, shear, energy, step,
+                    a, b, faces, basic, tolerance, row, first, mass, load, x, v, past, forces, gaps, shear, slides, energy, step,
                     theta, beta, restitution, lifted, (weight, size, span, accepted), resultants, stored_matrix, packed,
                     start == 1,
                 )  # fmt: skip
@@ -310,7 +318,7 @@ def march(
             small = share * (kinetic + 0.5 * weight / STANDARD_GRAVITY * (STANDARD_GRAVITY * step) ** 2)
             if deep < levels and (not solved or abs(taken) > small):
                 x[:], v[:], past[:], forces[:] = kept_x, kept_v, kept_past, kept_f
-                gaps[:], shear[:], energy[:] = kept_y, kept_s, kept_e
+                gaps[:], shear[:], energy[:], slides[:] = kept_y, kept_s, kept_e, kept_slides
                 counts[2] += 1
                 duration[top + 1], level[top + 1] = 0.5 * step, deep + 1
                 duration[top + 2], level[top + 2] = 0.5 * step, deep + 1
@@ -318,7 +326,7 @@ def march(
                 continue
             if not solved:
                 x[:], v[:], past[:], forces[:] = whole_x, whole_v, whole_past, whole_f
-                gaps[:], shear[:], energy[:] = whole_y, whole_s, whole_e
+                gaps[:], shear[:], energy[:], slides[:] = whole_y, whole_s, whole_e, whole_slides
                 return k, 2
             if abs(taken) > small:
                 past[:] = 0.0  # an impact is no acceleration

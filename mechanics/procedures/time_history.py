@@ -21,7 +21,7 @@ from mechanics.types import GRAVITY, Array
 
 Integrator = Literal["auto", "moreau-jean", "second-order", "implicit-euler"]
 
-FEW = 12  # movable blocks up to which impacts are located
+FEW = 3  # movable blocks up to which impacts are located
 LOCATED = Halving(10, 1e-4)  # steps of 1/1024 at impacts
 RESOLVED = Halving(6, 1e-2)
 UNSOLVED = Halving(6, np.inf)  # only steps that are not solved
@@ -81,7 +81,7 @@ def time_history(
 
     `integrator`: "second-order" is the midpoint rule, with rigid joints and their impacts located in steps of 1/1024;
     "moreau-jean" the same with steps of down to 1/64, halved where impacts take more than 1 % of the kinetic energy;
-    "implicit-euler" the paper's; "auto" the second of them for rigid joints of more than a dozen blocks, else the first.
+    "implicit-euler" the paper's; "auto" the second of them for rigid joints of more than three blocks, else the first.
     `vertical_acceleration` (k,) g, upward. A state at rest that gravity lets stand first settles on its elastic
     joints; any other, tilted or moving, is released as it is (default: as drawn). `damping_ratio`: of the viscous
     forces, proportional to the contact stiffness, at the first frequency of the structure as drawn, all joints closed

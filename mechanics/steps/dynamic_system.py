@@ -35,7 +35,7 @@ class Motion:
     """Blocks in motion, changed step by step.
 
     `x`, `v` (b, 3): positions and velocities; `past` (b, 3): mean acceleration of the last step, 0 after an impact;
-    `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4): y₁, y₂, λ₊, λ₋ of the last program; `shear` (j,) kN of springs; `energy`
+    `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4): y₁, y₂, λ₊, λ₋ of the last program; `shear` (j,) kN of springs; `slides` (j,) m/s: speeds of joints that slid; `energy`
     (ENERGIES,) kNm: see kernels.motion_step.
     """
 
@@ -45,6 +45,7 @@ class Motion:
     forces: Array
     gaps: Array
     shear: Array
+    slides: Array
     energy: Array
 
 
@@ -120,11 +121,11 @@ class DynamicSystem:
         found = replace(self, system=system, lifted=lifted)
         if np.array_equal(before.edges, system.contacts.edges):
             found.__dict__["layout"] = self.layout
-        motion.forces, motion.gaps, motion.shear = (
+        motion.forces, motion.gaps, springs = (
             moved_over(v, before, system.contacts)
-            for v in (motion.forces, motion.gaps, motion.shear[:, None])
+            for v in (motion.forces, motion.gaps, np.column_stack([motion.shear, motion.slides]))
         )
-        motion.shear = motion.shear[:, 0].copy()
+        motion.shear, motion.slides = springs[:, 0].copy(), springs[:, 1].copy()
         return found
 
     @cached_property
@@ -147,7 +148,7 @@ class DynamicSystem:
             energy[ELASTIC] = strain_energy(places, self.system.law, shear, self.model.size)
         return Motion(
             start.positions.copy(), start.velocities.copy(), np.zeros_like(start.positions), ends,
-            np.zeros((count, 4)), shear, energy,
+            np.zeros((count, 4)), shear, np.zeros(count), energy,
         )  # fmt: skip
 
     @one_thread()
@@ -164,7 +165,7 @@ class DynamicSystem:
         xs[0], vs[0], es[0] = motion.x, motion.v, motion.energy
         done, reason = march(
             c.a, c.b, c.faces, self.system.law, c.tolerance, self.layout.row, self.first, model.mass, model.dead_load,
-            base, motion.x, motion.v, motion.past, motion.forces, motion.gaps, motion.shear, motion.energy, step,
+            base, motion.x, motion.v, motion.past, motion.forces, motion.gaps, motion.shear, motion.slides, motion.energy, step,
             self.theta, self.damping, self.restitution, self.lifted, (self.system.weight, model.size, ACCEPTED),
             (self.halving.levels, self.halving.share), self.margin, model.radius, motion.x.copy(), xs, vs, fs, es, self.counts,
             self.layout.work_space, self.layout.packed,
