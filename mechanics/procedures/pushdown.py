@@ -89,7 +89,7 @@ def pushdown(
         here, aim = path.movement[-1], full if final is None else limit
         by = min(bisection.length, aim - here)
         try:
-            path.advance(by, increment)
+            path.advance(by, increment, bisection.shortest)
         except (NoEquilibriumError, ConvergenceError) as stop:
             if bisection.shorter():
                 continue
@@ -154,26 +154,28 @@ class _Path:
         begun = start
         if self.system.rigid:
             onset = TOLERANCES.onset * min(increment, self.model.size)
-            begun = self._step(start, np.zeros_like(start.state.positions), 0.0, onset, onset)
+            begun = self._step(start, np.zeros_like(start.state.positions), 0.0, onset, onset, True)
         self.steps, self.movement = [start], [0.0]
         self.reactions = [reaction(self.model, begun, self.index)[:2]]
         self.certificates = [start.certificate, begun.certificate]
         self.past = np.zeros_like(start.state.positions)
         self.crossed: list[tuple[float, float]] = []
 
-    def _step(self, last: Equilibrium, past: Array, here: float, by: float, size: float) -> Equilibrium:
+    def _step(
+        self, last: Equilibrium, past: Array, here: float, by: float, size: float, shortest: bool
+    ) -> Equilibrium:
         guess = self.moving.moved(last.state.positions + past * by, here + by)
         expected = max(self.moving.swing * max(by, size), self.smallest)
         self.system = self.system.around(last.state.positions, WAY * expected)
         problem = StepProblem(self.system, last.state, self.model.dead_load, expected)
         # a structure at rest is no neighbour of one that begins to move: which hinges open is open
-        found, self.jumped = reach(problem, guess, last if past.any() else None)
+        found, self.jumped = reach(problem, guess, last if past.any() else None, shortest)
         return found
 
-    def advance(self, by: float, increment: float) -> None:
+    def advance(self, by: float, increment: float, shortest: bool) -> None:
         """The next point, `by` (m) further on."""
         here, last = self.movement[-1], self.steps[-1]
-        step = self._step(last, self.past, here, by, 0.0)
+        step = self._step(last, self.past, here, by, 0.0, shortest)
         if by > 0.05 * increment:  # the rate of a tiny step is mostly rounding
             moved = (step.state.positions - last.state.positions) / by
             self.past = np.zeros_like(moved) if self.jumped else moved

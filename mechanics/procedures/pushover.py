@@ -101,7 +101,7 @@ def pushover(
     bisection = Bisection(increment, curve.first.share * increment)
     while not curve.end:
         try:
-            curve.advance(bisection.length)
+            curve.advance(bisection.length, bisection.shortest)
         except (NoEquilibriumError, ConvergenceError) as stop:
             if not bisection.shorter():
                 curve.end, curve.lost = str(stop), isinstance(stop, NoEquilibriumError)
@@ -153,30 +153,30 @@ class _Curve:
         )
         return float(now - begun) if self.direction == "+x" else float(begun - now)
 
-    def advance(self, length: float) -> None:
-        """The next point, about a length (m) further on."""
+    def advance(self, length: float, shortest: bool) -> None:
+        """The next point, about a length (m) further on: whether it is the `shortest` that is tried."""
         fastest = float(abs(self.rate[:, :2]).max())
         work = length / max(self.control_rate, fastest / TOLERANCES.largest)
-        step, jumped = self._step(work, fastest)
+        step, jumped = self._step(work, fastest, shortest)
         if step.alpha >= 0.0:
             self._append(work, step, jumped)
             return
         work, zero = self._down_to_zero(work, fastest, step)
         self._append(work, zero, jumped)
-        self.multiplier[-1] = 0.0
+        self.multiplier[-1], self.end = 0.0, ""
         held = self._held_again(step)
         if held is None:
             self.reached, self.end = True, "α = 0"
         else:
             self._go_on_from(held)
 
-    def _step(self, work: float, fastest: float) -> tuple[Equilibrium, bool]:
+    def _step(self, work: float, fastest: float, shortest: bool = True) -> tuple[Equilibrium, bool]:
         """The equilibrium after so much work (kNm), and whether blocks were let go to find it."""
         now = self.states[-1]
         self.system = self.system.around(now.positions, 2.0 * work * fastest)
         problem = StepProblem(self.system, now, self.model.dead_load, work * fastest, self.lateral, work)
         last = self.steps[-1] if self.steps else None
-        return reach(problem, now.positions + work * self.rate, last)
+        return reach(problem, now.positions + work * self.rate, last, shortest)
 
     def _down_to_zero(self, work: float, fastest: float, step: Equilibrium) -> tuple[float, Equilibrium]:
         """The work that brings the multiplier down to zero, and its step (false position, Illinois rule)."""

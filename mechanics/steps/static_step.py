@@ -34,14 +34,14 @@ Sliding = Literal["coulomb", "associative"]
 STAGES = {"rigid": (1e-5, 1e-8), "elastic": (1e-2, 1e-4, 1e-6, 1e-8)}
 DISTANCE = 0.03  # per weight and step, from the bounds: where the first stage begins near an earlier solution
 CLOSER = 0.1  # of what the last stage missed: the same of the next one
-SETTLED = 1e-6  # certificate of the forces in the geometry to which they lead
+SETTLED = 1e-8  # certificate of the forces in the geometry to which they lead
 MOST_ROUNDS = {"rigid": 8, "elastic": 12}  # more stages, of the last kind, until they agree
 CARRYING = 1e-6  # of the weight: a force that is one
 JUMP = 30.0  # a step this many times larger than asked is a fall, not a path of equilibrium
 TURN = 0.5  # rad: a step that turns a block by more leaves the range in which its geometry is linear
 NEARLY = 1e-4  # the same, where forces and geometry approach each other only slowly
 SLIDES = 6  # the stages in which slips are taken anew
-SHORT = 1e-2  # of the block size: the length of a short step
+SHORT, FEWEST = 1e-2, 4  # of the block size: the length of a short step; of a step
 LONG = 1.0  # s: the time of a short step, in which inertia hardly counts
 LEVEL = 1e-3  # of a step: a gap left by slips that changed
 VANISHED = 1e-9  # of the block size: an overlap that is none
@@ -346,7 +346,7 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
     """
     system, model = problem.system, problem.system.model
     begun, fixed = problem.start.positions, ~model.movable
-    count = max(1, int(np.ceil(problem.size / (SHORT * model.size))))
+    count = max(FEWEST, int(np.ceil(problem.size / (SHORT * model.size))))
     at, state, iterate, solves = begun, problem.start, None, 0
     for k in range(count):
         posed = at.copy()
