@@ -13,6 +13,8 @@ from mechanics.program import certify
 from mechanics.steps.static_step import StepProblem
 from tests.structures import arch_on_piers, rectangle
 
+# of the peak: far beyond that of elastic joints blocks snap from place to place, and rounding decides where to
+UNTIL = {"rigid": 0.3, "elastic": 0.95}
 CONTROL = {"+x": (0.6, 0.84), "-x": (-0.6, 0.84)}
 
 
@@ -20,8 +22,8 @@ CONTROL = {"+x": (0.6, 0.84), "-x": (-0.6, 0.84)}
 def test_the_image_of_a_path_is_the_path_the_other_way(behaviour):
     model = arch_on_piers()
     mirror = Mirror.of(model, behaviour)
-    one = pushover(model, CONTROL["+x"], "+x", behaviour, 0.001, until=0.3)
-    other = pushover(model, CONTROL["-x"], "-x", behaviour, 0.001, until=0.3)
+    one = pushover(model, CONTROL["+x"], "+x", behaviour, 0.001, until=UNTIL[behaviour])
+    other = pushover(model, CONTROL["-x"], "-x", behaviour, 0.001, until=UNTIL[behaviour])
     image = mirror.pushover(one)
     close = 0.01 * 0.001  # m: a hundredth of a step
     np.testing.assert_allclose(image.displacement, other.displacement, atol=close)
@@ -36,7 +38,7 @@ def test_every_step_of_the_image_is_an_equilibrium(behaviour):
     """Its rows are those of the configuration, its loads push the other way, and its forces bear them."""
     model = arch_on_piers()
     image = Mirror.of(model, behaviour).pushover(
-        pushover(model, CONTROL["+x"], "+x", behaviour, 0.002, until=0.3)
+        pushover(model, CONTROL["+x"], "+x", behaviour, 0.002, until=UNTIL[behaviour])
     )
     for step in image.steps[1:]:
         problem = StepProblem(step.system, step.state, model.dead_load, 1e-3, model.lateral_load("-x"))

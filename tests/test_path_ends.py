@@ -121,8 +121,8 @@ CORNER = (0.2, 1.0)
 def test_where_nothing_stands_beyond_the_last_equilibrium_is_located(monkeypatch):
     found = MODULE["pushover"].reach
 
-    def reach(problem, guess, last):
-        step, jumped = found(problem, guess, last)
+    def reach(problem, guess, last, shortest):
+        step, jumped = found(problem, guess, last, shortest)
         if problem.system.model.point_displacement(CORNER, 1, step.state.positions)[0] > 0.055:
             raise NoEquilibriumError("a part falls")
         return step, jumped
@@ -137,10 +137,10 @@ def test_a_movement_ends_where_nothing_stands_beyond(monkeypatch):
     model, found = arch_on_piers(), MODULE["pushdown"].reach
     increment, index, drawn = model.size / 50.0, model.support("right"), model.initial.positions
 
-    def reach(problem, guess, last):
+    def reach(problem, guess, last, shortest):
         if float((guess - drawn)[index, 0].max()) > 5.2 * increment:
             raise NoEquilibriumError("a part falls")
-        return found(problem, guess, last)
+        return found(problem, guess, last, shortest)
 
     monkeypatch.setattr(MODULE["pushdown"], "reach", reach)
     with pytest.raises(CollapseError, match="a part falls") as collapse:

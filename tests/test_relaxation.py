@@ -9,7 +9,6 @@ import pytest
 
 from mechanics import (
     Assembly,
-    ConvergenceError,
     NoEquilibriumError,
     State,
     TimeHistory,
@@ -124,9 +123,6 @@ def test_shears_of_springs_go_on_to_rest():
     assert farthest(motion.positions[-1], path.final.positions) < 2e-5
 
 
-@pytest.mark.xfail(
-    raises=ConvergenceError, strict=True, reason="open: steps of a block that stands on an edge of its bed"
-)
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
 @pytest.mark.parametrize("stiffness", [1e4, 1e6])
 def test_a_block_pulled_aside_is_released_where_it_was_pulled_to(contacts, stiffness):
