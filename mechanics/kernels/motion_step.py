@@ -42,6 +42,7 @@ STANDARD_GRAVITY = 9.80665  # m/s²
 COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a start from nowhere
 MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
 PRESSED = 1e-6  # of the weight of a block: a force that is one
+STILL = 1e-3  # of its speed before: a slide that has come to rest
 CLOSED = 1e-6  # of the block size: a gap that is none
 GONE = 1e-9  # of the block size: an overlap that is none
 
@@ -94,7 +95,7 @@ def attempt(
     `shear` (j,) of springs; `energy` (ENERGIES,); `restitution` of velocities at which rigid ends meet; `lifted` (j,):
     gaps that count as none; `resultants` (j, 3): N, P and T found; `cold`: nothing is known of forces and gaps but the
     gaps that are there, and that impacts stop the blocks within the step. Returns the iterations, negative where nothing was
-    found, the energy that impacts and the stepping took, and the residuals: force, gap, product.
+    found, the energy of which impacts, the stepping and slides that turn back leave unsure, and the residuals: force, gap, product.
     """
     weight, size, span, accepted = scale
     c, n, m = len(a), len(x), 0
@@ -151,9 +152,9 @@ def attempt(
                 p[U], p[PHI] = 0.0, 0.0
             elif max(low, high) <= 0.0:
                 p[U], p[PHI] = p[U] * closed, p[PHI] * closed
-        # Coulomb: the lift of a slide that goes on is taken back, which leaves that by which it has changed; where a
+        # Coulomb: the lift of a slide that goes on as it did is taken back, which leaves that by which it has changed; where a
         # slower slide has let rigid faces into each other, it is left until they are out again
-        lift = law[k, FRICTION] * h * slides[k]
+        lift = law[k, FRICTION] * h * max(slides[k, 0] + h * slides[k, 1], 0.0)
         p[U] += lift if elastic else max(lift + min(s[U] - lifted[k] - s[H] * abs(s[PHI]), 0.0), 0.0)
     share = theta if elastic else 1.0
     chosen = active[:count]
@@ -203,8 +204,9 @@ def attempt(
                 moved[i, e] = h * ((1.0 - theta) * v[i, e] + theta * speed[i, e])
             jerked += mass[i, e] * (speed[i, e] - v[i, e]) ** 2
             work += load[i, e] * moved[i, e]
-    contact, rubbed, viscous = 0.0, 0.0, 0.0
-    forces[:], resultants[:], slides[:] = 0.0, 0.0, 0.0
+    contact, rubbed, viscous, turned = 0.0, 0.0, 0.0, 0.0
+    forces[:], resultants[:] = 0.0, 0.0
+    slid, slides[:] = slides.copy(), 0.0
     before, after = 0.0, 0.0
     new_shear = np.zeros(c)
     for q in range(count):
@@ -214,7 +216,8 @@ def attempt(
         normal, moment, t = f[q, 0] + f[q, 1], at[q, H] * (f[q, 1] - f[q, 0]), f[q, 2]
         resultants[k, 0], resultants[k, 1], resultants[k, 2] = normal, moment, t
         if normal > PRESSED * weight:
-            slides[k] = abs(y[q, 2] - y[q, 3]) / h
+            slides[k, 0] = abs(y[q, 2] - y[q, 3]) / h
+            slides[k, 1] = (slides[k, 0] - slid[k, 0]) / h if slid[k, 0] > 0.0 else 0.0
         contact += normal * du + moment * dphi + t * dv
         if elastic:
             soft = laws[q, SHEAR]
@@ -234,6 +237,13 @@ def attempt(
                 viscous += beta / h * basic[k, SHEAR] * ((t - shear[k]) / stretch) ** 2
         else:
             rubbed -= t * dv
+            # of a slide that turns back, or comes to rest and may turn, the friction is not that of the whole step
+            _, _, v0 = relative(start[k], a[k], b[k], v)
+            _, _, v1 = relative(at[q], a[k], b[k], speed)
+            if v0 * v1 < 0.0:
+                turned += abs(t * h * v0 * v1 / (v0 - v1))
+            elif abs(v1) < STILL * abs(v0):
+                turned += h * abs(v0) * (laws[q, FRICTION] * normal - abs(t))
     shear[:] = new_shear
     # computed from the forces, not as what is missing: the balance is a check
     taken = (theta - 0.5) * jerked - contact - rubbed - viscous - (after - before)
@@ -251,7 +261,7 @@ def attempt(
             x[i, e] += moved[i, e]
             past[i, e] = (speed[i, e] - v[i, e]) / h
             v[i, e] = speed[i, e]
-    return done, taken, force, gap, product
+    return done, abs(taken) + turned, force, gap, product
 
 
 @compiled
@@ -282,7 +292,7 @@ def march(
         np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3)), np.empty((c, 3)), np.empty((c, 4)), np.empty(c),
         np.empty(ENERGIES),
     )  # fmt: skip
-    kept_slides, whole_slides = np.empty(c), np.empty(c)
+    kept_slides, whole_slides = np.empty((c, 2)), np.empty((c, 2))
     for k in range(steps):
         whole_x[:], whole_v[:], whole_past[:], whole_f[:] = x, v, past, forces
         whole_y[:], whole_s[:], whole_e[:], whole_slides[:] = gaps, shear, energy, slides
@@ -316,7 +326,7 @@ def march(
                     counts[4], counts[5] = max(counts[4], force), max(counts[5], product)
                     break
             small = share * (kinetic + 0.5 * weight / STANDARD_GRAVITY * (STANDARD_GRAVITY * step) ** 2)
-            if deep < levels and (not solved or abs(taken) > small):
+            if deep < levels and (not solved or taken > small):
                 x[:], v[:], past[:], forces[:] = kept_x, kept_v, kept_past, kept_f
                 gaps[:], shear[:], energy[:], slides[:] = kept_y, kept_s, kept_e, kept_slides
                 counts[2] += 1
@@ -328,7 +338,7 @@ def march(
                 x[:], v[:], past[:], forces[:] = whole_x, whole_v, whole_past, whole_f
                 gaps[:], shear[:], energy[:], slides[:] = whole_y, whole_s, whole_e, whole_slides
                 return k, 2
-            if abs(taken) > small:
+            if taken > small:
                 past[:] = 0.0  # an impact is no acceleration
             time += step
         if basic[0, BED] < np.inf:

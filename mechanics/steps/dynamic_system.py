@@ -35,7 +35,7 @@ class Motion:
     """Blocks in motion, changed step by step.
 
     `x`, `v` (b, 3): positions and velocities; `past` (b, 3): mean acceleration of the last step, 0 after an impact;
-    `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4): y₁, y₂, λ₊, λ₋ of the last program; `shear` (j,) kN of springs; `slides` (j,) m/s: speeds of joints that slid; `energy`
+    `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4): y₁, y₂, λ₊, λ₋ of the last program; `shear` (j,) kN of springs; `slides` (j, 2): speed (m/s) and acceleration of joints that slide; `energy`
     (ENERGIES,) kNm: see kernels.motion_step.
     """
 
@@ -125,7 +125,7 @@ class DynamicSystem:
             moved_over(v, before, system.contacts)
             for v in (motion.forces, motion.gaps, np.column_stack([motion.shear, motion.slides]))
         )
-        motion.shear, motion.slides = springs[:, 0].copy(), springs[:, 1].copy()
+        motion.shear, motion.slides = springs[:, 0].copy(), springs[:, 1:].copy()
         return found
 
     @cached_property
@@ -148,7 +148,7 @@ class DynamicSystem:
             energy[ELASTIC] = strain_energy(places, self.system.law, shear, self.model.size)
         return Motion(
             start.positions.copy(), start.velocities.copy(), np.zeros_like(start.positions), ends,
-            np.zeros((count, 4)), shear, np.zeros(count), energy,
+            np.zeros((count, 4)), shear, np.zeros((count, 2)), energy,
         )  # fmt: skip
 
     @one_thread()
