@@ -87,13 +87,14 @@ def _apart(gap: float, rate: float, closed: float, bounce: float) -> float:
 def attempt(
     a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, load: Array,
     x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, slides: Array, energy: Array, h: float, theta: float, beta: float,
-    restitution: float, lifted: Array, scale: Any, resultants: Array, stored_matrix: Array, packed: Any, cold: bool,
+    restitution: float, lifted: Array, scale: Any, resultants: Array, stored_matrix: Array, packed: Any, attempts: int,
 ) -> tuple[int, float, float, float, float]:  # fmt: skip
     """A step of length h from positions x and velocities v (b, 3), both changed in place, as all that describes the motion.
 
     `load` (b, 3) kN at the share θ; `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4), near which the solution is sought;
     `shear` (j,) of springs; `energy` (ENERGIES,); `restitution` of velocities at which rigid ends meet; `lifted` (j,):
-    gaps that count as none; `resultants` (j, 3): N, P and T found; `cold`: nothing is known of forces and gaps but the
+    gaps that count as none; `resultants` (j, 3): N, P and T found; `attempts`
+    so far: after one, nothing is known of forces and gaps but the
     gaps that are there, and that impacts stop the blocks within the step. Returns the iterations, negative where nothing was
     found, the energy of which impacts, the stepping and slides that turn back leave unsure, and the residuals: force, gap, product.
     """
@@ -146,7 +147,7 @@ def attempt(
             law[k, SLID] += law[k, SHEAR] * shear[k]
             low, high = p[U] - p[H] * p[PHI], p[U] + p[H] * p[PHI]
             closed = 1.0 / stretch
-            if stretch != 1.0 and low * high < 0.0:
+            if stretch != 1.0 and low * high < 0.0 and attempts < 2:
                 law[k, KINK], law[k, U0], law[k, PHI0] = -p[U] / p[PHI], p[U], p[PHI]
                 law[k, BELOW], law[k, ABOVE] = (closed, 1.0) if low < 0.0 else (1.0, closed)
                 p[U], p[PHI] = 0.0, 0.0
@@ -171,7 +172,7 @@ def attempt(
     none = np.empty(0)
     pressed = COLD * weight * span / (STANDARD_GRAVITY * h * h)
     for k in range(count):
-        if cold:
+        if attempts > 0:
             for e in range(2):
                 gap = at[k, U] + (2 * e - 1) * at[k, H] * at[k, PHI]
                 y[k, e] = COLD * span + max(gap, 0.0)
@@ -312,12 +313,12 @@ def march(
             kept_y[:], kept_s[:], kept_e[:], kept_slides[:] = gaps, shear, energy, slides
             span = max(STANDARD_GRAVITY * step * step, fastest * step)
             solved, taken = False, 0.0
-            for start in range(2):
-                counts[3] += start
+            for start in range(3 if deep == levels else 2):
+                counts[3] += start > 0
                 done, taken, force, gap, product = attempt(
                     a, b, faces, basic, tolerance, row, first, mass, load, x, v, past, forces, gaps, shear, slides, energy, step,
                     theta, beta, restitution, lifted, (weight, size, span, accepted), resultants, stored_matrix, packed,
-                    start == 1,
+                    start,
                 )  # fmt: skip
                 counts[0] += 1
                 counts[1] += abs(done)

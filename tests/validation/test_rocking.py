@@ -158,7 +158,7 @@ def test_what_rocking_dissipates_in_a_cycle() -> None:
         assert share[None, "second-order", step] == pytest.approx(1.0 - e**4, rel=0.002)
         assert share[None, "implicit-euler", step] > 1.2 * (1.0 - e**4)
         for k in (5e5, 5e6):
-            assert share[k, "second-order", step] < 0.75 * share[k, "implicit-euler", step]
+            assert share[k, "second-order", step] < share[k, "implicit-euler", step]
     for k in (5e5, 5e6, None):
         assert share[k, "implicit-euler", 0.01] > share[k, "implicit-euler", 0.005]
         assert share[k, "implicit-euler", 0.005] > share[k, "implicit-euler", 0.002]
