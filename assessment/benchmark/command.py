@@ -1,4 +1,4 @@
-"""`assesto benchmark`: measures, and writes tables (CSV), plots (SVG) and the summary that the README holds."""
+"""`assesto benchmark`: measures, and writes tables (CSV), plots (SVG) and a summary."""
 
 from __future__ import annotations
 
