@@ -80,9 +80,7 @@ class Levels:
     def relative(self) -> dict[str, float | None]:
         """The errors, relative to the values of the result."""
         return {
-            key: None
-            if error is None
-            else error / max(abs(self.measured[-1][key] or 0.0), self._least(key))
+            key: None if error is None else error / max(abs(self.measured[-1][key] or 0.0), self._least(key))
             for key, error in self.errors.items()
         }
 

@@ -32,7 +32,8 @@ class State:
 
     `positions` (b, 3): x, z (m) of each centroid and rotation (rad) from the drawing, supports included;
     `velocities` (b, 3): their rates; `shear` (j,): tangential forces (kN) of the drawn joints, and `met` (k, 3): two
-    edges and that force, of pairs of faces that met on the way and carry; `carrying` (j,): drawn joints that carry in the
+    edges and that force, of pairs of faces that met on the way and carry; `carrying` (j,): drawn joints that carry in
+    the
     equilibrium that led here, closed where rigid whatever gap dilatant sliding has left in them; None where no
     equilibrium did.
     """
@@ -49,7 +50,8 @@ class Assembly:
     """Blocks and the dry joints between them; supports are the blocks that bear a support's name.
 
     `segments_per_joint`: of the paper's beds of points in elastic analyses; by default the bed is exact.
-    `tolerance` (m): edges closer than this touch (default: a thousandth of the median edge). `collisions`: blocks that were
+    `tolerance` (m): edges closer than this touch (default: a thousandth of the median edge). `collisions`: blocks that
+    were
     apart as drawn may come to touch.
     Raises ValueError where there is nothing to analyse.
     """

@@ -75,8 +75,10 @@ class Certificate:
     """How well a solution meets the definitions of its program, recomputed from them.
 
     `equilibrium`: largest unbalanced force (moments by the block size) per weight; `cone`: largest violation of the
-    bounds of P and T per weight; `complementarity`: forces times the gaps and slips that they should not have, per weight
-    of the structure and step; `penetration` m: deepest interpenetration that no bed explains; `work`: |f_LᵀΔx − γ| per weight and step.
+    bounds of P and T per weight; `complementarity`: forces times the gaps and slips that they should not have, per
+    weight
+    of the structure and step; `penetration` m: deepest interpenetration that no bed explains; `work`: |f_LᵀΔx − γ| per
+    weight and step.
     """
 
     equilibrium: float

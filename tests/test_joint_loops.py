@@ -23,7 +23,8 @@ MODELS = {"wall": running_bond(4, 5), "arch": arch_on_piers(voussoirs=7, courses
 COLUMNS = {
     name: getattr(loops, name)
     for name in (
-        "N1", "N2", "T", "Y1", "Y2", "LP", "LM", "G1", "G2", "BETA", "E1", "E2", "SLIP", "ZP", "ZM", "S11", "S12", "S22",
+        "N1", "N2", "T", "Y1", "Y2", "LP", "LM", "G1", "G2", "BETA", "E1", "E2", "SLIP", "ZP", "ZM", "S11", "S12",
+        "S22",
     )
 }  # fmt: skip
 seeds = st.integers(0, 2**32 - 1)

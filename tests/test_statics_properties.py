@@ -131,7 +131,7 @@ def residual(model, step):
 
 
 STRUCTURES = {
-    "block": (lambda: block_on_base(), (0.2, 1.0), "base"),
+    "block": (block_on_base, (0.2, 1.0), "base"),
     "arch on piers": (arch, CONTROL, "right"),
     "arch": (lambda: semicircular_arch(10, 0.2, 0.7), (0.0, 1.1), "right"),
 }

@@ -20,8 +20,8 @@ from assessment.artificial_record import RECORD
 from assessment.benchmark.dynamics import DAMPING, pulse, shaking
 from assessment.benchmark.measure import Row, in_turn
 from assessment.benchmark.structures import assembly, block_on_base, template
-from assessment.idealisation import SECANT_SHARE
 from assessment.bracket import find_collapse
+from assessment.idealisation import SECANT_SHARE
 from assessment.states import PAST_PEAK
 from mechanics import TimeHistory, pushover, time_history
 from mechanics.assembly import Behaviour, Direction

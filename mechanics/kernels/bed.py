@@ -6,7 +6,8 @@ at its two ends, N = N₁ + N₂ and P = h(N₂ − N₁):
     W* = (N² + 3 (N₂ − N₁)²)/(2kL)     where the whole bed is pressed, N₁ ≥ N₂/2 and N₂ ≥ N₁/2
     W* = 2N³/(9kL N₁)                  where it opens at the first end; likewise at the other
 
-Its gradient are the closures of the ends, its Hessian their compliance; both are continuous. A bed of points at the ends
+Its gradient are the closures of the ends, its Hessian their compliance; both are continuous. A bed of points at the
+ends
 of n equal segments (the paper's) and one of finite strength have no W* in closed form: there the displacements under
 two forces are found first.
 """
@@ -55,7 +56,7 @@ def compliance(n1: float, n2: float, soft: float) -> tuple[float, float, float]:
 
 @compiled
 def linearised(n1: float, n2: float, turn: float, soft: float) -> tuple[float, float, float, float, float]:
-    """Gaps of the ends and C₁₁, −C₁₂, C₂₂ of the tangent to the law that is the stiffer one: at the forces or at the turn.
+    """Gaps of the ends and C₁₁, −C₁₂, C₂₂ of the law's stiffer tangent: at the forces or at the turn.
 
     `turn`: the gap at the first end less that at the other. Where a bed opens, forces far behind the turn would follow
     it by half of themselves in an iteration, as a turn far behind the forces would overshoot.

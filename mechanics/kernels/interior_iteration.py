@@ -9,8 +9,10 @@ with |T| < μN, their gaps y₁, y₂ > 0 and the slips λ₊, λ₋ > 0:
     products       g₁y₁ = g₂y₂ = (μN + T)λ₊ = (μN − T)λ₋ = τ → 0        g₁,₂ = N₁,₂ − κN², κ = 1/(4hσ)
     work           f_L·x = γ
 
-with σ the strength per length, and G what the forces of an earlier solution change as the geometry does. All but x and α
-are eliminated joint by joint, which leaves BᵀDB + M̄ − G, three rows a block; D is written in sums of positive terms, since
+with σ the strength per length, and G what the forces of an earlier solution change as the geometry does. All but x and
+α
+are eliminated joint by joint, which leaves BᵀDB + M̄ − G, three rows a block; D is written in sums of positive terms,
+since
 differences lose all digits once stick or slip is decided. Predictor and corrector after Mehrotra; the forces that
 follow from stiff joints are refined until equilibrium holds to rounding. Where sliding does not lift (Coulomb) the ends
 do not know the slips, and the bound μN is that of the last iterate.
@@ -41,10 +43,13 @@ from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
 
-# columns of the law of a joint (j, LAW): friction; friction that lifts (0: Coulomb's); compliance in shear, m/kN; stiffness
-# of the bed, kN/m² (inf: rigid); slip from which the slide counts, m; strength, kN/m; segments of a bed of points (0: exact)
+# columns of the law of a joint (j, LAW): friction; friction that lifts (0: Coulomb's); compliance in shear, m/kN;
+# stiffness
+# of the bed, kN/m² (inf: rigid); slip from which the slide counts, m; strength, kN/m; segments of a bed of points (0:
+# exact)
 FRICTION, LIFT, SHEAR, BED, SLID, STRENGTH, SEGMENTS = range(7)
-# and of a bed whose gap is bent, in time stepping: where (from the middle of the overlap), 0: nowhere it is; u and φ of the
+# and of a bed whose gap is bent, in time stepping: where (from the middle of the overlap), 0: nowhere it is; u and φ
+# of the
 # gaps at the start; by what they are multiplied below and above
 KINK, U0, PHI0, BELOW, ABOVE = range(7, 12)
 LAW = 12
@@ -69,10 +74,12 @@ MOST = 10.0
 FARTHER = 1.5  # times as far as a step leads, products are looked at
 IDLE = 10  # iterations without progress after which the method ends
 
-# what an iteration knows of a joint, columns of (j, KNOWN): forces and gaps; what the laws miss; bounds of T; λ/z; D of the
+# what an iteration knows of a joint, columns of (j, KNOWN): forces and gaps; what the laws miss; bounds of T; λ/z; D
+# of the
 # ends; a, b/a, and the sums of the elimination; forces aimed at; λ aimed at; corrections of the products; compliance of
 # the bed; motion
-(N1, N2, T, Y1, Y2, LP, LM, G1, G2, BETA, E1, E2, SLIP, OFF, ZP, ZM, PP, PM, D11, D12, D22, A, LEVER, SUM, Q, RN, RP, RT, KP,
+(N1, N2, T, Y1, Y2, LP, LM, G1, G2, BETA, E1, E2, SLIP, OFF, ZP, ZM, PP, PM, D11, D12, D22, A, LEVER, SUM, Q, RN, RP,
+RT, KP,
  KM, C1, C2, BP, BM, S11, S12, S22, DU, DPHI, DV) = range(40)  # fmt: skip
 KNOWN = 40
 

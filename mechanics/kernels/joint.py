@@ -38,7 +38,8 @@ PLACE = 15
 def place(a: Any, b: Any, faces: Array, positions: Array, tolerance: float, places: Array) -> None:
     """Where the joints (j,) of blocks at `positions` (b, 3) are, into `places` (j, PLACE).
 
-    The half-length is negative where faces do not overlap, or lie deeper in each other than they overlap: a corner is held
+    The half-length is negative where faces do not overlap, or lie deeper in each other than they overlap: a corner is
+    held
     by the face into which it has come the least.
     """
     for k in range(len(a)):
@@ -91,7 +92,8 @@ def place(a: Any, b: Any, faces: Array, positions: Array, tolerance: float, plac
 def curvature(p: Array, n: float, m: float, t: float, out: Array) -> None:
     """How forces N, P and T (n, m, t) of a joint at a place p (PLACE,) change as it moves: N∇²u + P∇²φ + T∇²v.
 
-    Into `out` (7,): the entries of x_a, z_a with θ_a and with θ_b (those of b have the opposite sign), then those of θ_a
+    Into `out` (7,): the entries of x_a, z_a with θ_a and with θ_b (those of b have the opposite sign), then those of
+    θ_a
     with itself, of θ_a with θ_b and of θ_b with itself.
     """
     beta, rest = p[BETA], 1.0 - p[BETA]

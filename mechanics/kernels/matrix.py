@@ -120,7 +120,7 @@ def bend(k: int, i: int, j: int, c: Array, stored: Array, pattern: Any) -> None:
 
 @compiled
 def turn(c: Array, i: int, j: int, x: Array, total: Array) -> None:
-    """Add what the forces of a joint change as its blocks move by x (m,) to `total` (m,); c (7,) as in joint.curvature."""
+    """Add to `total` (m,) what the forces of a joint change as its blocks move by x (m,); c (7,): joint.curvature."""
     ax, az, ta, bx, bz, tb = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if i >= 0:
         ax, az, ta = x[i], x[i + 1], x[i + 2]

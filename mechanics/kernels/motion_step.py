@@ -6,7 +6,8 @@ Elastic joints: M(v₁ − v₀)/h = f + BᵀF and Δx/h = v₀ + θ(v₁ − v�
 closed at the start, w₀ < 0, the force is −k(w₀ + θΔw), of one that closes −kθ(w₀ + Δw); dashpots add −kβΔw/h. In one:
 −k(θ + β/h)(Δw + g), g = w₀ where open and w₀/(θ + β/h) where closed: two beds where a face is partly open.
 
-Rigid joints, at velocity level: M(v₁ − v₀)/h = f + BᵀF and the gap g₀ + h Bv₁ ≥ 0 (Moreau and Jean, without bounce), with
+Rigid joints, at velocity level: M(v₁ − v₀)/h = f + BᵀF and the gap g₀ + h Bv₁ ≥ 0 (Moreau and Jean, without bounce),
+with
 x₁ = x₀ + h((1 − θ)v₀ + θv₁). What a joint that closes takes of the energy is an impact.
 """
 
@@ -35,7 +36,8 @@ from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
 
-# where the energy of a motion is (energy, 6): stored in springs; taken by friction, impacts, dashpots and the stepping; put in
+# where the energy of a motion is (energy, 6): stored in springs; taken by friction, impacts, dashpots and the
+# stepping; put in
 ELASTIC, RUBBED, IMPACT, VISCOUS, STEPPING, INPUT = range(6)
 ENERGIES = 6
 STANDARD_GRAVITY = 9.80665  # m/s²
@@ -49,7 +51,7 @@ GONE = 1e-9  # of the block size: an overlap that is none
 
 @compiled
 def relative(p: Array, a: int, b: int, moved: Array) -> tuple[float, float, float]:
-    """Changes of u, φ and v of a joint at p (PLACE,) that displacements (b, 3) of its blocks cause; blocks' lever is p's."""
+    """Changes of u, φ and v of a joint at p (PLACE,) under displacements (b, 3), with the lever of its place."""
     lx, lz = p[5], p[6]
     dx = moved[a, 0] - (moved[b, 0] - lz * moved[b, 2])
     dz = moved[a, 1] - (moved[b, 1] + lx * moved[b, 2])
@@ -86,17 +88,20 @@ def _apart(gap: float, rate: float, closed: float, bounce: float) -> float:
 @compiled
 def attempt(
     a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, load: Array,
-    x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, slides: Array, energy: Array, h: float, theta: float, beta: float,
+    x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, slides: Array, energy: Array, h: float,
+    theta: float, beta: float,
     restitution: float, lifted: Array, scale: Any, resultants: Array, stored_matrix: Array, packed: Any, attempts: int,
 ) -> tuple[int, float, float, float, float]:  # fmt: skip
-    """A step of length h from positions x and velocities v (b, 3), both changed in place, as all that describes the motion.
+    """A step of length h from positions x and velocities v (b, 3), changed in place like all that moves.
 
     `load` (b, 3) kN at the share θ; `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4), near which the solution is sought;
     `shear` (j,) of springs; `energy` (ENERGIES,); `restitution` of velocities at which rigid ends meet; `lifted` (j,):
     gaps that count as none; `resultants` (j, 3): N, P and T found; `attempts`
     so far: after one, nothing is known of forces and gaps but the
-    gaps that are there, and that impacts stop the blocks within the step. Returns the iterations, negative where nothing was
-    found, the energy of which impacts, the stepping and slides that turn back leave unsure, and the residuals: force, gap, product.
+    gaps that are there, and that impacts stop the blocks within the step. Returns the iterations, negative where
+    nothing was
+    found, the energy of which impacts, the stepping and slides that turn back leave unsure, and the residuals: force,
+    gap, product.
     """
     weight, size, span, accepted = scale
     c, n, m = len(a), len(x), 0
@@ -120,7 +125,8 @@ def attempt(
         p[H] = min(p[H], s[H])
         law[k, SLID] = s[V]
         if not elastic:
-            # the velocity at the end is along the rows of the end, which differ from those of the middle as these do from
+            # the velocity at the end is along the rows of the end, which differ from those of the middle as these do
+            # from
             # those of the start
             u0, phi0, _ = relative(s, a[k], b[k], v)
             u1, phi1, _ = relative(p, a[k], b[k], v)
@@ -153,7 +159,8 @@ def attempt(
                 p[U], p[PHI] = 0.0, 0.0
             elif max(low, high) <= 0.0:
                 p[U], p[PHI] = p[U] * closed, p[PHI] * closed
-        # Coulomb: the lift of a slide that goes on as it did is taken back, which leaves that by which it has changed; where a
+        # Coulomb: the lift of a slide that goes on as it did is taken back, which leaves that by which it has changed;
+        # where a
         # slower slide has let rigid faces into each other, it is left until they are out again
         lift = law[k, FRICTION] * h * max(slides[k, 0] + h * slides[k, 1], 0.0)
         p[U] += lift if elastic else max(lift + min(s[U] - lifted[k] - s[H] * abs(s[PHI]), 0.0), 0.0)
@@ -268,15 +275,19 @@ def attempt(
 @compiled
 def march(
     a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, dead: Array,
-    base: Array, x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, slides: Array, energy: Array, h: float,
-    theta: float, beta: float, restitution: float, lifted: Array, sizes: Any, halving: Any, margin: float, radius: Array,
+    base: Array, x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, slides: Array, energy:
+    Array, h: float,
+    theta: float, beta: float, restitution: float, lifted: Array, sizes: Any, halving: Any, margin: float, radius:
+    Array,
     begun: Array, xs: Array, vs: Array, fs: Array, es: Array, counts: Any, stored_matrix: Array, packed: Any,
 ) -> tuple[int, int]:  # fmt: skip
     """Steps of length h under base accelerations (k + 1, 3), m/s², linear in between, recorded in xs, vs, fs and es.
 
-    `sizes`: weight, size of a block and what is accepted of a solution; `halving`: levels down to which a step is halved
+    `sizes`: weight, size of a block and what is accepted of a solution; `halving`: levels down to which a step is
+    halved
     and the share of the kinetic energy that impacts and the stepping may take before it is; `margin` (m): how far a
-    corner may go from where it has `begun` (b, 3) before contacts are looked for anew, `radius` (b,) of blocks; `counts`
+    corner may go from where it has `begun` (b, 3) before contacts are looked for anew, `radius` (b,) of blocks;
+    `counts`
     (6,): programs, iterations, halvings, cold starts, and the worst residuals. Returns the steps done and why no more:
     0 all are, 1 a corner has gone that far, 2 a program is not solved (the motion is as before that step).
     """
@@ -315,8 +326,9 @@ def march(
             solved, taken = False, 0.0
             for start in range(3 if deep == levels else 2):
                 counts[3] += start > 0
-                done, taken, force, gap, product = attempt(
-                    a, b, faces, basic, tolerance, row, first, mass, load, x, v, past, forces, gaps, shear, slides, energy, step,
+                done, taken, force, _gap, product = attempt(
+                    a, b, faces, basic, tolerance, row, first, mass, load, x, v, past, forces, gaps, shear, slides,
+                    energy, step,
                     theta, beta, restitution, lifted, (weight, size, span, accepted), resultants, stored_matrix, packed,
                     start,
                 )  # fmt: skip

@@ -75,7 +75,8 @@ class Outlines:
 def near(outlines: Outlines, drawn: Contacts, now: Contacts, positions: Array, reach: float) -> Contacts:
     """The contacts of configurations in which no corner is farther than `reach` (m) from where it is at `positions`.
 
-    The `drawn` ones come first; those without overlap whose blocks do not point at each other any more are out of reach.
+    The `drawn` ones come first; those without overlap whose blocks do not point at each other any more are out of
+    reach.
     `now`: the contacts so far, which stay while they overlap.
     """
     a, b, edges, at_a, at_b = _pairs(outlines, positions, reach)
@@ -162,7 +163,8 @@ def _met(
     faces[:, B1] = ((outlines.end[f] - at_b) * tb).sum(axis=1)
     faces[:, B2] = faces[:, B1] + outlines.length[f]
     found = between(outlines.blocks, a, b, faces, 0, edges, drawn.tolerance)
-    # what touches within the tolerance as drawn does so without a gap; corners, which no stone has sharper, must overlap by it
+    # what touches within the tolerance as drawn does so without a gap; corners, which no stone has sharper, must
+    # overlap by it
     centroid = np.array([block.centroid for block in outlines.blocks])
     places = found.places(np.column_stack([centroid, np.zeros(len(centroid))]))
     gap, overlap = end_gaps(places).min(axis=1), 2.0 * places[:, H]

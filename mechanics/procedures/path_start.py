@@ -20,7 +20,9 @@ from mechanics.types import Array
 
 @dataclass(frozen=True, slots=True)
 class StartTolerances:
-    """`first`: of the rigid multiplier, the first step of an elastic curve; `settled`: of an increment, the first step
+    """Of the start of a curve.
+
+    `first`: of the rigid multiplier, the first step of an elastic curve; `settled`: of an increment, the first step
     from a settled state, whose open hinges may close first; `soft`: of the block size, a compression that is not small.
     """
 

@@ -19,7 +19,9 @@ from mechanics.types import Array
 
 @dataclass(frozen=True, slots=True)
 class PushdownTolerances:
-    """`onset`: of an increment, at most of a block: a movement that tells the reaction at its beginning; `rides`: of the
+    """Of a moving support.
+
+    `onset`: of an increment, at most of a block: a movement that tells the reaction at its beginning; `rides`: of the
     movement, by how much the blocks of a structure that moves as a whole may differ from it.
     """
 
@@ -67,7 +69,8 @@ def pushdown(
 
     `increment` (m) is of the largest component. With `to_collapse` the movement goes on in the same direction to the
     last equilibrium, after `final` has been taken. Where no equilibrium lies near, the blocks are let go until they
-    rest; where they do not, the structure has collapsed. Raises UnstableError where the structure as drawn cannot stand,
+    rest; where they do not, the structure has collapsed. Raises UnstableError where the structure as drawn cannot
+    stand,
     CollapseError where it collapses before the whole movement is applied (it carries the path up to there), ValueError
     for bad arguments.
     """

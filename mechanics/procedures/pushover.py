@@ -23,7 +23,8 @@ from mechanics.types import Array
 class PushoverTolerances:
     """Of a capacity curve.
 
-    `still`: of the largest displacement, a control point that takes no part; `largest`: increments that a block may move
+    `still`: of the largest displacement, a control point that takes no part; `largest`: increments that a block may
+    move
     where the control point moves less; `zero`: of the largest multiplier, one that is none, found by at most `chords`;
     `flat`: of the largest multiplier, a change that is none; `points`: the most.
     """
@@ -89,8 +90,10 @@ def pushover(
 
     `control`: drawn point (m) in or on a block; `increment` (m) of its displacement along the push; `until`: the share
     of its peak at which the multiplier has come down far enough. Every point is an equilibrium in its own displaced
-    geometry, under a free multiplier whose loads do a given work (eq. 5; with elastic joints the same program traces the
-    curve through its peak). Where no equilibrium lies near, the blocks are let go with that work held, until they rest; where the
+    geometry, under a free multiplier whose loads do a given work (eq. 5; with elastic joints the same program traces
+    the
+    curve through its peak). Where no equilibrium lies near, the blocks are let go with that work held, until they
+    rest; where the
     multiplier comes down to zero, under gravity: where they rest again the curve goes on, elsewhere the structure has
     collapsed. Raises UnstableError, ValueError for a control point outside every block, ControlError for one that takes
     no part in the mechanism, NoEquilibriumError where the load meets no mechanism.
@@ -290,7 +293,7 @@ class _Curve:
         return peak, *self._mechanism_at(peak)
 
     def _mechanism_at(self, point: int) -> tuple[Array, Array, Contacts]:
-        """Virtual displacements (b, 3), forces (j, 3) and their contacts at a point; elastic: the motion that follows."""
+        """Virtual displacements (b, 3), forces (j, 3) and contacts at a point; elastic: the next motion."""
         rigid = self.system.rigid
         if rigid and point == 0:
             return self.first.rate, self.first.forces, self.first.contacts

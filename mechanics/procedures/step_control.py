@@ -47,7 +47,8 @@ def reach(
 
     Collapse is a fact and not a failed step: where there is no equilibrium nearby, the motion that follows decides. A
     step in which blocks came into each other that were too far apart to touch is repeated with their faces in contact.
-    Raises NoEquilibriumError where it runs away, UnsettledError of an elastic step that may be halved: whether it is the
+    Raises NoEquilibriumError where it runs away, UnsettledError of an elastic step that may be halved: whether it is
+    the
     `shortest`.
     """
     while True:

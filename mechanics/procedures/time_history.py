@@ -37,7 +37,8 @@ class TimeHistory:
 
     `time` (k,) s; `positions` (k, b, 3): x, z, ω as in State, `velocities` (k, b, 3); `forces` (k, j, 3): N, P and T
     (kN, kNm) of the drawn joints in the step that led to each time; `start` the state at rest the motion began from;
-    `final` its last one. `displacement` (k,) m: of the control point along x from `start`, None without a control point.
+    `final` its last one. `displacement` (k,) m: of the control point along x from `start`, None without a control
+    point.
     `collapsed`, `time_of_collapse` (s) and `collapse_reason`: see time_history; the arrays end there. `energy`: its
     balance at each time. `integrator` used, and `chosen` why. `programs` solved, in so many `iterations`, `halvings` of
     steps, `cold` starts; `worst`: the largest residual of a program, relative. `notes`: what to know about the motion.

@@ -78,7 +78,8 @@ def _better(program: Program, best: Solution | None, found: Solution) -> Solutio
 def imbalance(program: Program, layout: Elimination) -> float:
     """The least acceleration, per gravity, with which blocks of mean mass would start to move (Gauss's principle).
 
-    Joints count as rigid, and as closed where they may close within the program's step. This auxiliary program always has a
+    Joints count as rigid, and as closed where they may close within the program's step. This auxiliary program always
+    has a
     solution: zero where the loads (for some multiplier, where there is one) can be balanced.
     """
     places, law = program.places.copy(), program.law.copy()

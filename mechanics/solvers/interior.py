@@ -1,4 +1,4 @@
-"""The program by the interior-point iteration of kernels.interior_iteration: begun nowhere, or near an earlier solution."""
+"""The program by the iteration of kernels.interior_iteration: begun nowhere, or near an earlier solution."""
 
 from __future__ import annotations
 

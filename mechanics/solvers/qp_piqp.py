@@ -2,8 +2,10 @@
 
 A joint is here a row of contact points, its two ends where it is rigid, those of its segments where it has a bed: their
 forces span the same cone, and friction is bounded on their sum. In the plane the cone of a point is spanned by two unit
-rays along (1, μ) and (1, −μ): with the forces s ≥ 0 along them as unknowns the cone is a bound and the method's matrices
-halve. An exact bed stands here as one of POINTS segments. Every call sets up a new solver object: PIQP's update() accepts
+rays along (1, μ) and (1, −μ): with the forces s ≥ 0 along them as unknowns the cone is a bound and the method's
+matrices
+halve. An exact bed stands here as one of POINTS segments. Every call sets up a new solver object: PIQP's update()
+accepts
 a wrong pattern without a word.
 """
 
@@ -61,7 +63,7 @@ def solve(program: Program, tolerance: float, most_iterations: int = 60) -> Answ
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Contact points (c,) of the joints: `joint` of each, its place `s` from the middle of the overlap, m, `compliance`."""
+    """Contact points (c,): `joint` of each, its place `s` (m) from the middle of the overlap, `compliance`."""
 
     joint: Index
     s: Array

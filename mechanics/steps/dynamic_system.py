@@ -35,7 +35,8 @@ class Motion:
     """Blocks in motion, changed step by step.
 
     `x`, `v` (b, 3): positions and velocities; `past` (b, 3): mean acceleration of the last step, 0 after an impact;
-    `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4): y₁, y₂, λ₊, λ₋ of the last program; `shear` (j,) kN of springs; `slides` (j, 2): speed (m/s) and acceleration of joints that slide; `energy`
+    `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4): y₁, y₂, λ₊, λ₋ of the last program; `shear` (j,) kN of springs;
+    `slides` (j, 2): speed (m/s) and acceleration of joints that slide; `energy`
     (ENERGIES,) kNm: see kernels.motion_step.
     """
 
@@ -78,8 +79,10 @@ class Halving:
 class DynamicSystem:
     """The system of a motion.
 
-    `theta`: the share of a step at which balance holds; `damping` (s): viscous contact force per elastic one and rate of
-    gap; `restitution` of normal velocities; `halving` of steps; `lifted` (j,) m: gaps that count as none. `counts` (6,): programs, iterations, halvings, cold
+    `theta`: the share of a step at which balance holds; `damping` (s): viscous contact force per elastic one and rate
+    of
+    gap; `restitution` of normal velocities; `halving` of steps; `lifted` (j,) m: gaps that count as none. `counts`
+    (6,): programs, iterations, halvings, cold
     starts, and the worst residuals of force and product.
     """
 
@@ -155,7 +158,8 @@ class DynamicSystem:
     def march(self, motion: Motion, base: Array, step: float) -> Recorded:
         """The steps of a motion under base accelerations (k + 1, 3), m/s², one `step` (s) apart; the motion goes on.
 
-        Ends early after the step in which a corner has gone farther than the margin. Raises ConvergenceError where a step
+        Ends early after the step in which a corner has gone farther than the margin. Raises ConvergenceError where a
+        step
         is not solved, however short.
         """
         model, c = self.model, self.contacts
@@ -165,9 +169,11 @@ class DynamicSystem:
         xs[0], vs[0], es[0] = motion.x, motion.v, motion.energy
         done, reason = march(
             c.a, c.b, c.faces, self.system.law, c.tolerance, self.layout.row, self.first, model.mass, model.dead_load,
-            base, motion.x, motion.v, motion.past, motion.forces, motion.gaps, motion.shear, motion.slides, motion.energy, step,
+            base, motion.x, motion.v, motion.past, motion.forces, motion.gaps, motion.shear, motion.slides,
+            motion.energy, step,
             self.theta, self.damping, self.restitution, self.lifted, (self.system.weight, model.size, ACCEPTED),
-            (self.halving.levels, self.halving.share), self.margin, model.radius, motion.x.copy(), xs, vs, fs, es, self.counts,
+            (self.halving.levels, self.halving.share), self.margin, model.radius, motion.x.copy(), xs, vs, fs, es,
+            self.counts,
             self.layout.work_space, self.layout.packed,
         )  # fmt: skip
         if reason == 2:

@@ -36,7 +36,7 @@ FAR = 1e3  # such displacements: the gap of an end that is open
 
 @dataclass(frozen=True, eq=False)
 class ClosedProgram:
-    """The rigid program over the contacts closed in a state: their indices among all, and the layout of its matrices."""
+    """The rigid program over the contacts closed in a state, their indices among all, and its layout."""
 
     program: Program
     contacts: Contacts

@@ -1,6 +1,7 @@
 """Coming to rest by a motion whose velocity is reset in every step: what no static step can find, or nothing.
 
-A step of implicit Euler from rest, in a time h, is the static program with the mass M/h²: it always has a solution, short
+A step of implicit Euler from rest, in a time h, is the static program with the mass M/h²: it always has a solution,
+short
 of equilibrium by the inertia alone. Where steps come to rest there is an equilibrium; where they run away, none.
 """
 

@@ -140,7 +140,8 @@ def static_system(model: Assembly, behaviour: Behaviour, sliding: Sliding = "ass
 class Equilibrium:
     """Forces and a geometry that agree: a point of a path.
 
-    `places` (j, PLACE) of the system's contacts in the state; `forces` (j, 3): N, P and T, kN and kNm; `alpha` of the lateral
+    `places` (j, PLACE) of the system's contacts in the state; `forces` (j, 3): N, P and T, kN and kNm; `alpha` of the
+    lateral
     load; `iterate` near which the next one is sought; `certificate` of the forces in this geometry; `penetration` m:
     deepest true interpenetration that no bed explains; `solves`: programs solved to get there.
     """
@@ -282,7 +283,8 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
 
     A sequence of programs: each is convex in the geometry of the positions that it begins at, with what the last forces
     change as that geometry does, and is solved as far as it is worth before the geometry is taken anew (Newton's method
-    for geometry and forces together). With Coulomb friction the lift of the last slips is taken back in each: where these
+    for geometry and forces together). With Coulomb friction the lift of the last slips is taken back in each: where
+    these
     settle, sliding does not lift. `last`: a point of the path near which this one is sought. Raises NoEquilibriumError
     where none lies near, UnsettledError where geometry and forces do not come to agree, ConvergenceError where neither
     can be decided.
@@ -340,7 +342,8 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
 
     Each is a single program in the geometry in which it begins, with a little inertia, which keeps loose blocks where
     they are. What sliding has lifted stays lifted while it goes on: the change of the lift, the dilation, vanishes, as
-    with Coulomb friction. Forces are those at the beginning of the last short step, short of equilibrium by the inertia,
+    with Coulomb friction. Forces are those at the beginning of the last short step, short of equilibrium by the
+    inertia,
     which the certificate tells. Raises NoEquilibriumError where blocks fall, ConvergenceError where a program is not
     solved.
     """
@@ -389,7 +392,7 @@ def _lift(system: StaticSystem, iterate: Iterate, slips: Array) -> float:
 
 
 def _touching_after(system: StaticSystem, at: Array, forces: Array, touching: Index) -> Index | None:
-    """The joints to take where those `touching` are not all, or carry beyond the end of their faces; None: they are right."""
+    """The joints that touch where those `touching` are not all, or carry beyond their faces; None: they are right."""
     places = system.contacts.places(at)
     apart = places[:, H] <= VANISHED * system.model.size
     wrong = apart & (forces[:, 0] > CARRYING * system.model.weight)

@@ -1,7 +1,8 @@
 """The buttressed arch of the paper at 1:10 (projects/buttressed_arch): elastic, settled and with finite strength.
 
 Values from issue 18 of the project: α_u of exact beds 0.0476 as drawn; α_0 of rigid joints that crush, from its
-independent linear programs with tangent cuts. The last three of these were given for strengths rounded to 41.5, 24.9 and
+independent linear programs with tangent cuts. The last three of these were given for strengths rounded to 41.5, 24.9
+and
 16.6 kPa; at exactly those the same programs (tests/test_program.py) give 0.07992, 0.04748 and 0.00665.
 """
 
