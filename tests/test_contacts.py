@@ -58,7 +58,7 @@ def test_places_are_those_of_their_definition(name, seed, amount):
 def test_measures_do_not_feel_a_rigid_motion_of_everything(name, seed, turn, dx, dz):
     model = MODELS[name]
     positions = scattered(model, seed, 0.2)
-    moved = np.column_stack([(*turned(positions[:, :2], turn), dx, dz), positions[:, 2] + turn])
+    moved = np.column_stack([turned(positions[:, :2], turn) + np.array([dx, dz]), positions[:, 2] + turn])
     before, after = model.contacts.places(positions), model.contacts.places(moved)
     assert deformation(after) == pytest.approx(deformation(before), abs=1e-11)
     assert after[:, H] == pytest.approx(before[:, H], abs=1e-11)
@@ -240,7 +240,7 @@ def test_gaps_and_overlap_tell_the_area_in_which_blocks_lie_in_each_other(slide,
 
 def test_ends_of_an_overlap_lie_on_both_faces():
     model = two(rectangle(-0.5, 0.0, 0.5, 1.0), rectangle(-1.0, -1.0, 1.0, 0.0))
-    positions = [*model.initial.positions, [0.0, 0.0, 0.0], [0.7, 0.0, 0.0]]
+    positions = model.initial.positions + np.array([[0.0, 0.0, 0.0], [0.7, 0.0, 0.0]])
     [ends] = end_points(model.contacts, positions)
     assert sorted(ends[:, 0]) == pytest.approx([0.2, 1.0])
     assert ends[:, 1] == pytest.approx(0.0, abs=1e-12)
@@ -283,7 +283,7 @@ def test_where_two_corners_meet_the_bisector_counts():
 def test_shear_acts_midway_between_the_faces_where_the_pressure_does():
     """Both faces lie in each other by w there: the height of T is half of it from either one."""
     model = two(rectangle(-0.3, 0, 0.3, 1), rectangle(-1, -1, 1, 0), tolerance=1e-4)
-    positions = [*model.initial.positions, [0.0, 0.0, 0.0], [0.0, -0.001, 0.002]]
+    positions = model.initial.positions + np.array([[0.0, 0.0, 0.0], [0.0, -1e-3, 2e-3]])
     place = model.contacts.places(positions)
     before = place.copy()
     force = np.array([[1.0, 0.1 * place[0, H], 0.2]])
