@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from assessment.messages import ProjectError
-from mechanics.block import Array
 from mechanics.faults import visible
 from mechanics.ground_motion import SAME_TIME, Record, read_record
+from mechanics.types import Array
 
 if TYPE_CHECKING:
     from assessment.project import Project
@@ -28,6 +28,7 @@ class BaseMotion:
 
     `pga` (g): largest horizontal acceleration in the window before resampling, `scale` included. `original`: the whole
     record, scaled. `vertical` (n,) g, upward, None where there is none. `notes`: what the user should know.
+    `amplitude`: of a member of an ensemble, a factor on what shakes the base that `pga` and `scale` do not include.
     """
 
     record: Record
@@ -37,6 +38,7 @@ class BaseMotion:
     start: float = 0.0
     vertical: Array | None = None
     notes: tuple[str, ...] = ()
+    amplitude: float = 1.0
 
     @property
     def name(self) -> str:
@@ -48,6 +50,12 @@ class BaseMotion:
         record = self.record.resampled(0.5 * self.record.time_step)
         vertical = None if self.vertical is None else np.interp(record.time, self.record.time, self.vertical)
         return replace(self, record=record, vertical=vertical)
+
+    def at_amplitude(self, factor: float) -> BaseMotion:
+        """Return the motion of a member of an ensemble."""
+        vertical = None if self.vertical is None else factor * self.vertical
+        record = self.record.scaled(factor)
+        return replace(self, record=record, vertical=vertical, amplitude=factor * self.amplitude)
 
 
 def history_motions(project: Project) -> list[BaseMotion]:

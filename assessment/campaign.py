@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from assessment.dynamics import Setting, StageResult, Start
+from assessment.dynamics import StageResult, Start
 from assessment.project_schema import ORIGINAL
+from assessment.response import Setting
 
 if TYPE_CHECKING:
     from assessment.base_motion import BaseMotion
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 Task: TypeAlias = "tuple[Assembly, BaseMotion, Setting, str, Start]"
 """What one motion, or one search, is made of: the arguments of history."""
 
-WORTHWHILE = 500_000  # contact points times steps: below it a second process costs more than it saves
+WORTHWHILE = 50_000  # joints times steps: below it a second process costs more than it saves
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class Campaign:
             function,
             [(*task, *more) for task in tasks],
             [f"{state}, {motion.name}" for _, motion, _, state, *_ in tasks],
-            runs * len(self.model.elastic_contacts) * samples > WORTHWHILE,
+            runs * len(self.model.contacts) * samples > WORTHWHILE,
         )
 
 

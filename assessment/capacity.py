@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from assessment.idealisation import CapacityError, CurveFit
 from assessment.trace import Trace, datum, step
-from mechanics.block import GRAVITY
 from mechanics.errors import require
+from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
     from mechanics import Assembly

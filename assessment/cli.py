@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from typing import Any, NoReturn
 
 DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
-BENCHMARKS = ("statics", "dynamics", "dissipation", "collapse", "steps", "growth", "walls", "chain", "skips")
+BENCHMARKS = (
+    "statics", "dynamics", "ensembles", "dissipation", "collapse", "steps", "growth", "walls", "chain", "skips"
+)  # fmt: skip
 TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
 STAGES = ("pushdown", "pushover", "history", "incremental", "assessment", "scenarios", "sensitivity")
 EXAMPLES = {  # what the help of each command ends with; "": of all of them

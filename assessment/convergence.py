@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from assessment.accuracy import FIRST_ORDER, NOISE, SHOWN, accuracy_of
 from assessment.checks import assess
 from assessment.increments import refined
 from assessment.study import Demands, capacity_numbers, curves, directions
@@ -22,31 +23,6 @@ if TYPE_CHECKING:
 Numbers = dict[str, Any]
 Measured = Mapping[str, float | None]
 QUANTITIES = ("alpha_0", "d_0_m", "alpha_u", "a_g_g")
-SHOWN = 1.25  # ratio of successive differences below which they hardly shrink
-FIRST_ORDER = (
-    2.0  # the ratio of a method of first order: differences that shrink faster are not trusted to go on so
-)
-NOISE = (
-    1e-6  # of α, of a_g in g and of the model's size: values below it are none, differences are the solver's
-)
-
-
-@dataclass(frozen=True)
-class Accuracy:
-    """A relative `tolerance` of the estimated error (None: none is estimated) and the most `halvings` to get there."""
-
-    tolerance: float | None
-    halvings: int
-
-
-PRESETS = {"fast": Accuracy(None, 0), "standard": Accuracy(0.05, 2), "fine": Accuracy(0.01, 4)}
-MOST_HALVINGS = 4  # for a tolerance given as a number
-
-
-def accuracy_of(project: Project) -> Accuracy:
-    """Return what the project's key `accuracy` stands for."""
-    asked = project.accuracy
-    return PRESETS[asked] if isinstance(asked, str) else Accuracy(asked, MOST_HALVINGS)
 
 
 def estimated_error(values: Sequence[float | None]) -> float | None:
@@ -69,14 +45,11 @@ def estimated_error(values: Sequence[float | None]) -> float | None:
 class Levels:
     """Quantities with the increments given, halved, halved again…: what each level gave (None: not reached).
 
-    `size` (m) of the model: lengths below its NOISE are none. `result`: which level is the result, the finest or 0.
-    `resolution`: what the values of a level are themselves known to, part of every error.
+    `size` (m) of the model: lengths below its NOISE are none. The result is the finest level.
     """
 
     size: float
     measured: tuple[Measured, ...]
-    result: int = -1
-    resolution: float = 0.0
 
     def joined(self, finer: Measured) -> Levels:
         """Return the levels with one more."""
@@ -93,34 +66,21 @@ class Levels:
 
     @property
     def errors(self) -> dict[str, float | None]:
-        """Estimated error of each quantity that the result or one of the last two levels reached; None: not known."""
+        """Estimated error of each quantity that one of the last two levels reached; None: not known."""
         if len(self.measured) < 2:
             return {}
-        counted = (self.measured[self.result], *self.measured[-2:])
+        counted = self.measured[-2:]
         return {
-            key: self._error(key)
+            key: estimated_error(self.values(key))
             for key in self.measured[-1]
             if any(level.get(key) is not None for level in counted)
         }
-
-    def _error(self, key: str) -> float | None:
-        """The estimated error of the finest level, and how far the result is from that level."""
-        error, result, finest = (
-            estimated_error(self.values(key)),
-            self.measured[self.result][key],
-            self.measured[-1][key],
-        )
-        if error is None or result is None or finest is None:
-            return None
-        return error + abs(result - finest) + self.resolution
 
     @property
     def relative(self) -> dict[str, float | None]:
         """The errors, relative to the values of the result."""
         return {
-            key: None
-            if error is None
-            else error / max(abs(self.measured[self.result][key] or 0.0), self._least(key))
+            key: None if error is None else error / max(abs(self.measured[-1][key] or 0.0), self._least(key))
             for key, error in self.errors.items()
         }
 

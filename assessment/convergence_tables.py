@@ -16,27 +16,32 @@ def convergence(results: Results) -> Table:
 
 def history_convergence(results: Results) -> Table:
     """List the estimated errors of the peak displacements of every time history."""
-    columns = ("state", "record", "halvings", "peak_displacement_error_m", "relative_error", "met")
+    columns = (
+        "state",
+        "record",
+        "halvings",
+        "order",
+        "peak_displacement_error_m",
+        "peak_displacement_scatter_m",
+        "relative_error",
+        "relative_scatter",
+        "met",
+    )
     return Table("history_convergence", [row for row in _rows(results) if "record" in row], columns)
-
-
-def segments_convergence(results: Results) -> Table:
-    """List the estimated errors that the number of segments leaves in the elastic capacities."""
-    columns = ("state", "direction", "alpha_u_error", "a_g_error_g", "relative_error", "met")
-    rows = [row for row in _rows(results, "segments") if "direction" in row]
-    return Table("segments_convergence", rows, columns)
-
-
-def history_segments_convergence(results: Results) -> Table:
-    """List the estimated errors that the number of segments leaves in the peaks of elastic time histories."""
-    columns = ("state", "record", "peak_displacement_error_m", "relative_error", "met")
-    rows = [row for row in _rows(results, "segments") if "record" in row]
-    return Table("history_segments_convergence", rows, columns)
 
 
 def incremental_convergence(results: Results) -> Table:
     """List the estimated errors of the PGA at collapse of every record and state."""
-    columns = ("state", "record", "pga_collapse_error_g", "relative_error", "met")
+    columns = (
+        "state",
+        "record",
+        "order",
+        "pga_collapse_error_g",
+        "pga_collapse_scatter_g",
+        "relative_error",
+        "relative_scatter",
+        "met",
+    )
     return Table("incremental_convergence", _rows(results, "incremental"), columns)
 
 
@@ -44,9 +49,7 @@ def convergence_tables(results: Results) -> list[Table]:
     """List all tables of discretisation errors."""
     return [
         convergence(results),
-        segments_convergence(results),
         history_convergence(results),
-        history_segments_convergence(results),
         incremental_convergence(results),
     ]
 

@@ -51,9 +51,9 @@ def _drawing(results: Results) -> Drawing:
         drawing.layers.add(layer, color=1)
         for point in points:
             space.add_circle(point, HINGE_RADIUS * size, dxfattribs={"layer": layer})
-    for layer, segments in _resultants(results):
+    for layer, lines in _resultants(results):
         drawing.layers.add(layer, color=5)
-        for start, end in segments:
+        for start, end in lines:
             space.add_line(start, end, dxfattribs={"layer": layer})
     for kind in sorted(drawing.entitydb.dxf_types_in_use()):  # ezdxf leaves their order to chance
         drawing.classes.add_class(kind)
@@ -111,7 +111,7 @@ def _hinges(results: Results) -> Iterator[tuple[str, list[Any]]]:
 
 def _resultants(results: Results) -> Iterator[tuple[str, list[Array]]]:
     for situation in situations(results):
-        lines = thrust_lines(results, joint_states(results, situation))
+        lines = thrust_lines(joint_states(results, situation))
         if lines:
             where = "REST" if situation.direction is None else SIDES[situation.direction]
             yield f"{_layer(results, situation.state)}_THRUST_{where}", lines

@@ -7,11 +7,14 @@ import platform
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from assessment.convergence import accuracy_of
+import numpy as np
+
+from assessment.accuracy import accuracy_of
+from assessment.faces import described
 from assessment.fingerprint import installed
 from assessment.project_schema import ORIGINAL
-from mechanics.block import GRAVITY
 from mechanics.faults import visible
+from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
     from assessment.model import Model
@@ -44,7 +47,8 @@ def describe(project: Project, model: Model) -> Results:
             "blocks": len(a.blocks),
             "movable_blocks": int(a.movable.sum()),
             "joints": len(a.joints.a),
-            "contact_points": 4 * int(a.segments.sum()),  # the paper's count
+            "unknowns": 3 * len(a.joints.a),  # N, P and T of each joint
+            "paper_contact_points": 4 * int(np.maximum(a.contacts.segments, 1).sum()),
             "weight_kN": a.weight,
             "self_weight_stable": True,
             "warnings": list(model.warnings),
@@ -120,12 +124,9 @@ def _geometry(project: Project, a: Assembly) -> Results:
             for point in project.control
         ],
         "joints": [
-            {
-                "blocks": [int(i), int(j)],
-                "ends_m": ends.tolist(),
-                "friction": min(a.blocks[i].material.friction, a.blocks[j].material.friction),
-            }
-            for i, j, ends in zip(a.joints.a, a.joints.b, a.joints.ends, strict=True)
+            joint | {"ends_m": ends.tolist()}
+            for joint, ends in zip(described(a, a.contacts), a.joints.ends, strict=True)
         ],
+        "joint_tolerance_m": a.joint_tolerance,
         "gravity_m_s2": GRAVITY,
     }

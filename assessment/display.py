@@ -27,13 +27,27 @@ MILLIMETRES = {
     "movement_m",
     "d_0_error_m",
     "peak_displacement_error_m",
+    "peak_displacement_scatter_m",
+    "lowest_peak_m",
+    "median_peak_m",
+    "highest_peak_m",
 }
 PERCENT = {"damping", "reduction", "static_reduction", "dynamic_reduction"}
-PERCENT |= {"deviation", "hand_deviation", "relative_error"}
+PERCENT |= {"deviation", "hand_deviation", "relative_error", "relative_scatter", "integrator_share"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
 TEXT |= {"mechanism", "governing", "kind", "soil", "topography", "refused"}
 TEXT |= {"property", "collapses", "table", "settings", "expected", "computed", "verified"}
-TEXT |= {"case", "source", "test", "record", "contacts", "control", "collapsed", "resurrections"}
+TEXT |= {
+    "case",
+    "source",
+    "test",
+    "record",
+    "contacts",
+    "control",
+    "collapsed",
+    "resurrections",
+    "integrator",
+}
 LETTERS = 125.0  # of average width in a row of a table
 CENTRES = {"x_C_m", "z_C_m"}  # a block that does not turn has none
 ROUNDING = 1e-9  # a reduction no larger is none

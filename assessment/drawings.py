@@ -13,10 +13,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 
 from assessment.canvas import WIDTH_MM, Sheet, nice, sheet
+from assessment.faces import faces_of
 from assessment.hand_check import BY_HAND, MacroBlock, macro_blocks
-from assessment.outlines import Array, Outlines, field, outlines, place
+from assessment.outlines import Array, Outlines, field, outlines
 from assessment.table import sense
 from assessment.words import Words, direction_name
+from mechanics.model.contacts import end_points
 
 Results = Mapping[str, Any]
 Bounds = tuple[float, float, float, float]
@@ -82,7 +84,8 @@ def draw_chosen(results: Results, words: Words, given: Mapping[str, Any]) -> Fig
     """Draw a mechanism that the user chose; its centres of rotation are marked as hinges."""
     centres = [part["about_m"] for part in given["macro_blocks"]]
     mechanism = {**given, "hinge_points_m": centres}
-    view = Mechanism(results, given["state"], mechanism, results["states"][given["state"]]["configuration"])
+    at = results["states"][given["state"]]["configuration"]
+    view = Mechanism(results, given["state"], mechanism, at, given["met"])
     return _draw_mechanisms(words, [view], given["direction"])
 
 
@@ -102,7 +105,7 @@ def _draw_mechanisms(words: Words, views: Sequence[Mechanism], direction: str) -
         Patch(facecolor=MOVING, edgecolor=INK, linewidth=0.5, label=words.plain("figure.moving")),
         Line2D([], [], **HINGE, label=words.plain("figure.hinge")),
     ]
-    if any(view.sliding for view in views):
+    if any(len(view.sliding) for view in views):
         handles.append(Line2D([], [], **SLIDING, label=words.plain("figure.sliding")))
     legend(page, handles)
     return page.figure
@@ -130,14 +133,16 @@ def found_mechanism(results: Results, state: str, direction: str) -> Mechanism:
     rigid = results["states"][state]["pushover"][direction]["rigid"]
     parts = macro_blocks(results, state, direction)
     numbered = parts if len(parts) <= BY_HAND else ()
-    return Mechanism(results, state, rigid["mechanism"], rigid["mechanism_configuration"], numbered)
+    met = (rigid.get("frames") or {}).get("met", ())
+    return Mechanism(results, state, rigid["mechanism"], rigid["mechanism_configuration"], met, numbered)
 
 
 class Mechanism:
     """A mechanism made visible: its displacements scaled to 8 % of the model's size.
 
-    `configuration` (b, 3): where the blocks are as it begins to move, from the drawing; `numbered`: the macro-blocks of
-    the hand check, whose numbers are written into the drawing.
+    `configuration` (b, 3): where the blocks are as it begins to move, from the drawing; `met`: pairs of faces, after
+    the drawn joints, that touch there and did not as drawn; `numbered`: the macro-blocks of the hand check, whose
+    numbers are written into the drawing.
     """
 
     def __init__(
@@ -146,6 +151,7 @@ class Mechanism:
         state: str,
         mechanism: Mapping[str, Any],
         configuration: Sequence[Sequence[float]],
+        met: Sequence[Mapping[str, Any]],
         numbered: Sequence[MacroBlock] = (),
     ) -> None:
         self.state, self.macro_blocks = state, numbered
@@ -158,18 +164,17 @@ class Mechanism:
         self.swept = self.start.swept(self.velocity, self.amount)
         self.moving = np.bincount(self.start.owner, speed > 1e-4 * speed.max()) > 0
         self.hinges: list[Any] = mechanism["hinge_points_m"]
-        joints = results["geometry"]["joints"]
-        self.sliding = [joints[index] for index in mechanism["sliding_joints"]]
+        faces, sliding = faces_of(results, met), np.array(mechanism["sliding_joints"], dtype=np.intp)
+        self.sliding = faces.contacts.take(sliding)
+        self.slides = end_points(self.sliding, faces.positions(self.configuration))
 
     def draw(self, axes: Axes) -> None:
         """Draw start outline, displaced blocks, hinges and sliding joints."""
         axes.add_patch(PathPatch(self.start.path(_all(self.start)), **GHOST))
         fill(axes, self.swept, np.flatnonzero(~self.moving), "1.0")
         fill(axes, self.swept, np.flatnonzero(self.moving), MOVING)
-        for joint in self.sliding:
-            owner = np.full(2, joint["blocks"][0])
-            ends = np.asarray(joint["ends_m"], dtype=float)
-            ends = self._carried(place(ends, owner, self.drawing.centroids, self.configuration), owner)
+        for owner, slide in zip(self.sliding.a, self.slides, strict=True):
+            ends = self._carried(slide, np.full(2, owner))
             axes.plot(ends[:, 0], ends[:, 1], **SLIDING)
         if self.hinges:
             owner = np.array([self.start.nearest(point) for point in self.hinges])

@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import PathPatch
+from matplotlib.patches import Patch, PathPatch
 
 from assessment.canvas import DASHES, chart, sheet
 from assessment.drawings import GHOST, INK, SUPPORT
@@ -18,6 +19,7 @@ from assessment.words import Words
 
 Results = Mapping[str, Any]
 MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")
+BAND = "0.82"  # grey between the members of an ensemble
 FALLING = 0.03  # of the model's size: how far the curve of a collapse is followed at least
 AROUND = 0.5  # of the model's size: how far from it fallen blocks are still drawn
 
@@ -46,6 +48,9 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
     bound = max([*sustained, *(min(FALLING * size, entry["peak_displacement_m"]) for entry in falls)])
     for dashes, entry in zip(_cycle(len(found)), found.values(), strict=True):
         time, displacement = (np.asarray(entry["curve"][key]) for key in ("time_s", "displacement_m"))
+        if "band" in entry:
+            low, high = (1000.0 * np.asarray(entry["band"][key]) for key in ("low_m", "high_m"))
+            axes.fill_between(time, low, high, color=BAND, linewidth=0.0)
         axes.plot(time, 1000.0 * displacement, color="0.0", linewidth=0.9, linestyle=dashes)
         if entry["collapsed"]:
             out = int(np.flatnonzero(abs(displacement) <= bound)[-1])
@@ -59,13 +64,15 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
     axes.set(xlabel=words.plain("figure.time"), ylabel=words.plain("figure.x_displacement"))
     if bound > 0.0:
         axes.set_ylim(-1050.0 * bound, 1050.0 * bound)
-    handles = [
+    handles: list[Artist] = [
         Line2D([], [], color="0.0", linewidth=0.9, linestyle=dashes, label=_outcome(state, entry, words))
         for dashes, (state, entry) in zip(_cycle(len(found)), found.items(), strict=True)
     ]
     if falls:
         label = words.plain("figure.collapse")
         handles.append(Line2D([], [], color="0.0", marker="x", linestyle="none", label=label))
+    if any("band" in entry for entry in found.values()):
+        handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.members")))
     if until:
         label = words.plain("figure.free_motion")
         handles.append(Line2D([], [], color="0.0", linewidth=0.5, linestyle=DASHES[2], label=label))
@@ -112,6 +119,9 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
     for axes, name, each in zip(panels, states, found, strict=False):
         for marker, record in zip(_cycle(len(each["records"]), MARKERS), each["records"], strict=True):
             _curve(axes, record, marker, 1000.0 * reach)
+        low, high = each.get("pga_collapse_range", (None, None))
+        if low is not None and high is not None and high > low:
+            axes.axhspan(low, high, color=BAND, linewidth=0.0, zorder=0.5)
         if each["pga_collapse_g"] is not None:
             axes.axhline(each["pga_collapse_g"], color="0.0", linewidth=0.6, linestyle=DASHES[1])
         axes.set(xlabel=words.plain("figure.peak_displacement"), ylabel=words.plain("figure.pga"))
@@ -120,12 +130,14 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
     for axes in panels[len(states) :]:
         axes.set_axis_off()
     names = [record["record"] for record in found[0]["records"]]
-    handles = [
+    handles: list[Artist] = [
         Line2D([], [], color="0.0", linewidth=0.6, marker=marker, markersize=3.0, label=name)
         for marker, name in zip(_cycle(len(names), MARKERS), names, strict=True)
     ]
     label = words.plain("figure.quoted_pga")
     handles.append(Line2D([], [], color="0.0", linewidth=0.6, linestyle=DASHES[1], label=label))
+    if any(each.get("pga_collapse_range", (None, None))[1] is not None for each in found):
+        handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.to_all_collapse")))
     if any(record["resurrections_g"] for each in found for record in each["records"]):
         mark: dict[str, Any] = {
             "marker": "o",

@@ -10,7 +10,7 @@ import numpy as np
 
 from assessment.base_motion import BaseMotion, history_motions, incremental_motions
 from assessment.campaign import Campaign, starts_of
-from assessment.dynamic_errors import collapses_again, in_more_segments, peaks_in_more_segments
+from assessment.dynamic_errors import Estimates, collapses_again
 from assessment.dynamics import StageResult, motion_numbers
 from assessment.histories import histories
 from assessment.incremental import searches, summarise
@@ -18,7 +18,6 @@ from assessment.incremental import searches, summarise
 if TYPE_CHECKING:
     from assessment.parallel import Workers
     from assessment.project import Project
-    from assessment.segments import Estimates
     from assessment.states import StateResult
     from mechanics import Assembly
     from mechanics.assembly import Behaviour
@@ -57,13 +56,11 @@ def add_dynamics(
     model: Assembly,
     motions: Motions,
     stages: Iterable[StateResult],
-    halvings: Mapping[str, int],
     workers: Workers,
 ) -> bool:
     """Carry out [[history]] and [incremental] from the states that `stages` reached and fill their results.
 
-    `halvings`: of each state's increments behind `stages`; the states in more segments take the same. Returns whether
-    every run was completed. A project without them costs nothing and is left as it is.
+    Returns whether every run was completed. A project without them costs nothing and is left as it is.
     """
     starts = starts_of(dynamic_contacts(project), model, stages)
     campaign = Campaign(project, model, starts, _ultimates(results["states"]), workers)
@@ -77,7 +74,6 @@ def add_dynamics(
         results["timing_s"][stage.stage] = results["timing_s"].get(stage.stage, 0.0) + stage.seconds
         complete = complete and not stage.failures
 
-    refined = in_more_segments(campaign, halvings)
     if project.history:
         results["motions"] = [motion_numbers(motion, PERIODS) for motion in motions.history]
         shaken = histories(campaign, motions.history)
@@ -86,7 +82,6 @@ def add_dynamics(
             results["states"][stage.state]["history"].append(stage.numbers)
             if stage.convergence is not None:
                 results["convergence"]["rows"].append(stage.convergence)
-        _tell(results, "segments", peaks_in_more_segments(campaign, refined, motions.history, shaken))
     if project.incremental:
         found: dict[str, list[Results]] = {}
         searched = searches(campaign, motions.incremental)
@@ -95,7 +90,7 @@ def add_dynamics(
             found.setdefault(stage.state, []).append(stage.numbers)
         for state, records in found.items():
             results["states"][state]["incremental"] = summarise(records, warnings, state)
-        _tell(results, "incremental", collapses_again(campaign, refined, motions.incremental, searched))
+        _tell(results, "incremental", collapses_again(campaign, motions.incremental, searched))
     return complete
 
 
@@ -104,7 +99,7 @@ def _tell(results: Results, study: str, found: Estimates) -> None:
     if found.rows:
         results["convergence"].setdefault(study, []).extend(found.rows)
         results["quality"]["warnings"] += found.warnings
-        name = "segments" if study == "segments" else f"{study} error"
+        name = f"{study} error"
         results["timing_s"][name] = results["timing_s"].get(name, 0.0) + found.seconds
 
 

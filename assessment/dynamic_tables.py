@@ -18,6 +18,17 @@ HISTORY = (
     "collapsed",
     "time_of_collapse_s",
 )
+RANGES = (
+    "state",
+    "record",
+    "integrator",
+    "integrator_share",
+    "members",
+    "members_collapsed",
+    "lowest_peak_m",
+    "median_peak_m",
+    "highest_peak_m",
+)
 ENERGY = (
     "input",
     "kinetic",
@@ -29,13 +40,23 @@ ENERGY = (
     "integrator",
     "residual",
 )
-SEARCH = ("state", "record", "record_pga_g", "pga_safe_g", "pga_collapse_g", "resurrections", "runs")
+SEARCH = (
+    "state",
+    "record",
+    "record_pga_g",
+    "pga_safe_g",
+    "pga_collapse_g",
+    "pga_all_collapse_g",
+    "resurrections",
+    "runs",
+)
 OF_STATES = (
     "state",
     "records",
     "mean_pga_collapse_g",
     "lowest_pga_collapse_g",
     "pga_collapse_g",
+    "pga_all_collapse_g",
     "median_g",
     "dispersion",
 )
@@ -55,6 +76,7 @@ def dynamic_tables(results: Results) -> list[Table]:
     """List all tables of the dynamic stages, long ones included."""
     return [
         histories(results),
+        ranges(results),
         energy(results),
         history_curves(results),
         motions(results),
@@ -74,6 +96,20 @@ def histories(results: Results) -> Table:
             {"state": state} | {key: entry[key] for key in HISTORY if key in entry and key != unasked}
         )
     return Table("history", rows, HISTORY)
+
+
+def ranges(results: Results) -> Table:
+    """List how every time history was integrated, by how many members, and the range of their peaks."""
+    rows = []
+    for state, entry in _histories(results):
+        if "curve" not in entry:
+            continue
+        row: Row = {"state": state} | {key: entry[key] for key in RANGES if key in entry}
+        if "peak_displacement_range" in entry:
+            row["lowest_peak_m"], row["highest_peak_m"] = entry["peak_displacement_range"]
+            row["median_peak_m"] = entry["peak_displacement_median_m"]
+        rows.append(row)
+    return Table("history_ranges", rows, RANGES)
 
 
 def energy(results: Results) -> Table:
@@ -114,6 +150,7 @@ def incremental(results: Results) -> Table:
     rows = [
         {"state": state}
         | {key: record[key] for key in SEARCH if key in record}
+        | _all_collapse(record)
         | {"resurrections": "; ".join(f"{level:.3f}" for level in record["resurrections_g"])}
         for state, found in _incrementals(results)
         for record in found["records"]
@@ -127,6 +164,7 @@ def incremental_states(results: Results) -> Table:
     for state, found in _incrementals(results):
         row: Row = {"state": state, "records": len(found["records"])}
         row |= {key: found[key] for key in OF_STATES if key in found and key != "records"}
+        row |= _all_collapse(found)
         if found["fragility"]:
             row |= {key: found["fragility"][key] for key in ("median_g", "dispersion")}
         rows.append(row)
@@ -135,9 +173,16 @@ def incremental_states(results: Results) -> Table:
 
 def incremental_curves(results: Results) -> Table:
     """List every run of the incremental analysis."""
-    columns = ("pga_g", "peak_displacement_m", "collapsed", "time_of_collapse_s")
+    columns = (
+        "pga_g",
+        "peak_displacement_m",
+        "members",
+        "members_collapsed",
+        "collapsed",
+        "time_of_collapse_s",
+    )
     rows = [
-        {"state": state, "record": record["record"]} | {key: point[key] for key in columns}
+        {"state": state, "record": record["record"]} | {key: point[key] for key in columns if key in point}
         for state, found in _incrementals(results)
         for record in found["records"]
         for point in record["points"]
@@ -167,6 +212,11 @@ def static_dynamic(results: Results) -> Table:
                 row["dynamic_to_static"] = dynamic["pga_collapse_g"] / static
             rows.append(row)
     return Table("static_dynamic", rows, COMPARED)
+
+
+def _all_collapse(found: Mapping[str, Any]) -> Row:
+    """The upper end of the range of a PGA at collapse, where there is a range."""
+    return {"pga_all_collapse_g": found["pga_collapse_range"][1]} if "pga_collapse_range" in found else {}
 
 
 def _histories(results: Results) -> Iterator[tuple[str, Mapping[str, Any]]]:

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from assessment.ensemble import sustained_peak
 from assessment.frames import snapshots
 from assessment.project_schema import HistoryTable
-from mechanics import Assembly, ConvergenceError, State, TimeHistory, time_history
-from mechanics.block import GRAVITY, Array
+from assessment.response import Response, Setting, respond
+from mechanics import Assembly, ConvergenceError, State
 from mechanics.response_spectrum import response_spectrum
+from mechanics.types import Array
 
 if TYPE_CHECKING:
     from assessment.base_motion import BaseMotion
-    from assessment.project_schema import ControlTable, MotionTable
-    from mechanics.program import Certificate
 
 Numbers = dict[str, Any]
 Start = State | str
@@ -28,21 +28,6 @@ Start = State | str
 FRAMES = 150  # of an animation
 SHORTEST_FRAME = 0.05  # s
 MOST_POINTS = 2000  # of a curve kept for figures
-TAIL = (
-    2.0  # s of free motion after the record, where the blocks still move: a fall under way is seen to its end
-)
-STILL = 0.01  # of √(g·size): a speed that is none
-ENERGIES = (
-    "kinetic",
-    "potential",
-    "elastic",
-    "input",
-    "friction",
-    "impact",
-    "viscous",
-    "integrator",
-    "residual",
-)
 
 
 @dataclass
@@ -59,90 +44,6 @@ class StageResult:
     convergence: Numbers | None = None
 
 
-@dataclass(frozen=True)
-class Setting:
-    """How motions are integrated: the keys that [[history]] and [incremental] share.
-
-    `ultimate` (m): control displacement at which the static capacity vanishes, None where it is not known.
-    """
-
-    table: MotionTable
-    control: ControlTable
-    ultimate: float | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Response:
-    """A motion and the free one after it: time (k,) s from the beginning, control displacement (k,) m from rest.
-
-    `positions` (k, b, 3); `forces`, k times (c, 2) kN, of the contacts; `parts`: the runs it is made of.
-    """
-
-    time: Array
-    displacement: Array
-    positions: Array
-    forces: tuple[Array, ...]
-    parts: tuple[TimeHistory, ...]
-
-    @property
-    def last(self) -> TimeHistory:
-        """The run at whose end the response ends."""
-        return self.parts[-1]
-
-    @property
-    def certificate(self) -> Certificate:
-        """Worst residuals of all programs."""
-        first, *rest = (part.certificate for part in self.parts)
-        for other in rest:
-            first = first.joined(other)
-        return first
-
-    def total(self, count: str) -> int:
-        """Return the total of a count over the runs."""
-        return sum(getattr(part, count) for part in self.parts)
-
-    def energy(self) -> dict[str, float]:
-        """Return the balance since the beginning, kNm: changes of the stored energies, input, what was dissipated."""
-        return {
-            f"{name}_kNm": float(sum(energy[-1] - energy[0] for energy in series))
-            for name in ENERGIES
-            for series in [[getattr(part.energy, name) for part in self.parts]]
-        }
-
-
-def respond(
-    model: Assembly, motion: BaseMotion, setting: Setting, start: State, factor: float = 1.0
-) -> Response:
-    """Shake the structure by a base motion times `factor` and, where it still moves then, let it come to rest.
-
-    Raises ConvergenceError where a step is not solved.
-    """
-    table, point = setting.table, setting.control.point_m
-    step = motion.record.time_step
-
-    def run(acceleration: Array, vertical: Array | None, state: State, ultimate: float | None) -> TimeHistory:
-        return time_history(
-            model, acceleration, step, table.contacts, state, table.integrator, vertical,
-            damping_ratio=table.damping_ratio or 0.0, control=point, ultimate=ultimate,
-        )  # fmt: skip
-
-    vertical = None if motion.vertical is None else factor * motion.vertical
-    shaken = run(factor * motion.record.acceleration, vertical, start, setting.ultimate)
-    assert shaken.displacement is not None
-    speed = abs(shaken.final.velocities[:, :2]).max()
-    if shaken.collapsed or speed <= STILL * np.sqrt(GRAVITY * model.size):
-        return Response(shaken.time, shaken.displacement, shaken.positions, shaken.forces, (shaken,))
-    free = run(np.zeros(round(TAIL / step) + 2), None, shaken.final, None)
-    assert free.displacement is not None
-    return Response(
-        np.concatenate([shaken.time, shaken.time[-1] + free.time[1:]]),
-        np.concatenate([shaken.displacement, shaken.displacement[-1] + free.displacement[1:]]),
-        np.concatenate([shaken.positions, free.positions[1:]]),
-        (*shaken.forces, *free.forces[1:]),
-        (shaken, free),
-    )
-
-
 def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, start: Start) -> StageResult:
     """One time history in numbers; displacements are horizontal, of the control point, from the state's own rest.
 
@@ -156,7 +57,8 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
         "scale": motion.scale,
         "time_step_s": motion.record.time_step,
         "contacts": setting.table.contacts,
-        "integrator": setting.table.integrator,
+        "integrator": None,
+        "amplitude": motion.amplitude,
         "control": setting.control.name,
         "peak_displacement_m": None,
         "residual_displacement_m": None,
@@ -178,7 +80,7 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
         return result
     result.seconds = time.perf_counter() - began
     last, drawn = response.last, model.initial.positions
-    peak = sustained_peak(response.displacement, last.collapsed)
+    peak = sustained_peak(response.displacement, response.collapsed)
     kept = thinned(response.displacement)
     numbers |= {
         "peak_displacement_m": float(abs(response.displacement).max()),
@@ -195,7 +97,6 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
         },
         "snapshots": snapshots(
             model,
-            setting.table.contacts,
             motion.start + response.time,
             response.displacement,
             response.positions,
@@ -205,30 +106,25 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
         "peak_configuration": (response.positions[peak] - drawn).tolist(),
         "final_configuration": (response.positions[-1] - drawn).tolist(),
         "energy": response.energy(),
-        "fallbacks": response.total("fallbacks"),
-        "impacts": response.total("impacts"),
-        "notes": list(last.notes),
+        "integrator": last.integrator,
+        "integrator_chosen": last.chosen,
+        "integrator_share": response.integrator_share(),
+        "programs": response.total("programs"),
+        "halvings": response.total("halvings"),
+        "notes": list(response.notes),
         "seconds": result.seconds,
     }  # fmt: skip
     if isinstance(setting.table, HistoryTable) and setting.table.animation:
         numbers["frames"] = frames(response, motion.start, drawn)
     result.quality.append(
-        quality_row(state, f"history, {motion.name}", response.total("solves"), response.certificate)
+        quality_row(state, f"history, {motion.name}", response.total("programs"), response.worst)
     )
-    result.warnings += [f"{title}: {note}" for note in last.notes]
+    result.warnings += [f"{title}: {note}" for note in response.notes]
     if last.collapsed:
         result.warnings.append(
             f"{title}: collapse at {numbers['time_of_collapse_s']:.4g} s: {last.collapse_reason}"
         )
     return result
-
-
-def sustained_peak(displacement: Array, collapsed: bool) -> int:
-    """Return the index of the largest displacement (k,), at a collapse the largest before the last turn outward."""
-    if collapsed:
-        turns = np.flatnonzero(np.diff(np.sign(np.diff(displacement)))) + 1
-        displacement = displacement[: turns[-1] + 1] if turns.size else displacement[:1]
-    return int(np.argmax(abs(displacement)))
 
 
 def frames(response: Response, start: float, drawn: Array) -> Numbers:
@@ -242,16 +138,17 @@ def frames(response: Response, start: float, drawn: Array) -> Numbers:
     }
 
 
-def quality_row(state: str, stage: str, solves: int, worst: Certificate) -> Numbers:
-    """The row of a stage in the table of certificates."""
+def quality_row(state: str, stage: str, solves: int, worst: float) -> Numbers:
+    """The row of motions in the table of certificates; `worst`: the largest residual of all their programs.
+
+    It bounds that of equilibrium and that of the products. Forces stay inside the cone by the method itself.
+    """
     return {
         "state": state,
         "stage": stage,
         "solves": solves,
-        "worst_equilibrium_residual": worst.equilibrium,
-        "worst_penetration_m": worst.penetration,
-        "worst_complementarity": worst.complementarity,
-        "worst_cone_violation": worst.cone,
+        "worst_equilibrium_residual": worst,
+        "worst_complementarity": worst,
     }
 
 

@@ -16,8 +16,8 @@ from matplotlib.path import Path as Curve
 from assessment.canvas import sheet
 from assessment.drawings import INK, SUPPORT, Bounds, legend
 from assessment.words import Words
-from mechanics.block import Array
 from mechanics.faults import Fault, FaultyDrawingError, Outline
+from mechanics.types import Array
 
 RED = "#c00000"
 MOST_NUMBERS = 400  # beyond it they would only cover each other

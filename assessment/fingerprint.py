@@ -106,4 +106,4 @@ def _plain(value: Any) -> Any:
 @lru_cache(maxsize=32)
 def _assembly(model: Assembly) -> str:
     """Return the digest of a model: asked for by every analysis of it, computed once."""
-    return digest([_plain(model.blocks), model.segments_per_joint, model.tolerance])
+    return digest([_plain(model.blocks), model.segments_per_joint, model.tolerance, model.collisions])

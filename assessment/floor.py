@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from assessment.spectrum import ElasticSpectrum
 from assessment.trace import Step, Trace, step
-from mechanics.block import GRAVITY
 from mechanics.errors import require
+from mechanics.types import GRAVITY
 
 Array = NDArray[np.float64]
 

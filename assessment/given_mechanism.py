@@ -7,17 +7,23 @@ joint that is closed penetrates and none rubs, so that α0 = Σ W δ_z/Σ P δ_x
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assessment.capacity import CapacityCurve, capacity_curve
+from assessment.faces import Met
 from assessment.idealisation import fit_rigid
 from assessment.trace import numbers, step
 from assessment.verification import Method, check_activation, check_linear
 from assessment.virtual_work import virtual_displacements, virtual_work
-from mechanics.equilibrium import CLOSED, local
+from mechanics.kernels.joint import H
+from mechanics.model.contacts import Contacts, end_gaps, rows
+from mechanics.steps.equilibrium import CLOSED, ONSET
+from mechanics.steps.static_step import static_system
+from mechanics.types import Index, Mask
 
 if TYPE_CHECKING:
     from assessment.macro_blocks import Chosen
@@ -37,23 +43,46 @@ class MechanismError(ValueError):
     """A mechanism that cannot move as it was given, or that no horizontal load can start."""
 
 
-def joint_motion(model: Assembly, positions: Array, delta: Array) -> tuple[float, tuple[int, int], list[int]]:
-    """Return the deepest penetration as a share of the largest displacement, its blocks, and the joints that rub.
+@dataclass(frozen=True, eq=False)
+class JointMotion:
+    """What a mechanism does in the joints of a configuration.
 
-    Only contacts that are closed count. A joint rubs where its slip exceeds what associative friction allows for its
-    opening, u_t > u_n/μ: friction there would do work.
+    `penetration`: the deepest as a share of the largest displacement, between the blocks `pair`; `rubs` (j,): which of
+    the `contacts` slide against friction.
     """
-    contacts, rows = model.rigid_contacts, model.kinematics("rigid", positions)
-    closed = rows.gap <= CLOSED * model.size
-    opening = local(rows.normal, contacts.a, contacts.b, delta)
-    slip = abs(local(rows.tangent, contacts.a, contacts.b, delta))
+
+    penetration: float
+    pair: tuple[int, int]
+    contacts: Contacts
+    rubs: Mask
+
+    @property
+    def rubbing(self) -> Index:
+        """The contacts that rub."""
+        return np.flatnonzero(self.rubs)
+
+
+def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion:
+    """Return what virtual displacements (b, 3) do in the joints closed at `positions` (b, 3).
+
+    Only ends of faces that overlap and are closed count. A joint rubs where its slip exceeds what associative friction
+    allows for the opening of a closed end, u_t > u_n/μ: friction there would do work.
+    """
+    contacts = static_system(model, "rigid").around(positions, ONSET * model.size).contacts
+    places = contacts.places(positions)
+    closed = (end_gaps(places) <= CLOSED * model.size) & (places[:, H] > 0.0)[:, None]
+    relative = np.concatenate([delta[contacts.a], delta[contacts.b]], axis=1)
+    u, phi, v = np.einsum("jrc,jc->rj", rows(places), relative)
+    half = places[:, H] * phi
+    opening = np.where(closed, np.stack([u - half, u + half], axis=1), np.inf).min(axis=1)
     largest = float(abs(delta[:, :2]).max())
-    depth = np.where(closed, -opening / largest, -np.inf)
-    worst = int(np.argmax(depth))
+    worst = int(np.argmin(opening))
     least = np.maximum(contacts.friction, 1e-99)  # without friction nothing rubs
-    rubs = closed & (slip > np.maximum(opening, 0.0) / least + ROUNDING * largest / np.minimum(least, 1.0))
+    rubs = closed.any(axis=1) & (
+        abs(v) > np.maximum(opening, 0.0) / least + ROUNDING * largest / np.minimum(least, 1.0)
+    )
     pair = (int(contacts.a[worst]), int(contacts.b[worst]))
-    return max(0.0, float(depth[worst])), pair, np.unique(contacts.joint[rubs]).tolist()
+    return JointMotion(max(0.0, -float(opening[worst]) / largest), pair, contacts, rubs)
 
 
 def evaluate(
@@ -70,7 +99,8 @@ def evaluate(
     motion by themselves.
     """
     delta = virtual_displacements(model, positions, chosen)
-    penetration, pair, rubbing = joint_motion(model, positions, delta)
+    motion = joint_motion(model, positions, delta)
+    penetration, pair = motion.penetration, motion.pair
     if penetration > SLIGHT:
         raise MechanismError(
             f"block {pair[0]} penetrates block {pair[1]} by {100.0 * penetration:.3g} % of the largest displacement; "
@@ -87,6 +117,8 @@ def evaluate(
     capacity = capacity_curve(fit_rigid(([0.0, 1.0], [alpha_0, alpha_0])), e_star, 1.0, confidence_factor)
     last = step("a_0_star", "alpha_0/(e_star*F_C)", capacity.a_0_star, "g", _LAW, alpha_0=alpha_0, e_star=e_star,
                 F_C=confidence_factor)  # fmt: skip
+    met = Met(model)
+    rubbing = met.numbers(motion.contacts, motion.rubs)[motion.rubbing].tolist()
     return {
         "direction": "+x" if work.lateral > 0.0 else "-x",
         "alpha_0": alpha_0,
@@ -100,6 +132,7 @@ def evaluate(
         "displacements": (delta / abs(delta[:, :2]).max()).tolist(),
         "penetration": penetration,
         "sliding_joints": rubbing,
+        "met": met.joints,
         "notes": list(_notes(penetration, pair, rubbing)),
         "trace": numbers((*work.steps, *work.result_steps(), last)),
         **_checks(capacity, demands, method),

@@ -5,114 +5,23 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from assessment.bracket import Bracket, collapse_near, find_collapse
 from assessment.campaign import Campaign
-from assessment.dynamics import Numbers, Setting, StageResult, Start, quality_row, respond
-from mechanics import Assembly, ConvergenceError
+from assessment.dynamics import Numbers, StageResult, Start, quality_row
+from assessment.ensemble import Course, Scatter, enough, lowest_median_highest, scatter_of
+from assessment.response import Setting, respond
+from mechanics import Assembly, ConvergenceError, State
 
 if TYPE_CHECKING:
     from assessment.base_motion import BaseMotion
-    from mechanics.program import Certificate
 
-# shares of the PGA at collapse where the order of collapse is not taken on trust
-GRID = (0.2, 0.4, 0.6, 0.8, 1.2, 1.4, 1.6)
 MEAN_FROM, ENOUGH = 7, 3  # records: NTC 2018 §7.3.5
-RUNS = 12  # of a search, about: what it costs
-
-
-@dataclass(frozen=True)
-class Bracket:
-    """`safe` (g) was withstood and `collapse` (g) not, no lower one tried collapsed; None: nothing tried collapsed.
-
-    `resurrections` (g): what was tried above `collapse` and withstood.
-    """
-
-    safe: float
-    collapse: float | None
-    resurrections: tuple[float, ...]
-
-    @property
-    def width(self) -> float:
-        """How far apart its ends are, g; 0 where nothing collapsed."""
-        return 0.0 if self.collapse is None else self.collapse - self.safe
-
-
-def find_collapse(
-    collapses: Callable[[float], bool], first: float, largest: float, tolerance: float
-) -> Bracket:
-    """Bracket the lowest peak ground acceleration at collapse within `tolerance`; everything in g.
-
-    From `first` by doubling, up to `largest`, or halving to a level on each side, then by bisection between levels
-    that were both run. A structure that falls at one level may stand at a higher one: levels on a coarse grid below
-    and above are tried too, and a collapse found below starts the bisection again. At zero the state stands by itself.
-    """
-    tried: dict[float, bool] = {}
-
-    def falls(level: float) -> bool:
-        if level not in tried:
-            tried[level] = collapses(level)
-        return tried[level]
-
-    def lowest() -> float | None:
-        return min((level for level, fallen in tried.items() if fallen), default=None)
-
-    def safe_below(limit: float) -> float:
-        return max((level for level, fallen in tried.items() if not fallen and level < limit), default=0.0)
-
-    level = min(first, largest)
-    if falls(level):
-        while level > tolerance and falls(level):
-            level /= 2.0
-    else:
-        while level < largest and not falls(min(2.0 * level, largest)):
-            level = min(2.0 * level, largest)
-    while True:
-        collapse = lowest()
-        if collapse is not None and collapse - safe_below(collapse) > tolerance:
-            falls(0.5 * (collapse + safe_below(collapse)))
-            continue
-        about = collapse or largest
-        wanted = [share * about for share in GRID if share * about <= largest]
-        new = [level for level in wanted if min(abs(level - other) for other in tried) > tolerance]
-        if not new:
-            break
-        falls(new[0])
-    if collapse is None:
-        return Bracket(largest, None, ())
-    above = (level for level, fallen in tried.items() if not fallen and level > collapse)
-    return Bracket(safe_below(collapse), collapse, tuple(sorted(above)))
-
-
-def collapse_near(
-    collapses: Callable[[float], bool], near: Bracket, largest: float, tolerance: float
-) -> Bracket:
-    """Bracket a collapse within `tolerance` that is expected in the bracket `near`; everything in g.
-
-    Two runs where it is there. Else away from it, down where `near.safe` collapses, up to `largest` where
-    `near.collapse` is withstood, by steps that double from its width, and by bisection between the last two. Levels
-    below the one that is withstood then are not tried.
-    """
-    low, high, step = near.safe, near.collapse, near.width or tolerance
-    if low > 0.0 and collapses(low):
-        low, high = max(low - step, 0.0), low
-        while low > 0.0 and collapses(low):
-            step *= 2.0
-            low, high = max(low - step, 0.0), low
-    elif high is None:
-        return near
-    else:
-        while not collapses(high):
-            if high >= largest:
-                return Bracket(high, None, ())
-            low, high, step = high, min(high + step, largest), 2.0 * step
-    while high - low > tolerance:
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if collapses(middle) else (middle, high)
-    return Bracket(low, high, ())
+RUNS = 30  # of a search, about: what it costs
 
 
 def searches(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult]:
@@ -120,7 +29,8 @@ def searches(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult]
     table = campaign.project.incremental
     assert table is not None
     tasks = campaign.tasks(table, motions)
-    return campaign.each("incremental", search, tasks, RUNS, table.max_scale, table.tolerance_g)
+    scatter = scatter_of(campaign.project)
+    return campaign.each("incremental", search, tasks, RUNS, scatter, table.max_scale, table.tolerance_g)
 
 
 def search(
@@ -129,26 +39,42 @@ def search(
     setting: Setting,
     state: str,
     start: Start,
+    scatter: Scatter,
     max_scale: float,
     tolerance: float,
 ) -> StageResult:
     """The PGA at incipient collapse of one record from one state, with every run made on the way, in numbers."""
     title = search_title(state, motion)
     result = _searched(
-        model, motion, setting, state, start,
-        lambda collapses: find_collapse(collapses, motion.pga, max_scale * motion.pga, tolerance),
+        model, motion, setting, state, start, scatter,
+        lambda levels: find_collapse(levels.some, levels.every, motion.pga, max_scale * motion.pga, tolerance),
     )  # fmt: skip
     lowest, safe = result.numbers["pga_collapse_g"], result.numbers["pga_safe_g"]
     if lowest is None and safe is not None:
         result.warnings.append(
             f"{title}: no collapse up to {safe:.3g} g, max_scale = {max_scale:g}; raise it to find one"
         )
+    upper = result.numbers.get("pga_collapse_range", [None, None])[1]
+    if lowest is not None and scatter.members > 1 and upper != lowest:
+        result.warnings.append(_spread(title, lowest, upper, max_scale * motion.pga))
     if resurrections := result.numbers["resurrections_g"]:
         result.warnings.append(
             f"{title}: collapse at {lowest:.3g} g, but stands at "
             f"{', '.join(f'{level:.3g}' for level in resurrections)} g; the lowest collapse counts"
         )
     return result
+
+
+def _spread(title: str, lowest: float, upper: float | None, largest: float) -> str:
+    if upper is None:
+        return (
+            f"{title}: members of the ensemble collapse from {lowest:.3g} g on, not all of them up to {largest:.3g} g; "
+            "the lowest counts"
+        )
+    return (
+        f"{title}: members of the ensemble collapse from {lowest:.3g} g on, all of them from {upper:.3g} g on; "
+        "the lowest counts"
+    )
 
 
 def search_again(
@@ -158,13 +84,14 @@ def search_again(
     state: str,
     start: Start,
     near: Bracket,
+    scatter: Scatter,
     max_scale: float,
     tolerance: float,
 ) -> StageResult:
     """The PGA at incipient collapse where another model, or another time step, gave the bracket `near`."""
     return _searched(
-        model, motion, setting, state, start,
-        lambda collapses: collapse_near(collapses, near, max_scale * motion.pga, tolerance),
+        model, motion, setting, state, start, scatter,
+        lambda levels: collapse_near(levels.some, near, max_scale * motion.pga, tolerance),
     )  # fmt: skip
 
 
@@ -179,9 +106,10 @@ def _searched(
     setting: Setting,
     state: str,
     start: Start,
-    bracketing: Callable[[Callable[[float], bool]], Bracket],
+    scatter: Scatter,
+    bracketing: Callable[[Levels], Bracket],
 ) -> StageResult:
-    """Return what `bracketing` finds when given whether a level (g) collapses the structure, in numbers."""
+    """Return what `bracketing` finds when given the levels (g), in numbers."""
     title = search_title(state, motion)
     numbers: Numbers = {
         "record": motion.name,
@@ -198,43 +126,96 @@ def _searched(
         numbers["reason"] = start
         result.warnings.append(f"{title}: {start}")
         return result
-    worst: Certificate | None = None
-    solves = 0
-
-    def collapses(pga: float) -> bool:
-        nonlocal worst, solves
-        response = respond(model, motion, setting, start, pga / motion.pga)
-        fallen = response.last.collapsed
-        numbers["points"].append(
-            {
-                "pga_g": pga,
-                "peak_displacement_m": None if fallen else float(abs(response.displacement).max()),
-                "collapsed": fallen,
-                "time_of_collapse_s": motion.start + float(response.time[-1]) if fallen else None,
-                "reason": response.last.collapse_reason or None,
-            }
-        )
-        solves += response.total("solves")
-        worst = response.certificate if worst is None else worst.joined(response.certificate)
-        return fallen
-
+    levels = Levels(model, motion, setting, start, scatter)
     began = time.perf_counter()
     try:
-        bracket = bracketing(collapses)
+        bracket = bracketing(levels)
         numbers |= {
             "pga_collapse_g": bracket.collapse,
             "pga_safe_g": bracket.safe,
             "resurrections_g": list(bracket.resurrections),
         }
+        if scatter.members > 1:
+            numbers["pga_collapse_range"] = [bracket.collapse, bracket.certain]
     except ConvergenceError as error:
         numbers["reason"] = str(error)
         result.failures.append(f"{title}: {error}")
     result.seconds = time.perf_counter() - began
-    numbers["points"].sort(key=lambda point: point["pga_g"])
-    numbers |= {"runs": len(numbers["points"]), "seconds": result.seconds}
-    if worst is not None:
-        result.quality.append(quality_row(state, f"incremental, {motion.name}", solves, worst))
+    members = [each for level in levels.members.values() for each in level]
+    numbers["points"] = [point(pga, level) for pga, level in sorted(levels.members.items()) if level]
+    numbers |= {"runs": len(members), "seconds": result.seconds}
+    if members:
+        worst, programs = max(each.worst for each in members), sum(each.programs for each in members)
+        result.quality.append(quality_row(state, f"incremental, {motion.name}", programs, worst))
     return result
+
+
+@dataclass(frozen=True, eq=False)
+class Member(Course):
+    """One motion of an ensemble: its `end` (s, of the record's file), why it `fell`, programs and worst residual."""
+
+    end: float
+    fell: str
+    programs: int
+    worst: float
+
+
+@dataclass
+class Levels:
+    """The ensembles of a search, by level (g): as many members of each as its question needs."""
+
+    model: Assembly
+    motion: BaseMotion
+    setting: Setting
+    start: State
+    scatter: Scatter
+    members: dict[float, list[Member]] = field(default_factory=dict)
+
+    def some(self, pga: float) -> bool:
+        """Whether any member collapses: they are run up to the first that does, or a pair that stands alike."""
+        found = self.members.setdefault(pga, [])
+        while not any(each.collapsed for each in found) and not enough(found, self.scatter, self.model.size):
+            found.append(self._run(pga, len(found)))
+        return any(each.collapsed for each in found)
+
+    def every(self, pga: float) -> bool:
+        """Whether all members collapse: they are run up to the first that stands."""
+        found = self.members.setdefault(pga, [])
+        while all(each.collapsed for each in found) and len(found) < self.scatter.members:
+            found.append(self._run(pga, len(found)))
+        return all(each.collapsed for each in found)
+
+    def _run(self, pga: float, number: int) -> Member:
+        factor = self.scatter.amplitudes[number] * pga / self.motion.pga
+        response = respond(self.model, self.motion, self.setting, self.start, factor)
+        return Member(
+            response.time,
+            response.displacement,
+            response.collapsed,
+            self.motion.start + float(response.time[-1]),
+            response.last.collapse_reason,
+            response.total("programs"),
+            response.worst,
+        )
+
+
+def point(pga: float, members: Sequence[Member]) -> Numbers:
+    """A level of the search: what the members that were run come to; any collapse counts as one, and has no peak."""
+    fallen = [each for each in members if each.collapsed]
+    first = min(fallen, key=lambda each: each.end, default=None)
+    low, _, high = lowest_median_highest(
+        [None if each.collapsed else float(abs(each.displacement).max()) for each in members]
+    )
+    return {
+        "pga_g": pga,
+        "peak_displacement_m": high,
+        "peak_displacement_range": [low, high],
+        "members": len(members),
+        "members_collapsed": len(fallen),
+        "collapsed": bool(fallen),
+        "time_of_collapse_s": first.end if first else None,
+        "reason": first.fell if first else None,
+    }
 
 
 def summarise(records: Sequence[Mapping[str, Any]], warnings: list[str], state: str) -> Numbers:
@@ -245,6 +226,7 @@ def summarise(records: Sequence[Mapping[str, Any]], warnings: list[str], state: 
     A mean or lowest that a record without collapse leaves open is None.
     """
     collapses = [record["pga_collapse_g"] for record in records]
+    surely = [record["pga_collapse_range"][1] for record in records if record.get("pga_collapse_range")]
     found = [pga for pga in collapses if pga is not None]
     withstood = [r["pga_safe_g"] for r in records if r["pga_collapse_g"] is None]
     unknown = [pga for pga in withstood if pga is None]
@@ -258,7 +240,7 @@ def summarise(records: Sequence[Mapping[str, Any]], warnings: list[str], state: 
             f"{state}: records of the incremental analysis: {len(records)}; "
             f"NTC 2018 §7.3.5 asks for at least {ENOUGH}"
         )
-    return {
+    numbers: Numbers = {
         "records": list(records),
         "mean_pga_collapse_g": mean,
         "lowest_pga_collapse_g": lowest,
@@ -266,6 +248,13 @@ def summarise(records: Sequence[Mapping[str, Any]], warnings: list[str], state: 
         "pga_collapse_g": mean if rule == "mean" else lowest,
         "fragility": None if unknown else fragility(found, withstood),
     }
+    if surely:
+        known = [pga for pga in surely if pga is not None]
+        upper = min(known, default=None)
+        if rule == "mean":
+            upper = float(np.mean(known)) if len(known) == len(records) else None
+        numbers["pga_collapse_range"] = [numbers["pga_collapse_g"], upper]
+    return numbers
 
 
 def fragility(collapses: Sequence[float], withstood: Sequence[float] = ()) -> Numbers | None:

@@ -13,7 +13,7 @@ from assessment.rules import ACTIVATION_DAMPING, LAW, RULES, Method, Nonlinear
 from assessment.scaling import Demand, spectrum_at_return_period
 from assessment.spectrum import Spectrum
 from assessment.trace import Step, Trace, step
-from mechanics.block import GRAVITY
+from mechanics.types import GRAVITY
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from assessment.coarse_joints import coarse_joints
 from assessment.macro_blocks import chosen_mechanisms
 from assessment.messages import ProjectError
 from assessment.plausibility import implausible
@@ -19,13 +18,12 @@ if TYPE_CHECKING:
     from assessment.project import Project
     from assessment.project_schema import LayerTable
 
-MOST_SEGMENTS = 1_000_000  # of all joints: as many as memory holds
 UNSEEN = "gaps, and blocks that touch nothing, are looked for once these are mended"
 
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """The assembly of a project and what its drawing, and the segments of its joints, gave cause to warn about."""
+    """The assembly of a project and what its drawing gave cause to warn about."""
 
     assembly: Assembly
     warnings: tuple[str, ...]
@@ -54,12 +52,11 @@ def build_model(project: Project) -> Model:
             "and elastic analyses need it for every block; give it there or in [material]"
         )
     try:
-        assembly = Assembly(drawing.blocks, geometry.segments_per_joint, tolerance)
+        assembly = Assembly(
+            drawing.blocks, geometry.segments_per_joint, tolerance, project.contacts.collisions
+        )
     except ValueError as error:  # a block too light beside the others
         raise DrawingError(f"{geometry.drawing}: {error}") from None
-    if project.elastic and (count := int(assembly.segments.sum())) > MOST_SEGMENTS:
-        text = f"{count} segments in all joints, at most {MOST_SEGMENTS}; write fewer"
-        raise ProjectError(f"{project.source}: geometry.segments_per_joint: {text}")
     for point in project.control:
         try:
             assembly.block_at(point.point_m)
@@ -69,7 +66,7 @@ def build_model(project: Project) -> Model:
                 f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}"
             ) from None
     chosen_mechanisms(project, assembly)  # what is wrong in them is told before any analysis
-    return Model(assembly, (*warnings, *implausible(project, assembly), *coarse_joints(project, assembly)))
+    return Model(assembly, (*warnings, *implausible(project, assembly)))
 
 
 def _laid_out(project: Project, drawing: Drawing) -> tuple[float, tuple[str, ...]]:
@@ -103,6 +100,7 @@ def _layer(project: Project, table: LayerTable | None) -> Layer:
             friction=key("friction") or 0.0,
             normal_stiffness=key("normal_stiffness_kN_m3"),
             tangential_stiffness=key("tangential_stiffness_kN_m3") or 0.0,
+            compressive_strength=key("compressive_strength_kN_m2") or 0.0,
         )
     except ValueError as error:
         raise ProjectError(f"{project.source}: material: {error}") from None

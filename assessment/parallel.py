@@ -7,7 +7,6 @@ finished, whatever becomes of the others.
 from __future__ import annotations
 
 import gc
-import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar, TypeVarTuple
@@ -19,7 +18,7 @@ from assessment.store import Store, packed, unpacked
 if TYPE_CHECKING:
     from mechanics import Assembly
 
-SMALL = 1000  # contact points times static analyses: below it a second process costs more than it saves
+SMALL = 100  # joints times static analyses: below it a second process costs more than it saves
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
 
@@ -130,20 +129,16 @@ class Workers:
                 self.show.under_way(titles[number])
                 yield number, _packed(function, tasks[number])
             return
-        pool = self._pool(worthwhile)
+        pool = self._pool()
         begun = {pool.submit(_packed, function, tasks[number]): number for number in numbers}
         if self.meanwhile is not None:
             self.meanwhile()
             self.meanwhile = None
         yield from finished(begun)
 
-    def _pool(self, worthwhile: bool) -> Pool:
+    def _pool(self) -> Pool:
         """Return the processes, started when first needed and kept for the stages to come."""
         if self.pool is None:
-            if worthwhile and multiprocessing.get_start_method() == "fork":
-                from mechanics.solvers.central_path import load
-
-                load()  # what they have from this process they need not load, half a second each
             gc.freeze()  # nor need it be looked through for garbage, here or there: a tenth of a second each time
             self.pool = Pool(processes(self.jobs))
         return self.pool
@@ -160,7 +155,7 @@ class Workers:
 
 def large(*models: Assembly) -> bool:
     """Return whether a static analysis of each model is work enough for a process of its own."""
-    return sum(len(model.elastic_contacts) for model in models) > SMALL
+    return sum(len(model.contacts) for model in models) > SMALL
 
 
 def _packed(function: Callable[..., Any], task: tuple[Any, ...]) -> str:

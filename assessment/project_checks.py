@@ -41,6 +41,8 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
         if layer.vertical_load_kN < 0.0 and layer.load_has_mass:
             text = f"{layer.vertical_load_kN:g} acts upward and has no mass; add load_has_mass = false"
             yield Problem(("layers", name, "vertical_load_kN"), text)
+    if project.contacts.sliding == "coulomb":
+        yield Problem(("contacts", "sliding"), 'coulomb is not available yet; write "associative"')
     yield from _doubles("control", [point.name for point in project.control])
     yield from _control(project)
     yield from _doubles("settlements", list(project.states[1:]))
@@ -215,6 +217,9 @@ def _motion(project: ProjectContent, path: KeyPath, motion: MotionTable) -> Iter
         yield Problem(
             (*path, "window_s"), "not a stretch of time; write first and last second, 0 ≤ first < last"
         )
+    if motion.integrator == "moreau-jean" and motion.contacts == "elastic":
+        text = 'moreau-jean is for rigid contacts; write "auto", "second-order" or "implicit-euler"'
+        yield Problem((*path, "integrator"), text)
     for index, name in enumerate(motion.states or ()):
         yield from _known((*path, "states", index), name, project.states, "state")
 

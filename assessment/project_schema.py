@@ -72,7 +72,9 @@ Factor = Annotated[float, Field(ge=1e-4, le=1e4)]
 Ratio = Annotated[float, Field(ge=-1e4, le=1e4)]
 Damping = Annotated[float, Field(ge=0, lt=1)]
 BlockNumber = Annotated[int, Field(ge=0, le=10**9)]
-Segments = Annotated[int, Field(ge=1, le=100)]
+Strength = Annotated[float, Field(ge=1, allow_inf_nan=True)]  # kN/m²; inf: no limit
+Segments = Annotated[int, Field(ge=1, le=64)]
+Members = Annotated[int, Field(ge=1, le=100)]
 Pair = Annotated[tuple[Coordinate, Coordinate], Field(strict=False)]
 Movement = Annotated[tuple[Shift, Shift], Field(strict=False)]
 Window = Annotated[tuple[Instant, Instant], Field(strict=False)]
@@ -104,10 +106,10 @@ class GeometryTable(Table):
     drawing: Name = Field(description="DXF file with one closed polyline per block")
     unit: Literal["mm", "cm", "m"] = Field(description="unit of the drawing: mm, cm or m")
     depth_m: Length = Field(description="out-of-plane depth, m; default of every layer")
-    segments_per_joint: Segments = Field(
-        default=16,
-        description="contact interfaces along each joint, four contact points each; 1 is exact where rigid, "
-        "elastic needs 16 or more",
+    segments_per_joint: Segments | None = Field(
+        default=None,
+        description="absent: elastic joints are exact; a number: the contact points of the paper at the ends of so "
+        "many segments of each joint, for comparison",
     )
     tolerance_m: Drawn | None = Field(
         default=None, description="edges closer than this, m, form a joint; default from the drawing's size"
@@ -134,6 +136,11 @@ class MaterialTable(Table):
         description="tangential stiffness of a joint per unit area, kN/m³; inf (default): rigid in shear",
         json_schema_extra=_without_default,
     )
+    compressive_strength_kN_m2: Strength = Field(
+        default=math.inf,
+        description="compressive strength of a joint, kN/m²; inf (default): no crushing",
+        json_schema_extra=_without_default,
+    )
 
 
 class LayerTable(Table):
@@ -151,9 +158,12 @@ class LayerTable(Table):
     tangential_stiffness_kN_m3: Rigidity | None = Field(
         default=None, description="tangential stiffness, kN/m³, instead of [material]'s"
     )
+    compressive_strength_kN_m2: Strength | None = Field(
+        default=None, description="compressive strength, kN/m², instead of [material]'s"
+    )
     depth_m: Length | None = Field(default=None, description="out-of-plane depth, m, instead of [geometry]'s")
     segments_per_joint: Segments | None = Field(
-        default=None, description="contact interfaces along each joint, instead of [geometry]'s"
+        default=None, description="segments of each joint with contact points, instead of [geometry]'s"
     )
     support: Name | None = Field(
         default=None, description="the blocks of this layer are a support of this name"
@@ -162,6 +172,18 @@ class LayerTable(Table):
         default=0.0, description="load on each block of the layer, kN, downward, at its centroid"
     )
     load_has_mass: bool = Field(default=True, description="the load also counts as seismic mass")
+
+
+class ContactsTable(Table):
+    """[contacts]: how joints slide, and whether blocks that are apart may come to touch."""
+
+    sliding: Literal["coulomb", "associative"] = Field(
+        default="associative",
+        description="associative: joints that slide open, as in the paper; coulomb, without that, is not available yet",
+    )
+    collisions: bool = Field(
+        default=True, description="blocks that are apart in the drawing may come to touch as they move"
+    )
 
 
 class ControlTable(Table):
@@ -219,8 +241,10 @@ class MotionTable(Table):
         default=None, description='first and last second of the record to use, or "arias": its 5–95 % window'
     )
     contacts: Contacts = Field(default="elastic", description="contact model: rigid or elastic")
-    integrator: Literal["implicit-euler", "second-order"] = Field(
-        default="second-order", description="time integration: second-order, or implicit-euler (the paper's)"
+    integrator: Literal["auto", "moreau-jean", "second-order", "implicit-euler"] = Field(
+        default="auto",
+        description="time integration: auto (the results say which it took), moreau-jean (rigid contacts, many "
+        "impacts), second-order, or implicit-euler (the paper's)",
     )
     damping_ratio: Damping | None = Field(default=None, description="viscous damping ratio of the contacts")
     control: Name | None = Field(default=None, description="control point; default the first")
@@ -419,13 +443,18 @@ class ProjectContent(Table):
     accuracy: Literal["fast", "standard", "fine"] | Tolerance = Field(
         default="fast",
         description="fast: increments and time steps as given, no error estimated; else they are halved until the "
-        "estimated relative error is below standard (0.05), fine (0.01) or a number, and the error that elastic joints "
-        "owe to segments_per_joint is estimated too",
+        "estimated relative error is below standard (0.05), fine (0.01) or a number",
+    )
+    scatter: Members = Field(
+        default=5, description="members of the small ensemble run where a motion has many impacts; 1: none"
     )
     geometry: GeometryTable = Field(description="the drawing and how it becomes blocks and joints")
     material: MaterialTable = Field(description="stone and joints, default of every layer")
     layers: Annotated[dict[Name, LayerTable], Field(max_length=MOST_LAYERS)] = Field(
         default={}, description="what the blocks of a layer have of their own"
+    )
+    contacts: ContactsTable = Field(
+        default=ContactsTable(), description="how joints slide, and which blocks may touch"
     )
     control: Annotated[tuple[ControlTable, ...], _TABLES] = Field(
         default=(), description="control points; the first one is the default"

@@ -48,10 +48,10 @@ ASSESSMENT = {
 }
 
 
-def _content(title: str, depth: float, segments: int, material: Values, **tables: Any) -> dict[str, Any]:
+def _content(title: str, depth: float, material: Values, **tables: Any) -> dict[str, Any]:
     return {
         "title": title,
-        "geometry": {"drawing": DRAWING, "unit": "m", "depth_m": depth, "segments_per_joint": segments},
+        "geometry": {"drawing": DRAWING, "unit": "m", "depth_m": depth},
         "material": material,
         **tables,
         "assessment": ASSESSMENT,
@@ -96,7 +96,6 @@ def _block(values: Values) -> dict[str, Any]:
     return _content(
         "Rocking block",
         depth=1.0,
-        segments=16,
         material=_stone(18.0, 0.7, 5e8),
         layers={"BASE": {"support": "base"}},
         control=[_point("top right", half, height), _point("top left", -half, height)],
@@ -120,7 +119,6 @@ def _wall(values: Values) -> dict[str, Any]:
     return _content(
         "Running-bond wall",
         depth=0.3,
-        segments=16,
         material=_stone(18.0, 0.65, 1e6),
         layers={"BASE_LEFT": {"support": "left"}, "BASE_RIGHT": {"support": "right"}},
         control=[_point("top right", length, height), _point("top left", 0.0, height)],
@@ -143,7 +141,6 @@ def _arch(values: Values) -> dict[str, Any]:
     return _content(
         "Arch",
         depth=1.0,
-        segments=16,
         material=_stone(20.0, 0.6, 1e6),
         layers={"BASE_LEFT": {"support": "left"}, "BASE_RIGHT": {"support": "right"}},
         control=[_point("crown", 0.0, crown)],
@@ -157,12 +154,10 @@ def _buttressed_arch(values: Values) -> dict[str, Any]:
     return _content(
         "Buttressed arch, model 1:10",
         depth=0.1,
-        segments=4,
         material=_stone(11.5, 0.6, 1.2e5),
         layers={
             "BASE_LEFT": {"support": "left"},
             "BASE_RIGHT": {"support": "right"},
-            "PIERS": {"segments_per_joint": 8},
         },
         control=[_point("C1", -outer, top), _point("C2", outer, top)],
         settlements=[_outward(0.02, 0.001)],
@@ -175,7 +170,6 @@ def _triumphal_arch(values: Values) -> dict[str, Any]:
     return _content(
         "Triumphal arch",
         depth=0.6,
-        segments=1,
         material=_stone(16.0, 0.65, 5.33e6),
         layers={
             "BASE_LEFT": {"depth_m": 5.5, "support": "left"},

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from assessment.hand_check import weights
-from assessment.joint_states import Situation, joint_states, situations
+from assessment.joint_states import Situation, joint_states, loaded, situations
 from assessment.outlines import Array
 from assessment.table import Results, Row, Table, sense
 
@@ -23,7 +23,10 @@ JOINTS = (
     "block_b",
     "normal_kN",
     "shear_kN",
-    "centre",
+    "eccentricity_m",
+    "contact_length_m",
+    "edge_pressure_kN_m2",
+    "uncrushed_pressure_kN_m2",
     "opening_1_m",
     "opening_2_m",
     "slip_m",
@@ -68,15 +71,21 @@ def balance(results: Results) -> Table:
 
 
 def joint_table(results: Results) -> Table:
-    """List every joint of every situation: forces, where they cross, opening, slip, condition."""
+    """List what every joint does at rest, in every mechanism and at every elastic peak (see JointStates).
+
+    Numbers beyond those of the drawing are pairs of faces that met as blocks moved.
+    """
     rows: list[Row] = []
-    for each in situations(results):
+    for each in loaded(results):
         states = joint_states(results, each)
-        for number, joint in enumerate(results["geometry"]["joints"]):
+        for number, (a, b) in enumerate(states.blocks.tolist()):
             values = {
                 "normal_kN": states.normal[number],
                 "shear_kN": states.shear[number],
-                "centre": each.centre[number],
+                "eccentricity_m": states.eccentricity[number],
+                "contact_length_m": states.contact[number],
+                "edge_pressure_kN_m2": states.pressure[number],
+                "uncrushed_pressure_kN_m2": states.uncrushed[number],
                 "opening_1_m": states.opening[number, 0],
                 "opening_2_m": states.opening[number, 1],
                 "slip_m": states.slip[number],
@@ -87,8 +96,8 @@ def joint_table(results: Results) -> Table:
                     "direction": each.direction,
                     "contacts": each.contacts,
                     "joint": number,
-                    "block_a": joint["blocks"][0],
-                    "block_b": joint["blocks"][1],
+                    "block_a": a,
+                    "block_b": b,
                     **{key: float(value) for key, value in values.items()},
                     "condition": states.condition[number],
                 }
@@ -98,11 +107,11 @@ def joint_table(results: Results) -> Table:
 
 def _forces(results: Results, situation: Situation) -> Iterator[tuple[str, Array]]:
     """Yield each support and its force (2,) kN on the structure."""
-    blocks, joints = results["geometry"]["blocks"], results["geometry"]["joints"]
+    blocks, states = results["geometry"]["blocks"], joint_states(results, situation)
     for support in sorted({block["support"] for block in blocks if block["support"]}):
         total = np.zeros(2)
-        for force, joint in zip(situation.force, joints, strict=True):
-            first, second = (blocks[block]["support"] == support for block in joint["blocks"])
+        for force, pair in zip(states.force, states.blocks.tolist(), strict=True):
+            first, second = (blocks[block]["support"] == support for block in pair)
             total += float(second) * force - float(first) * force
         yield support, total
 

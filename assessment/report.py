@@ -15,10 +15,18 @@ from markupsafe import Markup
 from assessment import capacity_tables, tables
 from assessment.convergence_tables import convergence_tables, reported
 from assessment.display import Grid, echoed, grid, summary_grids
-from assessment.dynamic_tables import energy, histories, incremental, incremental_states, static_dynamic
+from assessment.dynamic_tables import (
+    energy,
+    histories,
+    incremental,
+    incremental_states,
+    ranges,
+    static_dynamic,
+)
 from assessment.figures import pictures
 from assessment.files import write_atomically
 from assessment.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check
+from assessment.joint_report import joint_law, pressures_told, reported_pressures
 from assessment.judgement import all_warnings, draft_judgement, worst_scenario
 from assessment.printing import command, load_weasyprint
 from assessment.reactions import balance, reactions
@@ -108,6 +116,8 @@ def render_html(
         summaries=list(summary_grids(capacity_tables.summary(results), results, words)),
         traces=list(traces(results, words)),
         contacts=_contacts(results),
+        joint_law=list(joint_law(results, words, "elastic" in _contacts(results))),
+        pressures=pressures_told(results, words),
         missing=list(_missing(results, words)),
         judgement=draft_judgement(results, words),
         worst=list(worst_scenario(results, words)),
@@ -168,6 +178,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         tables.mechanisms(results),
         reactions(results),
         balance(results),
+        reported_pressures(results),
         _without(capacity_tables.verification(results), "d_star_m", "a_star_g", "T_s"),  # in the summary
         capacity_tables.action(results),
         _without(capacity_tables.chosen_mechanisms(results), "refused"),
@@ -175,6 +186,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         Table("comparison", _compared(results), tables.COMPARISON),
         *reported_studies(results),
         histories(results),
+        ranges(results),
         energy(results),
         incremental(results),
         incremental_states(results),

@@ -25,7 +25,7 @@ from assessment.study import (
     quoted_limit_state,
 )
 from assessment.table import reduction
-from mechanics.pushdown import whole_movement
+from mechanics.procedures.pushdown import whole_movement
 
 if TYPE_CHECKING:
     from assessment.parallel import Workers

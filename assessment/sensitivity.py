@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Set
 from itertools import product
+from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 from assessment.increments import finest_settlements, refined
@@ -66,11 +67,16 @@ def sensitivity(
 def without_effect(project: Project) -> set[str]:
     """Return the properties that no capacity can depend on: all forces change alike.
 
-    Those of depth do, stiffness included, unless loads are given in kN; those of weight if nothing is elastic.
+    Those of depth do, stiffness included, unless loads are given in kN; those of weight if nothing is elastic or
+    crushes.
     """
     if any(layer.vertical_load_kN for layer in project.layers.values()):
         return set()
-    rigid = project.pushover is not None and project.pushover.contacts == ("rigid",)
+    strengths = [layer.compressive_strength_kN_m2 for layer in project.layers.values()]
+    crushes = any(
+        isfinite(strength or inf) for strength in (project.material.compressive_strength_kN_m2, *strengths)
+    )
+    rigid = project.pushover is not None and project.pushover.contacts == ("rigid",) and not crushes
     return {"depth", "unit_weight"} if rigid else {"depth"}
 
 

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from assessment.canvas import DASHES, chart
 from assessment.words import Words
-from mechanics.block import GRAVITY
+from mechanics.types import GRAVITY
 
 Results = Mapping[str, Any]
 OFFSET: dict[str, Any] = {"textcoords": "offset points"}

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from assessment.trace import Trace, datum, step
-from mechanics.block import GRAVITY
 from mechanics.errors import require
 from mechanics.response_spectrum import response_spectrum
+from mechanics.types import GRAVITY
 
 Array = NDArray[np.float64]
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assessment.capacity import mechanism_participation
+from assessment.faces import Met
 from assessment.frames import pushdown_frames, pushover_frames
 from assessment.idealisation import CapacityError
 from assessment.table import sense
@@ -24,20 +25,17 @@ from mechanics import (
     pushover,
 )
 from mechanics.assembly import Behaviour, Direction
-from mechanics.equilibrium import check_self_weight
-from mechanics.mechanism import hinges, overruns, virtual_work_multiplier
-from mechanics.mirror import Mirror
+from mechanics.procedures.mechanism import hinges, virtual_work_multiplier
+from mechanics.procedures.mirror import Mirror
+from mechanics.procedures.pushdown import Pushdown, whole_movement
+from mechanics.procedures.pushover import Pushover
 from mechanics.program import Certificate
-from mechanics.pushdown import Pushdown, whole_movement
-from mechanics.pushover import Pushover
+from mechanics.steps.equilibrium import check_self_weight
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
     from numpy.typing import NDArray
 
     from assessment.project_schema import ControlTable, SettlementTable
-    from mechanics.static_step import Step
 
 STILL = 1e-6  # of the largest virtual displacement: a control point that takes no part in a mechanism
 
@@ -130,12 +128,15 @@ def push(
         result, quality = Part(), Quality(name, f"pushover, {behaviour}")
         title = f"{name}, pushover {direction}, {behaviour} contacts"
         # where control points were passed over, that is found and told of each direction
-        if found is None or found[0] != controls[0][0]:
+        image = None
+        if found is not None and found[0] == controls[0][0]:
+            image = mirror_of(model, behaviour).pushover(found[1])
+        if image is not None:
+            found = points[0], image
+        else:
             found = _path(title, model, state, behaviour, direction, points, increment, until, result)
             if found is not None:
                 quality.add(found[1])
-        else:
-            found = points[0], mirror_of(model, behaviour).pushover(found[1])
         if found is not None:
             _curve_followed(title, model, behaviour, direction, *found, result)
         result.quality.append(quality.numbers())
@@ -181,7 +182,6 @@ def _settle(
         return
     if settlement.to_collapse and path.ultimate is None:
         result.warnings.append(f"{title}: no ultimate movement up to {path.movement[-1]:.3g} m ({path.end})")
-    result.warnings += [f"{title}: {text}" for text in overruns(model, behaviour, _points(path.steps))]
     result.warnings += _crossings(title, path.crossed)
     quality = Quality(settlement.name, f"pushdown, {behaviour}")
     quality.add(path)
@@ -198,7 +198,7 @@ def _settle(
         if path.ultimate is not None
         else None,
         "control_displacement_m": _control_path(model, control, path) if control else None,
-        "frames": pushdown_frames(model, behaviour, path, whole),
+        "frames": pushdown_frames(model, path, whole),
     }
 
 
@@ -246,14 +246,14 @@ def _curve_followed(
     path: Pushover,
     result: Part,
 ) -> None:
-    result.warnings += [f"{title}: {text}" for text in overruns(model, behaviour, _points(path.steps))]
     result.warnings += _crossings(title, path.crossed)
     rigid = behaviour == "rigid"
-    numbers = _rigid(model, control, direction, path) if rigid else _elastic(model, direction, path)
+    met = Met(model)
+    numbers = _rigid(model, control, direction, path, met) if rigid else _elastic(model, direction, path)
     result.numbers = {
         "control": control.name,
         **numbers,
-        "frames": pushover_frames(model, behaviour, path),
+        "frames": pushover_frames(model, path, met),
     }
     if rigid and path.formed != path.peak:
         result.warnings.append(
@@ -268,17 +268,30 @@ def _curve_followed(
 
 
 def _crossings(title: str, crossed: NDArray[np.float64]) -> list[str]:
+    """Tell between which displacements (n, 2) parts move by themselves, those that follow each other together."""
+    stretches: list[list[float]] = []
+    for left, held in crossed:
+        if stretches and left <= stretches[-1][1]:
+            stretches[-1][1] = held
+        else:
+            stretches.append([left, held])
     return [
         f"{title}: between d = {left:.4g} and {held:.4g} m a part moves by itself, until others hold it again"
-        for left, held in crossed
+        for left, held in stretches
     ]
 
 
-def _rigid(model: Assembly, control: ControlTable, direction: Direction, path: Pushover) -> dict[str, Any]:
-    """The numbers of a rigid curve; those of the mechanism are of its activation: the point of α0 (C8.7.1.2)."""
+def _rigid(
+    model: Assembly, control: ControlTable, direction: Direction, path: Pushover, met: Met
+) -> dict[str, Any]:
+    """The numbers of a rigid curve; those of the mechanism are of its activation: the point of α0 (C8.7.1.2).
+
+    Pairs of faces that slide in the mechanism although they did not touch as drawn are added to `met`.
+    """
     at = path.states[path.formed]
     mechanism, control_dx = _scaled(model, control, at, path.mechanism)
-    found = hinges(model, at, mechanism, path.forces)
+    found = hinges(model, path.contacts, at, mechanism, path.forces)
+    slides = np.isin(np.arange(len(path.contacts)), found.sliding)
     return {
         "alpha_0": float(path.multiplier[path.peak]),
         "alpha_onset": float(path.multiplier[0]),
@@ -296,7 +309,7 @@ def _rigid(model: Assembly, control: ControlTable, direction: Direction, path: P
             "displacements": mechanism.tolist(),
             "control_displacement_x": control_dx,
             "hinge_points_m": found.points.tolist(),
-            "sliding_joints": found.sliding.tolist(),
+            "sliding_joints": met.numbers(path.contacts, slides)[found.sliding].tolist(),
             "moving_weight_kN": float(found.moving_weight),
         },
         "virtual_work_alpha": virtual_work_multiplier(model, mechanism, direction),
@@ -334,6 +347,7 @@ def _elastic(model: Assembly, direction: Direction, path: Pushover) -> dict[str,
     return {
         "alpha_u": float(path.multiplier[path.peak]),
         "d_u_m": float(path.displacement[path.peak]),
+        "peak": path.peak,
         "alpha_y": None,
         "d_y_m": None,
         "end": path.end,
@@ -348,11 +362,6 @@ def _curve(path: Pushover, direction: Direction) -> dict[str, list[float]]:
     """The points of a curve; displacements along x, as everywhere in the results: towards −x they are negative."""
     along_x = sense(direction) * path.displacement + 0.0  # + 0.0: no −0.0
     return {"displacement_m": along_x.tolist(), "multiplier": path.multiplier.tolist()}
-
-
-def _points(steps: Iterable[Step]) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """Positions (b, 3) and contact forces (c, 2) along a path."""
-    return ((step.state.positions, step.forces) for step in steps)
 
 
 def configuration(model: Assembly, state: State) -> list[list[float]]:

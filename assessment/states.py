@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from assessment.parallel import Workers, large
 from assessment.project_schema import ORIGINAL
 from assessment.stages import Part, configuration, push, settle
-from mechanics.mirror import Mirror
+from mechanics.procedures.mirror import Mirror
 
 if TYPE_CHECKING:
     from assessment.project import Project

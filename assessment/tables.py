@@ -20,6 +20,7 @@ from assessment.convergence_tables import convergence_tables
 from assessment.dynamic_tables import dynamic_tables
 from assessment.files import write_atomically
 from assessment.hand_check import hand_check, macro_block_table, outline_area
+from assessment.joint_report import edge_pressures
 from assessment.reactions import balance, joint_table, reactions
 from assessment.study_tables import study_tables
 from assessment.table import Results, Table, taken_to_collapse
@@ -65,6 +66,7 @@ def tables(results: Results) -> list[Table]:
         reactions(results),
         balance(results),
         joint_table(results),
+        edge_pressures(results),
         macro_block_table(results),
         hand_check(results),
         quality(results),
@@ -155,7 +157,13 @@ def layers(results: Results) -> Table:
     )
 
 
-MATERIAL = ("unit_weight_kN_m3", "friction", "normal_stiffness_kN_m3", "tangential_stiffness_kN_m3")
+MATERIAL = (
+    "unit_weight_kN_m3",
+    "friction",
+    "normal_stiffness_kN_m3",
+    "tangential_stiffness_kN_m3",
+    "compressive_strength_kN_m2",
+)
 
 
 def settlements(results: Results) -> Table:

@@ -106,7 +106,7 @@ def model_summary(results: Results) -> str:
         [
             results["title"],
             f"  blocks {model['blocks']} ({model['movable_blocks']} movable), joints {model['joints']}, "
-            f"contact points {model['contact_points']}",
+            f"unknowns {model['unknowns']}",
             f"  weight {model['weight_kN']:.4g} kN; stands under its own weight: "
             f"{'yes' if model['self_weight_stable'] else 'NO'}",
         ]

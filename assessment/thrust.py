@@ -31,7 +31,7 @@ JOINTS: dict[str, dict[str, Any]] = {  # by condition; a joint that presses as a
 
 
 def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> Figure:
-    """Draw each situation: resultants as segments as long as they are large, joined through blocks of two joints.
+    """Draw each situation: resultants as lines as long as they are large, joined through blocks of two joints.
 
     Joints are marked by their condition (JointStates.condition); a hinge is a circle where the resultant crosses.
     """
@@ -39,10 +39,10 @@ def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> F
     shapes = [drawing.moved(situation.configuration) for situation in shown]
     joints = [joint_states(results, situation) for situation in shown]
     page = sheet(union(shapes), len(shown), border_mm=7.0, foot_mm=18.0)
-    largest = max(float(np.hypot(*situation.force.T).max()) for situation in shown)
+    largest = max(float(np.hypot(*states.force.T).max()) for states in joints)
     for axes, situation, shape, states in zip(page.panels, shown, shapes, joints, strict=True):
         axes.set_title(_title(situation, words))
-        _draw(page, axes, results, situation, shape, states, largest)
+        _draw(page, axes, results, shape, states, largest)
         if situation.direction:
             push_arrow(page, axes, shape.bounds, situation.direction)
     legend(page, _handles({c for states in joints for c in states.condition}, largest, words))
@@ -53,7 +53,6 @@ def _draw(
     page: Sheet,
     axes: Axes,
     results: Results,
-    situation: Situation,
     shape: Outlines,
     states: JointStates,
     largest: float,
@@ -64,10 +63,10 @@ def _draw(
         width = style["linewidth"] * fine
         ends = states.ends[_are(states, condition)]
         axes.add_collection(LineCollection(list(ends), **(style | {"linewidth": width})))
-    half = 0.5 * page.paper(LONGEST_MM) / largest * situation.force
-    segments = np.stack([states.point - half, states.point + half], axis=1)[~_are(states, "idle")]
-    axes.add_collection(LineCollection(list(segments), **RESULTANT))
-    axes.add_collection(LineCollection(thrust_lines(results, states), **THRUST))
+    half = 0.5 * page.paper(LONGEST_MM) / largest * states.force
+    resultants = np.stack([states.point - half, states.point + half], axis=1)[~_are(states, "idle")]
+    axes.add_collection(LineCollection(list(resultants), **RESULTANT))
+    axes.add_collection(LineCollection(thrust_lines(states), **THRUST))
     axes.plot(
         *states.point[_are(states, "edge")].T,
         **(HINGE | {"markersize": 3.6 * fine, "markeredgewidth": 0.9 * fine}),

@@ -42,10 +42,8 @@ def viewer(results: Results, words: Words) -> Viewer | None:
             }
             for block in geometry["blocks"]
         ],
-        "joints": [
-            {"blocks": joint["blocks"], "ends": joint["ends_m"], "friction": joint["friction"]}
-            for joint in geometry["joints"]
-        ],
+        "joints": [_joint(joint) for joint in geometry["joints"]],
+        "tolerance": geometry["joint_tolerance_m"],
         "weight": results["model"]["weight_kN"],
         "limits": {"idle": IDLE, "friction": FRICTION, "edge": EDGE},
         "paths": paths,
@@ -70,7 +68,7 @@ def _pushdowns(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                     "x_label": words.plain("figure.movement"),
                     "y_label": words.plain("viewer.reactions"),
                     "series": series,
-                    "frames": _frames(stage["frames"], series, len(results["geometry"]["joints"])),
+                    "frames": _frames(stage["frames"], series),
                 }
 
 
@@ -89,7 +87,7 @@ def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                         "x_label": words.plain("figure.x_displacement"),
                         "y_label": words.plain("figure.multiplier"),
                         "series": series,
-                        "frames": _frames(stage["frames"], series, len(results["geometry"]["joints"])),
+                        "frames": _frames(stage["frames"], series),
                     }
 
 
@@ -107,28 +105,43 @@ def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                     "frames": {
                         "x": kept["time_s"],
                         "y": [[1000.0 * value for value in kept["displacement_m"]]],
-                        **_drawn(kept, len(results["geometry"]["joints"])),
+                        **_drawn(kept),
                     },
                 }
 
 
-def _frames(kept: Mapping[str, Any], series: Sequence[Mapping[str, Any]], joints: int) -> dict[str, Any]:
+def _frames(kept: Mapping[str, Any], series: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Frames of a static path: values on its curves at each, and what the script draws."""
     return {
         "x": [series[0]["x"][index] for index in kept["index"]],
         "y": [[each["y"][index] for index in kept["index"]] for each in series],
-        **_drawn(kept, joints),
+        **_drawn(kept),
     }
 
 
-def _drawn(kept: Mapping[str, Any], joints: int) -> dict[str, str]:
+def _drawn(kept: Mapping[str, Any]) -> dict[str, Any]:
     """Where the blocks are and what the joints carry at each frame, NaN where that is not known."""
+    joints = max((len(each) for each in kept["centre"] if each is not None), default=0)
     force = [np.full((joints, 2), np.nan) if each is None else each for each in kept["force_kN"]]
     centre = [np.full(joints, np.nan) if each is None else each for each in kept["centre"]]
     return {
         "configuration": _floats(kept["configuration"]),
         "force": _floats(force),
         "centre": _floats(centre),
+        "met": [_joint(each) for each in kept["met"]],
+    }
+
+
+def _joint(joint: Mapping[str, Any]) -> dict[str, Any]:
+    """What the script needs of a pair of faces; `drawn`: whether its slip counts from the drawing."""
+    return {
+        "blocks": joint["blocks"],
+        "middle": joint["middle_m"],
+        "faces": joint["faces_m"],
+        "friction": joint["friction"],
+        "depth": joint["depth_m"],
+        "strength": joint["compressive_strength_kN_m2"],
+        "drawn": "ends_m" in joint,
     }
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assessment.trace import Step, Trace, datum, names, step
-from mechanics.block import GRAVITY
+from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
     from assessment.macro_blocks import Chosen, MacroBlock

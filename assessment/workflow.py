@@ -17,7 +17,6 @@ from assessment.outcome import Outcome
 from assessment.parallel import SILENCE, Show, Workers, large
 from assessment.plausibility import implausible_hazard
 from assessment.project_schema import ORIGINAL
-from assessment.segments import in_more_segments
 from assessment.stages import stand
 from assessment.states import Request, StateResult, analyse_states
 from assessment.study import Demands, behaviours
@@ -77,13 +76,9 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
             [request for request in _requests(finer, assembly) if request.state in names], workers
         ),
     )
-    segmented = in_more_segments(project, assembly, Demands(demands, hazard), converged.given, workers)
     stages = converged.stages
     warnings = results["quality"]["warnings"]
-    warnings += converged.warnings + segmented.warnings
-    if segmented.rows:
-        results["convergence"]["segments"] = segmented.rows
-        results["timing_s"]["segments"] = segmented.seconds
+    warnings += converged.warnings
     results["convergence"]["rows"] += converged.rows
     states = results["states"]
     for stage in stages:
@@ -105,7 +100,7 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
     if project.mechanism:
         results["mechanisms"] = assess_chosen(project, assembly, states, demands, hazard, warnings)
     studied = add_studies(results, project, assembly, stages, converged.halvings, demands, hazard, workers)
-    shaken = add_dynamics(results, project, assembly, motions, stages, converged.halvings, workers)
+    shaken = add_dynamics(results, project, assembly, motions, stages, workers)
     if project.assessment or project.incremental:
         results["comparison"] = _comparison(states)
     _sum_up(results["quality"])
@@ -172,7 +167,7 @@ def _sum_up(quality: Results) -> None:
         "worst_complementarity",
         "worst_cone_violation",
     ):
-        quality[key] = max((row[key] for row in rows), default=None)
+        quality[key] = max((row[key] for row in rows if key in row), default=None)
 
 
 def _without_nan(value: Any) -> Any:

@@ -11,11 +11,10 @@ from mechanics.errors import (
     NoEquilibriumError,
     UnstableError,
 )
-from mechanics.limit import limit_analysis
-from mechanics.load_control import load_control
-from mechanics.pushdown import pushdown
-from mechanics.pushover import pushover
-from mechanics.time_history import TimeHistory, time_history
+from mechanics.procedures.limit_analysis import limit_analysis
+from mechanics.procedures.pushdown import pushdown
+from mechanics.procedures.pushover import pushover
+from mechanics.procedures.time_history import TimeHistory, time_history
 
 __all__ = [
     "Assembly",
@@ -30,7 +29,6 @@ __all__ = [
     "TimeHistory",
     "UnstableError",
     "limit_analysis",
-    "load_control",
     "pushdown",
     "pushover",
     "read_drawing",

@@ -8,12 +8,15 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from mechanics.block import GRAVITY, Array, Block
-from mechanics.contacts import Contacts, Kinematics, kinematics, place_contacts
+from mechanics.block import Block
 from mechanics.errors import require
-from mechanics.joints import Index, Joints, default_tolerance, find_joints
+from mechanics.joints import Joints, default_tolerance, find_joints
+from mechanics.kernels.bed import MOST_SEGMENTS
+from mechanics.model.contacts import Contacts, drawn_contacts
+from mechanics.model.proximity import Outlines
+from mechanics.types import GRAVITY, Array, Index, Mask
 
 LIGHTEST = (
     1e-6  # of the mean block's weight: equilibrium, solved to 1e-8 of that, would not see a lighter one
@@ -21,7 +24,6 @@ LIGHTEST = (
 
 Behaviour = Literal["rigid", "elastic"]
 Direction = Literal["+x", "-x"]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,14 +31,17 @@ class State:
     """Where the blocks are and how they move.
 
     `positions` (b, 3): x, z (m) of each centroid and rotation (rad) from the drawing, supports included;
-    `velocities` (b, 3): their rates; `shear`: tangential contact forces (kN) carried by joints of finite
-    tangential stiffness, None where there are none; `carrying` (c,): contact points that carry in the equilibrium that
-    led here, rigid ones closed whatever gap dilatant sliding has left under them; None where none did.
+    `velocities` (b, 3): their rates; `shear` (j,): tangential forces (kN) of the drawn joints, and `met` (k, 3): two
+    edges and that force, of pairs of faces that met on the way and carry; `carrying` (j,): drawn joints that carry in
+    the
+    equilibrium that led here, closed where rigid whatever gap dilatant sliding has left in them; None where no
+    equilibrium did.
     """
 
     positions: Array
     velocities: Array
     shear: Array | None = None
+    met: Array | None = None
     carrying: Mask | None = None
 
 
@@ -44,18 +49,28 @@ class State:
 class Assembly:
     """Blocks and the dry joints between them; supports are the blocks that bear a support's name.
 
-    `tolerance` (m): edges closer than this touch (default: a thousandth of the median edge).
+    `segments_per_joint`: of the paper's beds of points in elastic analyses; by default the bed is exact.
+    `tolerance` (m): edges closer than this touch (default: a thousandth of the median edge). `collisions`: blocks that
+    were
+    apart as drawn may come to touch.
     Raises ValueError where there is nothing to analyse.
     """
 
     blocks: Sequence[Block]
-    segments_per_joint: int = 1
+    segments_per_joint: int | None = None
     tolerance: float | None = None
+    collisions: bool = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "blocks", tuple(self.blocks))
         require(len(self.blocks) > 0, "blocks", 0, "at least one block")
-        require(self.segments_per_joint >= 1, "segments_per_joint", self.segments_per_joint, "≥ 1")
+        n = self.segments_per_joint
+        require(
+            n is None or 1 <= n <= MOST_SEGMENTS,
+            "segments_per_joint",
+            n,
+            f"from 1 to {MOST_SEGMENTS}, or None",
+        )
         if self.tolerance is None:
             object.__setattr__(self, "tolerance", default_tolerance(self.blocks))
         require(0.0 < self.joint_tolerance < np.inf, "tolerance", self.tolerance, "positive, in m")
@@ -85,36 +100,35 @@ class Assembly:
         return find_joints(self.blocks, self.joint_tolerance)
 
     @cached_property
-    def segments(self) -> Index:
-        """Segments (j,) of each joint in elastic analyses: the more of what its two blocks ask for."""
-        wished = np.array([b.segments or self.segments_per_joint for b in self.blocks], dtype=np.intp)
-        return np.maximum(wished[self.joints.a], wished[self.joints.b])
+    def contacts(self) -> Contacts:
+        """The contacts of the joints as drawn."""
+        return drawn_contacts(self.blocks, self.joints, self.segments_per_joint or 0, self.joint_tolerance)
 
     @cached_property
-    def elastic_contacts(self) -> Contacts:
-        """Contact points of the joints, each divided into its segments."""
-        return place_contacts(self.blocks, self.joints, self.segments)
+    def outlines(self) -> Outlines:
+        """Edges and corners of the blocks."""
+        return Outlines.of(self.blocks)
 
     @cached_property
-    def rigid_contacts(self) -> Contacts:
-        """Contact points of rigid analyses: straight rigid edges meet at their ends, so one segment is exact."""
-        return place_contacts(self.blocks, self.joints, np.ones(len(self.joints.a), dtype=np.intp))
+    def radius(self) -> Array:
+        """Distance (b,) of each block's farthest corner from its centroid, m."""
+        return np.array([np.hypot(*(b.polygon - b.centroid).T).max() for b in self.blocks])
 
-    def contacts(self, behaviour: Behaviour) -> Contacts:
-        """Contact points of an analysis; ValueError where elastic ones lack a stiffness."""
+    @cached_property
+    def block_size(self) -> Array:
+        """Root of the area of each block (b,), m."""
+        return np.array([np.sqrt(b.area) for b in self.blocks])
+
+    def farthest(self, one: Array, other: Array) -> float:
+        """The longest way (m) that a corner can have gone from positions (b, 3) to others."""
+        moved = abs(other - one)
+        return float((np.hypot(moved[:, 0], moved[:, 1]) + self.radius * moved[:, 2]).max())
+
+    def check_behaviour(self, behaviour: Behaviour) -> None:
+        """Raise ValueError where it is none, or where elastic joints lack a stiffness."""
         require(behaviour in {"rigid", "elastic"}, "contacts", behaviour, '"rigid" or "elastic"')
-        if behaviour == "rigid":
-            return self.rigid_contacts
-        if np.isnan(self.elastic_contacts.stiffness).any():
+        if behaviour == "elastic" and np.isnan(self.contacts.bed).any():
             raise ValueError("normal_stiffness: elastic contacts need it for the material of every block")
-        return self.elastic_contacts
-
-    def carrying(self, state: State) -> Mask:
-        """Rigid contact points (c,) that carry in a state, as far as that is known: elastic joints may have more."""
-        count = len(self.rigid_contacts)
-        if state.carrying is None or len(state.carrying) != count:
-            return np.zeros(count, dtype=bool)
-        return state.carrying
 
     @cached_property
     def joints_in_a_row(self) -> int:
@@ -174,10 +188,6 @@ class Assembly:
     def size(self) -> float:
         """A block's size, m: the root of the mean area of the movable blocks (the program's unit of length)."""
         return float(np.sqrt(np.mean([b.area for b in self.blocks if b.support is None])))
-
-    def kinematics(self, behaviour: Behaviour, positions: Array) -> Kinematics:
-        """Gaps and compatibility rows in a configuration."""
-        return kinematics(self.contacts(behaviour), positions)
 
     def support(self, name: str) -> Index:
         """Blocks of a support; ValueError naming the known ones."""

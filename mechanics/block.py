@@ -6,32 +6,31 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from mechanics.errors import require
-
-GRAVITY = 9.80665  # m/s²
-
-Array = NDArray[np.float64]
+from mechanics.types import GRAVITY, Array
 
 
 @dataclass(frozen=True, slots=True)
 class Material:
     """Stone and the dry joints it makes.
 
-    unit_weight in kN/m³; friction is the tangent of the friction angle; the stiffnesses (kN/m³) are of a
-    joint per unit area. Without normal_stiffness only rigid analyses are possible; an infinite
-    tangential_stiffness is the paper's choice (§4). Raises ValueError naming the argument.
+    unit_weight in kN/m³; friction is the tangent of the friction angle, infinite where nothing slides; the stiffnesses
+    (kN/m³) are of a joint per unit area. Without normal_stiffness only rigid analyses are possible; an infinite
+    tangential_stiffness is the paper's choice (§4). compressive_strength (kN/m²) is that of a joint's bed. Raises
+    ValueError naming the argument.
     """
 
     unit_weight: float
     friction: float = 0.6
     normal_stiffness: float | None = None
     tangential_stiffness: float = float("inf")
+    compressive_strength: float = float("inf")
 
     def __post_init__(self) -> None:
         require(0.0 < self.unit_weight < np.inf, "unit_weight", self.unit_weight, "positive, in kN/m³")
-        require(0.0 <= self.friction < np.inf, "friction", self.friction, "zero or positive")
+        require(self.friction >= 0.0, "friction", self.friction, "zero or positive")
         require(
             self.normal_stiffness is None or 0.0 < self.normal_stiffness < np.inf,
             "normal_stiffness",
@@ -43,6 +42,12 @@ class Material:
             "tangential_stiffness",
             self.tangential_stiffness,
             "positive, in kN/m³ (inf: rigid in shear)",
+        )
+        require(
+            self.compressive_strength > 0.0,
+            "compressive_strength",
+            self.compressive_strength,
+            "positive, in kN/m² (inf: no limit)",
         )
 
 

@@ -35,3 +35,7 @@ def require(condition: bool, name: str, value: object, must_be: str) -> None:
     """Raise ValueError naming the argument unless the condition holds."""
     if not condition:
         raise ValueError(f"{name} = {value!r}: must be {must_be}")
+
+
+class UnsettledError(NoEquilibriumError):
+    """The forces of a step and the geometry in which they act do not come to agree."""

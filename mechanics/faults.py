@@ -9,8 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from mechanics.block import Array
 from mechanics.errors import DrawingError
+from mechanics.types import Array
 
 LISTED = 20  # faults of one kind that are told in full
 

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 from scipy.linalg import solveh_banded
 
-from mechanics.block import Array
 from mechanics.errors import require
 from mechanics.faults import visible
 from mechanics.record_formats import parse_record
+from mechanics.types import Array
 
 HIGHEST_CREDIBLE_PGA = 10.0  # g; beyond it the unit is wrong
 LOWEST_PGA = 1e-9  # g; below it nothing moves

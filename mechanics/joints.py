@@ -7,11 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
-from mechanics.block import Array, Block
-
-Index = NDArray[np.intp]
+from mechanics.block import Block
+from mechanics.types import Array, Index
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +19,7 @@ class Joints:
     `ends` (j, 2, 2) m: the two ends of the overlap, midway between the two edges; the tangent runs from the first
     to the second and the normal, a quarter turn anticlockwise from it, points from b into a.
     `room_a`, `room_b` (j, 2) m: coordinates along the tangent, from the first end, between which the edge of a
-    (of b) extends: a contact point that slides beyond has left its facing edge.
+    (of b) extends. `edges` (j, 2): which edges these are, among those of all blocks (see block_edges).
     """
 
     a: Index
@@ -29,6 +27,7 @@ class Joints:
     ends: Array
     room_a: Array
     room_b: Array
+    edges: Index
 
     @property
     def length(self) -> Array:
@@ -54,7 +53,7 @@ def find_joints(blocks: Sequence[Block], tolerance: float) -> Joints:
     are partial overlaps and need no extra vertices; vertices in the middle of a straight edge are passed over.
     Joints between two supports are left out.
     """
-    start, end, owner = _edges(blocks)
+    start, end, owner = block_edges(blocks)
     first, second = _candidates(start, end, owner, tolerance)
     fixed = np.array([b.support is not None for b in blocks])
     keep = ~(fixed[owner[first]] & fixed[owner[second]])
@@ -85,11 +84,9 @@ def find_joints(blocks: Sequence[Block], tolerance: float) -> Joints:
         axis=1,
     )
     rooms = [np.stack([along[k] - low, along[k + 1] - low], axis=1)[keep] for k in (0, 2)]
-    joints = Joints(owner[first][keep], owner[second][keep], ends[keep], rooms[0], rooms[1])
-    order = np.lexsort((joints.b, joints.a))
-    return Joints(
-        joints.a[order], joints.b[order], joints.ends[order], joints.room_a[order], joints.room_b[order]
-    )
+    a, b, edges = owner[first][keep], owner[second][keep], np.stack([first, second], axis=1)[keep]
+    order = np.lexsort((b, a))
+    return Joints(a[order], b[order], ends[keep][order], rooms[0][order], rooms[1][order], edges[order])
 
 
 def _candidates(start: Array, end: Array, owner: Index, tolerance: float) -> tuple[Index, Index]:
@@ -100,7 +97,7 @@ def _candidates(start: Array, end: Array, owner: Index, tolerance: float) -> tup
     return first[keep], second[keep]
 
 
-def _edges(blocks: Sequence[Block]) -> tuple[Array, Array, Index]:
+def block_edges(blocks: Sequence[Block]) -> tuple[Array, Array, Index]:
     """Straight edges of all blocks: start (e, 2), end (e, 2), block (e,)."""
     corners = [_corners(b.polygon) for b in blocks]
     start = np.concatenate(corners)

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from mechanics.block import Array, Block
+from mechanics.block import Block
 from mechanics.faults import Fault, FaultyDrawingError, Outline, listed
-from mechanics.joints import Index, Joints, find_joints
+from mechanics.joints import Joints, find_joints
 from mechanics.overlaps import Polygons, eroded, name_of, overlaps_of, place_of
+from mechanics.types import Array, Index
 
 NEAR = 20.0  # edges that face each other within so many tolerances were likely meant to touch
 MOST_NEIGHBOURS = 2e7  # pairs of edges within NEAR tolerances of each other, as many as memory holds

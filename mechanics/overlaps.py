@@ -11,9 +11,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from mechanics.block import Array, Block
+from mechanics.block import Block
 from mechanics.faults import Fault
-from mechanics.joints import Index
+from mechanics.types import Array, Index
 
 MANY = 3  # a block that overlaps so many others is told once, not with each of them
 SHOWN = 100  # of those others, in a picture

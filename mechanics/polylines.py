@@ -13,9 +13,8 @@ from ezdxf.entities.lwpolyline import LWPolyline
 from ezdxf.entities.polyline import Polyline
 from ezdxf.math import Matrix44, Vec3
 
-from mechanics.block import Array
 from mechanics.faults import Fault
-from mechanics.joints import Index
+from mechanics.types import Array, Index
 
 SAME_POINT = 1e-6  # of an outline's size: vertices closer than this are one vertex
 SAGITTA = 1e-3  # of an arc's width: the default distance between an arc and its chords

@@ -1,11 +1,11 @@
-"""THE mathematical program: every analysis is this one, with parts present or absent (paper, eqs 3–5; design.md §1).
+"""THE mathematical program: every analysis is this one, with parts present or absent (paper, eqs 3–5).
 
-    minimise   ½ iᵀM̄⁻¹i + ½ cᵀCc + g₀ᵀc − αγ
-    subject to i − A₀c − αf_L = f̄            equilibrium of each movable block
-               |t_k| ≤ μ n_k                  at each contact point
+    minimise   ½ iᵀM̄⁻¹i + W*(N, P) + T²/2k_t + cᵀg₀ − αγ       c = (N, P, T) of each joint, i = M̄Δx
+    subject to i − Bᵀc − αf_L = f̄                              equilibrium of each movable block
+               |P| ≤ hN − N²/(2σ),   |T| ≤ μN                   at each joint
 
-The displacements Δx are the multipliers of equilibrium; w = Cc + g₀ + A₀ᵀΔx, the gap and slip left after the step,
-lies in the dual cone w_n ≥ μ|w_t| and does no work on the forces.
+The paper's contact points at the ends of a joint give the same cone |P| ≤ hN, with friction on the resultant. The
+displacements Δx are the multipliers of equilibrium.
 """
 
 from __future__ import annotations
@@ -15,29 +15,29 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mechanics.block import Array
-from mechanics.joints import Index
+from mechanics.kernels.bed import closures, points_under, under
+from mechanics.kernels.interior_iteration import BED, FRICTION, LIFT, SEGMENTS, SHEAR, SLID, STRENGTH
+from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.model.contacts import rows
+from mechanics.types import Array, Index
 
 LARGEST_MULTIPLIER = 1e4  # beyond it a load is said to meet no mechanism
 
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """One program over c contact points and m degrees of freedom; arrays as named in the module's docstring.
+    """One program over j joints and m degrees of freedom.
 
-    `dof` (c, 6): row of equilibrium of each entry of `normal` and `tangent` (c, 6), the rows of A₀ᵀ; −1: a support.
-    `gap` (c, 2) m: g₀, normal and tangential; `friction` (c,); `compliance` (c, 2) m/kN: C;
-    `load` (m,) kN: f̄; `lateral` (m,) kN: f_L, None where there is no multiplier; `work` γ in kNm;
-    `mass` (m,): M̄, None in statics. `weight` (kN) and `step` (m) are the sizes of a force and a displacement,
-    `size` (m) that of a block: they make the program dimensionless and its residuals relative.
+    `dof` (j, 6): degrees of freedom of blocks a and b, −1 for a support; `places` (j, PLACE) and `law` (j, LAW): see
+    kernels; `load` (m,) kN: f̄; `lateral` (m,) kN: f_L, None where there is no multiplier; `work` γ in kNm;
+    `mass` (m,): M̄, None in statics; `curved` (j, 7): what given forces change with the geometry (joint.curvature), None
+    where that is left out. `weight` (kN) and `step` (m) are the sizes of a force and a displacement, `size` (m) that of
+    a block: residuals are relative to them.
     """
 
     dof: Index
-    normal: Array
-    tangent: Array
-    gap: Array
-    friction: Array
-    compliance: Array
+    places: Array
+    law: Array
     load: Array
     lateral: Array | None
     work: float
@@ -45,37 +45,40 @@ class Program:
     weight: float
     size: float
     step: float
+    curved: Array | None = None
 
     def take(self, index: NDArray[np.intp]) -> Program:
-        """The program over a choice of contact points."""
-        per_contact = ("dof", "normal", "tangent", "gap", "friction", "compliance")
-        return replace(self, **{name: getattr(self, name)[index] for name in per_contact})
+        """The program over a choice of the joints."""
+        curved = None if self.curved is None else self.curved[index]
+        return replace(
+            self, dof=self.dof[index], places=self.places[index], law=self.law[index], curved=curved
+        )
 
     def resultant(self, forces: Array) -> Array:
-        """A₀c (m,): forces and moments that contact forces (c, 2) exert on the blocks."""
-        entries = forces[:, :1] * self.normal + forces[:, 1:] * self.tangent
+        """Bᵀc (m,): forces and moments that joint forces (j, 3) exert on the blocks."""
+        entries = np.einsum("jrc,jr->jc", rows(self.places), forces)
         moving = self.dof >= 0
         total = np.bincount(self.dof[moving], entries[moving], minlength=len(self.load))
         return np.asarray(total, dtype=float)
 
-    def relative(self, displacement: Array) -> Array:
-        """A₀ᵀΔx (c, 2): opening and slip that block displacements (m,) cause at the contact points."""
+    def deformation(self, displacement: Array) -> Array:
+        """Gap u, turn φ and slip v − v₀ (j, 3) after displacements (m,)."""
         local = np.where(self.dof >= 0, displacement[self.dof], 0.0)
-        return np.stack([(self.normal * local).sum(axis=1), (self.tangent * local).sum(axis=1)], axis=1)
-
-    def opening(self, forces: Array, displacement: Array) -> Array:
-        """W = Cc + g₀ + A₀ᵀΔx (c, 2): gap and slip left after the step."""
-        left: Array = self.compliance * forces + self.gap + self.relative(displacement)
-        return left
+        moved = np.einsum("jrc,jc->jr", rows(self.places), local)
+        found: Array = self.places[:, [U, PHI, V]] + moved
+        found[:, 2] -= self.law[:, SLID]
+        return found
 
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
     """How well a solution meets the definitions of its program, recomputed from them.
 
-    `equilibrium`: largest unbalanced force (moments by the block size) per weight; `cone`: largest violation of
-    |t| ≤ μn per weight; `complementarity`: |cᵀw| per weight and step; `penetration` m: largest violation of
-    w_n ≥ μ|w_t|; `work`: |f_LᵀΔx − γ| per weight and step.
+    `equilibrium`: largest unbalanced force (moments by the block size) per weight; `cone`: largest violation of the
+    bounds of P and T per weight; `complementarity`: forces times the gaps and slips that they should not have, per
+    weight
+    of the structure and step; `penetration` m: deepest interpenetration that no bed explains; `work`: |f_LᵀΔx − γ| per
+    weight and step.
     """
 
     equilibrium: float
@@ -106,53 +109,71 @@ class Certificate:
 
 
 @dataclass(frozen=True, eq=False)
-class Neighbour:
-    """The solution of a like program, near which another is sought: forces (c, 2) kN, w (c, 2) m and multiplier."""
-
-    forces: Array
-    opening: Array
-    alpha: float
-
-    def take(self, index: NDArray[np.intp], stretch: float) -> Neighbour:
-        """The same at a choice of the contact points, for a step that is longer by the factor `stretch`."""
-        return Neighbour(self.forces[index], stretch * self.opening[index], self.alpha)
-
-
-@dataclass(frozen=True, eq=False)
 class Solution:
-    """Contact forces (c, 2) kN, multiplier, displacements (m,), inertia forces are M̄Δx; and its certificate."""
+    """Joint forces N, P, T (j, 3), kN and kNm, multiplier, displacements (m,); and their certificate."""
 
     forces: Array
     alpha: float
     displacement: Array
     certificate: Certificate
 
-    def neighbour(self, program: Program) -> Neighbour:
-        """What this solution of a program tells one that is sought near it."""
-        return Neighbour(self.forces, program.opening(self.forces, self.displacement), self.alpha)
+
+def end_forces(forces: Array, half: Array) -> Array:
+    """N₁ and N₂ (j, 2) at the ends of overlaps 2h of N and P (j, 3)."""
+    couple = np.divide(forces[:, 1], half, out=np.zeros(len(forces)), where=half > 0.0)
+    return 0.5 * np.stack([forces[:, 0] - couple, forces[:, 0] + couple], axis=1)
+
+
+def bed_gaps(ends: Array, half: Array, law: Array) -> Array:
+    """Gaps (j, 2), m, of the ends of elastic beds under end forces (j, 2), kN."""
+    gaps = np.zeros_like(ends)
+    for k, (n1, n2) in enumerate(np.maximum(ends, 1e-12 * abs(ends).max(initial=1e-300))):
+        bed, strength, segments = law[k, BED], law[k, STRENGTH], law[k, SEGMENTS]
+        soft = 1.0 / (2.0 * half[k] * bed)
+        if strength < np.inf:
+            gaps[k] = under(n1, n2, half[k], bed, strength)
+        elif segments:
+            gaps[k] = points_under(n1, n2, int(segments), soft)[:2]
+        else:
+            gaps[k] = closures(n1, n2, soft)
+    return gaps
 
 
 def certify(program: Program, forces: Array, alpha: float, displacement: Array) -> Certificate:
     """Recompute from the definitions how far a solution is from one (see Certificate)."""
-    residual = program.resultant(forces) + program.load
-    if program.lateral is not None:
-        residual = residual + alpha * program.lateral
-    if program.mass is not None:
-        residual = residual - program.mass * displacement
-    residual[2::3] /= program.size
-    w = program.opening(forces, displacement)
-    n, t = forces.T
+    p, law, half = program, program.law, program.places[:, H]
+    residual = p.resultant(forces) + p.load
+    if p.lateral is not None:
+        residual = residual + alpha * p.lateral
+    if p.mass is not None:
+        residual = residual - p.mass * displacement
+    residual[2::3] /= p.size
+    u, phi, v = p.deformation(displacement).T
+    n, _, t = forces.T
+    ends = end_forces(forces, half)
+    crush = n**2 / (4.0 * half * law[:, STRENGTH])
+    margin = ends - crush[:, None]
+    slip = v + law[:, SHEAR] * t
+    lifted = u - law[:, LIFT] * abs(slip)
+    gaps = np.stack([lifted - half * phi, lifted + half * phi], axis=1)
+    elastic = law[:, BED] < np.inf
+    if elastic.any():
+        gaps[elastic] -= bed_gaps(ends[elastic], half[elastic], law[elastic])
+    # crushing closes both ends, w = y − 2κN(y₁ + y₂): of the gaps that are left one is nothing where the joint bears
+    apart, share = gaps[:, 0] - gaps[:, 1], n / (2.0 * half * law[:, STRENGTH])
+    both = 0.5 * (gaps.sum(axis=1) - (1.0 - 2.0 * share) * abs(apart))
+    gaps = both[:, None] + np.maximum(np.stack([apart, -apart], axis=1), 0.0)
+    mu = law[:, FRICTION]
     work = 0.0
-    if program.lateral is not None:
-        work = (float(program.lateral @ displacement) - program.work) / (program.weight * program.step)
+    if p.lateral is not None:
+        work = (float(p.lateral @ displacement) - p.work) / (p.weight * p.step)
         # a load that only wedges the blocks holds α at its bound and does less work than is asked of it
         work = max(work, 0.0) if alpha > 0.99 * LARGEST_MULTIPLIER else abs(work)
+    idle = abs(np.maximum(margin, 0.0) * gaps).sum() + abs(mu * n * abs(slip) + t * slip).sum()
     return Certificate(
-        equilibrium=float(abs(residual).max(initial=0.0) / program.weight),
-        cone=float(
-            max((abs(t) - program.friction * n).max(initial=0.0), (-n).max(initial=0.0)) / program.weight
-        ),
-        complementarity=float(abs((forces * w).sum(axis=1)).sum() / (program.weight * program.step)),
-        penetration=float((program.friction * abs(w[:, 1]) - w[:, 0]).max(initial=0.0)),
+        equilibrium=float(abs(residual).max(initial=0.0) / p.weight),
+        cone=float(max((abs(t) - mu * n).max(initial=0.0), (-margin).max(initial=0.0)) / p.weight),
+        complementarity=float(idle / (p.weight * p.step * len(p.load) / 3)),
+        penetration=float((-gaps).max(initial=0.0)),
         work=work,
     )

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mechanics.block import GRAVITY, Array
 from mechanics.faults import visible
+from mechanics.types import GRAVITY, Array
 
 Samples = tuple[Array, float]  # acceleration (n,), g; time step, s
 

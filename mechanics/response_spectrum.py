@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.block import GRAVITY, Array
 from mechanics.errors import require
+from mechanics.types import GRAVITY, Array
 
 STEPS_PER_PERIOD = (
     20  # with a parabola through the highest sample: 0.02 % of a sine's peak, 0.2 % under white noise

@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from mechanics.block import Array
 from mechanics.errors import ConvergenceError, require
 from mechanics.ground_motion import Record
 from mechanics.response_spectrum import response_spectrum
+from mechanics.types import Array
 
 ATTEMPTS, ITERATIONS = 10, 30  # draws of phases for one seed, corrections of each
 LONGEST = 5.0  # s; longer waves would only add drift

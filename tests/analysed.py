@@ -22,7 +22,6 @@ PROJECT = """title = "Small arch"
 drawing = "geometry.dxf"
 unit = "m"
 depth_m = 1.0
-segments_per_joint = 2
 
 [material]
 unit_weight_kN_m3 = 20.0

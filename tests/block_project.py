@@ -16,14 +16,13 @@ from assessment.store import FOLDER
 ROOT = Path(__file__).parents[1]
 
 
-def block(segments: int = 2, stiffness: str = "1e6") -> str:
+def block(stiffness: str = "1e6") -> str:
     """The tables that every project of the block has; stiffness of its joint in kN/m³."""
     return f"""title = "Block"
 [geometry]
 drawing = "geometry.dxf"
 unit = "m"
 depth_m = 1.0
-segments_per_joint = {segments}
 [material]
 unit_weight_kN_m3 = 18.0
 friction = 0.7

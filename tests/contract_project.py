@@ -13,7 +13,6 @@ title = "Buttressed arch"
 drawing = "geometry.dxf"
 unit = "mm"
 depth_m = 0.10
-segments_per_joint = 4
 [material]
 unit_weight_kN_m3 = 11.5
 friction = 0.6

@@ -22,7 +22,7 @@ max_scale = 2.0
 REPORT = """[report]
 language = "it"
 """
-ALL = 8  # analyses: self-weight, a pushdown, two pushovers, histories and searches
+ALL = 10  # analyses: self-weight, a pushdown, two pushovers, two histories by pairs and two searches
 
 
 def write_every_stage(folder: Path) -> Path:

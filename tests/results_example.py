@@ -32,7 +32,8 @@ def results_example(language: str = "it") -> dict[str, Any]:
             "blocks": 7,
             "movable_blocks": 5,
             "joints": 6,
-            "contact_points": 96,
+            "unknowns": 18,
+            "paper_contact_points": 24,
             "weight_kN": 11.5 * 0.1 * _area() + 0.5,
             "self_weight_stable": True,
             "warnings": ["layer PIERS: 2 gaps of 0.9 mm were taken as closed"],
@@ -70,33 +71,15 @@ def results_example(language: str = "it") -> dict[str, Any]:
                 }
                 for name, direction, d_0_error in (("original", "+x", 0.0023), (SETTLED, "-x", None))
             ],
-            "segments": [
-                {
-                    "state": "original",
-                    "direction": "+x",
-                    "alpha_u_error": 0.031,
-                    "a_g_error_g": 0.017,
-                    "relative_error": 0.21,
-                    "met": False,
-                    "levels": {"alpha_u": [0.147, 0.128, 0.121]},
-                },
-                {
-                    "state": SETTLED,
-                    "record": "wave",
-                    "peak_displacement_error_m": 0.0187,
-                    "relative_error": 0.34,
-                    "met": False,
-                    "levels": {"peak_displacement_m": [0.055, 0.062, 0.067]},
-                },
-            ],
             "incremental": [
                 {
                     "state": SETTLED,
                     "record": "wave",
                     "pga_collapse_error_g": 0.043,
+                    "order": 1.0,
                     "relative_error": 0.19,
                     "met": False,
-                    "levels": {"pga_collapse_g": [0.226, 0.2095]},
+                    "levels": {"pga_collapse_g": [0.226, 0.2045, 0.194]},
                 }
             ],
         },
@@ -168,11 +151,23 @@ def _geometry() -> dict[str, Any]:
         for index, (ring, role, layer) in enumerate(zip(rings, roles, layers, strict=True))
     ]
     faces = [ring[:2] for ring in rings[1:6]] + [rings[5][2:]]
-    joints = [{"blocks": [i, i + 1], "ends_m": face.tolist()} for i, face in enumerate(faces)]
+    joints = [
+        {
+            "blocks": [i, i + 1],
+            "ends_m": face.tolist(),
+            "middle_m": [face.mean(axis=0).tolist()] * 2,
+            "faces_m": [face.tolist()] * 2,
+            "friction": 0.6,
+            "depth_m": 0.1,
+            "compressive_strength_kN_m2": None,
+        }
+        for i, face in enumerate(faces)
+    ]
     return {
         "blocks": blocks,
         "controls": [{"name": "C1", "point_m": [0.0, 1.236], "block": 3}],
         "joints": joints,
+        "joint_tolerance_m": 1e-4,
     }
 
 
@@ -357,7 +352,8 @@ def _pga(states: dict[str, Any], name: str, direction: str) -> float:
 def _echo(language: str) -> dict[str, Any]:
     return {
         "title": "Arco di prova",
-        "geometry": {"drawing": "geometry.dxf", "unit": "mm", "depth_m": 0.1, "segments_per_joint": 4},
+        "geometry": {"drawing": "geometry.dxf", "unit": "mm", "depth_m": 0.1},
+        "contacts": {"sliding": "associative", "collisions": True},
         "material": {"unit_weight_kN_m3": 11.5, "friction": 0.6, "normal_stiffness_kN_m3": 1.2e5},
         "layers": {"BASE_LEFT": {"support": "left"}, "BASE_RIGHT": {"support": "right"}},
         "control": [{"name": "C1", "point_m": [0.0, 1.236]}],

@@ -9,11 +9,15 @@ import numpy as np
 from assessment.benchmark.structures import block_on_base, rectangle, running_bond
 from mechanics import Assembly, Block, Material
 
-__all__ = ["arch_on_piers", "block_on_base", "rectangle", "running_bond", "semicircular_arch"]
+__all__ = ["arch_on_piers", "block_on_base", "column", "rectangle", "running_bond", "semicircular_arch"]
 
 
 def semicircular_arch(
-    voussoirs: int, thickness: float, friction: float = 1e3, stiffness: float = 1e5, segments: int = 1
+    voussoirs: int,
+    thickness: float,
+    friction: float = 1e3,
+    stiffness: float = 1e5,
+    segments: int | None = None,
 ) -> Assembly:
     """A semicircle of centre-line radius 1 m on two supports, joints radial."""
     stone = Material(20.0, friction, stiffness)
@@ -40,7 +44,7 @@ def arch_on_piers(
     courses: int = 10,
     friction: float = 0.6,
     stiffness: float = 1.2e5,
-    segments: int = 2,
+    segments: int | None = None,
 ) -> Assembly:
     """A semicircular arch on two piers of single blocks, 0.1 m deep; the piers stand on supports left and right."""
     stone = Material(11.5, friction, stiffness)
@@ -60,3 +64,21 @@ def arch_on_piers(
         blocks += [Block(rectangle(x0, i * step, x1, (i + 1) * step), 0.1, stone) for i in range(courses)]
         blocks.append(Block(rectangle(x0 - 0.1, -0.1, x1 + 0.1, 0.0), 0.1, stone, support=name))
     return Assembly(blocks, segments)
+
+
+def column(
+    width: float,
+    height: float,
+    blocks: int,
+    stiffness: float | None = None,
+    friction: float = 0.6,
+    unit_weight: float = 20.0,
+    strength: float = np.inf,
+    segments: int | None = None,
+) -> Assembly:
+    """Equal blocks 1 m deep, one on the other, on a wide support."""
+    stone = Material(unit_weight, friction, stiffness, compressive_strength=strength)
+    levels = np.linspace(0.0, height, blocks + 1)
+    base = Block(rectangle(-width, -0.2, 2.0 * width, 0.0), 1.0, stone, support="base")
+    stacked = [Block(rectangle(0.0, low, width, high), 1.0, stone) for low, high in pairwise(levels)]
+    return Assembly([base, *stacked], segments)

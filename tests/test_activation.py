@@ -23,7 +23,7 @@ from assessment.translation import translated
 from assessment.viewer import viewer
 from assessment.words import words_of
 from mechanics import pushdown, pushover
-from mechanics.mechanism import virtual_work_multiplier
+from mechanics.procedures.mechanism import virtual_work_multiplier
 from tests.analysed import SETTLED, analysed
 from tests.structures import block_on_base
 

@@ -29,7 +29,7 @@ control = {"+x" = "right", "-x" = "left"}
 [report]
 language = "en"
 """
-PROJECT = block(segments=1, stiffness="1e5") + TURNED + PUSHED
+PROJECT = block(stiffness="1e5") + TURNED + PUSHED
 TYPED = f"""[assessment.site]
 soil = "C"
 topography = "T2"

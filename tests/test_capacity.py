@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from assessment.capacity import capacity_curve, participation
 from assessment.idealisation import CapacityError, fit_bilinear, fit_curve, fit_rigid, fit_trilinear
-from mechanics.block import GRAVITY
+from mechanics.types import GRAVITY
 
 
 def _rigid(alpha_0=0.1, d_0=0.3, points=31):

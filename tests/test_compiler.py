@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import errno
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -14,43 +15,40 @@ from typing import Any
 import pytest
 from numba.core.caching import IndexDataCacheFile
 
-from mechanics.solvers import compiler
+from mechanics.kernels import jit
 
 ROOT = Path(__file__).parents[1]
-SOLVERS = Path(compiler.__file__).parent
+KERNELS = Path(jit.__file__).parent
 USER = os.getuid() if hasattr(os, "getuid") else "cache"
 
 
 def test_the_digest_is_that_of_every_source_that_compiled_code_comes_from() -> None:
-    """Compiled functions, and the functions and constants that they use, are in these sources; elsewhere only types."""
-    types = {"mechanics.block", "mechanics.joints"}
-    seen = 0
-    for path in (ROOT / "mechanics").rglob("*.py"):
-        source = path.read_text(encoding="utf-8")
-        if "@compiled" not in source and "compiler(" not in source:
-            continue
-        assert path in compiler.SOURCES
-        imported = {
-            node.module
-            for node in ast.walk(ast.parse(source))
-            if isinstance(node, ast.ImportFrom) and node.module
-        }
-        ours = {name for name in imported if name.split(".")[0] == "mechanics"}
-        assert {name for name in ours if not name.startswith("mechanics.solvers")} <= types, path
-        seen += 1
-    assert seen >= 8
+    """Compiled functions, and the functions and constants that they use, are in these sources; elsewhere types."""
+    compiling = [
+        path
+        for path in (ROOT / "mechanics").rglob("*.py")
+        if re.search(r"@compiled|compiler\(|numba", path.read_text(encoding="utf-8"))
+    ]
+    assert len(compiling) >= 8
+    assert {path.parent for path in compiling} == {KERNELS} and set(compiling) <= set(jit.SOURCES)
+    types = {"Array", "Index", "Mask"}
+    for path in jit.SOURCES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and not str(node.module).startswith("mechanics.kernels"):
+                ours = str(node.module).split(".")[0] in {"mechanics", "assessment"}
+                assert not ours or {name.name for name in node.names} <= types, path
 
 
 def test_the_digest_changes_with_any_source(tmp_path: Path) -> None:
     files = tmp_path / "a.py", tmp_path / "b.py"
     for file in files:
         file.write_text("x = 1\n")
-    before = compiler.digest(files)
+    before = jit.digest(files)
     files[1].write_text("x = 2\n")
-    assert compiler.digest(files) != before
-    folder = compiler.cache_folder()
+    assert jit.digest(files) != before
+    folder = jit.cache_folder()
     assert folder is not None
-    assert folder.name == compiler.digest(compiler.SOURCES)
+    assert folder.name == jit.digest(jit.SOURCES)
 
 
 @pytest.fixture
@@ -58,23 +56,23 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A home, a folder for temporary files and nothing told to numba."""
     for name in ("home", "temporary"):
         (tmp_path / name).mkdir()
-    monkeypatch.setattr(compiler._config, "CACHE_DIR", "")
-    monkeypatch.setattr(compiler.tempfile, "tempdir", str(tmp_path / "temporary"))
-    monkeypatch.setattr(compiler.sys, "platform", "linux")
+    monkeypatch.setattr(jit._config, "CACHE_DIR", "")
+    monkeypatch.setattr(jit.tempfile, "tempdir", str(tmp_path / "temporary"))
+    monkeypatch.setattr(jit.sys, "platform", "linux")
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     return tmp_path / "home"
 
 
 def test_folders_are_tried_in_their_order(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    beside, temporary = SOLVERS / "__pycache__", home.parent / "temporary" / f"assesto-{USER}"
-    assert list(compiler._folders()) == [beside, home / ".cache" / "assesto", temporary]
+    beside, temporary = KERNELS / "__pycache__", home.parent / "temporary" / f"assesto-{USER}"
+    assert list(jit._folders()) == [beside, home / ".cache" / "assesto", temporary]
     monkeypatch.setenv("XDG_CACHE_HOME", "caches")
-    assert list(compiler._folders())[1] == home / ".cache" / "assesto", "not below wherever one happens to be"
+    assert list(jit._folders())[1] == home / ".cache" / "assesto", "not below wherever one happens to be"
     monkeypatch.setenv("XDG_CACHE_HOME", str(home / "caches"))
-    assert list(compiler._folders())[1] == home / "caches" / "assesto"
-    monkeypatch.setattr(compiler._config, "CACHE_DIR", str(home / "told"))
-    assert next(compiler._folders()) == home / "told"
+    assert list(jit._folders())[1] == home / "caches" / "assesto"
+    monkeypatch.setattr(jit._config, "CACHE_DIR", str(home / "told"))
+    assert next(jit._folders()) == home / "told"
 
 
 def test_a_user_without_a_home_has_a_folder_among_the_temporary_files(
@@ -85,37 +83,37 @@ def test_a_user_without_a_home_has_a_folder_among_the_temporary_files(
 
     monkeypatch.setattr(Path, "home", none)
     temporary = home.parent / "temporary" / f"assesto-{USER}"
-    assert list(compiler._folders()) == [SOLVERS / "__pycache__", temporary]
+    assert list(jit._folders()) == [KERNELS / "__pycache__", temporary]
 
 
 def test_the_first_folder_that_takes_files_is_taken(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Files in the way of folders are what stops root as well as anyone."""
     blocked, free = home / "blocked", home / "free"
     blocked.write_text("")
-    monkeypatch.setattr(compiler, "_folders", lambda: iter([blocked, free, home / "later"]))
-    folder = compiler.cache_folder.__wrapped__()
+    monkeypatch.setattr(jit, "_folders", lambda: iter([blocked, free, home / "later"]))
+    folder = jit.cache_folder.__wrapped__()
     assert folder.parent == free and folder.is_dir() and not list(folder.iterdir())
-    monkeypatch.setattr(compiler, "_folders", lambda: iter([blocked]))
-    assert compiler.cache_folder.__wrapped__() is None
+    monkeypatch.setattr(jit, "_folders", lambda: iter([blocked]))
+    assert jit.cache_folder.__wrapped__() is None
 
 
 @pytest.mark.skipif(os.name != "posix", reason="temporary files are everybody's")
 def test_a_temporary_folder_that_others_can_write_to_is_not_used(home: Path) -> None:
     """Whoever puts a file there would have it run."""
     folder = home.parent / "temporary" / f"assesto-{USER}"
-    assert list(compiler._folders())[-1] == folder
+    assert list(jit._folders())[-1] == folder
     assert folder.stat().st_mode & 0o777 == 0o700
     folder.chmod(0o777)
-    assert folder not in compiler._folders()
+    assert folder not in jit._folders()
     folder.rmdir()
     folder.symlink_to(home)
-    assert folder not in compiler._folders()
+    assert folder not in jit._folders()
 
 
 @pytest.fixture
 def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The folder in which code compiled from now on is kept."""
-    monkeypatch.setattr(compiler, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(jit, "cache_folder", lambda: tmp_path)
     return tmp_path
 
 
@@ -125,7 +123,7 @@ def doubled() -> Any:
     def double(x: float) -> float:
         return 2.0 * x
 
-    loop = compiler.compiler()(double)
+    loop = jit.compiler()(double)
     assert loop(1.5) == 3.0
     return loop
 
@@ -154,11 +152,10 @@ def test_a_full_disk_stops_no_analysis(kept: Path, monkeypatch: pytest.MonkeyPat
 
 
 ONE_LOOP = """
-import numpy as np
-from mechanics.solvers import compiled
-loop = compiled.strain_energy
-loop(np.zeros((1, 2)), np.ones(1), np.ones((1, 2)), np.zeros(1))
-print(compiled.__file__, loop.stats.cache_path, len(loop.stats.cache_hits), sep="\\n")
+from mechanics.kernels import bed
+loop = bed.closures
+loop(1.0, 1.0, 1.0)
+print(bed.__file__, loop.stats.cache_path, len(loop.stats.cache_hits), sep="\\n")
 """
 
 
@@ -169,7 +166,7 @@ def test_code_is_kept_where_the_package_is_read_only_and_there_is_no_home(tmp_pa
     for folder in (temporary, here):
         folder.mkdir()
     shutil.copytree(ROOT / "mechanics", site / "mechanics", ignore=shutil.ignore_patterns("__pycache__"))
-    for path in (site / "mechanics" / "solvers" / "__pycache__", blocked):
+    for path in (site / "mechanics" / "kernels" / "__pycache__", blocked):
         path.write_text("in the way, also of root, who may write to folders that are read-only")
     told = {"PYTHONPATH": str(site), "TMPDIR": str(temporary), "HOME": str(blocked / "home")}
     hits = []

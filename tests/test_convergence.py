@@ -6,17 +6,13 @@ import json
 import math
 from collections.abc import Collection
 
-import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from assessment import histories
-from assessment.base_motion import BaseMotion
-from assessment.convergence import Accuracy, Levels, accuracy_of, converge, estimated_error
-from assessment.dynamics import Setting, StageResult, history
+from assessment.accuracy import Accuracy, accuracy_of
+from assessment.convergence import Levels, converge, estimated_error
 from assessment.figures import write_figures
-from assessment.histories import converged_history
 from assessment.increments import refined
 from assessment.messages import ProjectError
 from assessment.model import build_model
@@ -24,25 +20,17 @@ from assessment.new_project import new_project, template_layout, write_drawing
 from assessment.parallel import Workers
 from assessment.pool import Pool
 from assessment.project import Project, load_project
-from assessment.project_schema import ControlTable, HistoryTable, PushoverTable, SettlementTable
+from assessment.project_schema import PushoverTable, SettlementTable
 from assessment.project_source import convert
 from assessment.report import render_html
 from assessment.states import Request, StateResult, analyse_states
 from assessment.study import Demands
 from assessment.words import words_of
 from assessment.workflow import run
-from mechanics.block import GRAVITY
-from mechanics.ground_motion import Record
 from tests.results_example import results_example
-from tests.structures import block_on_base
 from tests.test_studies import ASSESSMENT, BLOCK, HEIGHT, PUSHOVER, SLENDERNESS, TURNS
 
 SOLVER = 1e-6  # relative: what programs leave, whatever the increments
-STEP = 0.02
-TIME = STEP * np.arange(76)
-SINE = 0.27 * np.sin(4.0 * np.pi * TIME) * (TIME <= 0.5)  # g: a block of 0.2 × 1.0 m rocks and comes back
-PUSH = np.where((TIME > 0.5 * STEP) & (TIME < 10.5 * STEP), 0.3, 0.0)  # g: one of low friction slides
-CONTROL = ControlTable(name="top", point_m=(0.2, 1.0))
 
 
 @pytest.fixture
@@ -276,104 +264,6 @@ def test_a_finer_analysis_that_fails_leaves_the_coarser_one(arch):
     assert "original, +x: finer increments fail: no equilibrium" in found.warnings
 
 
-# Histories
-
-
-def _shaken(step: float = STEP, acceleration=SINE, integrator: str = "implicit-euler"):
-    record = Record(acceleration, STEP, "pulse").resampled(step)
-    table = HistoryTable(record="pulse", contacts="rigid", integrator=integrator)
-    return BaseMotion(record, record, float(abs(acceleration).max()), 1.0), Setting(table, CONTROL)
-
-
-def _bounded(found: StageResult, exact: float) -> dict:
-    """Check a history's estimate against the true error of its peak; return its row."""
-    row, peak = found.convergence, found.numbers["peak_displacement_m"]
-    assert row is not None and row["met"]
-    assert peak == row["levels"]["peak_displacement_m"][-1]
-    assert found.numbers["time_step_s"] == STEP / 2 ** row["halvings"]
-    assert (
-        abs(peak - exact) <= row["peak_displacement_error_m"] == pytest.approx(row["relative_error"] * peak)
-    )
-    return row
-
-
-def test_the_error_of_a_slide_is_bounded_by_the_estimate():
-    """A block on μ = 0.1 slides by ∫∫ (a − μ) g from the instant that a exceeds μ to its rest."""
-    friction = 0.1
-    model = block_on_base(width=1.0, friction=friction)
-    rise = STEP * (1.0 - friction / 0.3)  # while the broken line is above μ, before and after the plateau
-    slope, plateau = 0.3 * GRAVITY / STEP, 9 * STEP
-    net = (0.3 - friction) * GRAVITY
-    v1, u1 = slope * rise**2 / 2.0, slope * rise**3 / 6.0
-    v2, u2 = v1 + net * plateau, u1 + v1 * plateau + net * plateau**2 / 2.0
-    v3 = v2 + net * rise - slope * rise**2 / 2.0
-    u3 = u2 + v2 * rise + net * rise**2 / 2.0 - slope * rise**3 / 6.0
-    fall = STEP - rise  # the line goes on to zero
-    v4, u4 = v3 - slope * fall**2 / 2.0, u3 + v3 * fall - slope * fall**3 / 6.0
-    exact = u4 + v4**2 / (2.0 * friction * GRAVITY)
-    found = converged_history(
-        model, *_shaken(acceleration=PUSH), "original", model.initial, Accuracy(0.02, 4)
-    )
-    row = _bounded(found, exact)
-    assert abs(row["levels"]["peak_displacement_m"][0] / exact - 1.0) > 0.02 >= row["relative_error"]
-
-
-def test_the_error_of_a_rocking_block_is_bounded_by_the_estimate():
-    """Second order, one cycle of a sine; reference: the same with a sixteenth of the step."""
-    model = block_on_base()
-    reference = history(model, *_shaken(STEP / 16, integrator="second-order"), "original", model.initial)
-    assert not reference.numbers["collapsed"]
-    made = converged_history(
-        model, *_shaken(integrator="second-order"), "original", model.initial, Accuracy(0.01, 3)
-    )
-    _bounded(made, reference.numbers["peak_displacement_m"])
-
-
-def test_a_fast_history_is_the_history():
-    model = block_on_base()
-    plain = history(model, *_shaken(), "original", model.initial)
-    fast = converged_history(model, *_shaken(), "original", model.initial, Accuracy(None, 0))
-    assert fast.convergence is None
-    assert plain.numbers | {"seconds": 0.0} == fast.numbers | {"seconds": 0.0}
-
-
-def test_a_half_step_shakes_by_the_same_lines():
-    motion, _ = _shaken()
-    vertical = np.cos(3.0 * TIME)
-    motion = BaseMotion(motion.record, motion.original, motion.pga, 1.0, vertical=vertical)
-    half = motion.at_half_step()
-    assert half.record.time_step == STEP / 2 and half.vertical is not None
-    np.testing.assert_array_equal(half.record.acceleration[::2], motion.record.acceleration)
-    np.testing.assert_allclose(half.vertical[::2], vertical, atol=1e-12)
-    np.testing.assert_allclose(half.vertical[1::2], 0.5 * (vertical[1:] + vertical[:-1]), atol=1e-12)
-
-
-def test_a_collapse_is_confirmed_by_a_second_step(monkeypatch):
-    """The last two steps decide; where one says collapse and the other does not, nothing is known."""
-    model = block_on_base()
-
-    def told(*collapses: bool):
-        runs = iter(collapses)
-
-        def made(_, motion, __, state, ___):
-            fell = next(runs)
-            return StageResult(
-                state, "history", {"collapsed": fell, "peak_displacement_m": 9.9 if fell else 0.1}
-            )
-
-        monkeypatch.setattr(histories, "history", made)
-        return converged_history(model, *_shaken(), "original", model.initial, Accuracy(0.05, 2))
-
-    both = told(True, True)
-    assert both.convergence is not None and both.convergence["halvings"] == 1 and not both.warnings
-    assert "peak_displacement_error_m" not in both.convergence
-    late = told(True, False, False)
-    assert late.convergence is not None and late.convergence["met"] and not late.warnings
-    never = told(True, False, True)
-    assert never.convergence is not None and not never.convergence["met"]
-    assert "not known" in never.warnings[0]
-
-
 # The key
 
 
@@ -411,9 +301,6 @@ def test_the_report_states_the_error_or_that_there_is_no_estimate(language, tmp_
         words.number(1.2),
         words.plain("value.not_known"),
         words.plain("value.no"),
-        words.number(21.0),
-        words.number(18.7),  # mm
-        words.number(34.0),
         words.number(0.043),
         words.number(19.0),
     ):

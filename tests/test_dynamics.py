@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from assessment import dynamics
+from assessment import dynamics, response
 from assessment.animation import write_animations
 from assessment.artificial_record import write_artificial_record
 from assessment.base_motion import BaseMotion, history_motions
 from assessment.dynamic_stages import read_motions
-from assessment.dynamics import Setting, history, respond, sustained_peak, thinned
+from assessment.dynamics import history, thinned
+from assessment.ensemble import sustained_peak
 from assessment.figures import pictures, write_figures
 from assessment.messages import ProjectError
 from assessment.model import build_model
@@ -20,6 +21,8 @@ from assessment.pool import Pool
 from assessment.project import load_project
 from assessment.project_schema import ControlTable, HistoryTable
 from assessment.report import render_html
+from assessment.response import TAIL as FREE
+from assessment.response import Setting, respond
 from assessment.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.tables import tables
 from assessment.words import words_of
@@ -71,7 +74,7 @@ def _edited(folder, old, new):
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
     folder = tmp_path_factory.mktemp("dynamic") / "block"
-    project = _project(folder, TAIL.format(scale=0.7), TAIL.format(scale=6.0), INCREMENTAL)
+    project = _project(folder, TAIL.format(scale=0.58), TAIL.format(scale=6.0), INCREMENTAL)
     return run(project, build_model(project), jobs=1)
 
 
@@ -121,12 +124,12 @@ def test_histories_of_both_states_and_records(outcome):
     peak = 0.5 * abs(WAVE).max()
     for state in outcome.results["states"].values():
         weak, strong = state["history"]
-        assert weak["record"] == "wave × 0.7"
-        assert weak["pga_g"] == pytest.approx(0.7 * peak, rel=1e-6)
+        assert weak["record"] == "wave × 0.58"
+        assert weak["pga_g"] == pytest.approx(0.58 * peak, rel=1e-6)
         assert (weak["collapsed"], weak["time_of_collapse_s"]) == (False, None)
         assert strong["collapsed"]
         assert strong["residual_displacement_m"] is None
-        assert 0.0 < strong["time_of_collapse_s"] <= TIME[-1] + dynamics.TAIL + 2 * STEP
+        assert 0.0 < strong["time_of_collapse_s"] <= TIME[-1] + FREE + 2 * STEP
         assert "turned" in strong["reason"]
         curve = np.array(weak["curve"]["displacement_m"])
         assert curve[0] == 0.0
@@ -175,7 +178,7 @@ def test_a_history_at_the_bracket_agrees_with_the_search(outcome):
 def test_results_are_json_and_every_solve_counts(outcome):
     json.dumps(outcome.results, allow_nan=False)
     stages = {row["stage"] for row in outcome.results["quality"]["by_stage"]}
-    assert {"history, wave × 0.7", "incremental, wave"} <= stages
+    assert {"history, wave × 0.58", "incremental, wave"} <= stages
     assert outcome.results["quality"]["worst_equilibrium_residual"] < 1e-6
     assert "wave.csv" in outcome.results["inputs"]
 
@@ -287,7 +290,7 @@ def test_a_step_that_is_not_solved_is_a_failure(setting, monkeypatch):
     def refuse(*_, **__):
         raise ConvergenceError("step 3: no solution")
 
-    monkeypatch.setattr(dynamics, "time_history", refuse)
+    monkeypatch.setattr(response, "time_history", refuse)
     model = block_on_base(0.6, 2.4)
     result = history(model, _motion(Record(WAVE, STEP, "wave")), setting, "original", model.initial)
     assert result.failures == ["original, history of wave: step 3: no solution"]
@@ -298,7 +301,7 @@ def test_a_step_that_is_not_solved_is_a_failure(setting, monkeypatch):
 def test_an_animation_is_written_where_it_is_asked_for(tmp_path, language, monkeypatch):
     """A GIF per state, of at most FRAMES frames in real time, the same bytes at every writing; none else."""
     project = _project(
-        tmp_path / "block", TAIL.format(scale=0.7), TAIL.format(scale=0.5), "animation = true\n"
+        tmp_path / "block", TAIL.format(scale=0.58), TAIL.format(scale=0.5), "animation = true\n"
     )
     project = project.model_copy(update={"report": project.report.model_copy(update={"language": language})})
     results = run(project, build_model(project), jobs=1).results
@@ -392,7 +395,7 @@ def test_a_failed_history_makes_the_run_incomplete_and_keeps_the_rest(tmp_path, 
     def refuse(*_, **__):
         raise ConvergenceError("step 3: no solution")
 
-    monkeypatch.setattr(dynamics, "time_history", refuse)
+    monkeypatch.setattr(response, "time_history", refuse)
     project = _project(tmp_path / "block", TAIL.format(scale=1.0), INCREMENTAL)
     outcome = run(project, build_model(project), jobs=1)
     assert not outcome.complete

@@ -188,9 +188,9 @@ def test_a_joint_that_slides_is_told():
     model = Assembly(blocks)
     part = mechanism(((1.2, 0.0), -1.0, [2]))
     delta = virtual_displacements(model, model.initial.positions, part)
-    penetration, _, rubbing = joint_motion(model, model.initial.positions, delta)
-    assert penetration == pytest.approx(0.0, abs=1e-12)
-    assert len(rubbing) == 1
+    motion = joint_motion(model, model.initial.positions, delta)
+    assert motion.penetration == pytest.approx(0.0, abs=1e-12)
+    assert len(motion.rubbing) == 1
     assert any(
         "slide as the mechanism moves: 1;" in note for note in found(model, ((1.2, 0.0), -1.0, [2]))["notes"]
     )

@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mechanics import record_formats
-from mechanics.block import GRAVITY
 from mechanics.ground_motion import Record, read_record
 from mechanics.response_spectrum import response_spectrum
+from mechanics.types import GRAVITY
 
 VALUES = np.array(
     [0.01, -0.25, 0.1234567, 3.5e-05, -0.0125, 0.2, -1.0e-07, 0.0, 0.07, -0.03, 0.015, 0.002]

@@ -76,7 +76,8 @@ def test_an_analysis_that_does_not_converge_is_reported_as_such(project, monkeyp
 
 
 def test_a_path_cut_short_has_no_capacity(project, monkeypatch):
-    monkeypatch.setattr(importlib.import_module("mechanics.pushover"), "MOST_STEPS", 3)
+    procedure = importlib.import_module("mechanics.procedures.pushover")
+    monkeypatch.setattr(procedure, "TOLERANCES", procedure.PushoverTolerances(points=3))
     (project / "project.toml").write_text(PROJECT + ASSESSMENT, encoding="utf-8")
     run(project)
     found = read_results(project / "output")["states"]["original"]
@@ -85,15 +86,15 @@ def test_a_path_cut_short_has_no_capacity(project, monkeypatch):
 
 
 def test_what_a_path_had_reached_is_kept_where_no_solver_goes_on(project, monkeypatch):
-    procedure = importlib.import_module("mechanics.pushover")
-    step, count = procedure.find_step, iter(range(1000))
+    procedure = importlib.import_module("mechanics.procedures.pushover")
+    step, count = procedure.reach, iter(range(1000))
 
     def fails_later(*arguments):
         if next(count) >= 2:
             raise ConvergenceError("no answer")
         return step(*arguments)
 
-    monkeypatch.setattr(procedure, "find_step", fails_later)
+    monkeypatch.setattr(procedure, "reach", fails_later)
     edit(
         project,
         '[[settlements]]\nname = "base turned"\nsupport = "base"\nrotation_rad = -0.02\nincrement_rad = 0.01\n',

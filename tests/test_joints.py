@@ -1,4 +1,4 @@
-"""Joints: which edges touch, how they are split, and the contact points on them."""
+"""Joints: which edges touch, and how they are split."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assessment.benchmark.structures import segments_apart
 from mechanics import Assembly, Block, Material
 from mechanics.joints import default_tolerance, find_joints
+from mechanics.model.contacts import end_gaps
 from tests.structures import arch_on_piers, rectangle, running_bond, semicircular_arch
 
 STONE = Material(18.0, 0.7, 1e6)
@@ -28,7 +28,7 @@ def turned(polygon, angle, shift=(0.0, 0.0)):
 
 
 def initial_gap(model):
-    return model.kinematics("rigid", model.initial.positions).gap
+    return end_gaps(model.contacts.places(model.initial.positions))
 
 
 def test_two_blocks_side_by_side_share_one_joint_with_the_whole_face():
@@ -151,49 +151,3 @@ def test_as_drawn_every_contact_is_closed(model):
 
 def test_default_tolerance_is_a_thousandth_of_the_median_edge():
     assert default_tolerance([Block(rectangle(0, 0, 2, 2), 1.0, STONE)]) == pytest.approx(2e-3)
-
-
-@pytest.mark.parametrize("segments", [1, 3, 8])
-def test_contact_points_at_the_ends_of_every_segment_on_either_side(segments):
-    """Four to a segment (paper, §2), less those that a neighbour has at the same place."""
-    model = Assembly(running_bond().blocks, segments_per_joint=segments)
-    assert len(model.elastic_contacts) == 2 * (segments + 1) * len(model.joints.a)
-    assert len(segments_apart(model).elastic_contacts) == 4 * segments * len(model.joints.a)
-
-
-@pytest.mark.parametrize("segments", [1, 5])
-def test_stiffness_of_the_points_adds_up_to_that_of_the_joint(segments):
-    model = Assembly(
-        [Block(rectangle(0, 0, 2, 1), 0.7, STONE, support="base"), Block(rectangle(0, 1, 2, 2), 0.5, STONE)],
-        segments,
-    )
-    assert model.elastic_contacts.stiffness[:, 0].sum() == pytest.approx(1e6 * 2.0 * 0.5)
-
-
-def test_a_block_may_ask_for_its_own_segments():
-    piers = [replace(b, segments=8) if k > 20 else b for k, b in enumerate(arch_on_piers().blocks)]
-    model = Assembly(piers, segments_per_joint=2)
-    per_joint = np.bincount(model.elastic_contacts.joint) // 2 - 1
-    own = np.array([b.segments or 2 for b in piers])
-    assert set(per_joint) == {2, 8}
-    assert (
-        per_joint.tolist()
-        == model.segments.tolist()
-        == np.maximum(own[model.joints.a], own[model.joints.b]).tolist()
-    )
-
-
-def test_rigid_contacts_are_one_segment_whatever_is_asked():
-    model = Assembly(running_bond().blocks, segments_per_joint=6)
-    assert len(model.rigid_contacts) == 4 * len(model.joints.a)
-
-
-def test_contact_points_lie_on_the_joint_and_either_block_owns_half():
-    model = arch_on_piers(segments=3)
-    contacts = model.elastic_contacts
-    point = model.initial.positions[contacts.a, :2] + contacts.p
-    ends = model.joints.ends[contacts.joint]
-    length = model.joints.length[contacts.joint]
-    detour = np.hypot(*(point - ends[:, 0]).T) + np.hypot(*(point - ends[:, 1]).T)
-    assert detour == pytest.approx(length)
-    assert (contacts.a == model.joints.a[contacts.joint]).sum() == len(contacts) // 2

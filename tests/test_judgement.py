@@ -240,13 +240,13 @@ def _margin(collapses: bool) -> Callable[[Fields, Read], None]:
 
 def _certificates(said: Fields, read: Read) -> None:
     for name, allowed in RESIDUALS.items():
-        worst = max(row[f"worst_{name}"] for row in read.rows["quality"])
+        worst = max(row.get(f"worst_{name}", 0.0) for row in read.rows["quality"])
         assert said[name] == show(worst) and worst <= allowed
 
 
 def _poor(said: Fields, read: Read) -> None:
     [name] = [name for name in RESIDUALS if WORDS.plain(f"judgement.{name}") == said["what"]]
-    worst = max(row[f"worst_{name}"] for row in read.rows["quality"])
+    worst = max(row.get(f"worst_{name}", 0.0) for row in read.rows["quality"])
     assert said["residual"] == show(worst) and worst > RESIDUALS[name]
 
 

@@ -79,6 +79,13 @@ def test_a_state_in_which_nothing_stands_is_refused(model):
             analysis(model, state=fallen)
 
 
+@pytest.mark.parametrize("lean", [-0.19, -0.1, -0.01])
+def test_a_block_that_leans_on_its_corner_falls_back(model, lean):
+    """Gravity alone is not carried, though it would be by the end of the joint that is open."""
+    with pytest.raises(UnstableError, match="start to move"):
+        limit_analysis(model, state=model.rotated(1, (0.2, 0.0), lean))
+
+
 @pytest.mark.parametrize(
     ("name", "call"),
     [
@@ -151,7 +158,7 @@ def test_a_control_point_of_a_support_takes_no_part(model, contacts):
 def test_a_control_point_on_a_part_that_stays_takes_no_part():
     low = Block(rectangle(0.5, 0.0, 0.9, 0.1), 1.0, STONE)  # squat: stays while the tall block tips
     model = Assembly([*block_on_base().blocks, low])
-    with pytest.raises(ControlError, match=r"takes no part in the mechanism along \+x.*: another part falls"):
+    with pytest.raises(ControlError, match=r"takes no part in the mechanism along \+x"):
         pushover(model, (0.7, 0.1), increment=0.01)
 
 
@@ -170,7 +177,7 @@ def test_a_model_without_supports_says_so():
 
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
 def test_collapse_carries_the_path_so_far(contacts):
-    model = block_on_base(segments=4)  # falls when the base has turned by arctan(0.2)
+    model = block_on_base(stiffness=1e8)  # falls when the base has turned by arctan(0.2)
     with pytest.raises(CollapseError, match="before the whole of") as caught:
         pushdown(model, "base", rotation=-0.3, increment=0.02, contacts=contacts)
     path = caught.value.path

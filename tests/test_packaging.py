@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from mechanics.solvers.compiler import cache_folder
+from mechanics.kernels.jit import cache_folder
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("assessment", "mechanics", "templates")

@@ -146,7 +146,7 @@ def test_every_number_has_bounds():
                 look(each, key)
 
     look(json_schema(), "")
-    assert unbounded == {"friction", "tangential_stiffness_kN_m3"}
+    assert unbounded == {"friction", "tangential_stiffness_kN_m3", "compressive_strength_kN_m2"}
 
 
 @pytest.mark.parametrize(

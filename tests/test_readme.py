@@ -1,4 +1,4 @@
-"""The tables of README against what they are about: schema, command line, dependencies; no text is a placeholder."""
+"""README and docs against what they are about: schema, command line, dependencies, links; no text is a placeholder."""
 
 from __future__ import annotations
 
@@ -6,23 +6,28 @@ import re
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
 from assessment import cli
+from assessment.accuracy import MOST_HALVINGS, PRESETS
+from assessment.benchmark.command import BENCHMARKS
 from assessment.printing import APT_COMMAND, COMMANDS
 from assessment.project_keys import annotation_at, table_at, tables_of
-from assessment.project_schema import ProjectContent, Table
+from assessment.project_schema import MotionTable, ProjectContent, Table
 
 ROOT = Path(__file__).parents[1]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = {
+    path.name: path.read_text(encoding="utf-8") for path in [ROOT / "README.md", *ROOT.glob("docs/*.md")]
+}
 ABSENT = (None, "", ())  # defaults that mean that a key is left out
 TOP = "top"
 
 
-def rows(heading: str) -> list[list[str]]:
-    """The cells of the table whose heading begins so."""
-    lines = iter(README.splitlines())
+def rows(heading: str, page: str = "README.md") -> list[list[str]]:
+    """The cells of the table of a page whose heading begins so."""
+    lines = iter(PAGES[page].splitlines())
     next(line for line in lines if line.startswith(f"| {heading}"))
     next(lines)
     found = []
@@ -132,13 +137,60 @@ def test_what_installs_pango_is_what_the_warning_says():
 
 
 def test_the_exit_codes_are_those_of_the_command_line():
-    assert [int(cells[0]) for cells in rows("code | meaning")] == [cli.DONE, cli.WRONG_INPUT, cli.INCOMPLETE]
+    codes = [int(cells[0]) for cells in rows("code | meaning", "results.md")]
+    assert codes == [cli.DONE, cli.WRONG_INPUT, cli.INCOMPLETE]
 
 
 def test_the_dependencies_are_those_of_the_package():
     declared = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["dependencies"]
     names = {re.match(r"[\w-]+", text)[0] for text in declared}
     assert {cells[0].strip("`") for cells in rows("package | for")} == names
+
+
+def test_the_accuracies_are_those_of_the_program():
+    written = {cells[0]: cells[1:] for cells in rows("value | tolerance", "results.md")}
+    assert written.pop("a number") == ["that", str(MOST_HALVINGS)]
+    assert written.keys() == {f'`"{name}"`' for name in PRESETS}
+    for name, accuracy in PRESETS.items():
+        tolerance, halvings = written[f'`"{name}"`']
+        if accuracy.tolerance is None:
+            assert tolerance.startswith("none")
+        else:
+            assert (tolerance, halvings) == (
+                f"{accuracy.tolerance:.0%}".replace("%", " %"),
+                str(accuracy.halvings),
+            )
+
+
+def test_the_integrators_and_benchmarks_that_are_told_are_all():
+    integrators = [re.sub(r'[`"]', "", cells[0]) for cells in rows("`integrator`", "mechanics.md")]
+    assert sorted(integrators) == sorted(get_args(MotionTable.model_fields["integrator"].annotation))
+    named = [
+        name for cells in rows("NAME | what", "benchmarks.md") for name in re.findall(r"`(\w+)`", cells[0])
+    ]
+    assert sorted(named) == sorted(BENCHMARKS)
+
+
+def anchors(page: str) -> set[str]:
+    """What the headings of a page are called in links."""
+    headings = re.findall(
+        r"^#+ (.+)$", re.sub(r"^```.*?^```", "", page, flags=re.MULTILINE | re.DOTALL), re.MULTILINE
+    )
+    return {re.sub(r"[^\w -]", "", heading).lower().replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_links_lead_somewhere(name):
+    folder = ROOT if name == "README.md" else ROOT / "docs"
+    for target in re.findall(r"\]\((?!https?:)([^)\s]+)\)", PAGES[name]):
+        file, _, anchor = target.partition("#")
+        assert not file or (folder / file).exists(), target
+        if anchor:
+            assert anchor in anchors(PAGES[Path(file).name if file else name]), target
+
+
+def test_the_readme_is_short():
+    assert len(PAGES["README.md"].splitlines()) <= 200
 
 
 def test_no_placeholder_is_left_in_the_sources():

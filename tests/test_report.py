@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assessment.figures import write_figures
+from assessment.joint_report import joint_law
 from assessment.pool import Pool
 from assessment.printing import APT_COMMAND, COMMANDS
 from assessment.report import CHAPTERS, render_html, write_page, write_pdf
@@ -241,12 +242,34 @@ def test_degraded_forms_render(form, tmp_path):
         assert "must be reviewed" in html
 
 
-def test_segments_of_layers_are_told_beside_those_of_the_drawing(tmp_path):
-    """On the buttressed arch "every joint has 4" was not true of the piers."""
+def laws_told(results):
+    return " ".join(joint_law(results, words_of(results), elastic=True))
+
+
+def test_the_bed_of_elastic_joints_is_told():
+    """Exact, or points: segments of layers beside those of the drawing, of which the greater decides."""
     results = results_example("en")
+    assert "integrated in closed form" in laws_told(results)
+    results["echo"]["geometry"]["segments_per_joint"] = 4
     results["echo"]["layers"]["BASE_LEFT"]["segments_per_joint"] = 16
-    write_figures(Pool(0, results), tmp_path)
-    assert "the one that asks for more decides: 4, 16." in render_html(results, tmp_path, words_of(results))
+    told = laws_told(results)
+    assert "the one that asks for more decides: 4, 16." in told and "closed form" not in told
+    assert "All joints are rigid." in " ".join(joint_law(results, words_of(results), elastic=False))
+
+
+def test_crushing_friction_and_collisions_are_told():
+    results = results_example("en")
+    joints = results["geometry"]["joints"]
+    assert "No limit of compressive strength was given" in laws_told(results)
+    joints[0]["compressive_strength_kN_m2"] = 829.0
+    assert "Some joints crush at a compressive strength of 829 kN/m²; the others" in laws_told(results)
+    for joint in joints:
+        joint["compressive_strength_kN_m2"] = 829.0
+    told = laws_told(results)
+    assert "Joints crush at a compressive strength of 829 kN/m²." in told and "No limit" not in told
+    assert "associative" in told and "come to touch" in told
+    results["echo"]["contacts"]["collisions"] = False
+    assert "pass through each other" in laws_told(results)
 
 
 def test_without_system_libraries_the_html_is_written_and_the_command_given(tmp_path, monkeypatch, capsys):

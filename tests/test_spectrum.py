@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from assessment.spectrum import ElasticSpectrum, RecordSpectrum
-from mechanics.block import GRAVITY
 from mechanics.response_spectrum import response_spectrum
+from mechanics.types import GRAVITY
 
 PERIODS = [0.05, 0.25, 1.0, 3.0]
 BY_HAND = {

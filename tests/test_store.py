@@ -27,7 +27,13 @@ def test_what_was_not_used_for_longest_goes_first(tmp_path):
 
 
 def test_results_keep_every_bit():
-    state = State(np.array([[0.1, 1 / 3, 1e-300]]), np.zeros((1, 3)), np.zeros(0), np.array([True, False]))
+    state = State(
+        np.array([[0.1, 1 / 3, 1e-300]]),
+        np.zeros((1, 3)),
+        np.zeros(0),
+        np.array([[3.0, 7.0, 0.1]]),
+        np.array([True, False]),
+    )
     part = Part(
         {"a": (0.1, None, np.float64(1 / 7), np.int64(3))}, state, [{"x": 2.0}], ["w «é»\r\n"], [], 0.3
     )
@@ -35,6 +41,7 @@ def test_results_keep_every_bit():
     assert found.numbers == {"a": [0.1, None, 1 / 7, 3]}
     assert found.reached.positions.tobytes() == state.positions.tobytes()
     assert (found.reached.velocities.shape, found.reached.shear.shape) == ((1, 3), (0,))
+    assert found.reached.met.tobytes() == state.met.tobytes()
     assert found.reached.carrying.tolist() == [True, False]
     assert (found.quality, found.warnings, found.failures, found.seconds) == (
         [{"x": 2.0}],
@@ -52,7 +59,7 @@ def test_fingerprints_tell_every_content_and_type_apart():
     assert len({digest(settle, (value,)) for value in values}) == len(values)
     assert digest(settle, (model, 1)) == digest(settle, (block_on_base(0.6, 4.2), 1))
     assert digest(settle, (model,)) != digest(run, (model,))
-    _ = model.elastic_contacts  # what is derived from the content changes nothing
+    _ = model.contacts  # what is derived from the content changes nothing
     assert digest(settle, (model,)) == digest(settle, (block_on_base(0.6, 4.2),))
     with pytest.raises(TypeError, match="no fingerprint"):
         digest(settle, (object(),))

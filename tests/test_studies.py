@@ -22,7 +22,7 @@ from tests.block_project import block
 
 WIDTH, HEIGHT = 0.6, 4.2
 SLENDERNESS = math.atan(WIDTH / HEIGHT)
-BLOCK = block(segments=4, stiffness="2e4")
+BLOCK = block(stiffness="2e4")
 TURNS = """
 [[settlements]]
 name = "turned"

@@ -26,20 +26,13 @@ def test_all_tables_are_written(written):
         "comparison",
         "convergence",
         "hand_check",
-        "history_segments_convergence",
         "incremental_convergence",
         "macro_blocks",
         "quality",
-        "segments_convergence",
         "spectrum",
         "action",
         "trace",
     }
-
-
-def test_errors_of_capacities_and_of_peaks_stand_apart(written):
-    assert pd.read_csv(written["segments_convergence"]).direction.to_list() == ["'+x"]
-    assert pd.read_csv(written["history_segments_convergence"]).record.to_list() == ["wave"]
 
 
 def test_curves_come_back_as_they_were(written):

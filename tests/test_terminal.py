@@ -61,7 +61,7 @@ def test_bars_on_a_terminal(project, capsys, monkeypatch):
     assert assesto(project) == 0
     second = capsys.readouterr()
     json.loads(second.out)
-    for stage in ("self-weight: 1", "pushdown: 1", "pushover: 2", "history: 2", "incremental: 2"):
+    for stage in ("self-weight: 1", "pushdown: 1", "pushover: 2", "history: 4", "incremental: 2"):
         assert f"· {stage}, " in first.err
     assert "· pushdown: 1, 1 taken over, inputs unchanged, " in second.err
     assert "· pushover: 2, 0." in second.err

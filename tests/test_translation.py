@@ -17,19 +17,11 @@ LISTS = {"warnings", "notes", "failures", "findings"}
 ELSEWHERE = {"mechanics/synthetic_motion.py", "assessment/benchmark/dynamics.py"}  # no part of a run
 NAMED = {"_SHAPES", "_COLLAPSE_FIRST", "end"}
 SAYING = {"not_met", "missed", "collapse", "overruns", "passing_through", "_notes", "scatter"}
-SAYING |= {
-    "_gap_texts",
-    "_gap_warnings",
-    "_remedy",
-    "coarse_joints",
-    "too_few",
-    "_peak_warnings",
-    "_collapse_warnings",
-}
-MESSAGE = "another part falls"  # in the place of a message within a message
+SAYING |= {"_gap_texts", "_gap_warnings", "_remedy", "_scattered", "_spread"}
+MESSAGE = "the whole movement is applied"  # in the place of a message within a message
 WITHIN = {"error", "collapse", "stop", "fall", "refusal", "note", "text", "why", "start", "end", "said"}
 WITHIN |= {"self.end", "unstable", "path.end", "last.collapse_reason", "failed[state]", "warnings[0]"}
-WITHIN |= {"'; '.join(finer.failures)", "what", "names"}
+WITHIN |= {"what", "names"}
 ITALIAN = {"echo": {"report": {"language": "it"}}}
 
 

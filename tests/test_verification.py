@@ -15,7 +15,7 @@ from assessment.idealisation import CurveFit, fit_curve, fit_rigid
 from assessment.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.trace import pretty, rows, substituted
 from assessment.verification import Method, check_nonlinear, verify
-from mechanics.block import GRAVITY
+from mechanics.types import GRAVITY
 from tests.trace_check import from_csv, recomputed
 
 GRID_FILE = Path(__file__).parents[1] / ".." / "shared" / "data" / "allegato_b.txt"

@@ -12,18 +12,18 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from assessment.benchmark.measure import ROUNDS, Row, once_a_step
+from assessment.benchmark.measure import FAILURES, ROUNDS, Row, once_a_step
 from assessment.benchmark.structures import assembly, template
 from assessment.cli import NEW_OBJECTS
 from assessment.model import build_model
 from assessment.stage_selection import select
-from assessment.stages import mirror_of
 from assessment.states import PAST_PEAK
 from assessment.workflow import run
 from mechanics import pushdown, pushover
 from mechanics.assembly import Behaviour, Direction
-from mechanics.pushdown import Pushdown
-from mechanics.pushover import Pushover
+from mechanics.procedures.mirror import Mirror
+from mechanics.procedures.pushdown import Pushdown
+from mechanics.procedures.pushover import Pushover
 
 WAYS: tuple[Direction, ...] = ("+x", "-x")
 CONTACTS: tuple[Behaviour, ...] = ("rigid", "elastic")
@@ -45,39 +45,53 @@ def analyses(name: str) -> Iterator[Row]:
     assert project.pushover is not None
     assert table.increment_m is not None
     increment, spoken = project.pushover.increment_m, name.replace("-", " ")
-    rows = []
+    rows: list[Row] = []
     for contacts in CONTACTS:
+        mirror = Mirror.of(model, contacts)
         settle = partial(
             pushdown, model, table.support, table.displacement_m, 0.0, table.increment_m, contacts
         )
-        path = settle()
-        rows.append(_row(f"{spoken}, pushdown, {contacts}", settle, path))
-        yield rows[-1]
-        for title, state in (("original", None), ("settled", path.final)):
-            curve: Pushover | None = None
+        row, path = _row(f"{spoken}, pushdown, {contacts}", settle)
+        rows.append(row)
+        yield row
+        for title in ("original", "settled"):
+            if title == "settled" and not isinstance(path, Pushdown):
+                continue
+            state = path.final if title == "settled" and isinstance(path, Pushdown) else None
+            curve: object = None
             for way in WAYS:
                 control = project.pushover_control(way).point_m
                 until = PAST_PEAK if contacts == "elastic" else 0.0
-                push = partial(pushover, model, control, way, contacts, increment, state, until)
-                if state is None and curve is not None:
-                    push = partial(mirror_of(model, contacts).pushover, curve)
-                curve = push()
-                rows.append(_row(f"{spoken}, {title}, pushover {way}, {contacts}", push, curve))
-                yield rows[-1]
-    total = sum(row["seconds"] for row in rows)
-    baseline = sum(row["seconds"] / row["ratio"] for row in rows)
-    yield {
-        "case": f"{spoken}, static chain",
-        "whole": True,
-        "steps": sum(row["steps"] for row in rows),
+                push: Callable[[], object] = partial(
+                    pushover, model, control, way, contacts, increment, state, until
+                )
+                if state is None and isinstance(curve, Pushover) and mirror is not None:
+                    push = partial(mirror.pushover, curve)
+                row, curve = _row(f"{spoken}, {title}, pushover {way}, {contacts}", push)
+                rows.append(row)
+                yield row
+    whole: Row = {"case": f"{spoken}, static chain", "whole": True}
+    solved = [row for row in rows if "failed" not in row]
+    if len(solved) < len(rows):
+        whole["failed"] = f"{len(rows) - len(solved)} of {len(rows)}, and what depends on them"
+    total = sum(row["seconds"] for row in solved)
+    baseline = sum(row["seconds"] / row["ratio"] for row in solved)
+    yield whole | {
+        "steps": sum(row["steps"] for row in solved),
         "seconds": total,
         "ratio": total / baseline,
     }
 
 
-def _row(case: str, work: Callable[[], object], path: Pushdown | Pushover) -> Row:
-    seconds, ratio = once_a_step(work, [step.program for step in path.steps])
-    return {"case": case, "steps": len(path.steps), "seconds": seconds, "ratio": ratio}
+def _row(case: str, work: Callable[[], object]) -> tuple[Row, object]:
+    """A row, and what the work returns."""
+    try:
+        path = work()
+    except FAILURES as error:
+        return {"case": case, "failed": str(error)}, None
+    assert isinstance(path, Pushdown | Pushover)
+    seconds, ratio = once_a_step(work, path)
+    return {"case": case, "steps": len(path.steps), "seconds": seconds, "ratio": ratio}, path
 
 
 def side_by_side(name: str) -> Row:

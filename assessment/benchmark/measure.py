@@ -1,7 +1,8 @@
 """Processor time, and the baseline to which every time is a ratio.
 
 The baseline is PIQP called once a step on freshly built sparse matrices, for the same program, in the same run: a
-ratio carries over to other machines, and to a busy one, where seconds do not.
+ratio carries over to other machines, and to a busy one, where seconds do not. Whatever its bed, a joint is there one of
+two contact points at its ends, the least that PIQP can be given.
 """
 
 from __future__ import annotations
@@ -9,20 +10,33 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypeVar
-from unittest.mock import patch
 
 import numpy as np
 
-from mechanics.block import Array
-from mechanics.program import Program, Solution
-from mechanics.solvers import interior_point
-from mechanics.solvers.newton import Newton
+from mechanics import (
+    Assembly,
+    CollapseError,
+    ControlError,
+    ConvergenceError,
+    NoEquilibriumError,
+    State,
+    TimeHistory,
+    UnstableError,
+)
+from mechanics.assembly import Behaviour
+from mechanics.kernels.interior_iteration import SEGMENTS
+from mechanics.procedures.pushdown import Pushdown
+from mechanics.procedures.pushover import Pushover
+from mechanics.program import Program
+from mechanics.solvers import qp_piqp
+from mechanics.steps.static_step import StepProblem, static_system
+from mechanics.types import GRAVITY, Array
 
 try:
     import resource
@@ -33,6 +47,9 @@ Row = dict[str, Any]
 """A line of a table: what was measured, by column."""
 
 Answer = TypeVar("Answer")
+
+FAILURES = (CollapseError, ControlError, ConvergenceError, NoEquilibriumError, UnstableError)
+"""What an analysis that does not succeed raises: a row says so."""
 
 TOLERANCE = 1e-9  # of the baseline: what the statics ask of PIQP
 SAMPLES = 20  # programs of a path that the baseline solves
@@ -61,48 +78,72 @@ def in_turn(*works: Callable[[], object]) -> Array:
 
 def beside_piqp(work: Callable[[], object], programs: Sequence[Program]) -> tuple[float, float]:
     """Least processor time (s) of a call and, in the mean over some programs, of PIQP: in turn, see there."""
-    seconds, *solves = in_turn(work, *(partial(interior_point.solve, p, TOLERANCE) for p in programs))
+    seconds, *solves = in_turn(work, *(partial(qp_piqp.solve, ends_only(p), TOLERANCE) for p in programs))
     return seconds, float(np.mean(solves))
 
 
 def piqp(program: Program) -> float:
     """Processor time (s) of PIQP on one program, its matrices built anew."""
-    return seconds_of(lambda: interior_point.solve(program, TOLERANCE))[0]
+    least = ends_only(program)
+    return seconds_of(lambda: qp_piqp.solve(least, TOLERANCE))[0]
 
 
-def once_a_step(work: Callable[[], object], programs: Sequence[Program]) -> tuple[float, float]:
-    """Least processor time (s) of a static path of these programs, and its ratio to PIQP called once for each."""
-    seconds, each = beside_piqp(work, programs[:: max(len(programs) // SAMPLES, 1)])
-    return seconds, seconds / len(programs) / each
+def ends_only(program: Program) -> Program:
+    """The program with beds of one segment."""
+    law = program.law.copy()
+    law[:, SEGMENTS] = 1.0
+    return replace(program, law=law)
 
 
-@contextmanager
-def programs_kept(every: int) -> Iterator[list[Program]]:
-    """Every so manieth program that the time histories within solve."""
-    programs: list[Program] = []
-    solve = Newton.solve
-
-    def kept(newton: Newton, program: Program, *near: Any) -> Solution | None:
-        if newton.solved % every == 0:
-            programs.append(replace(program, gap=program.gap.copy()))  # gaps are shifted in place
-        return solve(newton, program, *near)
-
-    with patch.object(Newton, "solve", kept):
-        yield programs
+def once_a_step(work: Callable[[], object], path: Pushdown | Pushover) -> tuple[float, float]:
+    """Least processor time (s) of a static path, and its ratio to PIQP called once for each of its steps."""
+    programs = path_programs(path)
+    seconds, each = beside_piqp(work, programs)
+    return seconds, seconds / len(path.steps) / each
 
 
-@contextmanager
-def newtons_laid_out() -> Iterator[list[Newton]]:
-    """The solvers of the time histories within, which count their factorisations."""
-    newtons: list[Newton] = []
-    lay_out = Newton.__post_init__
+def path_programs(path: Pushdown | Pushover) -> list[Program]:
+    """Programs that lead from points of a path, SAMPLES or a few more, to the next ones."""
+    every = max(len(path.steps) // SAMPLES, 1)
+    programs = []
+    for before, step in list(pairwise(path.steps))[::every]:
+        model = step.system.model
+        moved = step.state.positions - before.state.positions
+        size = max(float(abs(moved[:, :2]).max()), 1e-6 * model.size)
+        lateral, work = None, 0.0
+        if isinstance(path, Pushover):
+            lateral = model.lateral_load("+x")
+            work = float((lateral * moved).sum())
+        at = np.where(model.movable[:, None], before.state.positions, step.state.positions)
+        problem = StepProblem(step.system, before.state, model.dead_load, size, lateral, work)
+        programs.append(problem.pose(at, None)[0])
+    return programs
 
-    def noted(newton: Newton) -> None:
-        lay_out(newton)
-        newtons.append(newton)
 
-    with patch.object(Newton, "__post_init__", noted):
-        yield newtons
+def history_programs(
+    model: Assembly, behaviour: Behaviour, motion: TimeHistory, acceleration: Array, every: int
+) -> list[Program]:
+    """The implicit Euler steps (paper, eq. 3) from every so manieth state of a motion; accelerations (k,) in g."""
+    step = float(motion.time[1])
+    return [
+        euler_step(
+            model, behaviour, State(motion.positions[k], motion.velocities[k]), acceleration[k + 1], step
+        )
+        for k in range(0, len(motion.time) - 1, every)
+    ]
+
+
+def euler_step(
+    model: Assembly, behaviour: Behaviour, state: State, acceleration: float, step: float = 0.005
+) -> Program:
+    """The program of an implicit Euler step (s) under a base acceleration in g (paper, eq. 3)."""
+    speed = float(abs(state.velocities[:, :2]).max())
+    size = max(GRAVITY * step**2, step * speed)
+    system = static_system(model, behaviour).around(state.positions, size)
+    inertia = model.mass / step**2
+    load = model.dead_load - acceleration * GRAVITY * model.mass * (1.0, 0.0, 0.0)
+    problem = StepProblem(system, state, load + step * inertia * state.velocities, size, mass=inertia)
+    return problem.pose(state.positions, None)[0]
 
 
 def exponent(rows: Sequence[Row], column: str) -> float:

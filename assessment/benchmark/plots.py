@@ -1,9 +1,10 @@
-"""Error over processor time, both logarithmic: a panel for each case, a line for each quantity or integrator."""
+"""Error over processor time, both logarithmic: a panel for each case, a line for each quantity or way to integrate."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import cycle
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -17,7 +18,11 @@ EXACT = 1e-12  # an error that is none, for a logarithmic axis
 
 
 def work_precision(rows: Sequence[Row], series: str) -> Figure:
-    """The rows of one parameter; what the program takes by itself is a filled mark, the others are open."""
+    """The rows of one parameter; what the program takes by itself is a filled mark, the others are open.
+
+    Rows that failed have no place in it.
+    """
+    rows = [row for row in rows if "failed" not in row]
     cases = list(dict.fromkeys(row["case"] for row in rows))
     height = math.ceil(len(cases) / COLUMNS) * HEIGHT_MM
     figure = Figure(figsize=(WIDTH_MM * MM, height * MM), layout="constrained")
@@ -30,13 +35,13 @@ def work_precision(rows: Sequence[Row], series: str) -> Figure:
 
 
 def _panel(axes: Axes, case: str, rows: Sequence[Row], series: str) -> None:
-    for dashes, name in zip(DASHES, dict.fromkeys(row[series] for row in rows), strict=False):
+    for dashes, name in zip(cycle(DASHES), dict.fromkeys(row[series] for row in rows), strict=False):
         line = [row for row in rows if row[series] == name]
         seconds, errors = ([max(row[key], EXACT) for row in line] for key in ("seconds", "error"))
         axes.plot(seconds, errors, color="0.0", linestyle=dashes, linewidth=0.8, label=name)
         for row, x, y in zip(line, seconds, errors, strict=True):
             axes.plot(x, y, "o", markersize=3.5, color="0.0", fillstyle="full" if row["default"] else "none")
-            axes.annotate(f"{row['value']:g}", (x, y), (3, 2), textcoords="offset points", fontsize=5)
+            axes.annotate(shown(row["value"]), (x, y), (3, 2), textcoords="offset points", fontsize=5)
     where, _, what = case.partition(", ")
     axes.set(xscale="log", yscale="log", title=f"{where}\n{what}")
     axes.set(
@@ -47,6 +52,11 @@ def _panel(axes: Axes, case: str, rows: Sequence[Row], series: str) -> None:
     axes.set_xlabel("processor time, s")
     axes.set_ylabel("relative error")
     axes.legend(fontsize=5.5)
+
+
+def shown(value: float) -> str:
+    """The value of a parameter; infinitely many segments are the exact bed."""
+    return "exact" if math.isinf(value) else f"{value:g}"
 
 
 def _decades(values: Sequence[float]) -> tuple[float, float]:

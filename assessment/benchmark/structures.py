@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -23,9 +22,13 @@ def rectangle(x0: float, z0: float, x1: float, z1: float) -> list[list[float]]:
 
 
 def block_on_base(
-    width: float = 0.2, height: float = 1.0, friction: float = 0.7, stiffness: float = 5e5, segments: int = 1
+    width: float = 0.2,
+    height: float = 1.0,
+    friction: float = 0.7,
+    stiffness: float = 5e5,
+    segments: int | None = None,
 ) -> Assembly:
-    """A block 1 m deep, its lower left corner at the origin, on a wide support."""
+    """A block 1 m deep, its lower left corner at the origin, on a wide support; `segments` of its bed, None: exact."""
     stone = Material(18.0, friction, stiffness)
     base = Block(rectangle(-5 * width, -0.1 * height, 5 * width, 0.0), 1.0, stone, support="base")
     return Assembly([base, Block(rectangle(0.0, 0.0, width, height), 1.0, stone)], segments)
@@ -61,10 +64,7 @@ def running_bond(
 
 
 def arch_on_piers(voussoirs: int = 27, courses: int = 19, stiffness: float = 1e6) -> Assembly:
-    """A semicircular arch of 2 m on two piers of single blocks, whose joints have two segments where its own have one.
-
-    The default has 67 blocks, of which two are supports, and 424 contact points.
-    """
+    """A semicircular arch of 2 m on two piers of single blocks; by default 67 blocks, of which two are supports."""
     stone, height, inner, outer = Material(18.0, 0.65, stiffness), 2.0, 1.85, 2.15
     angles = np.linspace(0.0, np.pi, voussoirs + 1)
 
@@ -72,14 +72,14 @@ def arch_on_piers(voussoirs: int = 27, courses: int = 19, stiffness: float = 1e6
         return [radius * np.cos(angle), height + radius * np.sin(angle)]
 
     blocks = [
-        Block([at(inner, a), at(outer, a), at(outer, b), at(inner, b)], 0.5, stone, segments=1)
+        Block([at(inner, a), at(outer, a), at(outer, b), at(inner, b)], 0.5, stone)
         for a, b in pairwise(angles)
     ]
     beds = np.linspace(0.0, height, courses + 1)
     for side, name in ((1.0, "right"), (-1.0, "left")):
         x0, x1 = sorted((side * inner, side * (inner + 0.8)))
-        blocks += [Block(rectangle(x0, a, x1, b), 0.5, stone, segments=2) for a, b in pairwise(beds)]
-        blocks.append(Block(rectangle(x0, -0.1, x1, 0.0), 0.5, stone, support=name, segments=2))
+        blocks += [Block(rectangle(x0, a, x1, b), 0.5, stone) for a, b in pairwise(beds)]
+        blocks.append(Block(rectangle(x0, -0.1, x1, 0.0), 0.5, stone, support=name))
     return Assembly(blocks)
 
 
@@ -95,35 +95,13 @@ def template(name: str) -> Project:
 
 
 @cache
-def assembly(name: str, finer: float = 1.0) -> Assembly:
-    """The assembly of a template, its joints with `finer` times the segments."""
+def assembly(name: str, segments: int | None = None) -> Assembly:
+    """The assembly of a template, its elastic joints of so many segments; None: exact."""
     from assessment.model import build_model
 
     project = template(name)
-
-    def times(segments: int | None) -> int | None:
-        return None if segments is None else max(1, round(finer * segments))
-
-    layers = {
-        key: table.model_copy(update={"segments_per_joint": times(table.segments_per_joint)})
-        for key, table in project.layers.items()
-    }
-    geometry = project.geometry
-    geometry = geometry.model_copy(update={"segments_per_joint": times(geometry.segments_per_joint)})
-    return build_model(project.model_copy(update={"geometry": geometry, "layers": layers})).assembly
-
-
-def segments_apart(model: Assembly) -> Assembly:
-    """The same with elastic contact points of its own for every segment, which neighbours otherwise share."""
-    contacts = model.elastic_contacts
-    turn = np.diff(contacts.joint) != 0
-    turn |= np.diff(contacts.a) != 0
-    ends_a_joint = np.r_[True, turn] | np.r_[turn, True]
-    point = np.repeat(np.arange(len(contacts)), np.where(ends_a_joint, 1, 2))
-    alone = np.unique(contacts.joint, return_index=True)[1][contacts.joint[point]]  # the end of one segment
-    apart = replace(model)
-    apart.__dict__["elastic_contacts"] = replace(contacts.take(point), stiffness=contacts.stiffness[alone])
-    return apart
+    geometry = project.geometry.model_copy(update={"segments_per_joint": segments})
+    return build_model(project.model_copy(update={"geometry": geometry})).assembly
 
 
 @cache

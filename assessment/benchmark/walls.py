@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from assessment.benchmark.measure import Row, exponent, in_turn, peak_memory, piqp, seconds_of
 from assessment.benchmark.structures import running_bond
 from mechanics import Assembly, limit_analysis
-from mechanics.equilibrium import closed_program
-from mechanics.solvers import linear
+from mechanics.solvers import lp_highs
+from mechanics.steps.equilibrium import closed_program
 
 WALLS = {100: (10, 10), 300: (17, 17), 1000: (31, 31), 3000: (55, 54), 10000: (100, 100)}
 QUICK = 1000  # blocks of the largest wall then
@@ -55,7 +55,7 @@ def measured(columns: int, courses: int) -> Row:
     seconds, limit = seconds_of(lambda: limit_analysis(model))
     memory = peak_memory()
     blocks = int(model.movable.sum())
-    program = closed_program(model, model.initial, model.lateral_load("+x"))[0]
+    program = closed_program(model, model.initial, model.lateral_load("+x")).program
     if blocks <= REPEATED:
         seconds, baseline = in_turn(lambda: limit_analysis(model), lambda: piqp(program))
     else:
@@ -63,7 +63,7 @@ def measured(columns: int, courses: int) -> Row:
     return {
         "case": f"wall {columns} × {courses}",
         "blocks": blocks,
-        "points": len(model.rigid_contacts),
+        "joints": len(model.contacts),
         "building_s": building,
         "seconds": seconds,
         "ratio": seconds / baseline,
@@ -75,8 +75,8 @@ def measured(columns: int, courses: int) -> Row:
 
 
 def _by_highs(model: Assembly, alpha: float) -> Row:
-    program = closed_program(model, model.initial, model.lateral_load("+x"))[0]
-    seconds, answer = seconds_of(lambda: linear.solve(program))
+    program = closed_program(model, model.initial, model.lateral_load("+x")).program
+    seconds, answer = seconds_of(lambda: lp_highs.solve(program))
     assert answer is not None
     return {"error": abs(alpha / answer[1] - 1.0), "highs_s": seconds}
 

@@ -6,8 +6,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from mechanics.block import Array
-from mechanics.joints import Index
+from mechanics.types import Array, Index
 
 SWEEPS, TILT = 16, 0.01  # directions (of π), and the angle (rad) that keeps the blocks of a course in order
 

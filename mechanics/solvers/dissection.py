@@ -8,71 +8,16 @@ the later blocks that they reach, is stored as one dense panel by columns.
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mechanics.block import Array
-from mechanics.joints import Index
-
-Flags = NDArray[np.bool_]
+from mechanics.kernels.pattern import NONE, OVERHANG, Fronts
+from mechanics.types import Array, Index, Mask
 
 SMALLEST = 10  # blocks: parts that are not divided any more
 DIRECTIONS, TILT = 8, 0.01  # lines that are tried (of π), and the angle (rad) that keeps them off the joints
 SHARES = (0.42, 0.5, 0.58)  # of the blocks before the line
 UNEVEN = 0.15  # of the blocks: a line that divides them as unevenly counts as longer by as much again
-OVERHANG = 7  # rows of zeros below a panel, for tiles that reach over its edge
-
-
-_none: Index = np.zeros(0, np.intp)
-
-
-class Fronts(NamedTuple):
-    """The panels of f fronts, in the order of their elimination, in one array of `size` numbers.
-
-    `first` (f + 1,): first row of each front; `base` (f,): place of its panel's first number, `height` (f,): from
-    there to the next column, OVERHANG included. Below its own rows a panel has those of the later blocks reached,
-    whose first rows are below[start[k]:start[k + 1]]. What a front takes from later ones, its targets, from
-    targets[aim[k]] to targets[aim[k + 1]] (t, 4): the later front, the first and the end of the blocks below that are
-    its own, and where in `place` the rows in that later panel begin, of these blocks and of those that follow;
-    `together` counts, from each of them, the rows that lie side by side there as well. `largest`: numbers that a front
-    takes from later ones, by whole tiles.
-    """
-
-    first: Index
-    base: Index
-    height: Index
-    start: Index
-    below: Index
-    aim: Index
-    targets: Index
-    place: Index
-    together: Index
-    size: int
-    largest: int
-
-    def products(self) -> float:
-        """Of a factorisation."""
-        own, rows = np.diff(self.first), self.height - OVERHANG
-        below = rows - own
-        return (
-            float((rows * (rows + 1.0) * (2 * rows + 1.0) - below * (below + 1.0) * (2 * below + 1.0)).sum())
-            / 12.0
-        )
-
-    def where(self, row: Index, column: Index) -> tuple[Index, Index]:
-        """Place of these entries of the lower triangle (n,) by rows of blocks, and the step to the next column."""
-        count = len(self.base)
-        k = np.searchsorted(self.first, column, side="right") - 1
-        # a front's own rows and those below it, ascending, then the next front's: one list to search
-        owner = np.repeat(np.arange(count), np.diff(self.start))
-        far = self.first[-1] + 1
-        at = np.searchsorted(owner * far + self.below, k * far + row) - self.start[k]
-        inside = row < self.first[k + 1]
-        position = np.where(inside, row - self.first[k], self.first[k + 1] - self.first[k] + 3 * at)
-        place: Index = self.base[k] + (column - self.first[k]) * self.height[k] + position
-        return place, self.height[k]
 
 
 def dissected(linked: Index, centres: Array) -> tuple[Index, Index]:
@@ -100,7 +45,7 @@ def _divide(blocks: Index, linked: Index, centres: Array, parts: list[Index]) ->
         parts.append(blocks[line])
 
 
-def _shortest_line(linked: Index, centres: Array) -> tuple[Flags, Flags]:
+def _shortest_line(linked: Index, centres: Array) -> tuple[Mask, Mask]:
     """The blocks (b,) of the shortest line that divides them about evenly, and those on one side of it."""
     best, found = np.inf, None
     b = len(centres)
@@ -128,7 +73,7 @@ def fronts(linked: Index, bounds: Index) -> Fronts:
     width = 3 * np.diff(bounds)
     height = width + 3 * count + OVERHANG
     base = np.cumsum([0, *(width * height)])
-    aim, targets, place, together = [0], [_none.reshape(0, 4)], [_none], [_none]
+    aim, targets, place, together = [0], [NONE.reshape(0, 4)], [NONE], [NONE]
     laid = 0
     for rows in reached:
         for k, begin, end in _spans(np.searchsorted(bounds, rows, side="right") - 1):
@@ -144,7 +89,7 @@ def fronts(linked: Index, bounds: Index) -> Fronts:
         base=base[:-1].astype(np.intp),
         height=height.astype(np.intp),
         start=np.cumsum([0, *count]).astype(np.intp),
-        below=3 * np.concatenate([_none, *reached]),
+        below=3 * np.concatenate([NONE, *reached]),
         aim=np.array(aim, np.intp),
         targets=np.concatenate(targets).astype(np.intp),
         place=np.concatenate(place).astype(np.intp),
@@ -182,6 +127,3 @@ def _spans(values: Index) -> list[tuple[int, int, int]]:
 def _to_the_end_of_each(spans: list[tuple[int, int, int]]) -> Index:
     """From every place in the spans the distance to the end of its own."""
     return np.concatenate([np.arange(end - begin, 0, -1) for _, begin, end in spans])
-
-
-NO_FRONTS = Fronts(_none, _none, _none, _none, _none, _none, _none.reshape(0, 4), _none, _none, 0, 0)

@@ -7,51 +7,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
-from mechanics.block import Array
-from mechanics.joints import Index
+from mechanics.kernels.pattern import NO_FRONTS, Fronts, Pattern, packed
 from mechanics.solvers.band import envelope, half_band, narrowest_order
-from mechanics.solvers.dissection import NO_FRONTS, Fronts, dissected, fronts
-from mechanics.solvers.runs import Runs, runs
+from mechanics.solvers.dissection import dissected, fronts
+from mechanics.types import Array, Index
 
 PADDING = 13  # places of a band beyond its width, for tiles that reach over its edge
 WORTH_WHILE = 4e6  # products of a factorisation in the band, from which dissection is tried
 DEARER = 1.5  # a product in a front than one in the band
-
-
-class Pattern(NamedTuple):
-    """Where the lower triangle of a matrix stands in an array of numbers.
-
-    Its blocks of three by three are stored by columns. `own` (m/3,): place of the first number of those on the
-    diagonal, `step` (m/3,) from there to the next column; `between`, `stride` (c,): the same of those between the two
-    blocks of a contact point, −1 where one is a support. In a band a column takes `places`, of which the factor fills
-    those from the diagonal to its `last` (m,) row, and a row begins at its `first` (m,) column (see band); or there
-    are `fronts` (see dissection).
-    """
-
-    own: Index
-    step: Index
-    between: Index
-    stride: Index
-    places: int
-    first: Index
-    last: Index
-    fronts: Fronts
-
-
-def packed(pattern: Pattern) -> Index:
-    """The lists of a pattern in one: handed to a compiled function they take 2.8 microseconds of a call, one takes 0.2.
-
-    First where the lists begin, counted from the first one, then three numbers, and the lists.
-    """
-    *most, fronts = pattern
-    lists = [np.ravel(part) for part in (*most, *fronts) if isinstance(part, np.ndarray)]
-    begins = np.cumsum([0, *(len(part) for part in lists)])
-    numbers = [pattern.places, fronts.size, fronts.largest]
-    return np.concatenate([begins, numbers, *lists]).astype(np.intp)
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,15 +36,18 @@ class Elimination:
     fronts: Fronts
 
     @classmethod
-    def of(cls, dof: Index, centres: Array | None = None) -> Elimination:
-        """The order for contact points of rows `dof` (c, 6), as in Program; `centres` (m/3, 2) of the blocks help."""
+    def of(cls, dof: Index, centres: Array | None = None, banded: bool = False) -> Elimination:
+        """The order for contact points of rows `dof` (c, 6), as in Program; `centres` (m/3, 2) of the blocks help.
+
+        `banded`: no fronts, whatever the size.
+        """
         blocks = (int(dof.max(initial=-1)) + 1) // 3 if centres is None else len(centres)
         pairs = dof[:, [0, 3]] // 3
         linked = np.unique(np.sort(pairs[(pairs >= 0).all(axis=1)], axis=1), axis=0)
         order, found = narrowest_order(linked, blocks, centres), NO_FRONTS
         width = 3 * half_band(linked, order) + 3
         in_band = 0.5 * 3 * blocks * width**2
-        if centres is not None and in_band >= WORTH_WHILE:
+        if centres is not None and in_band >= WORTH_WHILE and not banded:
             other, bounds = dissected(linked, centres)
             panels = fronts(np.argsort(other)[linked], bounds)
             if DEARER * panels.products() < in_band:
@@ -98,6 +67,11 @@ class Elimination:
         return np.zeros(self.fronts.size or len(self.order) * self.places)
 
     @cached_property
+    def work_space(self) -> Array:
+        """The same, kept: one solve at a time works in it."""
+        return self.matrix()
+
+    @cached_property
     def pattern(self) -> Pattern:
         """Where its numbers stand."""
         size = len(self.order)
@@ -115,8 +89,3 @@ class Elimination:
     def packed(self) -> Index:
         """The same in one array, for compiled iterations."""
         return packed(self.pattern)
-
-    @cached_property
-    def runs(self) -> Runs:
-        """The contact points of the same two blocks, see `runs`."""
-        return runs(self.row)

@@ -1,13 +1,17 @@
-"""The table of the stress tests: `python -m tests.stress [--long] [--each]`."""
+"""The tables of the stress tests: `python -m tests.stress [--long] [--each] [--beds]`."""
 
 from __future__ import annotations
 
 import sys
 
+from tests.stress import beds
 from tests.stress.cases import CASES
 from tests.stress.harness import outcomes, table
 
 if __name__ == "__main__":
+    if "--beds" in sys.argv:
+        print(beds.table())
+        sys.exit()
     judged = outcomes(case for case in CASES.values() if "--long" in sys.argv or not case.long)
     for case, outcome in judged:
         if outcome.verdict == "failed" or "--each" in sys.argv:

@@ -16,7 +16,10 @@ from multiprocessing.connection import Connection
 import numpy as np
 
 from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError, UnstableError
+from mechanics.model.contacts import Contacts
 from mechanics.program import Certificate
+from mechanics.solvers.interior import Iterate
+from mechanics.steps.static_step import StaticSystem
 
 USABLE = 1e-6  # the certificate that the program itself asks for (mechanics.solvers)
 REFUSALS = (UnstableError, NoEquilibriumError, ControlError, ConvergenceError)
@@ -71,7 +74,7 @@ def _within(result: object) -> Iterator[object]:
     inner: Iterable[object] = ()
     if isinstance(result, tuple | list):
         inner = result
-    elif is_dataclass(result) and not isinstance(result, Certificate) and type(result).__name__ != "Program":
+    elif is_dataclass(result) and not isinstance(result, (Certificate, Contacts, StaticSystem, Iterate)):
         inner = (getattr(result, field.name) for field in fields(result))
     for value in inner:
         yield from _within(value)

@@ -21,7 +21,7 @@ BASE = Block(rectangle(-5.0, -1.0, 5.0, 0.0), 1.0, STONE, support="base")
 def twins(count: int, contacts: str) -> None:
     """Equal blocks apart overturn at the same α, any share of them: the multiplier is one, the mechanism is not."""
     blocks = [Block(rectangle(0.5 * i, 0.0, 0.5 * i + 0.2, 1.0), 1.0, STONE) for i in range(count)]
-    model = Assembly([BASE, *blocks], 2)
+    model = Assembly([BASE, *blocks])
     if contacts == "rigid":
         limit = limit_analysis(model)
         sound(limit, 1e-3)
@@ -90,7 +90,7 @@ def interlocked(friction: float, contacts: str) -> None:
 
 def too_large(contacts: str, factor: float) -> None:
     """Steps far beyond the whole curve: one within it, or a refusal; every point given is on tan(β − θ)."""
-    model = block_on_base(stiffness=1e8, segments=2)
+    model = block_on_base(stiffness=1e8)
     curve = pushover(model, (0.2, 1.0), contacts=contacts, increment=0.001 * factor)
     sound(curve)
     lean = np.array([-state.positions[1, 2] for state in curve.states])

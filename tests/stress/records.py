@@ -9,9 +9,9 @@ import numpy as np
 
 from mechanics import Assembly, time_history
 from mechanics.assembly import Behaviour
-from mechanics.block import GRAVITY
 from mechanics.errors import ConvergenceError
 from mechanics.response_spectrum import response_spectrum
+from mechanics.types import GRAVITY
 from tests.stress.harness import Case, sound
 from tests.structures import arch_on_piers, block_on_base, running_bond
 
@@ -65,7 +65,7 @@ def two_samples(contacts: Behaviour, integrator: str) -> None:
 
 def steps_of(time_step: float, contacts: Behaviour, integrator: str) -> None:
     """A block at rest under a push below its multiplier stays, whatever the step."""
-    model = block_on_base(stiffness=1e8, segments=2)
+    model = block_on_base(stiffness=1e8)
     motion = time_history(model, np.full(20, 0.1), time_step, contacts, integrator=integrator)
     sound(motion)
     still = abs(motion.positions[-1] - motion.positions[0]).max()
@@ -94,7 +94,7 @@ def spectrum(samples: int) -> None:
 
 def cases() -> Iterator[Case]:
     models = {
-        "block": block_on_base(segments=2),
+        "block": block_on_base(),
         "arch": arch_on_piers(voussoirs=9, courses=3),
         "wall": running_bond(3, 3),
     }

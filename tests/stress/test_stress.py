@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from mechanics.errors import UnstableError
-from mechanics.limit import Limit
+from mechanics.procedures.limit_analysis import Limit
 from mechanics.program import Certificate
 from tests.stress.cases import CASES
 from tests.stress.harness import Case, Outcome, apart, judge, sound, table
+from tests.structures import block_on_base
 
 LONG = os.environ.get("ASSESTO_STRESS") == "long"
 
@@ -46,7 +47,13 @@ def fault(kind: str) -> None:
 
 
 def limit_with(alpha: float) -> Limit:
-    return Limit(alpha, np.zeros((1, 3)), np.zeros((1, 2)), Certificate(0.0, 0.0, 0.0, 0.0, 0.0))
+    return Limit(
+        alpha,
+        np.zeros((1, 3)),
+        np.zeros((1, 3)),
+        block_on_base().contacts,
+        Certificate(0.0, 0.0, 0.0, 0.0, 0.0),
+    )
 
 
 @pytest.mark.parametrize("kind", ["crash", "hang", "NaN", "certificate", "unnamed refusal"])

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from mechanics.block import GRAVITY
 from mechanics.ground_motion import read_record
+from mechanics.types import GRAVITY
 
 RECORDS = Path(__file__).parents[2] / ".." / "shared" / "data" / "records"
 

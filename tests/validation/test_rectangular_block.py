@@ -81,7 +81,7 @@ WIDTH, DEPTH, STIFFNESS = 1.0, 1.0, 1e8
 WEIGHT = 18.0 * 1.0 * 4.0
 
 
-def rising_branch(segments: int):
+def rising_branch(segments: int | None = None):
     """Multiplier and lean of the points before the peak, each an equilibrium of its own."""
     model = block_on_base(WIDTH, 4.0, stiffness=STIFFNESS, segments=segments)
     curve = pushover(model, (WIDTH, 4.0), contacts="elastic", increment=0.05)
@@ -99,13 +99,13 @@ def winkler(multiplier: float, lean: float, segments: float = np.inf) -> float:
     return 2.0 * WEIGHT / (STIFFNESS * DEPTH * contact**2)
 
 
-def test_the_rotation_converges_to_the_winkler_bed():
-    """In full contact and beyond l/6, where the contact shrinks to an eighth of the joint: 2 % at 60 segments."""
-    multiplier, lean = rising_branch(60)
+def test_the_rotation_is_that_of_the_winkler_bed():
+    """In full contact and beyond l/6, where the contact shrinks to an eighth of the joint."""
+    multiplier, lean = rising_branch()
     checked = multiplier < 0.225
     assert (multiplier[checked] > 0.2).any()
     expected = [winkler(a, phi) for a, phi in zip(multiplier[checked], lean[checked], strict=True)]
-    np.testing.assert_allclose(lean[checked], expected, rtol=0.02)
+    np.testing.assert_allclose(lean[checked], expected, rtol=3e-3)
 
 
 def test_the_error_of_the_stiffness_falls_with_the_square_of_the_segments():
@@ -119,9 +119,9 @@ def test_the_error_of_the_stiffness_falls_with_the_square_of_the_segments():
 
 def test_the_elastic_peak_approaches_the_rigid_multiplier_as_stiffness_grows():
     def peak(stiffness: float) -> float:
-        model = block_on_base(BREADTH, HEIGHT, stiffness=stiffness, segments=4)
+        model = block_on_base(BREADTH, HEIGHT, stiffness=stiffness)
         return float(pushover(model, (BREADTH, HEIGHT), contacts="elastic", increment=0.002).multiplier.max())
 
-    peaks = [peak(stiffness) for stiffness in (1e4, 1e5, 1e6)]
+    peaks = [peak(stiffness) for stiffness in (1e6, 1e7, 1e8)]
     assert all(low < high < 0.2 for low, high in pairwise(peaks))
     assert peaks[-1] == pytest.approx(0.2, rel=0.05)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import pytest
 
 from mechanics import UnstableError, pushdown
-from mechanics.equilibrium import check_self_weight
+from mechanics.steps.equilibrium import check_self_weight
 from tests.structures import semicircular_arch
 
 

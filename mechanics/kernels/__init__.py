@@ -1,0 +1,1 @@
+"""The compiled loops: each is the only source of its loop."""

@@ -1,0 +1,287 @@
+"""The no-tension bed of a joint, integrated in closed form.
+
+The bed presses with k⟨−w⟩ along the overlap L = 2h, w = u + φs the gap. As complementary energy of the forces N₁ and N₂
+at its two ends, N = N₁ + N₂ and P = h(N₂ − N₁):
+
+    W* = (N² + 3 (N₂ − N₁)²)/(2kL)     where the whole bed is pressed, N₁ ≥ N₂/2 and N₂ ≥ N₁/2
+    W* = 2N³/(9kL N₁)                  where it opens at the first end; likewise at the other
+
+Its gradient are the closures of the ends, its Hessian their compliance; both are continuous. A bed of points at the
+ends
+of n equal segments (the paper's) and one of finite strength have no W* in closed form: there the displacements under
+two forces are found first.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mechanics.kernels.jit import compiler
+
+compiled = compiler("contract", "reassoc")
+
+MOST_SEGMENTS = 64  # of a bed of points
+NEWTON, HALVINGS = 60, 30  # iterations for the displacements of a bed of finite strength, and halvings of one
+NEARLY_NOTHING = 1e-6  # of the force: one from which no step is taken
+ROUGHLY = 1e-10  # of the force: the same, of a point at which the bed is made linear
+EXACT = 1e-13  # of the force: an imbalance of the bed that is none
+
+
+@compiled
+def closures(n1: float, n2: float, soft: float) -> tuple[float, float]:
+    """Gaps of the two ends under forces N₁, N₂ > 0; `soft` = 1/(kL), m/kN."""
+    if 2.0 * n1 < n2:
+        n, x = n1 + n2, 1.0 + n2 / n1
+        b = 2.0 / 9.0 * soft * n * x
+        return b * (x - 3.0), -3.0 * b
+    if 2.0 * n2 < n1:
+        n, x = n1 + n2, 1.0 + n1 / n2
+        b = 2.0 / 9.0 * soft * n * x
+        return -3.0 * b, b * (x - 3.0)
+    return soft * (2.0 * n2 - 4.0 * n1), soft * (2.0 * n1 - 4.0 * n2)
+
+
+@compiled
+def compliance(n1: float, n2: float, soft: float) -> tuple[float, float, float]:
+    """Hessian of W*: C₁₁, −C₁₂ and C₂₂, all positive, m/kN."""
+    b = 2.0 / 9.0 * soft
+    if 2.0 * n1 < n2:
+        x = 1.0 + n2 / n1
+        return 2.0 * b * x * (x * (x - 3.0) + 3.0), 3.0 * b * x * (x - 2.0), 6.0 * b * x
+    if 2.0 * n2 < n1:
+        x = 1.0 + n1 / n2
+        return 6.0 * b * x, 3.0 * b * x * (x - 2.0), 2.0 * b * x * (x * (x - 3.0) + 3.0)
+    return 4.0 * soft, 2.0 * soft, 4.0 * soft
+
+
+@compiled
+def linearised(n1: float, n2: float, turn: float, soft: float) -> tuple[float, float, float, float, float]:
+    """Gaps of the ends and C₁₁, −C₁₂, C₂₂ of the law's stiffer tangent: at the forces or at the turn.
+
+    `turn`: the gap at the first end less that at the other. Where a bed opens, forces far behind the turn would follow
+    it by half of themselves in an iteration, as a turn far behind the forces would overshoot.
+    """
+    first = n1 < n2
+    low, n = min(n1, n2), n1 + n2
+    b = 2.0 / 9.0 * soft * n
+    opened = turn if first else -turn
+    x = n / low
+    if x <= 3.0 or opened >= b * x * x:
+        g1, g2 = closures(n1, n2, soft)
+        c11, c12, c22 = compliance(n1, n2, soft)
+        return g1, g2, c11, c12, c22
+    if opened <= 9.0 * b:  # so little turned the whole bed is pressed: the law is linear there
+        return soft * (2.0 * n2 - 4.0 * n1), soft * (2.0 * n1 - 4.0 * n2), 4.0 * soft, 2.0 * soft, 4.0 * soft
+    at = n / (opened / b) ** 0.5
+    other = n - at
+    g1, g2 = closures(at, other, soft) if first else closures(other, at, soft)
+    c11, c12, c22 = compliance(at, other, soft) if first else compliance(other, at, soft)
+    shift = n1 - at if first else n1 - other
+    return g1 - (c11 + c12) * shift, g2 + (c12 + c22) * shift, c11, c12, c22
+
+
+@compiled
+def pressed(u: float, phi: float, half: float, stiffness: float) -> tuple[float, float, float]:
+    """N, P and the contact length l of a gap u + φs, |s| ≤ h: the same law from the displacements."""
+    first, second = u - half * phi, u + half * phi
+    low, high = min(first, second), max(first, second)
+    if low >= 0.0:
+        return 0.0, 0.0, 0.0
+    length = 2.0 * half
+    if high > 0.0:
+        length *= low / (low - high)  # φ is never divided by
+    at_open = max(-high, 0.0)
+    n = 0.5 * stiffness * length * (at_open - low)
+    # from the middle of the overlap to that of the contact, and within it
+    moment = n * (half - 0.5 * length) + stiffness * length * length / 12.0 * (-low - at_open)
+    return n, moment if second < first else -moment, length
+
+
+@compiled
+def crushed(
+    u: float, phi: float, half: float, stiffness: float, strength: float
+) -> tuple[float, float, float, float, float]:
+    """N, P and −∂N/∂u, −∂N/∂φ, −∂P/∂φ of a bed that bears at most the `strength`, kN/m: the difference of two beds."""
+    n, m, c0, c1, c2 = _bed(u, phi, half, stiffness)
+    if strength < np.inf:
+        more = _bed(u + strength / stiffness, phi, half, stiffness)
+        n, m, c0, c1, c2 = n - more[0], m - more[1], c0 - more[2], c1 - more[3], c2 - more[4]
+    return n, m, c0, c1, c2
+
+
+@compiled
+def _bed(u: float, phi: float, half: float, stiffness: float) -> tuple[float, float, float, float, float]:
+    n, m, length = pressed(u, phi, half, stiffness)
+    middle = half - 0.5 * length
+    if phi > 0.0:
+        middle = -middle
+    c0 = stiffness * length
+    return n, m, c0, c0 * middle, c0 * (middle * middle + length * length / 12.0)
+
+
+@compiled
+def under(n1: float, n2: float, half: float, stiffness: float, strength: float) -> tuple[float, float]:
+    """Gaps of the two ends of a bed of finite strength under forces within it (Newton, on the energy W_c + Nu + Pφ)."""
+    n, m = n1 + n2, half * (n2 - n1)
+    w1, w2 = closures(n1, n2, 1.0 / (2.0 * half * stiffness))
+    u, phi = 0.5 * (w1 + w2), 0.5 * (w2 - w1) / half
+    for _ in range(NEWTON):
+        f, p, c0, c1, c2 = crushed(u, phi, half, stiffness, strength)
+        rn, rp = f - n, (p - m) / half
+        if abs(rn) + abs(rp) <= EXACT * n:
+            break
+        c1, c2 = c1 / half, c2 / (half * half)
+        det = c0 * c2 - c1 * c1
+        if not det > 1e-14 * c0 * c0:  # all that is in contact is crushed: back towards what is not
+            du, dphi = rn / (stiffness * half), rp / (stiffness * half)
+        else:
+            du, dphi = (c2 * rn - c1 * rp) / det, (c0 * rp - c1 * rn) / det
+        share, slope = 1.0, rn * du + rp * dphi
+        for _ in range(
+            HALVINGS
+        ):  # the slope of the convex energy along the step must not turn by more than half
+            f, p, c0, c1, c2 = crushed(u + share * du, phi + share * dphi / half, half, stiffness, strength)
+            if (f - n) * du + (p - m) / half * dphi >= -0.5 * slope:
+                break
+            share *= 0.5
+        u, phi = u + share * du, phi + share * dphi / half
+    return u - half * phi, u + half * phi
+
+
+@compiled
+def softness(
+    w1: float, w2: float, half: float, stiffness: float, strength: float
+) -> tuple[float, float, float]:
+    """C₁₁, −C₁₂ and C₂₂ of a bed of finite strength with these gaps of its ends."""
+    _, _, c0, c1, c2 = crushed(0.5 * (w1 + w2), 0.5 * (w2 - w1) / half, half, stiffness, strength)
+    c1, c2 = c1 / half, c2 / (half * half)
+    # of N₁, N₂ = (N ∓ P/h)/2 against u ∓ hφ
+    d11, d22, d12 = 0.25 * (c0 - 2.0 * c1 + c2), 0.25 * (c0 + 2.0 * c1 + c2), 0.25 * (c0 - c2)
+    det = d11 * d22 - d12 * d12
+    return d22 / det, d12 / det, d11 / det
+
+
+@compiled
+def bent(
+    u: float, phi: float, half: float, stiffness: float, kink: float, u0: float, phi0: float, below: float, above: float
+) -> tuple[float, float, float, float, float]:  # fmt: skip
+    """As crushed, of a bed under displacements u + φs, its gap at the start u₀ + φ₀s times one factor below the kink.
+
+    And times another above it: the two parts of the face have beds of their own.
+    """
+    n, m, c0, c1, c2 = 0.0, 0.0, 0.0, 0.0, 0.0
+    for side in range(2):
+        low, high, factor = (-half, kink, below) if side == 0 else (kink, half, above)
+        part, middle = 0.5 * (high - low), 0.5 * (high + low)
+        if part > 0.0:
+            tilt = phi + factor * phi0
+            dn, dm, d0, d1, d2 = _bed(u + factor * u0 + middle * tilt, tilt, part, stiffness)
+            n, m = n + dn, m + dm + middle * dn
+            c0, c1, c2 = c0 + d0, c1 + d1 + middle * d0, c2 + d2 + 2.0 * middle * d1 + middle * middle * d0
+    return n, m, c0, c1, c2
+
+
+@compiled
+def bent_under(
+    n1: float, n2: float, half: float, stiffness: float, kink: float, u0: float, phi0: float, below: float, above: float
+) -> tuple[float, float, float, float, float]:  # fmt: skip
+    """Displacements of the two ends of a bent bed under forces, and C₁₁, −C₁₂, C₂₂ (Newton, as in under)."""
+    n, m = n1 + n2, half * (n2 - n1)
+    w1, w2 = closures(n1, n2, 1.0 / (2.0 * half * stiffness))
+    factor = above if n2 > n1 else below
+    u, phi = 0.5 * (w1 + w2) - factor * u0, 0.5 * (w2 - w1) / half - factor * phi0
+    c0, c1, c2 = 0.0, 0.0, 0.0
+    for _ in range(NEWTON):
+        f, p, c0, c1, c2 = bent(u, phi, half, stiffness, kink, u0, phi0, below, above)
+        rn, rp = f - n, (p - m) / half
+        c1, c2 = c1 / half, c2 / (half * half)
+        if abs(rn) + abs(rp) <= EXACT * n:
+            break
+        det = c0 * c2 - c1 * c1
+        if not det > 1e-14 * c0 * c0:  # nothing, or nearly nothing, is in contact: towards it
+            du, dphi = rn / (stiffness * half), rp / (stiffness * half)
+        else:
+            du, dphi = (c2 * rn - c1 * rp) / det, (c0 * rp - c1 * rn) / det
+        share, slope = 1.0, rn * du + rp * dphi
+        for _ in range(HALVINGS):
+            f, p, _, _, _ = bent(
+                u + share * du, phi + share * dphi / half, half, stiffness, kink, u0, phi0, below, above
+            )
+            if (f - n) * du + (p - m) / half * dphi >= -0.5 * slope:
+                break
+            share *= 0.5
+        u, phi = u + share * du, phi + share * dphi / half
+    d11, d22, d12 = 0.25 * (c0 - 2.0 * c1 + c2), 0.25 * (c0 + 2.0 * c1 + c2), 0.25 * (c0 - c2)
+    det = max(d11 * d22 - d12 * d12, 1e-300)
+    return u - half * phi, u + half * phi, d22 / det, d12 / det, d11 / det
+
+
+@compiled
+def bent_linearised(
+    n1: float, n2: float, turn: float, half: float, stiffness: float, kink: float, u0: float, phi0: float, below: float,
+    above: float,
+) -> tuple[float, float, float, float, float]:  # fmt: skip
+    """As linearised, of a bent bed."""
+    w1, w2, c11, c12, c22 = bent_under(n1, n2, half, stiffness, kink, u0, phi0, below, above)
+    n, m, phi = n1 + n2, half * (n2 - n1), -0.5 * turn / half
+    u, p, d0, d1, d2 = 0.5 * (w1 + w2), 0.0, 0.0, 0.0, 0.0
+    for _ in range(NEWTON):
+        f, p, d0, d1, d2 = bent(u, phi, half, stiffness, kink, u0, phi0, below, above)
+        if abs(f - n) <= ROUGHLY * n:
+            break
+        if f <= NEARLY_NOTHING * n:  # into contact, all of the face
+            u -= half * abs(phi) + n / (2.0 * half * stiffness) + abs(u0) + half * abs(phi0)
+        else:  # f falls and is convex: from where it is too large Newton's steps lead on and on
+            u += (f - n) / d0
+    if abs(f - n) > ROUGHLY * n or abs(p) >= abs(m):
+        return w1, w2, c11, c12, c22
+    # the turn is behind the forces: the bed is stiffer there
+    d1, d2 = d1 / half, d2 / (half * half)
+    e11, e22, e12 = 0.25 * (d0 - 2.0 * d1 + d2), 0.25 * (d0 + 2.0 * d1 + d2), 0.25 * (d0 - d2)
+    det = max(e11 * e22 - e12 * e12, 1e-300)
+    c11, c12, c22 = e22 / det, e12 / det, e11 / det
+    shift = 0.5 * (p - m) / half  # of N₁; that of N₂ is the opposite
+    return u - half * phi - (c11 + c12) * shift, u + half * phi + (c12 + c22) * shift, c11, c12, c22
+
+
+@compiled
+def stored(u: float, phi: float, half: float, stiffness: float) -> float:
+    """Energy of a bed under gaps u + φs: ½k ∫⟨−w⟩² ds."""
+    first, second = u - half * phi, u + half * phi
+    low, high = min(first, second), max(first, second)
+    if low >= 0.0:
+        return 0.0
+    length = 2.0 * half
+    if high > 0.0:
+        length *= low / (low - high)
+    pressed_less = max(-high, 0.0)
+    mean, spread = 0.5 * (pressed_less - low), -low - pressed_less
+    return 0.5 * stiffness * length * (mean * mean + spread * spread / 12.0)
+
+
+@compiled
+def points_under(
+    n1: float, n2: float, segments: int, soft: float
+) -> tuple[float, float, float, float, float]:
+    """Gaps of the ends and C₁₁, −C₁₂, C₂₂ of a bed of points at the ends of equal segments; `soft` = 1/(kL).
+
+    The points in contact are those of one side; those that open leave, until none does.
+    """
+    if n1 > n2:
+        g2, g1, c22, c12, c11 = points_under(n2, n1, segments, soft)
+        return g1, g2, c11, c12, c22
+    first = 0
+    while True:
+        # stiffness of the points from `first` on against the gaps of the two ends
+        a, b, c = 0.0, 0.0, 0.0
+        for i in range(first, segments + 1):
+            share = i / segments
+            weight = (0.5 if i in (0, segments) else 1.0) / (segments * soft)
+            a += weight * (1.0 - share) ** 2
+            b += weight * share * (1.0 - share)
+            c += weight * share**2
+        det = a * c - b * b
+        g1, g2 = -(c * n1 - b * n2) / det, -(a * n2 - b * n1) / det
+        if first == segments - 1 or g1 + (g2 - g1) * first / segments <= 0.0:
+            return g1, g2, c / det, b / det, a / det
+        first += 1

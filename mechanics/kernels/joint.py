@@ -1,0 +1,117 @@
+"""Kinematics of a joint: gap u, turn φ and slip v of two faces, exact at any rotation.
+
+A joint is where a face of block a and a face of block b look at each other: the interval in which they overlap now. Its
+measures are taken at the end that is the more closed, in the frame of the face that a corner touches there (β = 0: b's,
+β = 1: a's; where two corners meet, the bisector of both, β = ½, reached linearly within the tolerance of joints):
+
+    E = x_a + r_A − x_b − r_B      from the end B of b's face to the end A of a's
+    t, n = frame at the angle β θ_a + (1 − β) θ_b of the faces, n = perp(t) from b into a
+    w = n·E      v = t·E + const      φ = sin (1 − β)δ + sin βδ,  δ = θ_a − θ_b
+
+so that the gap is w + φ s at the distance s from that end, and u is that at the middle of the overlap.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mechanics.kernels.jit import compiler
+from mechanics.types import Array
+
+compiled = compiler()
+
+LEVEL = 1e-11  # rad: faces that rounding turns against each other are level, and keep to one of their ends
+
+# columns of what a joint is (faces, j × 13): reference point and unit tangent of either face, in its block's axes, from
+# the centroid; along the tangents, from the reference points: the ends of a's face, then of b's
+PX, PZ, TAX, TAZ, QX, QZ, TBX, TBZ, A1, A2, B1, B2 = range(12)
+FACE = 12
+# columns of where it is (places, j × 15): normal; moments of the rows of u, φ and v about a's centroid; lever from b's
+# centroid to a's; half the overlap; u, φ and v; β; from the end to the middle; t·E and d²φ/dδ²
+NX, NZ, MU, MPHI, MV, LX, LZ, H, U, PHI, V, BETA, ARM, ALONG, BEND = range(15)
+PLACE = 15
+
+
+@compiled
+def place(a: Any, b: Any, faces: Array, positions: Array, tolerance: float, places: Array) -> None:
+    """Where the joints (j,) of blocks at `positions` (b, 3) are, into `places` (j, PLACE).
+
+    The half-length is negative where faces do not overlap, or lie deeper in each other than they overlap: a corner is
+    held
+    by the face into which it has come the least.
+    """
+    for k in range(len(a)):
+        i, j = a[k], b[k]
+        ca, sa, cb, sb = (
+            np.cos(positions[i, 2]), np.sin(positions[i, 2]), np.cos(positions[j, 2]), np.sin(positions[j, 2]),
+        )  # fmt: skip
+        f = faces[k]
+        tax, taz = ca * f[TAX] - sa * f[TAZ], sa * f[TAX] + ca * f[TAZ]
+        tbx, tbz = cb * f[TBX] - sb * f[TBZ], sb * f[TBX] + cb * f[TBZ]
+        px, pz = ca * f[PX] - sa * f[PZ], sa * f[PX] + ca * f[PZ]
+        qx, qz = cb * f[QX] - sb * f[QZ], sb * f[QX] + cb * f[QZ]
+        lx, lz = positions[i, 0] - positions[j, 0], positions[i, 1] - positions[j, 1]
+        ex, ez = lx + px - qx, lz + pz - qz
+        delta = np.arctan2(tbx * taz - tbz * tax, tbx * tax + tbz * taz)
+        # how far a's face has slid along b's decides where they overlap, and whose corner ends that
+        mx, mz = tax + tbx, taz + tbz
+        size = np.sqrt(mx * mx + mz * mz)
+        slid = (mx * ex + mz * ez) / size
+        low, high = max(f[A1], f[B1] - slid), min(f[A2], f[B2] - slid)
+        upper = delta <= LEVEL
+        beyond = f[B2] - slid - f[A2] if upper else f[A1] - f[B1] + slid
+        beta = min(max(0.5 - 0.5 * beyond / tolerance, 0.0), 1.0)
+        at_a, at_b = (f[A2], f[B2]) if upper else (f[A1], f[B1])
+        rax, raz = px + at_a * tax, pz + at_a * taz
+        rbx, rbz = qx + at_b * tbx, qz + at_b * tbz
+        cos, sin = np.cos(beta * delta), np.sin(beta * delta)
+        tx, tz = cos * tbx - sin * tbz, sin * tbx + cos * tbz
+        nx, nz = -tz, tx
+        ex, ez = lx + rax - rbx, lz + raz - rbz
+        w, along = nx * ex + nz * ez, tx * ex + tz * ez
+        phi = np.sin((1.0 - beta) * delta) + sin
+        turn = (1.0 - beta) * np.cos((1.0 - beta) * delta) + beta * cos
+        half = 0.5 * (high - low)
+        arm = -half if upper else half
+        if 2.0 * half < -w:
+            half = -abs(half)
+        out = places[k]
+        out[NX], out[NZ] = nx, nz
+        out[MU] = rax * nz - raz * nx - beta * along + arm * turn
+        out[MPHI] = turn
+        out[MV] = rax * tz - raz * tx + beta * w
+        out[LX], out[LZ], out[H] = lx, lz, half
+        out[U], out[PHI], out[V] = w + arm * phi, phi, along + at_b - at_a
+        out[BETA], out[ARM], out[ALONG] = beta, arm, along
+        out[BEND] = -((1.0 - beta) ** 2) * np.sin((1.0 - beta) * delta) - beta**2 * sin
+
+
+@compiled
+def curvature(p: Array, n: float, m: float, t: float, out: Array) -> None:
+    """How forces N, P and T (n, m, t) of a joint at a place p (PLACE,) change as it moves: N∇²u + P∇²φ + T∇²v.
+
+    Into `out` (7,): the entries of x_a, z_a with θ_a and with θ_b (those of b have the opposite sign), then those of
+    θ_a
+    with itself, of θ_a with θ_b and of θ_b with itself.
+    """
+    beta, rest = p[BETA], 1.0 - p[BETA]
+    nx, nz = p[NX], p[NZ]
+    tx, tz = nz, -nx
+    w = p[U] - p[ARM] * p[PHI]
+    turn = m + n * p[ARM]  # φ is seen by the moment about the end
+    qx, qz = t * nx - n * tx, t * nz - n * tz
+    out[0], out[1] = beta * qx, beta * qz
+    out[2], out[3] = rest * qx, rest * qz
+    na, ta = beta * w - p[MV], p[MU] + beta * p[ALONG] - p[ARM] * p[MPHI]
+    nb, tb = na + nx * p[LX] + nz * p[LZ] - w, ta + tx * p[LX] + tz * p[LZ] - p[ALONG]
+    bend = turn * p[BEND]
+    skew = rest - beta
+    out[4] = n * (-skew * na - beta**2 * w) + t * (-skew * ta - beta**2 * p[ALONG]) + bend
+    out[5] = (
+        n * (rest * na - beta * nb - beta * rest * w)
+        + t * (rest * ta - beta * tb - beta * rest * p[ALONG])
+        - bend
+    )
+    out[6] = n * (-skew * nb - rest**2 * w) + t * (-skew * tb - rest**2 * p[ALONG]) + bend

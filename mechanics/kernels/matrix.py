@@ -1,0 +1,146 @@
+"""What blocks see and feel of a joint: relative motion, resultants, and the stiffness in the matrix of the program.
+
+Rows are in the order of elimination: `row` (j, 2) is the first of the three rows of block a and of block b, −1 for a
+support; `pattern` says where the matrix is stored (see elimination).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mechanics.kernels.jit import compiler
+from mechanics.kernels.joint import LX, LZ, MPHI, MU, MV, NX, NZ
+from mechanics.types import Array
+
+compiled = compiler("contract", "reassoc")
+
+
+@compiled
+def motion(p: Array, i: int, j: int, x: Array) -> tuple[float, float, float]:
+    """Changes of u, φ and v of a joint at a place p (PLACE,) that displacements x (m,) of its blocks cause."""
+    dx, dz, turn = 0.0, 0.0, 0.0
+    if i >= 0:
+        dx, dz, turn = x[i], x[i + 1], x[i + 2]
+    if j >= 0:
+        dx -= x[j] - p[LZ] * x[j + 2]
+        dz -= x[j + 1] + p[LX] * x[j + 2]
+        turn -= x[j + 2]
+    return (
+        p[NX] * dx + p[NZ] * dz + p[MU] * turn,
+        p[MPHI] * turn,
+        p[NZ] * dx - p[NX] * dz + p[MV] * turn,
+    )
+
+
+@compiled
+def push(p: Array, i: int, j: int, n: float, m: float, t: float, total: Array) -> None:
+    """Add the forces of N, P and T (n, m, t) on the blocks of a joint to `total` (m,)."""
+    fx, fz = n * p[NX] + t * p[NZ], n * p[NZ] - t * p[NX]
+    moment = n * p[MU] + m * p[MPHI] + t * p[MV]
+    if i >= 0:
+        total[i] += fx
+        total[i + 1] += fz
+        total[i + 2] += moment
+    if j >= 0:
+        total[j] -= fx
+        total[j + 1] -= fz
+        total[j + 2] -= moment + p[LX] * fz - p[LZ] * fx
+
+
+@compiled
+def stiffen(k: int, p: Array, i: int, j: int, d: Array, stored: Array, pattern: Any) -> None:
+    """Add BᵀDB of joint k to the matrix; d (6,): D's entries uu, uφ, uv, φφ, φv, vv."""
+    nx, nz, mu, mp, mv = p[NX], p[NZ], p[MU], p[MPHI], p[MV]
+    ux, uz, ut = d[0] * nx + d[2] * nz, d[0] * nz - d[2] * nx, d[0] * mu + d[1] * mp + d[2] * mv
+    vx, vz, vt = d[2] * nx + d[5] * nz, d[2] * nz - d[5] * nx, d[2] * mu + d[4] * mp + d[5] * mv
+    pt = d[1] * mu + d[3] * mp + d[4] * mv
+    xx, xz, xt = nx * ux + nz * vx, nx * uz + nz * vz, nx * ut + nz * vt
+    zz, zt = nz * uz - nx * vz, nz * ut - nx * vt
+    tt = mu * ut + mp * pt + mv * vt
+    if i >= 0:
+        at, step = pattern.own[i // 3], pattern.step[i // 3]
+        own = stored[at:]
+        own[0], own[1], own[2] = own[0] + xx, own[1] + xz, own[2] + xt
+        own[step + 1], own[step + 2], own[2 * step + 2] = (
+            own[step + 1] + zz,
+            own[step + 2] + zt,
+            own[2 * step + 2] + tt,
+        )
+    if j < 0:
+        return
+    lx, lz = p[LX], p[LZ]
+    # against turns of block b about its own centre
+    bx, bz, bt = xt + lx * xz - lz * xx, zt + lx * zz - lz * xz, tt + lx * zt - lz * xt
+    at, step = pattern.own[j // 3], pattern.step[j // 3]
+    own = stored[at:]
+    own[0], own[1], own[2] = own[0] + xx, own[1] + xz, own[2] + bx
+    own[step + 1], own[step + 2] = own[step + 1] + zz, own[step + 2] + bz
+    own[2 * step + 2] += bt + lx * bz - lz * bx
+    if i < 0:
+        return
+    at, step = pattern.between[k], pattern.stride[k]
+    between = stored[at:]
+    cx, cz = (bx, bz) if i < j else (xt, zt)  # the columns are those of the block that is eliminated first
+    rx, rz = (xt, zt) if i < j else (bx, bz)
+    between[0], between[1], between[2] = between[0] - xx, between[1] - xz, between[2] - cx
+    between[step], between[step + 1] = between[step] - xz, between[step + 1] - zz
+    between[step + 2] -= cz
+    between[2 * step] -= rx
+    between[2 * step + 1] -= rz
+    between[2 * step + 2] -= bt
+
+
+@compiled
+def bend(k: int, i: int, j: int, c: Array, stored: Array, pattern: Any) -> None:
+    """Take the geometric stiffness of joint k off the matrix; c (7,) as in joint.curvature."""
+    if i >= 0:
+        at, step = pattern.own[i // 3], pattern.step[i // 3]
+        stored[at + 2] -= c[0]
+        stored[at + step + 2] -= c[1]
+        stored[at + 2 * step + 2] -= c[4]
+    if j >= 0:
+        at, step = pattern.own[j // 3], pattern.step[j // 3]
+        stored[at + 2] += c[2]
+        stored[at + step + 2] += c[3]
+        stored[at + 2 * step + 2] -= c[6]
+    if i >= 0 and j >= 0:
+        at, step = pattern.between[k], pattern.stride[k]
+        if i < j:  # rows: those of b; columns: of a
+            stored[at + 2] -= c[2]
+            stored[at + step + 2] -= c[3]
+            stored[at + 2 * step] += c[0]
+            stored[at + 2 * step + 1] += c[1]
+        else:
+            stored[at + 2] += c[0]
+            stored[at + step + 2] += c[1]
+            stored[at + 2 * step] -= c[2]
+            stored[at + 2 * step + 1] -= c[3]
+        stored[at + 2 * step + 2] -= c[5]
+
+
+@compiled
+def turn(c: Array, i: int, j: int, x: Array, total: Array) -> None:
+    """Add to `total` (m,) what the forces of a joint change as its blocks move by x (m,); c (7,): joint.curvature."""
+    ax, az, ta, bx, bz, tb = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if i >= 0:
+        ax, az, ta = x[i], x[i + 1], x[i + 2]
+    if j >= 0:
+        bx, bz, tb = x[j], x[j + 1], x[j + 2]
+    fx, fz = c[0] * ta + c[2] * tb, c[1] * ta + c[3] * tb
+    if i >= 0:
+        total[i] += fx
+        total[i + 1] += fz
+        total[i + 2] += c[0] * (ax - bx) + c[1] * (az - bz) + c[4] * ta + c[5] * tb
+    if j >= 0:
+        total[j] -= fx
+        total[j + 1] -= fz
+        total[j + 2] += c[2] * (ax - bx) + c[3] * (az - bz) + c[5] * ta + c[6] * tb
+
+
+@compiled
+def diagonal(mass: Array, stored: Array, pattern: Any) -> None:
+    """The matrix is that of the masses (m,)."""
+    stored[:] = 0.0
+    for j in range(len(pattern.own)):
+        for e in range(3):
+            stored[pattern.own[j] + e * (pattern.step[j] + 1)] = mass[3 * j + e]

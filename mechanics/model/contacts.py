@@ -1,0 +1,183 @@
+"""Where blocks touch: pairs of faces, as drawn or met on the way, and what each carries."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import numpy as np
+
+from mechanics.block import Block
+from mechanics.joints import Joints
+from mechanics.kernels.joint import (
+    A1,
+    A2,
+    B1,
+    B2,
+    FACE,
+    LX,
+    LZ,
+    MPHI,
+    MU,
+    MV,
+    NX,
+    NZ,
+    PHI,
+    PLACE,
+    PX,
+    PZ,
+    QX,
+    QZ,
+    TAX,
+    TAZ,
+    TBX,
+    TBZ,
+    H,
+    U,
+    V,
+    place,
+)
+from mechanics.types import Array, Index
+
+MOST_FRICTION = 1e3  # a tangent; friction beyond it, infinite too, lets nothing slide
+
+
+@dataclass(frozen=True, eq=False)
+class Contacts:
+    """Pairs of faces of blocks `a` and `b` (j,), those of the drawn joints first.
+
+    `faces` (j, FACE): see kernels.joint. `friction` (j,); `bed` (j,) kN/m² and `shear` (j,) kN/m: stiffness per
+    length of the joint and of the whole joint in shear (NaN where a block has no stiffness); `strength` (j,) kN/m: the
+    most that a length of it bears; `segments` (j,) of a bed of points, 0 for the exact bed. `edges` (j, 2): which edges
+    of the blocks the faces are, among all edges.
+    `tolerance` m: corners closer than this meet.
+    """
+
+    a: Index
+    b: Index
+    faces: Array
+    friction: Array
+    bed: Array
+    shear: Array
+    strength: Array
+    segments: Index
+    edges: Index
+    tolerance: float
+
+    def __len__(self) -> int:
+        return len(self.a)
+
+    def take(self, index: Index) -> Contacts:
+        """The contacts of the given indices."""
+        arrays = {f.name: getattr(self, f.name)[index] for f in fields(self) if f.name != "tolerance"}
+        return Contacts(**arrays, tolerance=self.tolerance)
+
+    def joined(self, more: Contacts) -> Contacts:
+        """These and then others."""
+        arrays = {
+            f.name: np.concatenate([getattr(self, f.name), getattr(more, f.name)])
+            for f in fields(self)
+            if f.name != "tolerance"
+        }
+        return Contacts(**arrays, tolerance=self.tolerance)
+
+    def places(self, positions: Array) -> Array:
+        """Where the joints are (j, PLACE) for block positions (b, 3): see kernels.joint."""
+        found = np.empty((len(self), PLACE))
+        place(self.a, self.b, self.faces, positions, self.tolerance, found)
+        return found
+
+    @cached_property
+    def key(self) -> bytes:
+        """Which pairs of faces these are."""
+        return self.edges.tobytes()
+
+
+def deformation(places: Array) -> Array:
+    """Gap u at the middle of the overlap, turn φ and slip v (j, 3) of joints at their places (j, PLACE)."""
+    return places[:, [U, PHI, V]]
+
+
+def end_gaps(places: Array) -> Array:
+    """Gaps (j, 2), m, at the lower and the upper end of the overlaps."""
+    half = places[:, H] * places[:, PHI]
+    return np.stack([places[:, U] - half, places[:, U] + half], axis=1)
+
+
+def rows(places: Array) -> Array:
+    """B (j, 3, 6): change of u, φ and v per unit x, z, ω of block a, then of block b."""
+    n = places[:, [NX, NZ]]
+    t = np.stack([n[:, 1], -n[:, 0]], axis=1)
+    lever = places[:, [LX, LZ]]
+    found = np.zeros((len(places), 3, 6))
+    for row, (direction, moment) in enumerate(
+        [(n, places[:, MU]), (np.zeros_like(n), places[:, MPHI]), (t, places[:, MV])]
+    ):
+        found[:, row, :2], found[:, row, 2] = direction, moment
+        found[:, row, 3:5] = -direction
+        found[:, row, 5] = -(moment + lever[:, 0] * direction[:, 1] - lever[:, 1] * direction[:, 0])
+    return found
+
+
+def drawn_contacts(blocks: Sequence[Block], joints: Joints, segments: int, tolerance: float) -> Contacts:
+    """The contacts of the joints as drawn, closed there: a drawing's inaccuracy within the tolerance is no gap."""
+    centroid = np.array([b.centroid for b in blocks])
+    middle, half = joints.ends.mean(axis=1), 0.5 * joints.length[:, None]
+    faces = np.zeros((len(joints.a), FACE))
+    faces[:, [PX, PZ]], faces[:, [QX, QZ]] = middle - centroid[joints.a], middle - centroid[joints.b]
+    faces[:, [TAX, TAZ]] = faces[:, [TBX, TBZ]] = joints.tangent
+    faces[:, [A1, A2]], faces[:, [B1, B2]] = joints.room_a - half, joints.room_b - half
+    return between(blocks, joints.a, joints.b, faces, segments, joints.edges, tolerance)
+
+
+def between(
+    blocks: Sequence[Block], a: Index, b: Index, faces: Array, segments: int, edges: Index, tolerance: float
+) -> Contacts:
+    """Contacts of these faces (j, FACE): of unlike stones the two halves act in series, the lesser μ and depth govern.
+
+    `segments`: of joints whose blocks ask for none of their own, 0 for the exact bed.
+    """
+    depth = np.array([block.depth for block in blocks])
+    mu = np.array([block.material.friction for block in blocks])
+    k = np.array([(b.material.normal_stiffness or np.nan, b.material.tangential_stiffness) for b in blocks])
+    strength = np.array([block.material.compressive_strength for block in blocks])
+    wished = np.array([block.segments or segments for block in blocks], dtype=np.intp)
+    with np.errstate(divide="ignore"):
+        series = 2.0 / (1.0 / k[a] + 1.0 / k[b])
+    thin = np.minimum(depth[a], depth[b])
+    length = np.minimum(faces[:, A2], faces[:, B2]) - np.maximum(faces[:, A1], faces[:, B1])
+    shorter = np.minimum(faces[:, A2] - faces[:, A1], faces[:, B2] - faces[:, B1])
+    length = np.where(length > tolerance, length, shorter)
+    return Contacts(
+        a=a,
+        b=b,
+        faces=faces,
+        friction=np.minimum(np.minimum(mu[a], mu[b]), MOST_FRICTION),
+        bed=series[:, 0] * thin,
+        shear=series[:, 1] * thin * length,
+        strength=np.minimum(strength[a], strength[b]) * thin,
+        segments=np.maximum(wished[a], wished[b]),
+        edges=edges,
+        tolerance=tolerance,
+    )
+
+
+def end_points(contacts: Contacts, positions: Array) -> Array:
+    """The lower and the upper end (j, 2, 2), m, of the overlaps, midway between the two faces."""
+    places = contacts.places(positions)
+    cos, sin = np.cos(positions[:, 2]), np.sin(positions[:, 2])
+
+    def turned(v: Array, block: Index) -> Array:
+        c, s = cos[block], sin[block]
+        return np.stack([c * v[:, 0] - s * v[:, 1], s * v[:, 0] + c * v[:, 1]], axis=1)
+
+    f, a, b = contacts.faces, contacts.a, contacts.b
+    tangent = turned(f[:, [TAX, TAZ]], a), turned(f[:, [TBX, TBZ]], b)
+    p = positions[a, :2] + turned(f[:, [PX, PZ]], a)
+    q = positions[b, :2] + turned(f[:, [QX, QZ]], b)
+    slid = places[:, V]
+    high = np.minimum(f[:, A2], f[:, B2] - slid)
+    low = np.maximum(f[:, A1], f[:, B1] - slid)
+    ends = [0.5 * (p + s[:, None] * tangent[0] + q + (s + slid)[:, None] * tangent[1]) for s in (low, high)]
+    return np.stack(ends, axis=1)

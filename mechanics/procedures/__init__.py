@@ -1,0 +1,1 @@
+"""The analyses: each reads as its pseudo-code."""

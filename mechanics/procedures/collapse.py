@@ -1,0 +1,93 @@
+"""Collapse, read from the motion and never from a solver."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from mechanics.assembly import Assembly, State
+from mechanics.kernels.joint import H, U
+from mechanics.model.contacts import Contacts
+from mechanics.types import Array, Mask
+
+TURNED = 1.0  # rad from the beginning: a block that has turned so far does not come back
+THROUGH = 0.01  # of a block's area: an overlap that is none
+
+
+@dataclass(frozen=True, eq=False)
+class ControlPoint:
+    """A drawn `point` (2,) m of a `block`, whose horizontal displacement is followed, up to its `ultimate` one (m)."""
+
+    point: Array
+    block: int
+    ultimate: float | None = None
+
+    def displacement(self, model: Assembly, start: State, x: Array) -> float:
+        """Horizontal displacement (m) since the start, for positions (b, 3)."""
+        now, then = (
+            model.point_displacement(self.point, self.block, positions) for positions in (x, start.positions)
+        )
+        return float(now[0] - then[0])
+
+    def velocity(self, model: Assembly, x: Array, v: Array) -> float:
+        """Horizontal velocity, m/s."""
+        displaced = model.point_displacement(self.point, self.block, x) + self.point - x[self.block, :2]
+        return float(v[self.block, 0] - v[self.block, 2] * displaced[1])
+
+
+def collapse(
+    model: Assembly, contacts: Contacts, start: State, x: Array, v: Array, control: ControlPoint | None
+) -> str:
+    """Why a motion, at positions x and velocities v (b, 3), cannot come back; empty where it can.
+
+    The control point is past its ultimate displacement and moves outward; or a block has turned by more than 1 rad, or
+    fallen by more than its size and still falls, or is out of reach of all its contacts.
+    """
+    if control is not None and control.ultimate is not None:
+        displacement = control.displacement(model, start, x)
+        if abs(displacement) > control.ultimate and displacement * control.velocity(model, x, v) > 0.0:
+            return f"the control point is {displacement:.3g} m away, past its ultimate displacement, and moving outward"
+    moved, size = x - start.positions, model.block_size
+    if abs(moved).max() <= min(TURNED, float(size.min())):
+        return ""  # nothing of what follows
+    turned = abs(moved[:, 2])
+    if turned.max() > TURNED:
+        return f"block {int(turned.argmax())} has turned by {turned.max():.2f} rad"
+    fallen = (-moved[:, 1] > size) & (v[:, 1] < 0.0)
+    if fallen.any():
+        block = int(np.argmax(np.where(fallen, -moved[:, 1], -np.inf)))
+        return f"block {block} has fallen by {-moved[block, 1]:.3g} m"
+    alone = np.flatnonzero(model.movable & ~_in_reach(size, contacts, x))
+    return f"block {int(alone[0])} is out of reach of all its contacts" if alone.size else ""
+
+
+def _in_reach(size: Array, contacts: Contacts, x: Array) -> Mask:
+    """Which blocks (b,) have a contact left: neither open nor slid off by more than the smaller block's size."""
+    places = contacts.places(x)
+    near = np.maximum(places[:, U], -2.0 * places[:, H]) <= np.minimum(size[contacts.a], size[contacts.b])
+    has = np.zeros(len(size), dtype=bool)
+    has[contacts.a[near]] = has[contacts.b[near]] = True
+    return has
+
+
+def passing_through(model: Assembly, x: Array) -> tuple[str, ...]:
+    """The two blocks that lie in each other most, for positions (b, 3), where contacts are not looked for anew."""
+    cos, sin = np.cos(x[:, 2]), np.sin(x[:, 2])
+    turned = [
+        at[:2] + (block.polygon - block.centroid) @ np.array([[c, s], [-s, c]])
+        for block, at, c, s in zip(model.blocks, x, cos, sin, strict=True)
+    ]
+    shapes = np.array([shapely.Polygon(polygon) for polygon in turned])
+    first, second = shapely.STRtree(shapes).query(shapes, predicate="intersects")
+    first, second = first[first < second], second[first < second]
+    share = shapely.area(shapely.intersection(shapes[first], shapes[second])) / np.minimum(
+        shapely.area(shapes[first]), shapely.area(shapes[second])
+    )
+    if share.max(initial=0.0) <= THROUGH:
+        return ()
+    k = int(np.argmax(share))
+    return (
+        f"block {first[k]} passes through block {second[k]}: they did not touch as drawn, or slid off each other",
+    )

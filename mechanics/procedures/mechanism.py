@@ -1,0 +1,72 @@
+"""What a mechanism is made of: hinges, sliding joints, moving weight; and its multiplier by virtual work."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mechanics.assembly import Assembly, Direction, State
+from mechanics.kernels.joint import H
+from mechanics.model.contacts import Contacts, end_points, rows
+from mechanics.types import Array, Index
+
+NOTICEABLE = 0.02  # of the largest relative motion in the mechanism
+CARRYING = 2e-3  # of the weight: a joint that carries less is no part of the load path
+
+
+@dataclass(frozen=True, eq=False)
+class Hinges:
+    """What moves in a mechanism.
+
+    `points` (h, 2) m: centres of pressure, in the state, of joints that carry and turn; hinges closer than a block are
+    one. `sliding`: joints that carry and slip; `moving_weight` kN.
+    """
+
+    points: Array
+    sliding: Index
+    moving_weight: float
+
+
+def hinges(model: Assembly, contacts: Contacts, state: State, mechanism: Array, forces: Array) -> Hinges:
+    """Find the hinges and sliding joints of virtual displacements (b, 3) under forces N, P, T (j, 3) of the joints.
+
+    Motions below a fiftieth of the largest, and of joints off the load path, do not count.
+    """
+    places = contacts.places(state.positions)
+    relative = np.concatenate([mechanism[contacts.a], mechanism[contacts.b]], axis=1)
+    slip = abs(np.einsum("jc,jc->j", rows(places)[:, 2], relative))
+    turn = abs(mechanism[contacts.a, 2] - mechanism[contacts.b, 2])
+    carries = (forces[:, 0] > CARRYING * model.weight) & (places[:, H] > 0.0)
+    hinged = np.flatnonzero(carries & (turn > NOTICEABLE * float(abs(mechanism[:, 2]).max())))
+    fastest = float(abs(mechanism[:, :2]).max())
+    slides = np.flatnonzero(carries & (slip > NOTICEABLE * fastest))
+    moves = (abs(mechanism[:, :2]).max(axis=1) > 1e-6 * fastest) & model.movable
+    centre = pressure_centres(contacts.take(hinged), state.positions, forces[hinged])
+    weight = -float(model.dead_load[moves, 1].sum())
+    return Hinges(_merged(centre, turn[hinged], model.size), slides, weight)
+
+
+def pressure_centres(contacts: Contacts, positions: Array, forces: Array) -> Array:
+    """Where forces N, P, T (j, 3) act in a configuration, (j, 2) m; the middle of joints that carry nothing."""
+    low, high = end_points(contacts, positions).transpose(1, 0, 2)
+    half = np.maximum(contacts.places(positions)[:, H], 1e-300)
+    eccentricity = np.where(forces[:, 0] > 0.0, forces[:, 1] / np.maximum(forces[:, 0], 1e-300), 0.0)
+    share = np.clip(eccentricity / half, -1.0, 1.0)[:, None]
+    centre: Array = 0.5 * ((1.0 - share) * low + (1.0 + share) * high)
+    return centre
+
+
+def _merged(points: Array, turn: Array, distance: float) -> Array:
+    """Of points closer than a distance, the one that turns most."""
+    kept: list[Array] = []
+    for k in np.argsort(-turn, kind="stable"):
+        if all(np.hypot(*(points[k] - other)) > distance for other in kept):
+            kept.append(points[k])
+    return np.array(kept, dtype=float).reshape(-1, 2)
+
+
+def virtual_work_multiplier(model: Assembly, mechanism: Array, direction: Direction) -> float:
+    """α = −f_Dᵀδ / f_Lᵀδ of virtual displacements δ (b, 3): contact forces do no work on an associated mechanism."""
+    moved = np.where(model.movable[:, None], mechanism, 0.0)
+    return -float((model.dead_load * moved).sum() / (model.lateral_load(direction) * moved).sum())

@@ -1,0 +1,150 @@
+"""Structures that are their own mirror image: pushed one way, they do what they do pushed the other way."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mechanics.assembly import Assembly, Behaviour, State
+from mechanics.procedures.pushover import Pushover
+from mechanics.steps.static_step import Equilibrium
+from mechanics.types import Array, Index
+
+EXACT = 1e-9  # of the model's extent, and of its loads and stiffnesses: a difference that is rounding
+TURNED = np.array([-1.0, 1.0, -1.0])  # what the image of x, z, ω is multiplied by
+
+
+@dataclass(frozen=True, eq=False)
+class Mirror:
+    """The reflection in the plane x = `axis` (m) that leaves a model as drawn as it is.
+
+    `block` (b,), `joint` (j,): the block, and the drawn joint, at which each one's image lies; `moment` (j,): by what P
+    is multiplied: −1, or 1 where the two blocks change their places.
+    """
+
+    model: Assembly
+    axis: float
+    block: Index
+    joint: Index
+    moment: Array
+
+    @classmethod
+    def of(cls, model: Assembly, behaviour: Behaviour) -> Mirror | None:
+        """The mirror of a model; None where the image of a block, a load or a joint is not another, exactly."""
+        x = np.concatenate([block.polygon[:, 0] for block in model.blocks])
+        axis, extent = 0.5 * float(x.min() + x.max()), float(np.ptp(x))
+        centre = model.initial.positions[:, :2]
+        block = _matched(centre, [2.0 * axis, 0.0] + centre * [-1.0, 1.0], EXACT * extent)
+        if block is None or (model.movable[block] != model.movable).any():
+            return None
+        if not _same(model.dead_load[block], model.dead_load * TURNED):
+            return None
+        if not _same(model.lateral_load("+x")[block], model.lateral_load("-x") * TURNED):
+            return None
+        joints, contacts = model.joints, model.contacts
+        apart = 10.0 * extent  # joints of other blocks are none that lie near
+        middle = joints.ends.mean(axis=1)
+        owner = np.sort(np.stack([joints.a, joints.b], axis=1), axis=1)
+        image_owner = np.sort(block[owner], axis=1)
+        here = np.column_stack([apart * owner, middle, joints.length])
+        image = np.column_stack(
+            [apart * image_owner, [2.0 * axis, 0.0] + middle * [-1.0, 1.0], joints.length]
+        )
+        joint = _matched(here, image, EXACT * apart)
+        if joint is None or not _same(contacts.friction[joint], contacts.friction):
+            return None
+        if not _same(contacts.strength[joint], contacts.strength):
+            return None
+        if behaviour == "elastic" and not (
+            _same(contacts.bed[joint], contacts.bed) and _same(contacts.shear[joint], contacts.shear)
+        ):
+            return None
+        moment = np.where(joints.a[joint] == block[joints.a], -1.0, 1.0)
+        return cls(model, axis, block, joint, moment)
+
+    def swaps(self, one: ArrayLike, other: ArrayLike) -> bool:
+        """Whether control points (m) are each other's image, and so are the blocks that they are fixed to."""
+        image = np.asarray(one, dtype=float) * [-1.0, 1.0] + [2.0 * self.axis, 0.0]
+        if abs(image - np.asarray(other, dtype=float)).max() > EXACT * self.model.size:
+            return False
+        return bool(self.block[self.model.block_at(one)] == self.model.block_at(other))
+
+    def pushover(self, path: Pushover) -> Pushover | None:
+        """The image of a path from the state as drawn: that of the push the other way.
+
+        None where blocks met on the way that did not touch as drawn.
+        """
+        drawn = len(self.model.contacts)
+        met = [step.forces[drawn:, 0].max(initial=0.0) for step in path.steps]
+        if max([*met, path.forces[drawn:, 0].max(initial=0.0)]) > 0.0:
+            return None
+        return replace(
+            path,
+            end=self._told(path.end),
+            states=tuple(map(self._state, path.states)),
+            steps=tuple(map(self._step, path.steps)),
+            mechanism=self._motion(path.mechanism),
+            forces=self._forces(path.forces[:drawn]),
+            contacts=self.model.contacts,
+        )
+
+    def _told(self, text: str) -> str:
+        """A message, its blocks and its direction."""
+        swapped = {"+x": "-x", "-x": "+x"}
+        return re.sub(
+            r"block (\d+)|([+-]x)",
+            lambda found: f"block {self.block[int(found[1])]}" if found[1] else swapped[found[2]],
+            text,
+        )
+
+    def _motion(self, motion: Array) -> Array:
+        """Displacements or loads (b, 3) of the blocks."""
+        image = np.empty_like(motion)
+        image[self.block] = motion * TURNED
+        return image
+
+    def _positions(self, positions: Array) -> Array:
+        return self._motion(positions) + np.array([2.0 * self.axis, 0.0, 0.0])
+
+    def _forces(self, forces: Array) -> Array:
+        """N, P and T (j, 3) of the drawn joints."""
+        image = np.empty_like(forces)
+        image[self.joint] = forces * np.column_stack(
+            [np.ones(len(forces)), self.moment, -np.ones(len(forces))]
+        )
+        return image
+
+    def _state(self, state: State) -> State:
+        shear = carrying = None
+        if state.shear is not None:
+            shear = np.empty_like(state.shear)
+            shear[self.joint] = -state.shear
+        if state.carrying is not None:
+            carrying = np.empty_like(state.carrying)
+            carrying[self.joint] = state.carrying
+        return State(self._positions(state.positions), self._motion(state.velocities), shear, None, carrying)
+
+    def _step(self, step: Equilibrium) -> Equilibrium:
+        state, contacts = self._state(step.state), self.model.contacts
+        system = replace(step.system, contacts=contacts, seen=None)
+        places = contacts.places(state.positions)
+        forces = self._forces(step.forces[: len(contacts)])
+        return replace(step, state=state, system=system, places=places, forces=forces, iterate=None)
+
+
+def _matched(points: Array, images: Array, tolerance: float) -> Index | None:
+    """The point (k,) that each image is; None where one is none, or two are the same."""
+    from scipy.spatial import KDTree
+
+    distance, found = KDTree(points).query(images)
+    if distance.max(initial=0.0) > tolerance or len(np.unique(found)) < len(found):
+        return None
+    return np.asarray(found, dtype=np.intp)
+
+
+def _same(one: Array, other: Array) -> bool:
+    small = EXACT * abs(other[np.isfinite(other)]).max(initial=0.0)
+    return bool(np.allclose(one, other, rtol=EXACT, atol=small, equal_nan=True))

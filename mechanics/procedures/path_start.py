@@ -1,0 +1,134 @@
+"""Where a capacity curve begins: a mechanism at its onset, or elastic rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mechanics.assembly import Assembly, Direction, State
+from mechanics.errors import NoEquilibriumError, UnstableError
+from mechanics.kernels.joint import H
+from mechanics.model.contacts import Contacts
+from mechanics.procedures.limit_analysis import limit_analysis
+from mechanics.program import Certificate, bed_gaps, end_forces
+from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
+from mechanics.steps.rest import REST, lifted, motion_to_rest
+from mechanics.steps.static_step import Equilibrium, Sliding, StepProblem, find_equilibrium, static_system
+from mechanics.types import Array
+
+
+@dataclass(frozen=True, slots=True)
+class StartTolerances:
+    """Of the start of a curve.
+
+    `first`: of the rigid multiplier, the first step of an elastic curve; `settled`: of an increment, the first step
+    from a settled state, whose open hinges may close first; `soft`: of the block size, a compression that is not small.
+    """
+
+    first: float = 0.02
+    settled: float = 0.1
+    soft: float = 1e-2
+
+
+TOLERANCES = StartTolerances()
+
+
+@dataclass(frozen=True, eq=False)
+class PathStart:
+    """A curve's first point: its state, multiplier, forces (j, 3) of its contacts, and certificate.
+
+    `step`: the equilibrium behind it (rigid: none); `rate` (b, 3): displacements per unit work with which the
+    structure leaves it; `share`: how much of an increment the first step is.
+    """
+
+    state: State
+    step: Equilibrium | None
+    alpha: float
+    forces: Array
+    contacts: Contacts
+    certificate: Certificate
+    rate: Array
+    share: float
+
+
+def mechanism_start(model: Assembly, direction: Direction, state: State | None) -> PathStart:
+    """The onset of a rigid curve: the mechanism of limit analysis, which see for the errors raised."""
+    limit = limit_analysis(model, direction, state)
+    rate = limit.mechanism / float((model.lateral_load(direction) * limit.mechanism).sum())
+    share = 1.0 if state is None else TOLERANCES.settled
+    return PathStart(
+        state or model.initial,
+        None,
+        limit.alpha,
+        limit.forces,
+        limit.contacts,
+        limit.certificate,
+        rate,
+        share,
+    )
+
+
+def elastic_start(
+    model: Assembly, direction: Direction, state: State | None, increment: float, sliding: Sliding
+) -> PathStart:
+    """The start of an elastic curve: rest, and the displacements of a small load; `increment` (m) of its steps.
+
+    Raises UnstableError.
+    """
+    start = settled(model, state, sliding)
+    system = start.system
+    lateral = model.lateral_load(direction)
+    try:
+        alpha = TOLERANCES.first * limit_analysis(model, direction).alpha
+    except NoEquilibriumError:  # interlocked rigid blocks have no multiplier to go by
+        alpha = TOLERANCES.first
+    load = model.dead_load + alpha * lateral
+    try:
+        problem = StepProblem(system, start.state, load, rest_size(model, "elastic"))
+        begun = find_equilibrium(problem, start.state.positions, start)
+    except NoEquilibriumError as stop:
+        if state is not None:
+            raise
+        raise no_way_from_rest(str(stop)) from stop
+    moved = begun.state.positions - start.state.positions
+    share = min(1.0, float(abs(moved[:, :2]).max()) / increment)
+    rate = moved / float((lateral * moved).sum())
+    return PathStart(start.state, start, 0.0, start.forces, start.contacts, start.certificate, rate, share)
+
+
+def no_way_from_rest(why: str) -> UnstableError:
+    """The refusal of a structure that stands on elastic joints, but from whose rest no path leads."""
+    return UnstableError(
+        f"with elastic joints no equilibrium leads away from rest: {why}; joints too soft to keep the structure "
+        "upright (check normal_stiffness, in kN/m³), or the increment is too large"
+    )
+
+
+def settled(model: Assembly, state: State | None, sliding: Sliding = "associative") -> Equilibrium:
+    """Elastic rest under gravity from a state (default: as drawn).
+
+    Raises UnstableError where there is none, or where joints as drawn are too soft to be small beside the blocks.
+    """
+    check_self_weight(model)
+    begun = model.starting(state)
+    system = static_system(model, "elastic", sliding).around(begun.positions, rest_size(model, "elastic"))
+    try:
+        step = rest(system, begun)
+        if lifted(step, model.weight) > REST.lifted * model.size:
+            problem = StepProblem(system, step.state, model.dead_load, rest_size(model, "elastic"))
+            step = motion_to_rest(problem, step.state.positions)
+    except NoEquilibriumError as fall:
+        raise UnstableError(
+            f"with elastic joints the structure cannot stand under its own weight: {fall}"
+        ) from fall
+    half = step.places[:, H]
+    compression = -bed_gaps(end_forces(step.forces, half), half, system.law).min(axis=1)
+    worst = int(np.argmax(compression))
+    if state is None and compression[worst] > TOLERANCES.soft * model.size:
+        first, second = sorted((int(step.contacts.a[worst]), int(step.contacts.b[worst])))
+        raise UnstableError(
+            f"gravity alone presses blocks {first} and {second} {compression[worst]:.3g} m into each other, more than "
+            "a hundredth of a block: their joints are too soft; check normal_stiffness, in kN/m³"
+        )
+    return step

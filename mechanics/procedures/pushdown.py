@@ -1,0 +1,235 @@
+"""Pushdown: reaction and configuration against the movement of a support (paper, §4, eqs 6 and 7)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mechanics.assembly import Assembly, Behaviour, State
+from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, require
+from mechanics.procedures.step_control import Bisection, reach
+from mechanics.program import Certificate
+from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
+from mechanics.steps.rest import REST, lifted, motion_to_rest
+from mechanics.steps.static_step import Equilibrium, Sliding, StaticSystem, StepProblem, static_system
+from mechanics.types import Array
+
+
+@dataclass(frozen=True, slots=True)
+class PushdownTolerances:
+    """Of a moving support.
+
+    `onset`: of an increment, at most of a block: a movement that tells the reaction at its beginning; `rides`: of the
+    movement, by how much the blocks of a structure that moves as a whole may differ from it.
+    """
+
+    onset: float = 1e-3
+    rides: float = 1e-6
+
+
+TOLERANCES = PushdownTolerances()
+WAY = 4.0  # expected displacements of a step, within which contacts are looked for
+
+
+@dataclass(frozen=True, eq=False)
+class Pushdown:
+    """The path of a moving support.
+
+    `movement` (k,) m: its largest component, from zero (a pure turn: the arc at the support's farthest corner);
+    `reaction` (k, 2) kN: x, z force of the support on the structure (at zero, rigid: as the movement begins);
+    `states` of each point and `final`, at rest after the whole movement. `ultimate` m: the movement beyond which no
+    equilibrium is found, bracketed to an increment's 1/32 (None: not sought or not reached); `end` says why. `crossed`
+    (n, 2) m: between which movements a part moves by itself, until others hold it again. `steps`: the equilibria.
+    """
+
+    movement: Array
+    reaction: Array
+    states: tuple[State, ...]
+    final: State
+    ultimate: float | None
+    end: str
+    crossed: Array
+    steps: tuple[Equilibrium, ...]
+    certificates: tuple[Certificate, ...]
+
+
+def pushdown(
+    model: Assembly,
+    support: str,
+    displacement: ArrayLike = (0.0, 0.0),
+    rotation: float = 0.0,
+    increment: float = 0.001,
+    contacts: Behaviour = "rigid",
+    to_collapse: bool = False,
+    sliding: Sliding = "associative",
+) -> Pushdown:
+    """Move a support by `displacement` (2,) m and `rotation` (rad, about its drawn centroid), in increments.
+
+    `increment` (m) is of the largest component. With `to_collapse` the movement goes on in the same direction to the
+    last equilibrium, after `final` has been taken. Where no equilibrium lies near, the blocks are let go until they
+    rest; where they do not, the structure has collapsed. Raises UnstableError where the structure as drawn cannot
+    stand,
+    CollapseError where it collapses before the whole movement is applied (it carries the path up to there), ValueError
+    for bad arguments.
+    """
+    target = np.asarray(displacement, dtype=float)
+    require(
+        target.shape == (2,) and bool(np.isfinite(target).all()), "displacement", displacement, "(x, z) in m"
+    )
+    require(bool(np.isfinite(rotation)), "rotation", rotation, "finite, in rad")
+    require(0.0 < increment < np.inf, "increment", increment, "positive, in m")
+    full = whole_movement(model, support, target, rotation)
+    require(full > 0.0, "displacement", displacement, "a movement: displacement and rotation are both zero")
+    check_self_weight(model)
+    moving = _Moving(static_system(model, contacts, sliding), support, target, rotation, full)
+    path = _Path(moving, increment)
+    limit = full if not to_collapse else max(full, float(np.ptp(drawn_extent(model), axis=0).max()))
+    final: State | None = None
+    ultimate, end, bisection = None, "the whole movement is applied", Bisection(increment)
+    while path.movement[-1] < limit * (1.0 - 1e-9):
+        here, aim = path.movement[-1], full if final is None else limit
+        by = min(bisection.length, aim - here)
+        try:
+            path.advance(by, increment, bisection.shortest)
+        except (NoEquilibriumError, ConvergenceError) as stop:
+            if bisection.shorter():
+                continue
+            if isinstance(stop, ConvergenceError) and final is None:
+                raise
+            ultimate, end = (here if isinstance(stop, NoEquilibriumError) else None), str(stop)
+            break
+        bisection.longer()
+        if final is None and path.movement[-1] >= full * (1.0 - 1e-9):
+            try:
+                final = path.settle()
+            except NoEquilibriumError as stop:
+                ultimate, end = here, str(stop)
+                break
+        elif final is not None and rotation == 0.0 and path.rides(by / full * target):
+            end = "the structure moves with its support as a whole"
+            break
+    found = path.result(final, ultimate, end)
+    if final is None:
+        after = path.movement[-1] >= full * (1.0 - 1e-9)
+        when = (
+            "after the whole movement"
+            if after
+            else f"at a movement of {path.movement[-1]:.4g} m, before the whole"
+        )
+        raise CollapseError(f"the structure collapses {when} of {full:.4g} m: {end}", found)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Moving:
+    """A support on its way: by `displacement` (2,) and `rotation` when the movement is `full`."""
+
+    system: StaticSystem
+    support: str
+    displacement: Array
+    rotation: float
+    full: float
+
+    def moved(self, positions: Array, movement: float) -> Array:
+        """Positions (b, 3) with those of the support after a movement (m)."""
+        share = movement / self.full
+        return self.system.model.moved_support(
+            positions, self.support, share * self.displacement, share * self.rotation
+        )
+
+    @property
+    def swing(self) -> float:
+        """How much farther than the movement a corner of the support goes: a turn may outdo the translation."""
+        turned = whole_movement(self.system.model, self.support, (0.0, 0.0), self.rotation)
+        return max(1.0, turned / self.full)
+
+
+class _Path:
+    """The path so far."""
+
+    def __init__(self, moving: _Moving, increment: float) -> None:
+        self.moving, self.system, self.model = moving, moving.system, moving.system.model
+        self.index = self.model.support(moving.support)
+        self.smallest = 0.0 if self.system.rigid else rest_size(self.model, "elastic")
+        start = rest(self.system, self.model.initial)
+        begun = start
+        if self.system.rigid:
+            onset = TOLERANCES.onset * min(increment, self.model.size)
+            begun = self._step(start, np.zeros_like(start.state.positions), 0.0, onset, onset, True)
+        self.steps, self.movement = [start], [0.0]
+        self.reactions = [reaction(self.model, begun, self.index)[:2]]
+        self.certificates = [start.certificate, begun.certificate]
+        self.past = np.zeros_like(start.state.positions)
+        self.crossed: list[tuple[float, float]] = []
+
+    def _step(
+        self, last: Equilibrium, past: Array, here: float, by: float, size: float, shortest: bool
+    ) -> Equilibrium:
+        guess = self.moving.moved(last.state.positions + past * by, here + by)
+        expected = max(self.moving.swing * max(by, size), self.smallest)
+        self.system = self.system.around(last.state.positions, WAY * expected)
+        problem = StepProblem(self.system, last.state, self.model.dead_load, expected)
+        # a structure at rest is no neighbour of one that begins to move: which hinges open is open
+        found, self.jumped = reach(problem, guess, last if past.any() else None, shortest)
+        return found
+
+    def advance(self, by: float, increment: float, shortest: bool) -> None:
+        """The next point, `by` (m) further on."""
+        here, last = self.movement[-1], self.steps[-1]
+        step = self._step(last, self.past, here, by, 0.0, shortest)
+        if by > 0.05 * increment:  # the rate of a tiny step is mostly rounding
+            moved = (step.state.positions - last.state.positions) / by
+            self.past = np.zeros_like(moved) if self.jumped else moved
+        self.steps.append(step)
+        self.movement.append(here + by)
+        self.certificates.append(step.certificate)
+        self.reactions.append(reaction(self.model, step, self.index)[:2])
+        if self.jumped:
+            self.crossed.append((here, here + by))
+
+    def settle(self) -> State:
+        """The state at rest after the movement: what sliding has lifted comes down."""
+        step = self.steps[-1]
+        lift = lifted(step, self.model.weight)
+        if lift <= REST.lifted * self.model.size:
+            return step.state
+        problem = StepProblem(step.system, step.state, self.model.dead_load, max(lift, self.smallest))
+        rested = motion_to_rest(problem, step.state.positions)
+        self.certificates.append(rested.certificate)
+        return rested.state
+
+    def rides(self, moved: Array) -> bool:
+        """Whether every movable block made just the support's translation (2,) in the last step."""
+        before, after = (step.state.positions for step in self.steps[-2:])
+        apart = abs((after - before)[self.model.movable] - [*moved, 0.0]).max()
+        return bool(apart < TOLERANCES.rides * float(abs(moved).max()))
+
+    def result(self, final: State | None, ultimate: float | None, end: str) -> Pushdown:
+        """The path as it is handed on."""
+        states = tuple(step.state for step in self.steps)
+        return Pushdown(
+            np.array(self.movement),
+            np.array(self.reactions),
+            states,
+            final or states[-1],
+            ultimate,
+            end,
+            np.array(self.crossed).reshape(-1, 2),
+            tuple(self.steps),
+            tuple(self.certificates),
+        )
+
+
+def whole_movement(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> float:
+    """Largest component of a support's movement, m; of a pure turn, the arc at the support's farthest corner."""
+    corners = np.concatenate([model.blocks[i].polygon for i in model.support(support)])
+    far = float(np.hypot(*(corners - model.support_centre(support)).T).max())
+    return float(abs(np.asarray(displacement, dtype=float)).max()) or abs(rotation) * far
+
+
+def drawn_extent(model: Assembly) -> Array:
+    """Corners (2, 2) of the drawing's bounding box, m."""
+    points = np.concatenate([b.polygon for b in model.blocks])
+    return np.stack([points.min(axis=0), points.max(axis=0)])

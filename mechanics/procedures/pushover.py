@@ -1,0 +1,322 @@
+"""Pushover: the multiplier of lateral loads against the displacement of a control point (paper, §4, eqs 4 and 5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mechanics.assembly import Assembly, Behaviour, Direction, State
+from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError, require
+from mechanics.model.contacts import Contacts
+from mechanics.procedures.limit_analysis import limit_in
+from mechanics.procedures.path_start import elastic_start, mechanism_start, no_way_from_rest
+from mechanics.procedures.step_control import HALVINGS, Bisection, reach
+from mechanics.program import Certificate
+from mechanics.steps.rest import motion_to_rest
+from mechanics.steps.static_step import Equilibrium, Sliding, StepProblem, static_system
+from mechanics.types import Array
+
+
+@dataclass(frozen=True, slots=True)
+class PushoverTolerances:
+    """Of a capacity curve.
+
+    `still`: of the largest displacement, a control point that takes no part; `largest`: increments that a block may
+    move
+    where the control point moves less; `zero`: of the largest multiplier, one that is none, found by at most `chords`;
+    `flat`: of the largest multiplier, a change that is none; `points`: the most.
+    """
+
+    still: float = 1e-3
+    largest: float = 2.0
+    zero: float = 1e-6
+    chords: int = 8
+    flat: float = 1e-3
+    points: int = 5000
+
+
+TOLERANCES = PushoverTolerances()
+
+
+@dataclass(frozen=True, eq=False)
+class Pushover:
+    """A capacity curve from a state's own equilibrium.
+
+    `displacement` (k,) m of the control point, positive along the push; `multiplier` (k,); `states` of each point;
+    `steps`: the equilibria behind the points (rigid: none at the onset). `reached_zero`: whether the curve was
+    followed to α = 0, at its last point; `lost`: whether it ends because no equilibrium lies beyond that point; `end`:
+    why it ends; `crossed` (n, 2) m: between which displacements a part moves by itself, until others hold it again.
+    `certificates` of every step. `mechanism` (b, 3): virtual displacements at the point `formed`, the first with the
+    largest multiplier in which the control point moves; `forces` (j, 3): N, P and T of the `contacts` there.
+    """
+
+    displacement: Array
+    multiplier: Array
+    states: tuple[State, ...]
+    steps: tuple[Equilibrium, ...]
+    certificates: tuple[Certificate, ...]
+    reached_zero: bool
+    lost: bool
+    end: str
+    crossed: Array
+    mechanism: Array
+    formed: int
+    forces: Array
+    contacts: Contacts
+
+    @property
+    def peak(self) -> int:
+        """Index of the largest multiplier, the first of equal ones.
+
+        In a settled state the onset may be a local motion that closes a hinge of the settlement: the multiplier then
+        rises before it falls.
+        """
+        return _peak(self.multiplier)
+
+
+def pushover(
+    model: Assembly,
+    control: ArrayLike,
+    direction: Direction = "+x",
+    contacts: Behaviour = "rigid",
+    increment: float = 0.001,
+    state: State | None = None,
+    until: float = 0.0,
+    sliding: Sliding = "associative",
+) -> Pushover:
+    """Push the assembly over, from onset (rigid) or rest (elastic) until the multiplier has come down to zero.
+
+    `control`: drawn point (m) in or on a block; `increment` (m) of its displacement along the push; `until`: the share
+    of its peak at which the multiplier has come down far enough. Every point is an equilibrium in its own displaced
+    geometry, under a free multiplier whose loads do a given work (eq. 5; with elastic joints the same program traces
+    the
+    curve through its peak). Where no equilibrium lies near, the blocks are let go with that work held, until they
+    rest; where the
+    multiplier comes down to zero, under gravity: where they rest again the curve goes on, elsewhere the structure has
+    collapsed. Raises UnstableError, ValueError for a control point outside every block, ControlError for one that takes
+    no part in the mechanism, NoEquilibriumError where the load meets no mechanism.
+    """
+    require(0.0 < increment < np.inf, "increment", increment, "positive, in m")
+    require(0.0 <= until < 1.0, "until", until, "a share of the peak")
+    curve = _Curve(model, control, direction, contacts, increment, state, until, sliding)
+    bisection = Bisection(increment, curve.first.share * increment)
+    while not curve.end:
+        try:
+            curve.advance(bisection.length, bisection.shortest)
+        except (NoEquilibriumError, ConvergenceError) as stop:
+            if not bisection.shorter():
+                curve.end, curve.lost = str(stop), isinstance(stop, NoEquilibriumError)
+            continue
+        bisection.longer()
+    return curve.finished()
+
+
+class _Curve:
+    """A capacity curve as far as it has been followed; `end`: why it goes no farther."""
+
+    def __init__(
+        self,
+        model: Assembly,
+        control: ArrayLike,
+        direction: Direction,
+        contacts: Behaviour,
+        increment: float,
+        state: State | None,
+        until: float,
+        sliding: Sliding,
+    ) -> None:
+        self.model, self.increment, self.until, self.drawn = model, increment, until, state is None
+        self.control, self.direction = np.asarray(control, dtype=float), direction
+        self.block = model.block_at(control)
+        self.lateral = model.lateral_load(direction)
+        self.system = static_system(model, contacts, sliding)
+        self.first = (
+            mechanism_start(model, direction, state)
+            if contacts == "rigid"
+            else elastic_start(model, direction, state, increment, sliding)
+        )
+        self.states, self.multiplier, self.displacement = [self.first.state], [self.first.alpha], [0.0]
+        self.steps = [self.first.step] if self.first.step else []
+        self.certificates = [self.first.certificate]
+        # the next step from the rate of the last one: per unit work, how far the blocks and the control point move
+        self.rate = self.first.rate
+        little = 1e-6 * model.size / float(abs(self.rate[:, :2]).max())
+        self.control_rate = self.along(self.first.state.positions + little * self.rate) / little
+        self.plateau = (0.0, self.first.alpha)  # where α last changed, and to what
+        self.crossed: list[tuple[float, float]] = []
+        self.end, self.reached, self.lost = "", False, False
+
+    def along(self, positions: Array) -> float:
+        """Displacement (m) of the control point along the push."""
+        now, begun = (
+            self.model.point_displacement(self.control, self.block, at)[0]
+            for at in (positions, self.states[0].positions)
+        )
+        return float(now - begun) if self.direction == "+x" else float(begun - now)
+
+    def advance(self, length: float, shortest: bool) -> None:
+        """The next point, about a length (m) further on: whether it is the `shortest` that is tried."""
+        fastest = float(abs(self.rate[:, :2]).max())
+        work = length / max(self.control_rate, fastest / TOLERANCES.largest)
+        step, jumped = self._step(work, fastest, shortest)
+        if step.alpha >= 0.0:
+            self._append(work, step, jumped)
+            return
+        work, zero = self._down_to_zero(work, fastest, step)
+        self._append(work, zero, jumped)
+        self.multiplier[-1], self.end = 0.0, ""
+        held = self._held_again(step)
+        if held is None:
+            self.reached, self.end = True, "α = 0"
+        else:
+            self._go_on_from(held)
+
+    def _step(self, work: float, fastest: float, shortest: bool = True) -> tuple[Equilibrium, bool]:
+        """The equilibrium after so much work (kNm), and whether blocks were let go to find it."""
+        now = self.states[-1]
+        self.system = self.system.around(now.positions, 2.0 * work * fastest)
+        problem = StepProblem(self.system, now, self.model.dead_load, work * fastest, self.lateral, work)
+        last = self.steps[-1] if self.steps else None
+        return reach(problem, now.positions + work * self.rate, last, shortest)
+
+    def _down_to_zero(self, work: float, fastest: float, step: Equilibrium) -> tuple[float, Equilibrium]:
+        """The work that brings the multiplier down to zero, and its step (false position, Illinois rule)."""
+        low, high = (0.0, self.multiplier[-1]), (work, step.alpha)
+        tolerance, least = TOLERANCES.zero * max(self.multiplier), work / 2.0**HALVINGS
+        for count in range(TOLERANCES.chords):
+            chord = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
+            if count and chord < least:
+                break  # the multiplier jumps below zero within that
+            try:
+                work, (step, _) = chord, self._step(chord, fastest)
+            except (NoEquilibriumError, ConvergenceError):
+                break  # the multiplier jumps below zero: the last chord is as near as it gets
+            if abs(step.alpha) <= tolerance:
+                break
+            if step.alpha < 0.0:
+                low, high = (low[0], 0.5 * low[1]), (work, step.alpha)
+            else:
+                low, high = (work, step.alpha), (high[0], 0.5 * high[1])
+        return work, step
+
+    def _held_again(self, beyond: Equilibrium) -> Equilibrium | None:
+        """The rest under gravity near a point beyond zero, where a part that has moved by itself is held again."""
+        size = max(self.increment, 1e-3 * self.model.size)
+        problem = StepProblem(self.system, beyond.state, self.model.dead_load, size)
+        try:
+            held = motion_to_rest(problem, beyond.state.positions)
+        except (NoEquilibriumError, ConvergenceError):
+            return None
+        return held if self.along(held.state.positions) >= self.displacement[-1] - self.increment else None
+
+    def _go_on_from(self, held: Equilibrium) -> None:
+        """The curve goes on where the structure rests again."""
+        try:
+            start = (
+                mechanism_start(self.model, self.direction, held.state)
+                if self.system.rigid
+                else elastic_start(
+                    self.model, self.direction, held.state, self.increment, self.system.sliding
+                )
+            )
+        except (NoEquilibriumError, ConvergenceError) as stop:
+            self.reached, self.end = True, f"α = 0, and where the structure rests again: {stop}"
+            return
+        here = self.displacement[-1]
+        self._append(1.0, replace(held, alpha=start.alpha), jumped=True)
+        self.crossed.append((here, self.displacement[-1]))
+        self.rate = start.rate
+        little = 1e-6 * self.model.size / float(abs(self.rate[:, :2]).max())
+        self.control_rate = (
+            self.along(held.state.positions + little * self.rate) - self.displacement[-1]
+        ) / little
+
+    def _append(self, work: float, step: Equilibrium, jumped: bool) -> None:
+        """The next point."""
+        before = self.states[-1].positions
+        self.states.append(step.state)
+        self.steps.append(step)
+        self.certificates.append(step.certificate)
+        self.multiplier.append(step.alpha)
+        self.displacement.append(self.along(step.state.positions))
+        then, now = self.displacement[-2:]
+        if jumped:
+            self.crossed.append((then, now))
+        else:
+            self.rate, self.control_rate = (step.state.positions - before) / work, (now - then) / work
+        if abs(self.multiplier[-1] - self.plateau[1]) > TOLERANCES.flat * max(self.multiplier):
+            self.plateau = (now, self.multiplier[-1])
+        size, alpha = self.model.size, self.multiplier[-1]
+        if now - self.plateau[0] > size:
+            self.end = f"the structure slides: α stays {alpha:.4g} over {size:.3g} m, and nothing ends that"
+        if not self.end and now > 0.5 * self.increment and alpha <= self.until * max(self.multiplier):
+            self.end = f"α has come down to {self.until:g} of its peak"
+        if len(self.states) == TOLERANCES.points and not self.end:
+            self.end = f"{TOLERANCES.points} points"
+
+    def finished(self) -> Pushover:
+        """The curve; ControlError where the control point takes no part in it."""
+        if len(self.states) == 1 and not self.system.rigid and self.drawn:
+            raise no_way_from_rest(self.end)
+        moved = float(abs(self.states[-1].positions - self.states[0].positions)[:, :2].max())
+        if len(self.states) == 1 or max(self.displacement) < TOLERANCES.still * moved:
+            raise ControlError(
+                f"control = {tuple(self.control.tolist())} takes no part in the mechanism along {self.direction}, "
+                f"or the increment is too large: {self.end}"
+            )
+        formed, mechanism, forces, contacts = self._mechanism()
+        return Pushover(
+            np.array(self.displacement),
+            np.array(self.multiplier),
+            tuple(self.states),
+            tuple(self.steps),
+            tuple(self.certificates),
+            self.reached,
+            self.lost,
+            self.end,
+            np.array(self.crossed).reshape(-1, 2),
+            mechanism,
+            formed,
+            forces,
+            contacts,
+        )
+
+    def _mechanism(self) -> tuple[int, Array, Array, Contacts]:
+        """The point at which the mechanism is activated, its virtual displacements (b, 3), and the forces there."""
+        peak = _peak(np.array(self.multiplier))
+        for point in range(peak, len(self.states)):
+            mechanism, forces, contacts = self._mechanism_at(point)
+            if self._takes_part(point, mechanism):
+                return point, mechanism, forces, contacts
+        return peak, *self._mechanism_at(peak)
+
+    def _mechanism_at(self, point: int) -> tuple[Array, Array, Contacts]:
+        """Virtual displacements (b, 3), forces (j, 3) and contacts at a point; elastic: the next motion."""
+        rigid = self.system.rigid
+        if rigid and point == 0:
+            return self.first.rate, self.first.forces, self.first.contacts
+        step = self.steps[point - rigid]
+        forces, contacts = step.forces, step.contacts
+        if rigid:
+            try:
+                found = limit_in(self.model, self.direction, self.states[point])
+                return found.mechanism, forces, contacts
+            except (NoEquilibriumError, ConvergenceError):
+                pass
+        begin = min(point, len(self.states) - 2)
+        return self.states[begin + 1].positions - self.states[begin].positions, forces, contacts
+
+    def _takes_part(self, point: int, mechanism: Array) -> bool:
+        """Whether the control point moves along the push in virtual displacements (b, 3) of a point."""
+        fastest = float(abs(mechanism[:, :2]).max())
+        little, at = 1e-6 * self.model.size / fastest, self.states[point].positions
+        moved = self.along(at + little * mechanism) - self.along(at)
+        return moved >= TOLERANCES.still * little * fastest
+
+
+def _peak(multiplier: Array) -> int:
+    """Index of the largest multiplier (k,), the first of those that differ by no more than rounding."""
+    largest = float(multiplier.max())
+    return int(np.argmax(multiplier >= largest - TOLERANCES.zero * abs(largest)))

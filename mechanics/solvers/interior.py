@@ -1,0 +1,129 @@
+"""The program by the iteration of kernels.interior_iteration: begun nowhere, or near an earlier solution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mechanics.kernels.interior_iteration import BED, FRICTION, STRENGTH, iterate
+from mechanics.kernels.joint import H
+from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, certify
+from mechanics.solvers.elimination import Elimination
+from mechanics.solvers.threads import one_thread
+from mechanics.types import Array
+
+MOST_ITERATIONS = 100
+NOWHERE = 3.0  # per weight and step and root of the number of blocks: forces and gaps of a cold start
+UNDER_STRENGTH = 0.9  # of the strength of a joint: the most of its force at a cold start
+
+
+@dataclass(frozen=True, eq=False)
+class Iterate:
+    """Forces N₁, N₂, T (j, 3) kN, gaps y₁, y₂, slips λ₊, λ₋ (j, 4) m, all positive but T; multiplier; Δx (m,)."""
+
+    forces: Array
+    gaps: Array
+    alpha: float
+    displacement: Array
+
+    def warm(self, program: Program, distance: float) -> Iterate:
+        """The same, no nearer to the bounds than a distance per weight and step: where a next solution is sought."""
+        p = program
+        mu = np.maximum(p.law[:, FRICTION], 1.0)
+        least = 0.5 * distance * p.weight
+        forces = np.empty_like(self.forces)
+        forces[:, :2] = np.maximum(self.forces[:, :2], least)
+        forces[:, :2] *= _within_strength(p, forces[:, :2])
+        bound = (1.0 - distance) * p.law[:, FRICTION] * forces[:, :2].sum(axis=1)
+        forces[:, 2] = np.clip(self.forces[:, 2], -bound, bound)
+        gaps = np.maximum(self.gaps, distance * p.step * np.stack([mu**0, mu**0, 1.0 / mu, 1.0 / mu], axis=1))
+        return Iterate(forces, gaps, self.alpha, np.zeros(len(p.load)))
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """Where an iteration has ended: `accepted`, or else whether it found equilibrium `unstable`; its `iterations`.
+
+    `force` and `product` per weight (and step), `gap` per step: what is left.
+    """
+
+    accepted: bool
+    unstable: bool
+    iterations: int
+    force: float
+    gap: float
+    product: float
+
+
+def cold(program: Program) -> Iterate:
+    """Where nothing is known: all joints bear and open alike."""
+    far = NOWHERE * np.sqrt(len(program.load) / 3)
+    mu = np.maximum(program.law[:, FRICTION], 1.0)
+    forces = np.zeros((len(program.places), 3))
+    forces[:, :2] = 0.5 * far * program.weight
+    forces[:, :2] *= _within_strength(program, forces[:, :2])
+    gaps = far * program.step * np.stack([mu**0, mu**0, 1.0 / mu, 1.0 / mu], axis=1)
+    return Iterate(forces, gaps, 0.0, np.zeros(len(program.load)))
+
+
+def _within_strength(program: Program, ends: Array) -> Array:
+    """The factors (j, 1) that bring forces of two ends (j, 2) within the strength of their joints."""
+    most = 2.0 * UNDER_STRENGTH * program.places[:, H] * program.law[:, STRENGTH]
+    n = ends.sum(axis=1)
+    centred = np.minimum(1.0, most / n)  # as if both ends bore alike
+    skew = n * n / (4.0 * program.places[:, H] * program.law[:, STRENGTH]) / ends.min(axis=1)
+    found: Array = np.minimum(centred, UNDER_STRENGTH / np.maximum(skew, UNDER_STRENGTH))
+    return found[:, None]
+
+
+@one_thread()
+def run(program: Program, layout: Elimination, start: Iterate, accepted: float) -> tuple[Iterate, Outcome]:
+    """Iterate from a start until what is missed is `accepted`, per weight and step; a start is left as it is."""
+    p, order = program, layout.order
+    none = np.zeros(0)
+    x, forces, gaps = start.displacement[order], start.forces.copy(), start.gaps.copy()
+    count, alpha, force, gap, product = iterate(
+        layout.row,
+        p.places,
+        p.law,
+        p.load[order],
+        none if p.lateral is None else p.lateral[order],
+        p.work,
+        none if p.mass is None else p.mass[order],
+        np.zeros((0, 7)) if p.curved is None else p.curved,
+        x,
+        start.alpha,
+        forces,
+        gaps,
+        (p.weight, p.size, p.step, accepted),
+        MOST_ITERATIONS,
+        layout.work_space,
+        layout.packed,
+        np.arange(len(layout.row)),
+    )
+    good = max(force, product) <= accepted and abs(alpha) < LARGEST_MULTIPLIER
+    outcome = Outcome(good, count < 0 and p.curved is not None, abs(count), force, gap, product)
+    return Iterate(forces, gaps, alpha, x[layout.back]), outcome
+
+
+def solution(program: Program, iterate: Iterate) -> Solution:
+    """The certified solution that an iterate is."""
+    n1, n2, t = iterate.forces.T
+    forces = np.stack([n1 + n2, program.places[:, H] * (n2 - n1), t], axis=1)
+    return Solution(
+        forces,
+        iterate.alpha,
+        iterate.displacement,
+        certify(program, forces, iterate.alpha, iterate.displacement),
+    )
+
+
+def is_elastic(program: Program) -> bool:
+    """Whether the joints of a program have beds."""
+    return bool(len(program.law)) and bool(np.isfinite(program.law[0, BED]))
+
+
+def frozen(program: Program) -> Program:
+    """The program without what forces change with the geometry."""
+    return replace(program, curved=None)

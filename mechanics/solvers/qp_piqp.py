@@ -1,0 +1,174 @@
+"""The program by PIQP, a sparse interior-point method: the second opinion, and the fallback.
+
+A joint is here a row of contact points, its two ends where it is rigid, those of its segments where it has a bed: their
+forces span the same cone, and friction is bounded on their sum. In the plane the cone of a point is spanned by two unit
+rays along (1, μ) and (1, −μ): with the forces s ≥ 0 along them as unknowns the cone is a bound and the method's
+matrices
+halve. An exact bed stands here as one of POINTS segments. Every call sets up a new solver object: PIQP's update()
+accepts
+a wrong pattern without a word.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import piqp
+from scipy import sparse
+
+from mechanics.kernels.interior_iteration import BED, FRICTION, LIFT, SEGMENTS, SHEAR, SLID, STRENGTH
+from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.model.contacts import rows
+from mechanics.program import LARGEST_MULTIPLIER, Program
+from mechanics.types import Array, Index
+
+POINTS = 32  # segments that stand for an exact bed
+
+Answer = tuple[Array, float, Array]
+
+
+def suits(program: Program) -> bool:
+    """Whether the program is a quadratic one: associated friction, and no joint that crushes."""
+    law = program.law
+    return bool((law[:, LIFT] == law[:, FRICTION]).all() and np.isinf(law[:, STRENGTH]).all())
+
+
+def solve(program: Program, tolerance: float, most_iterations: int = 60) -> Answer | None:
+    """Joint forces (j, 3), multiplier and displacements (m,) where PIQP stops, whatever it says of them.
+
+    None only where they are not finite: an answer at "max iterations" is often good to ten digits and one that is
+    "solved" may be wrong, so that the certificate decides. `tolerance` is PIQP's, in the dimensionless program.
+    """
+    form = StandardForm.of(program)
+    if not all(np.isfinite(v).all() for v in (form.p.data, form.q, form.a.data, form.b)):
+        raise ValueError("the program holds a number that is not finite")
+    solver = piqp.SparseSolver()
+    solver.settings.eps_abs = solver.settings.eps_rel = tolerance
+    solver.settings.eps_duality_gap_abs = solver.settings.eps_duality_gap_rel = tolerance
+    solver.settings.reg_lower_limit = 1e-12  # at the default, 1e-10, one linear program in five stalls
+    solver.settings.max_iter = most_iterations
+    rays = form.rays
+    lower, upper = np.full(len(form.q), -np.inf), np.full(len(form.q), np.inf)
+    lower[:rays] = 0.0
+    if program.lateral is not None:
+        upper[rays] = LARGEST_MULTIPLIER
+    solver.setup(form.p, form.q, form.a, form.b, None, None, None, lower, upper)
+    solver.solve()
+    z, y = np.array(solver.result.x), np.array(solver.result.y)
+    if not (np.isfinite(z).all() and np.isfinite(y).all()):
+        return None
+    return form.recover(z, y)
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Contact points (c,): `joint` of each, its place `s` (m) from the middle of the overlap, `compliance`."""
+
+    joint: Index
+    s: Array
+    compliance: Array
+
+    @classmethod
+    def of(cls, program: Program) -> Points:
+        """The ends of rigid joints, those of the segments of a bed."""
+        law, half = program.law, program.places[:, H]
+        segments = np.where(
+            np.isinf(law[:, BED]), 1, np.where(law[:, SEGMENTS] > 0, law[:, SEGMENTS], POINTS)
+        )
+        count = segments.astype(np.intp) + 1
+        joint = np.repeat(np.arange(len(law)), count)
+        number = np.arange(len(joint)) - np.repeat(np.cumsum(count) - count, count)
+        share = number / segments[joint]
+        inner = np.where((number == 0) | (number == segments[joint]), 0.5, 1.0)
+        with np.errstate(divide="ignore"):
+            compliance = segments[joint] / (2.0 * half[joint] * law[joint, BED] * inner)
+        return cls(joint, half[joint] * (2.0 * share - 1.0), compliance)
+
+
+@dataclass(frozen=True, eq=False)
+class StandardForm:
+    """½zᵀPz + qᵀz, Az = b over z = (forces along rays, α, i) without dimensions; `scale` (m,): of each row's arm."""
+
+    program: Program
+    points: Points
+    p: sparse.csc_matrix
+    q: Array
+    a: sparse.csc_matrix
+    b: Array
+    scale: Array
+
+    @property
+    def rays(self) -> int:
+        """How many there are: two a point."""
+        return 2 * len(self.points.joint)
+
+    @classmethod
+    def of(cls, program: Program) -> StandardForm:
+        """The standard form of a program."""
+        points = Points.of(program)
+        j, s, c, m = points.joint, points.s, len(points.joint), len(program.load)
+        has_alpha, has_mass = program.lateral is not None, program.mass is not None
+        size = 2 * c + has_alpha + m * has_mass
+        scale = np.ones(m)
+        scale[2::3] = program.size
+        w, d, law, places = program.weight, program.step, program.law, program.places
+        row = rows(places)[j]
+        normal, tangent = row[:, 0] + s[:, None] * row[:, 1], row[:, 2]
+        gap = np.stack([places[j, U] + s * places[j, PHI], (places[:, V] - law[:, SLID])[j]], axis=1)
+        n, t = _ray(law[j, FRICTION])
+        rays = np.stack([n[:, None] * normal + sign * t[:, None] * tangent for sign in (1, -1)], axis=1)
+        dof = program.dof[j]
+        moving = np.broadcast_to((dof >= 0)[:, None, :], rays.shape)
+        at = np.broadcast_to(dof[:, None, :], rays.shape)[moving]
+        col = np.broadcast_to(np.arange(2 * c).reshape(-1, 2, 1), rays.shape)[moving]
+        parts = [(-rays[moving] / scale[at], at, col)]
+        q = np.zeros(size)
+        q[: 2 * c] = np.stack([n * gap[:, 0] + sign * t * gap[:, 1] for sign in (1, -1)], 1).ravel() / d
+        every = np.arange(m)
+        if program.lateral is not None:
+            parts.append((-program.lateral / scale / w, every, np.full(m, 2 * c)))
+            q[2 * c] = -program.work / (w * d)
+        if has_mass:
+            parts.append((np.ones(m), every, 2 * c + has_alpha + every))
+        a = _matrix(parts, (m, size))
+        # normal compliance of each point, tangential one of the sum of a joint
+        of_point = sparse.csc_matrix(
+            (np.repeat(n, 2), (np.repeat(np.arange(c), 2), np.arange(2 * c))), (c, size)
+        )
+        signed = np.stack([t, -t], axis=1).ravel()
+        of_joint = sparse.csc_matrix((signed, (np.repeat(j, 2), np.arange(2 * c))), (len(law), size))
+        p = (w / d) * (
+            of_point.T @ sparse.diags(points.compliance) @ of_point
+            + of_joint.T @ sparse.diags(law[:, SHEAR]) @ of_joint
+        )
+        if program.mass is not None:
+            # i in units of w (moments of w·size), M̄⁻¹i in units of d
+            inertia = 2 * c + has_alpha + every
+            p = p + _matrix([(w / d * scale**2 / program.mass, inertia, inertia)], (size, size))
+        upper = sparse.csc_matrix(sparse.triu(p))
+        upper.eliminate_zeros()
+        return cls(program, points, upper, q, a, program.load / scale / w, scale)
+
+    def recover(self, z: Array, y: Array) -> Answer:
+        """Joint forces, multiplier and displacements with their units from the solution and its multipliers."""
+        p, j = self.program, self.points.joint
+        rays = p.weight * z[: self.rays].reshape(-1, 2)
+        n, t = _ray(p.law[j, FRICTION])
+        bears, rubs = n * rays.sum(axis=1), t * (rays[:, 0] - rays[:, 1])
+        parts = (bears, bears * self.points.s, rubs)
+        sums = [np.asarray(np.bincount(j, part, minlength=len(p.law)), dtype=float) for part in parts]
+        forces = np.stack(sums, axis=1)
+        alpha = float(z[self.rays]) if p.lateral is not None else 0.0
+        return forces, alpha, -p.step * y / self.scale
+
+
+def _matrix(parts: list[tuple[Array, Index, Index]], shape: tuple[int, int]) -> sparse.csc_matrix:
+    data, row, col = (np.concatenate([part[k] for part in parts]) for k in range(3))
+    return sparse.csc_matrix((data, (row, col)), shape=shape)
+
+
+def _ray(friction: Array) -> tuple[Array, Array]:
+    """Normal and tangential component of the unit ray (1, μ)."""
+    size = np.hypot(1.0, friction)
+    return 1.0 / size, friction / size

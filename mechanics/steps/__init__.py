@@ -1,0 +1,1 @@
+"""One step of an analysis: an equilibrium, or a time step."""

@@ -1,0 +1,139 @@
+"""States of equilibrium: whether a structure stands, where it comes to rest, what its supports carry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mechanics.assembly import Assembly, Behaviour, State
+from mechanics.errors import NoEquilibriumError, UnstableError
+from mechanics.kernels.interior_iteration import SLID
+from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.model.contacts import Contacts, end_gaps, rows
+from mechanics.program import Program
+from mechanics.solvers import BALANCED, imbalance
+from mechanics.solvers.elimination import Elimination
+from mechanics.steps.rest import motion_to_rest
+from mechanics.steps.static_step import (
+    NEARLY,
+    VANISHED,
+    Equilibrium,
+    Sliding,
+    StaticSystem,
+    StepProblem,
+    carried,
+    find_equilibrium,
+    lay_shear,
+    static_system,
+)
+from mechanics.types import Array, Index
+
+CLOSED = 1e-3  # of the block size: a gap that is none (dilatant sliding leaves some in a settled state)
+ONSET = 1e-3  # of the block size: the displacement of a mechanism at its onset
+FAR = 1e3  # such displacements: the gap of an end that is open
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedProgram:
+    """The rigid program over the contacts closed in a state, their indices among all, and its layout."""
+
+    program: Program
+    contacts: Contacts
+    index: Index
+    layout: Elimination
+
+
+def closed_program(
+    model: Assembly, state: State, lateral: Array | None = None, sliding: Sliding = "associative"
+) -> ClosedProgram:
+    """The rigid program over the joints closed in a state; the work γ moves the blocks by about a step.
+
+    An end of a joint is closed where its gap is none; of one that carries, as far as is known, where it is no more than
+    that of the nearer end.
+    """
+    step = ONSET * model.size
+    system = static_system(model, "rigid", sliding).around(state.positions, step)
+    places = system.contacts.places(state.positions)
+    gaps = end_gaps(places)
+    carrying = np.flatnonzero(carried(system.contacts, state))
+    gaps[carrying] -= np.maximum(gaps[carrying].min(axis=1), 0.0)[:, None]  # what sliding has lifted
+    closed = gaps <= CLOSED * model.size
+    index = np.flatnonzero(closed.any(axis=1) & (places[:, H] > VANISHED * model.size))
+    low, high = np.where(closed, 0.0, FAR * step).T
+    places[:, U], places[:, PHI] = 0.5 * (low + high), 0.5 * (high - low) / np.maximum(places[:, H], 1e-300)
+    places[:, V] = 0.0
+    law = system.law.copy()
+    law[:, SLID] = 0.0
+    movable = model.movable
+    program = Program(
+        dof=system.dof[index],
+        places=places[index],
+        law=law[index],
+        load=model.dead_load[movable].ravel(),
+        lateral=None if lateral is None else lateral[movable].ravel(),
+        work=0.0 if lateral is None else step * model.weight,
+        mass=None,
+        weight=system.weight,
+        size=model.size,
+        step=step,
+    )
+    return ClosedProgram(program, system.contacts, index, system.layout.take(index))
+
+
+def check_self_weight(model: Assembly, state: State | None = None) -> None:
+    """Raise UnstableError where gravity alone cannot be carried in a state (default: as drawn)."""
+    closed = closed_program(model, state or model.initial)
+    acceleration = imbalance(closed.program, closed.layout)
+    # a path of equilibrium ends no closer to it than it was followed
+    allowed = BALANCED if state is None or state.carrying is None else NEARLY
+    if acceleration > allowed:
+        raise UnstableError(
+            "the structure cannot stand under its own weight: some block would start to move with "
+            f"{acceleration:.2g} g; check supports, friction and joints (open ones carry nothing)"
+        )
+
+
+def rest(
+    system: StaticSystem, state: State, size: float | None = None, last: Equilibrium | None = None
+) -> Equilibrium:
+    """The equilibrium under gravity into which a state settles: gaps closed, elastic joints compressed.
+
+    A slender arch goes down by a hundred times what its joints are compressed: where that is far, the blocks are let go
+    until they rest. Raises NoEquilibriumError where they do not.
+    """
+    model = system.model
+    size = rest_size(model, system.behaviour) if size is None else size
+    problem = StepProblem(system, state, model.dead_load, size)
+    try:
+        return find_equilibrium(problem, state.positions, last)
+    except NoEquilibriumError:
+        if system.rigid:
+            raise
+        return motion_to_rest(problem, state.positions)
+
+
+def rest_size(model: Assembly, behaviour: Behaviour) -> float:
+    """A displacement (m) on the scale of the joints' compression under gravity; rigid: 1/1000 of a block."""
+    if behaviour == "rigid":
+        return 1e-3 * model.size
+    contacts = model.contacts
+    length = 2.0 * contacts.places(model.initial.positions)[:, H]
+    return float(np.median(model.weight / (contacts.bed * length)))
+
+
+def reaction(model: Assembly, step: Equilibrium, support: Index) -> Array:
+    """Force (x, z) in kN and moment about the origin in kNm (3,) that a support exerts on the structure."""
+    contacts, x, places = step.contacts, step.state.positions, step.places.copy()
+    if not step.system.rigid:
+        lay_shear(places, step.forces, np.zeros(len(places)))
+    entries = np.einsum("jrc,jr->jc", rows(places), step.forces)
+    total = np.zeros(3)
+    for part, owner in ((entries[:, :3], contacts.a), (entries[:, 3:], contacts.b)):
+        on = np.isin(owner, support)
+        force, arm = part[on], x[owner[on]]
+        total -= (
+            *force[:, :2].sum(axis=0),
+            (force[:, 2] + arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]).sum(),
+        )
+    return total

@@ -1,0 +1,131 @@
+"""Factors of banded matrices against those of LAPACK and of NumPy; threads."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy
+from scipy.linalg import lapack
+
+from mechanics.kernels import cholesky
+from mechanics.kernels.pattern import NO_FRONTS, Pattern
+from mechanics.kernels.signed_factors import factorise_signed, substitute_signed
+from mechanics.solvers.band import envelope
+from mechanics.solvers.elimination import PADDING, Elimination
+from mechanics.solvers.threads import _libraries, one_thread
+from mechanics.types import Array, Index
+
+
+def linked(blocks: int, reach: int, share: float) -> Index:
+    """Rows of pairs of blocks, some `share` of all those that lie not further apart than `reach`."""
+    rng = np.random.default_rng(blocks)
+    pairs = [(i, i + k) for i in range(blocks) for k in range(1, reach + 1) if i + k < blocks]
+    chosen = [pair for pair in pairs if rng.uniform() < share]
+    return 3 * np.array(chosen, dtype=np.intp).reshape(-1, 2)
+
+
+def banded(row: Index, blocks: int, places: int) -> Array:
+    """A positive definite matrix of blocks of three rows, linked as told."""
+    rng = np.random.default_rng(blocks)
+    band = np.zeros((3 * blocks, places))
+    for i, j in [*row.tolist(), *((i, i) for i in range(0, 3 * blocks, 3))]:
+        for c in range(3):
+            for r in range(c if i == j else 0, 3):
+                band[i + c, j + r - i - c] = rng.uniform(-1.0, 1.0)
+    band[:, 0] = 2.0 * places
+    return band
+
+
+def pattern_of(row: Index, blocks: int, places: int) -> Pattern:
+    """Of a band."""
+    order = np.arange(3 * blocks)
+    return Elimination(order, order, row, places, NO_FRONTS).pattern
+
+
+BANDS = [(1, 0), (2, 1), (3, 2), (5, 3), (22, 1), (40, 9), (61, 20)]
+
+
+@pytest.mark.parametrize("share", [1.0, 0.3])
+@pytest.mark.parametrize(("blocks", "reach"), BANDS)
+def test_factorisation_is_that_of_lapack(blocks: int, reach: int, share: float) -> None:
+    """Bands narrower and wider than a tile and than the matrix, full and ragged; factor and solution to rounding."""
+    row, width = linked(blocks, reach, share), 3 * reach + 3
+    band, pattern = banded(row, blocks, width + PADDING), pattern_of(row, blocks, width + PADDING)
+    factor, failed = lapack.dpbtrf(band[:, :width].T.copy(), lower=1)
+    assert not failed
+    b = np.random.default_rng(1).uniform(-1.0, 1.0, len(band))
+    x = b.copy()
+    assert cholesky.factorise(band.ravel(), pattern)
+    cholesky.substitute(band.ravel(), pattern, x)
+    assert x == pytest.approx(lapack.dpbtrs(factor, b, lower=1)[0], rel=1e-12, abs=1e-14)
+    band[:, 0] = 1.0 / band[:, 0]  # which is stored inverted
+    for k in range(len(band)):
+        inside = min(width, len(band) - k)
+        assert band[k, :inside] == pytest.approx(factor.T[k, :inside], rel=1e-12, abs=1e-13)
+        assert not band[k, inside:].any(), "what is beyond the band stays zero"
+        assert not band[k, pattern.last[k] + 1 - k :].any()
+
+
+@pytest.mark.parametrize("row", [0, 4, 11])
+def test_a_matrix_that_is_not_positive_definite_is_told(row: int) -> None:
+    pairs = linked(4, 1, 1.0)
+    for value in (0.0, -1.0, np.nan):
+        band = banded(pairs, 4, 6 + PADDING)
+        band[row, 0] = value
+        assert not cholesky.factorise(band.ravel(), pattern_of(pairs, 4, 6 + PADDING))
+
+
+@pytest.mark.parametrize(("blocks", "reach"), BANDS)
+@pytest.mark.parametrize("negative", [0, 1, 2])
+def test_signed_factors_count_negative_eigenvalues_and_solve(blocks: int, reach: int, negative: int) -> None:
+    row, places = linked(blocks, reach, 0.6), 3 * reach + 3 + PADDING
+    band, pattern = banded(row, blocks, places), pattern_of(row, blocks, places)
+    band[np.random.default_rng(2).permutation(len(band))[:negative], 0] *= -1.0
+    full = np.zeros((len(band) + places, len(band)))
+    for j in range(len(band)):
+        full[j : j + places, j] = band[j]
+    full = full[: len(band)] + np.tril(full[: len(band)], -1).T
+    assert factorise_signed(band.ravel(), places, pattern.last) == (np.linalg.eigvalsh(full) < 0.0).sum()
+    b = np.random.default_rng(1).uniform(-1.0, 1.0, len(band))
+    x = b.copy()
+    substitute_signed(band.ravel(), places, pattern.last, x)
+    assert x == pytest.approx(np.linalg.solve(full, b), rel=1e-10, abs=1e-12)
+
+
+def test_signed_factors_tell_a_pivot_that_vanishes() -> None:
+    pairs = linked(4, 1, 1.0)
+    for value in (0.0, np.nan):
+        band, pattern = banded(pairs, 4, 6 + PADDING), pattern_of(pairs, 4, 6 + PADDING)
+        band[0, 0] = value
+        assert factorise_signed(band.ravel(), 6 + PADDING, pattern.last) == -1
+
+
+def test_envelope_of_a_few_links() -> None:
+    """Five blocks, the first linked with the third, the second with the fourth; the last stands alone."""
+    first, last = envelope(np.array([[0, 6], [9, 3], [-1, 12]]), 15)
+    assert first.tolist() == [0] * 3 + [3] * 3 + [0] * 3 + [3] * 3 + [12] * 3
+    assert last.tolist() == [8] * 3 + [11] * 9 + [14] * 3
+
+
+def test_an_empty_right_hand_side_is_left_alone(capfd: pytest.CaptureFixture[str]) -> None:
+    """LAPACK, which once took it, printed a line of complaint for each."""
+    pairs = linked(4, 1, 1.0)
+    band, pattern, b = banded(pairs, 4, 6 + PADDING).ravel(), pattern_of(pairs, 4, 6 + PADDING), np.empty(0)
+    assert cholesky.factorise(band, pattern)
+    cholesky.substitute(band, pattern, b)
+    assert not len(b) and capfd.readouterr() == ("", "")
+
+
+def test_one_thread_within_and_as_many_as_before_afterwards() -> None:
+    """Of the BLAS that each of the two wheels brings."""
+    wheels = [path.parent for path in (Path(np.__file__).parent, Path(scipy.__file__).parent)]
+    names = ("numpy", "scipy")
+    assert len(_libraries()) == sum(
+        any(wheel.glob(f"{name}.libs/*openblas*")) for wheel, name in zip(wheels, names, strict=True)
+    )
+    before = [ask() for ask, _ in _libraries()]
+    with one_thread():
+        assert all(ask() == 1 for ask, _ in _libraries())
+    assert [ask() for ask, _ in _libraries()] == before
