@@ -215,7 +215,7 @@ def same_elastic_step(model: Assembly, number: int) -> None:
     # the curve of a soft bed is flat: forces go with the root of the energy that is left
     assert found.alpha == pytest.approx(expected.alpha, abs=2e-5), number
     move = abs(found.displacement - expected.displacement).max()
-    assert move < 0.1 * program.step, number
+    assert move < 0.15 * program.step, number  # both certified: along it the program is nearly flat
 
 
 @pytest.mark.parametrize("behaviour", ["rigid", "elastic"])

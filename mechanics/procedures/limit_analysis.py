@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mechanics.assembly import Assembly, Direction, State
 from mechanics.errors import NoEquilibriumError
+from mechanics.kernels.interior_iteration import FRICTION
+from mechanics.kernels.joint import U
 from mechanics.model.contacts import Contacts
 from mechanics.program import LARGEST_MULTIPLIER, Certificate
 from mechanics.solvers import solve
 from mechanics.steps.equilibrium import check_self_weight, closed_program
+from mechanics.steps.static_step import LEVEL, Sliding
 from mechanics.types import Array
+
+REPEATS = 12  # of a program with Coulomb friction
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,21 +35,44 @@ class Limit:
     certificate: Certificate
 
 
-def limit_analysis(model: Assembly, direction: Direction = "+x", state: State | None = None) -> Limit:
+def limit_analysis(
+    model: Assembly,
+    direction: Direction = "+x",
+    state: State | None = None,
+    sliding: Sliding = "associative",
+) -> Limit:
     """The largest α with equilibrium under f_D + α f_L over the joints closed in a state (default: as drawn).
 
-    Friction is associative, as in the paper. Raises UnstableError where gravity alone cannot be carried and
-    NoEquilibriumError where the load meets no mechanism (an interlocked assembly).
+    `sliding`: "associative", as in the paper: what slides is lifted; "coulomb": it is not. The multiplier is then not
+    unique: see limit_in, which gives the least that it comes upon. Raises UnstableError where gravity alone cannot be
+    carried and NoEquilibriumError where the load meets no mechanism (an interlocked assembly).
     """
     state = model.starting(state)
     check_self_weight(model, state)
-    return limit_in(model, direction, state)
+    return limit_in(model, direction, state, sliding)
 
 
-def limit_in(model: Assembly, direction: Direction, state: State) -> Limit:
-    """Limit analysis in a state that is known to stand."""
+def limit_in(model: Assembly, direction: Direction, state: State, sliding: Sliding = "associative") -> Limit:
+    """Limit analysis in a state that is known to stand.
+
+    With Coulomb friction the program is repeated, the lift of its last slips taken back each time: where these settle,
+    nothing is lifted. They may alternate between mechanisms; the least multiplier of the sequence is the one returned.
+    """
     closed = closed_program(model, state, model.lateral_load(direction))
-    solution, _ = solve(closed.program, closed.layout)
+    program = closed.program
+    solution, iterate = solve(program, closed.layout)
+    slips = np.zeros(len(program.law))
+    for _ in range(REPEATS if sliding == "coulomb" else 0):
+        if iterate is None:
+            break
+        before, slips = slips, abs(iterate.gaps[:, 2] - iterate.gaps[:, 3])
+        if float((program.law[:, FRICTION] * abs(slips - before)).max(initial=0.0)) <= LEVEL * program.step:
+            break
+        places = program.places.copy()
+        places[:, U] += program.law[:, FRICTION] * slips
+        found, iterate = solve(replace(program, places=places), closed.layout)
+        if found.alpha < solution.alpha:
+            solution = found
     if abs(solution.alpha) > 0.99 * LARGEST_MULTIPLIER:
         raise NoEquilibriumError(
             f"{direction}: no mechanism, the load only wedges the blocks (α > {LARGEST_MULTIPLIER:g})"

@@ -52,9 +52,11 @@ class PathStart:
     share: float
 
 
-def mechanism_start(model: Assembly, direction: Direction, state: State | None) -> PathStart:
+def mechanism_start(
+    model: Assembly, direction: Direction, state: State | None, sliding: Sliding
+) -> PathStart:
     """The onset of a rigid curve: the mechanism of limit analysis, which see for the errors raised."""
-    limit = limit_analysis(model, direction, state)
+    limit = limit_analysis(model, direction, state, sliding)
     rate = limit.mechanism / float((model.lateral_load(direction) * limit.mechanism).sum())
     share = 1.0 if state is None else TOLERANCES.settled
     return PathStart(

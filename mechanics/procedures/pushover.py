@@ -133,7 +133,7 @@ class _Curve:
         self.lateral = model.lateral_load(direction)
         self.system = static_system(model, contacts, sliding)
         self.first = (
-            mechanism_start(model, direction, state)
+            mechanism_start(model, direction, state, sliding)
             if contacts == "rigid"
             else elastic_start(model, direction, state, increment, sliding)
         )
@@ -215,7 +215,7 @@ class _Curve:
         """The curve goes on where the structure rests again."""
         try:
             start = (
-                mechanism_start(self.model, self.direction, held.state)
+                mechanism_start(self.model, self.direction, held.state, self.system.sliding)
                 if self.system.rigid
                 else elastic_start(
                     self.model, self.direction, held.state, self.increment, self.system.sliding
@@ -301,7 +301,7 @@ class _Curve:
         forces, contacts = step.forces, step.contacts
         if rigid:
             try:
-                found = limit_in(self.model, self.direction, self.states[point])
+                found = limit_in(self.model, self.direction, self.states[point], self.system.sliding)
                 return found.mechanism, forces, contacts
             except (NoEquilibriumError, ConvergenceError):
                 pass

@@ -17,14 +17,45 @@ from tests.stress.harness import Case, Outcome, apart, judge, sound, table
 from tests.structures import block_on_base
 
 LONG = os.environ.get("ASSESTO_STRESS") == "long"
+# what the program does not yet decide, nor refuse in the words that it should have
+OPEN = {
+    "next to no friction": (
+        "friction: block and wall, μ = 0",
+        "friction: block and wall, μ = 1e-09",
+        "friction: block and wall, μ = 1e-06",
+        "α0 = 0: frictionless wall",
+    ),
+    "lengths of 1 µm beside 10 m": (
+        "1 µm beside 10 m: needle of 0.01 m",
+        "1 µm beside 10 m: ledge of 1e-06 m",
+        "1 µm beside 10 m: ledge of 0.0001 m",
+    ),
+    "an arch that barely stands": (
+        "arch at its least thickness: 7 voussoirs, t_min +1e-06",
+        "arch at its least thickness: 15 voussoirs, t_min +1e-06",
+        "arch at its least thickness: 27 voussoirs, t_min +1e-06",
+    ),
+    "time steps of 10 s": (
+        "records: at rest in steps of 10 s, rigid, implicit-euler",
+        "records: at rest in steps of 10 s, elastic, implicit-euler",
+        "records: at rest in steps of 10 s, rigid, second-order",
+    ),
+    "extreme stiffnesses": ("stiffness: k = 1e+12 kN/m³", "stiffness: one of three joints stiffer by 1e-05"),
+    "an increment longer than the block": ("steps too large: block × 1000, rigid",),
+}
+REASON = {label: reason for reason, labels in OPEN.items() for label in labels}
+
+
+def marks(label: str, case: Case) -> list[pytest.MarkDecorator]:
+    """Why a case is left out, or expected to fail."""
+    found = [pytest.mark.skipif(case.long and not LONG, reason="ASSESTO_STRESS=long")]
+    if label in REASON:
+        found.append(pytest.mark.xfail(strict=True, reason=f"open: {REASON[label]}"))
+    return found
 
 
 @pytest.mark.parametrize(
-    "label",
-    [
-        pytest.param(label, marks=pytest.mark.skipif(case.long and not LONG, reason="ASSESTO_STRESS=long"))
-        for label, case in CASES.items()
-    ],
+    "label", [pytest.param(label, marks=marks(label, case)) for label, case in CASES.items()]
 )
 def test_certified_or_refused(label):
     outcome = apart(CASES[label])
