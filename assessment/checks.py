@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from mechanics import Assembly
 
 
+CONTRADICTION = 0.5  # of the curve's multiplier: that of virtual work is another mechanism's
+
+
 def assess(
     project: Project,
     model: Assembly,
@@ -43,6 +46,12 @@ def assess(
             continue
         try:
             mechanism, elastic = rigid["mechanism"], curves.get("elastic")
+            told, virtual_work = mechanism["alpha"], rigid["virtual_work_alpha"]
+            if abs(virtual_work - told) > CONTRADICTION * abs(told):
+                raise CapacityError(
+                    f"virtual work on the mechanism gives α = {virtual_work:.3g}, the curve {told:.3g}: blocks "
+                    "slide or move by themselves there, and e*, Γ* are not those of a mechanism"
+                )
             virtual = np.array(mechanism["displacements"])
             part = mechanism_participation(model, virtual, mechanism["control_displacement_x"])
             branch = None if elastic is None else along_push(elastic["curve"], direction)
