@@ -27,7 +27,7 @@ from mechanics import TimeHistory, pushover, time_history
 from mechanics.assembly import Behaviour, Direction
 from mechanics.errors import NoEquilibriumError
 from mechanics.ground_motion import read_record
-from mechanics.kernels.motion_step import COLD
+from mechanics.kernels.motion_step import COLD, GAPS, SPRING
 from mechanics.procedures import time_history as histories
 from mechanics.procedures.collapse import TURNED
 from mechanics.procedures.mirror import Mirror
@@ -296,9 +296,9 @@ def started_nowhere() -> tuple[Array, int]:
     march = DynamicSystem.march
 
     def forgetful(system: DynamicSystem, motion: Motion, base: Array, step: float) -> Recorded:
-        speed = float(abs(motion.v[:, :2]).max())
-        motion.forces[:, 2], motion.forces[:, :2] = 0.0, COLD * system.system.weight
-        motion.gaps[:] = COLD * max(GRAVITY * step**2, speed * step)
+        speed, joints = float(abs(motion.blocks[1, :, :2]).max()), motion.joints
+        joints[:, :GAPS] = COLD * system.system.weight * np.array([1.0, 1.0, 0.0])
+        joints[:, GAPS:SPRING] = COLD * max(GRAVITY * step**2, speed * step)
         return march(system, motion, base, step)
 
     with patch.object(histories, "CHUNK", 1), patch.object(DynamicSystem, "march", forgetful):

@@ -3,12 +3,16 @@
 Balance, loads and springs are taken at a share θ of the step (θ = 1: implicit Euler, the paper's; θ = ½: the middle).
 
 Elastic joints: M(v₁ − v₀)/h = f + BᵀF and Δx/h = v₀ + θ(v₁ − v₀), hence the mass M/(θh²). Of a fibre of the bed that is
-closed at the start, w₀ < 0, the force is −k(w₀ + θΔw), of one that closes −kθ(w₀ + Δw); dashpots add −kβΔw/h. In one:
-−k(θ + β/h)(Δw + g), g = w₀ where open and w₀/(θ + β/h) where closed: two beds where a face is partly open.
+closed the force is −k(w₀ + θΔw), of one that closes within the step −kθ(w₀ + Δw); dashpots add −kβΔw/h. In one:
+−k(θ + β/h)(Δw + g), where g is w₀/(θ + β/h) at an end that is closed and w₀ at one that closes.
+
+No step presses a bed deeper than its forces have, nor stores more in it than they have done: where the blocks come
+closer than that, by the geometry of the step or a slide that stops, the bed has `sunk` until they part. Otherwise a
+stiff bed would turn a gap wrong by microns into a blow.
 
 Rigid joints, at velocity level: M(v₁ − v₀)/h = f + BᵀF and the gap g₀ + h Bv₁ ≥ 0 (Moreau and Jean, without bounce),
-with
-x₁ = x₀ + h((1 − θ)v₀ + θv₁). What a joint that closes takes of the energy is an impact.
+with x₁ = x₀ + h((1 − θ)v₀ + θv₁). What a joint that closes takes of the energy is an impact's, but for what a block
+that falls for the time of the step alone would have brought: that is the stepping's.
 """
 
 from __future__ import annotations
@@ -17,19 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.bed import crushed, stored
-from mechanics.kernels.interior_iteration import (
-    ABOVE,
-    BED,
-    BELOW,
-    FRICTION,
-    KINK,
-    PHI0,
-    SHEAR,
-    SLID,
-    U0,
-    iterate,
-)
+from mechanics.kernels.bed import crushed, pressed, stored
+from mechanics.kernels.interior_iteration import BED, FRICTION, LIFT, SHEAR, SLID, iterate
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import MPHI, MU, MV, NX, NZ, PHI, PLACE, H, U, V, place
 from mechanics.types import Array
@@ -40,11 +33,16 @@ compiled = compiler("contract", "reassoc")
 # stepping; put in
 ELASTIC, RUBBED, IMPACT, VISCOUS, STEPPING, INPUT = range(6)
 ENERGIES = 6
+# columns of the state of a joint (joints, j × 11): N₁, N₂, T and y₁, y₂, λ₊, λ₋ of the last program; force of the
+# spring in shear, kN; speed of the slide, m/s, and its acceleration; gap of the blocks less that of the bed, m
+N1, GAPS, SPRING, SPEED, RATE, SUNK = 0, 3, 7, 8, 9, 10
+JOINT = 11
 STANDARD_GRAVITY = 9.80665  # m/s²
 COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a start from nowhere
 MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
 PRESSED = 1e-6  # of the weight of a block: a force that is one
 STILL = 1e-3  # of its speed before: a slide that has come to rest
+NEWTON = 30  # iterations for the gap at which a bed stores what was done on it
 CLOSED = 1e-6  # of the block size: a gap that is none
 GONE = 1e-9  # of the block size: an overlap that is none
 
@@ -86,88 +84,177 @@ def _apart(gap: float, rate: float, closed: float, bounce: float) -> float:
 
 
 @compiled
-def attempt(
-    a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, load: Array,
-    x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, slides: Array, energy: Array, h: float,
-    theta: float, beta: float,
-    restitution: float, lifted: Array, scale: Any, resultants: Array, stored_matrix: Array, packed: Any, attempts: int,
-) -> tuple[int, float, float, float, float]:  # fmt: skip
-    """A step of length h from positions x and velocities v (b, 3), changed in place like all that moves.
+def _storing(u: float, phi: float, half: float, stiffness: float, most: float) -> float:
+    """The gap at the middle, u or more, at which a bed turned by φ stores at most that energy (Newton)."""
+    if most <= 0.0:
+        return max(u, half * abs(phi))
+    for _ in range(NEWTON):
+        over = stored(u, phi, half, stiffness) - most
+        if over <= 1e-12 * most:
+            break
+        u += over / pressed(u, phi, half, stiffness)[0]
+    return u
 
-    `load` (b, 3) kN at the share θ; `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4), near which the solution is sought;
-    `shear` (j,) of springs; `energy` (ENERGIES,); `restitution` of velocities at which rigid ends meet; `lifted` (j,):
-    gaps that count as none; `resultants` (j, 3): N, P and T found; `attempts`
-    so far: after one, nothing is known of forces and gaps but the
-    gaps that are there, and that impacts stop the blocks within the step. Returns the iterations, negative where
-    nothing was
-    found, the energy of which impacts, the stepping and slides that turn back leave unsure, and the residuals: force,
-    gap, product.
+
+@compiled
+def _begins(p: Array, s: Array, rate: tuple[float, float], h: float, closed: float) -> None:
+    """Let u and φ of an elastic joint at a place p be what its forces count from: g of the ends, see above.
+
+    `s` (PLACE,): at the start, where its gap changes at the `rate` (u, φ); `closed`: 1/(θ + β/h).
     """
-    weight, size, span, accepted = scale
-    c, n, m = len(a), len(x), 0
-    for i in range(n):
-        m += 3 * (first[i] >= 0)
-    elastic = basic[0, BED] < np.inf
-    places, start = np.empty((c, PLACE)), np.empty((c, PLACE))
-    place(a, b, faces, x, tolerance, start)
-    half_way = np.empty((n, 3))
-    for i in range(n):
-        for e in range(3):
-            half_way[i, e] = x[i, e] + (1.0 - theta) * h * (v[i, e] + (1.0 - theta) * 0.5 * h * past[i, e])
-    place(a, b, faces, half_way, tolerance, places)
-    law = basic.copy()
+    low, high = p[U] - p[H] * p[PHI], p[U] + p[H] * p[PHI]
+    if min(low, high) >= 0.0:
+        return
+    side = 1.0 if high > low else -1.0
+    if max(low, high) > 0.0 and max(low, high) + h * (rate[0] + side * s[H] * rate[1]) <= 0.0:
+        low, high = (low, closed * high) if high < low else (closed * low, high)
+        p[U], p[PHI] = 0.5 * (low + high), 0.5 * (high - low) / p[H]
+    else:
+        p[U], p[PHI] = p[U] * closed, p[PHI] * closed
+
+
+@compiled
+def _rigid_gaps(
+    p: Array, s: Array, a: int, b: int, v: Array, h: float, size: float, restitution: float
+) -> None:
+    """Let u and φ of a rigid joint at a place p be those that its velocity has to respect.
+
+    The velocity at the end is along the rows of the end, which differ from those of the middle as these do from those
+    of the start, s (PLACE,).
+    """
+    u0, phi0, _ = relative(s, a, b, v)
+    u1, phi1, _ = relative(p, a, b, v)
+    du, dphi, ends = h * (u1 - u0), h * (phi1 - phi0), np.empty(2)
+    for e in range(2):
+        arm = (2 * e - 1) * s[H]
+        ends[e] = _apart(p[U] + arm * p[PHI], h * (u0 + arm * phi0), CLOSED * size, restitution)
+        ends[e] += du + arm * dphi
+    p[U], p[PHI] = 0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]) / max(p[H], GONE * size)
+
+
+@compiled
+def posed(
+    a: Any, b: Any, start: Array, v: Array, joints: Array, basic: Array, h: float, theta: float, beta: float,
+    restitution: float, size: float, places: Array, law: Array, back: Array,
+) -> Any:  # fmt: skip
+    """Which joints (i,) overlap in a step; gaps of the start, with the rows of the middle, are left in `places`.
+
+    `law` (j, LAW) becomes that of the step; `back` (j,): the lift of slides that is taken back, m.
+    """
+    elastic, count = basic[0, BED] < np.inf, 0
     stretch = theta + beta / h if elastic else 1.0
-    active, count = np.empty(c, np.intp), 0
-    for k in range(c):
+    active = np.empty(len(a), np.intp)
+    for k in range(len(a)):
         p, s = places[k], start[k]
-        # gaps of the start, rows of the middle
-        p[U], p[PHI], p[V] = s[U] - lifted[k], s[PHI], s[V]
+        p[U], p[PHI], p[V] = s[U] - joints[k, SUNK], s[PHI], s[V]
+        gap = p[U] - s[H] * abs(s[PHI])
         p[H] = min(p[H], s[H])
         law[k, SLID] = s[V]
         if not elastic:
-            # the velocity at the end is along the rows of the end, which differ from those of the middle as these do
-            # from
-            # those of the start
-            u0, phi0, _ = relative(s, a[k], b[k], v)
-            u1, phi1, _ = relative(p, a[k], b[k], v)
-            du, dphi = h * (u1 - u0), h * (phi1 - phi0)
-            low = (
-                _apart(p[U] - s[H] * p[PHI], h * (u0 - s[H] * phi0), CLOSED * size, restitution)
-                + du
-                - s[H] * dphi
-            )
-            high = (
-                _apart(p[U] + s[H] * p[PHI], h * (u0 + s[H] * phi0), CLOSED * size, restitution)
-                + du
-                + s[H] * dphi
-            )
-            p[U], p[PHI] = 0.5 * (low + high), 0.5 * (high - low) / max(p[H], GONE * size)
+            _rigid_gaps(p, s, a[k], b[k], v, h, size, restitution)
         if p[H] <= GONE * size:
-            forces[k] = 0.0
+            joints[k, :GAPS] = 0.0
             continue
         active[count] = k
         count += 1
+        # Coulomb: the lift of a slide that goes on as it did is taken back, which leaves that by which it has changed
+        back[k] = law[k, FRICTION] * h * max(joints[k, SPEED] + h * joints[k, RATE], 0.0)
         if elastic:
             law[k, BED] *= stretch
             law[k, SHEAR] /= stretch
-            law[k, SLID] += law[k, SHEAR] * shear[k]
-            low, high = p[U] - p[H] * p[PHI], p[U] + p[H] * p[PHI]
-            closed = 1.0 / stretch
-            if stretch != 1.0 and low * high < 0.0 and attempts < 2:
-                law[k, KINK], law[k, U0], law[k, PHI0] = -p[U] / p[PHI], p[U], p[PHI]
-                law[k, BELOW], law[k, ABOVE] = (closed, 1.0) if low < 0.0 else (1.0, closed)
-                p[U], p[PHI] = 0.0, 0.0
-            elif max(low, high) <= 0.0:
-                p[U], p[PHI] = p[U] * closed, p[PHI] * closed
-        # Coulomb: the lift of a slide that goes on as it did is taken back, which leaves that by which it has changed;
-        # where a
-        # slower slide has let rigid faces into each other, it is left until they are out again
-        lift = law[k, FRICTION] * h * max(slides[k, 0] + h * slides[k, 1], 0.0)
-        p[U] += lift if elastic else max(lift + min(s[U] - lifted[k] - s[H] * abs(s[PHI]), 0.0), 0.0)
+            law[k, SLID] += law[k, SHEAR] * joints[k, SPRING]
+            u0, phi0, _ = relative(s, a[k], b[k], v)
+            _begins(p, s, (u0, phi0), h, 1.0 / stretch)
+        else:  # where a slower slide has let rigid faces into each other, it is left until they are out again
+            back[k] = max(back[k] + min(gap, 0.0), 0.0)
+        p[U] += back[k]
+    return active[:count]
+
+
+@compiled
+def solved(
+    rows: Any, at: Array, laws: Array, f: Array, y: Array, scaled: Array, pushed: Array, dx: Array, h: float,
+    scale: Any, cold: bool, stored_matrix: Array, packed: Any, chosen: Any,
+) -> tuple[int, float, float, float]:  # fmt: skip
+    """Solve the program of a step near forces f (i, 3) and gaps y (i, 4), or from nowhere where the start is `cold`.
+
+    Then nothing is known but the gaps that are there, and that impacts stop the blocks within the step.
+    """
+    weight, size, span, accepted = scale
+    stops = COLD * weight * span / (STANDARD_GRAVITY * h * h)
+    for k in range(len(rows)):
+        if cold:
+            for e in range(2):
+                gap = at[k, U] + (2 * e - 1) * at[k, H] * at[k, PHI]
+                y[k, e] = COLD * span + max(gap, 0.0)
+                f[k, e] = stops * COLD * span / y[k, e]
+            f[k, 2], y[k, 2], y[k, 3] = 0.0, COLD * span, COLD * span
+        f[k, 0], f[k, 1] = max(f[k, 0], 1e-2 * weight), max(f[k, 1], 1e-2 * weight)
+        bound = 0.98 * laws[k, FRICTION] * (f[k, 0] + f[k, 1])
+        f[k, 2] = min(max(f[k, 2], -bound), bound)
+        for e in range(4):
+            least = 1e-2 * span / (max(laws[k, FRICTION], 1.0) if e > 1 else 1.0)
+            y[k, e] = max(y[k, e], least)
+    none = np.empty(0)
+    done, _, force, gap, product = iterate(
+        rows, at, laws, pushed, none, 0.0, scaled, np.empty((0, 7)), dx, 0.0, f, y,
+        (weight, size, span, accepted), MOST_ITERATIONS, stored_matrix, packed, chosen,
+    )  # fmt: skip
+    return done, force, gap, product
+
+
+@compiled
+def sunk(
+    start: Array, end: Array, basic: Array, closest: Array, done: Array, joints: Array, size: float
+) -> float:
+    """What beds store more at the end of a step than at its start (kNm); SUNK of the `joints` becomes that of the end.
+
+    `start`, `end` (j, PLACE); `closest` (j,) m: the least gap that the forces of the step led to; `done` (j,) kNm: the
+    work that was done on each bed.
+    """
+    more = 0.0
+    for k in range(len(start)):
+        s, e, stiffness, before = start[k], end[k], basic[k, BED], 0.0
+        if s[H] > GONE * size:
+            before = stored(s[U] - joints[k, SUNK], s[PHI], s[H], stiffness)
+        more -= before
+        joints[k, SUNK] = 0.0
+        if e[H] > GONE * size:
+            u = e[U] + max(min(closest[k], 0.0) - e[U] + e[H] * abs(e[PHI]), 0.0)
+            if stored(u, e[PHI], e[H], stiffness) > before + done[k]:
+                u = _storing(u, e[PHI], e[H], stiffness, before + done[k])
+            joints[k, SUNK] = e[U] - u
+            more += stored(u, e[PHI], e[H], stiffness)
+    return more
+
+
+@compiled
+def attempt(
+    a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, load: Array,
+    blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float, scale: Any,
+    resultants: Array, stored_matrix: Array, packed: Any, cold: bool,
+) -> tuple[int, float, float, float, float]:  # fmt: skip
+    """A step of length h from the state of blocks (3, b, 3), joints (j, JOINT) and energy, changed in place if solved.
+
+    `load` (b, 3) kN at the share θ; `restitution` of velocities at which rigid ends meet; `scale`: weight, size and
+    span of the step, and what is accepted; `resultants` (j, 3): N, P and T found; `cold`: see solved. Returns the
+    iterations, negative where nothing was found, the energy that was taken and that which slides that turn back leave
+    unsure, and the residuals: force and product.
+    """
+    weight, size, _, accepted = scale
+    c, n, m = len(a), blocks.shape[1], 0
+    x, v, past = blocks[0], blocks[1], blocks[2]
+    for i in range(n):
+        m += 3 * (first[i] >= 0)
+    elastic = basic[0, BED] < np.inf
+    places, start, law, back = np.empty((c, PLACE)), np.empty((c, PLACE)), basic.copy(), np.zeros(c)
+    place(a, b, faces, x, tolerance, start)
+    ahead = 0.5 * h if elastic else (1.0 - theta) * h
+    place(a, b, faces, x + ahead * (v + 0.5 * ahead * past), tolerance, places)
+    chosen = posed(a, b, start, v, joints, basic, h, theta, beta, restitution, size, places, law, back)
+    at, laws = places[chosen], law[chosen]
+    f, y = joints[chosen][:, N1:GAPS].copy(), joints[chosen][:, GAPS:SPRING].copy()
     share = theta if elastic else 1.0
-    chosen = active[:count]
-    rows, at, laws = row[chosen], places[chosen], law[chosen]
-    f, y = forces[chosen], gaps[chosen]
     scaled, pushed, dx = np.empty(m), np.empty(m), np.empty(m)
     for i in range(n):
         j = first[i]
@@ -176,29 +263,12 @@ def attempt(
                 scaled[j + e] = mass[i, e] / (share * h * h)
                 dx[j + e] = h * v[i, e]
                 pushed[j + e] = load[i, e] + scaled[j + e] * dx[j + e]
-    none = np.empty(0)
-    pressed = COLD * weight * span / (STANDARD_GRAVITY * h * h)
-    for k in range(count):
-        if attempts > 0:
-            for e in range(2):
-                gap = at[k, U] + (2 * e - 1) * at[k, H] * at[k, PHI]
-                y[k, e] = COLD * span + max(gap, 0.0)
-                f[k, e] = pressed * COLD * span / y[k, e]
-            f[k, 2], y[k, 2], y[k, 3] = 0.0, COLD * span, COLD * span
-        f[k, 0], f[k, 1] = max(f[k, 0], 1e-2 * weight), max(f[k, 1], 1e-2 * weight)
-        bound = 0.98 * laws[k, FRICTION] * (f[k, 0] + f[k, 1])
-        f[k, 2] = min(max(f[k, 2], -bound), bound)
-        for e in range(4):
-            least = 1e-2 * span / (max(laws[k, FRICTION], 1.0) if e > 1 else 1.0)
-            y[k, e] = max(y[k, e], least)
-    done, _, force, gap, product = iterate(
-        rows, at, laws, pushed, none, 0.0, scaled, np.empty((0, 7)), dx, 0.0, f, y,
-        (weight, size, span, accepted), MOST_ITERATIONS, stored_matrix, packed, chosen,
-    )  # fmt: skip
+    done, force, _, product = solved(
+        row[chosen], at, laws, f, y, scaled, pushed, dx, h, scale, cold, stored_matrix, packed, chosen
+    )
     if max(force, product) > accepted:
-        return -done, 0.0, force, gap, product
-    moved, speed = np.zeros((n, 3)), np.zeros((n, 3))
-    jerked, work = 0.0, 0.0
+        return -done, 0.0, 0.0, force, product
+    moved, speed, jerked, work = np.zeros((n, 3)), np.zeros((n, 3)), 0.0, 0.0
     for i in range(n):
         j = first[i]
         if j < 0:
@@ -212,103 +282,117 @@ def attempt(
                 moved[i, e] = h * ((1.0 - theta) * v[i, e] + theta * speed[i, e])
             jerked += mass[i, e] * (speed[i, e] - v[i, e]) ** 2
             work += load[i, e] * moved[i, e]
-    contact, rubbed, viscous, turned = 0.0, 0.0, 0.0, 0.0
-    forces[:], resultants[:] = 0.0, 0.0
-    slid, slides[:] = slides.copy(), 0.0
-    before, after = 0.0, 0.0
-    new_shear = np.zeros(c)
-    for q in range(count):
+    spent = np.zeros(ENERGIES)
+    contact, turned = _worked(
+        a, b, chosen, start, at, laws, basic, f, y, back, v, moved, speed, h, theta, beta, weight, joints,
+        resultants, spent,
+    )  # fmt: skip
+    if elastic:
+        closest, done_on = np.zeros(c), np.zeros(c)
+        for q in range(len(chosen)):
+            k = chosen[q]
+            du, dphi, _ = relative(at[q], a[k], b[k], moved)
+            # by the law of the step: the lift that was taken back, less that of the slide
+            u = start[k, U] - joints[k, SUNK] + du + back[k] - laws[q, LIFT] * (y[q, 2] + y[q, 3])
+            closest[k] = u - at[q, H] * abs(start[k, PHI] + dphi)
+            done_on[k] = -(resultants[k, 0] * du + resultants[k, 1] * dphi)
+        end = np.empty((c, PLACE))
+        place(a, b, faces, x + moved, tolerance, end)
+        spent[ELASTIC] += sunk(start, end, basic, closest, done_on, joints, size)
+    # computed from the forces, not as what is missing: the balance is a check
+    taken = (theta - 0.5) * jerked - contact - spent[RUBBED] - spent[VISCOUS] - spent[ELASTIC]
+    if not elastic and theta < 1.0:
+        spent[IMPACT] = taken - spent[STEPPING]
+    else:
+        spent[STEPPING] = taken
+    spent[INPUT] = work
+    energy += spent
+    x += moved
+    past[:] = (speed - v) / h
+    v[:] = speed
+    return done, taken, turned, force, product
+
+
+@compiled
+def _worked(
+    a: Any, b: Any, chosen: Any, start: Array, at: Array, laws: Array, basic: Array, f: Array, y: Array, back: Array,
+    v: Array, moved: Array, speed: Array, h: float, theta: float, beta: float, weight: float, joints: Array,
+    resultants: Array, spent: Array,
+) -> tuple[float, float]:  # fmt: skip
+    """The work of all joints on the blocks in a step, and that of friction that slides which turn back leave unsure.
+
+    What friction, dashpots, springs in shear and faces that meet too slowly to tell take and store goes into `spent`
+    (ENERGIES,), forces into `resultants` (j, 3) and the state of the `joints`.
+    """
+    elastic = basic[0, BED] < np.inf
+    stretch = theta + beta / h if elastic else 1.0
+    contact, turned = 0.0, 0.0
+    slid, shear = joints[:, SPEED].copy(), joints[:, SPRING].copy()
+    joints[:, N1:GAPS], joints[:, SPRING:SUNK], resultants[:] = 0.0, 0.0, 0.0
+    for k in range(len(joints)):
+        spent[ELASTIC] -= 0.5 * basic[k, SHEAR] * shear[k] ** 2
+    for q in range(len(chosen)):
         k = chosen[q]
-        forces[k], gaps[k] = f[q], y[q]
+        joints[k, N1:GAPS], joints[k, GAPS:SPRING] = f[q], y[q]
         du, dphi, dv = relative(at[q], a[k], b[k], moved)
         normal, moment, t = f[q, 0] + f[q, 1], at[q, H] * (f[q, 1] - f[q, 0]), f[q, 2]
         resultants[k, 0], resultants[k, 1], resultants[k, 2] = normal, moment, t
         if normal > PRESSED * weight:
-            slides[k, 0] = abs(y[q, 2] - y[q, 3]) / h
-            slides[k, 1] = (slides[k, 0] - slid[k, 0]) / h if slid[k, 0] > 0.0 else 0.0
+            joints[k, SPEED] = abs(y[q, 2] - y[q, 3]) / h
+            joints[k, RATE] = (joints[k, SPEED] - slid[k]) / h if slid[k] > 0.0 else 0.0
         contact += normal * du + moment * dphi + t * dv
+        limit = laws[q, FRICTION] * normal
         if elastic:
-            soft = laws[q, SHEAR]
-            slip = dv + soft * (t - shear[k])
-            rubbed -= t * slip
-            s, limit = start[k], 0.0
-            stiff = basic[k, BED]
-            w0, w1 = s[U] - lifted[k], s[U] - lifted[k] + du
-            before += stored(w0, s[PHI], at[q, H], stiff) + 0.5 * basic[k, SHEAR] * shear[k] ** 2
-            limit = laws[q, FRICTION] * normal
-            new_shear[k] = min(max(shear[k] + (t - shear[k]) / stretch, -limit), limit)
-            after += stored(w1, s[PHI] + dphi, at[q, H], stiff) + 0.5 * basic[k, SHEAR] * new_shear[k] ** 2
+            spent[RUBBED] -= t * (dv + laws[q, SHEAR] * (t - shear[k]))
+            joints[k, SPRING] = min(max(shear[k] + (t - shear[k]) / stretch, -limit), limit)
+            spent[ELASTIC] += 0.5 * basic[k, SHEAR] * joints[k, SPRING] ** 2
             if beta > 0.0:
                 # dashpots along the contact of the middle of the step, and that of the spring in shear
-                _, _, c0, c1, c2 = crushed(w0 + 0.5 * du, s[PHI] + 0.5 * dphi, at[q, H], stiff, np.inf)
-                viscous += beta / h * (c0 * du * du + 2.0 * c1 * du * dphi + c2 * dphi * dphi)
-                viscous += beta / h * basic[k, SHEAR] * ((t - shear[k]) / stretch) ** 2
+                u, phi = start[k, U] - joints[k, SUNK] + 0.5 * du, start[k, PHI] + 0.5 * dphi
+                _, _, c0, c1, c2 = crushed(u, phi, at[q, H], basic[k, BED], np.inf)
+                spent[VISCOUS] += beta / h * (c0 * du * du + 2.0 * c1 * du * dphi + c2 * dphi * dphi)
+                spent[VISCOUS] += beta / h * basic[k, SHEAR] * ((t - shear[k]) / stretch) ** 2
         else:
-            rubbed -= t * dv
+            spent[RUBBED] -= t * dv
+            # faces that meet no faster than a step makes a block that falls may not have met at all
+            met = -(normal * du + moment * dphi)
+            unsure = 0.5 * STANDARD_GRAVITY * h * h * normal
+            spent[STEPPING] += min(max(met, -unsure), unsure)
             # of a slide that turns back, or comes to rest and may turn, the friction is not that of the whole step
             _, _, v0 = relative(start[k], a[k], b[k], v)
             _, _, v1 = relative(at[q], a[k], b[k], speed)
             if v0 * v1 < 0.0:
                 turned += abs(t * h * v0 * v1 / (v0 - v1))
             elif abs(v1) < STILL * abs(v0):
-                turned += h * abs(v0) * (laws[q, FRICTION] * normal - abs(t))
-    shear[:] = new_shear
-    # computed from the forces, not as what is missing: the balance is a check
-    taken = (theta - 0.5) * jerked - contact - rubbed - viscous - (after - before)
-    if elastic:
-        energy[VISCOUS] += viscous
-        energy[STEPPING] += taken
-    else:
-        # what a fixed rule takes of a smooth motion is of the third order; what is more are impacts
-        energy[IMPACT] += taken if theta < 1.0 else 0.0
-        energy[STEPPING] += 0.0 if theta < 1.0 else taken
-    energy[RUBBED] += rubbed
-    energy[INPUT] += work
-    for i in range(n):
-        for e in range(3):
-            x[i, e] += moved[i, e]
-            past[i, e] = (speed[i, e] - v[i, e]) / h
-            v[i, e] = speed[i, e]
-    return done, abs(taken) + turned, force, gap, product
+                turned += h * abs(v0) * (limit - abs(t))
+    return contact, turned
 
 
 @compiled
 def march(
     a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, dead: Array,
-    base: Array, x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, slides: Array, energy:
-    Array, h: float,
-    theta: float, beta: float, restitution: float, lifted: Array, sizes: Any, halving: Any, margin: float, radius:
-    Array,
-    begun: Array, xs: Array, vs: Array, fs: Array, es: Array, counts: Any, stored_matrix: Array, packed: Any,
+    base: Array, blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float,
+    sizes: Any, halving: Any, margin: float, radius: Array, begun: Array, xs: Array, vs: Array, fs: Array, es: Array,
+    counts: Any, stored_matrix: Array, packed: Any,
 ) -> tuple[int, int]:  # fmt: skip
     """Steps of length h under base accelerations (k + 1, 3), m/s², linear in between, recorded in xs, vs, fs and es.
 
     `sizes`: weight, size of a block and what is accepted of a solution; `halving`: levels down to which a step is
-    halved
-    and the share of the kinetic energy that impacts and the stepping may take before it is; `margin` (m): how far a
-    corner may go from where it has `begun` (b, 3) before contacts are looked for anew, `radius` (b,) of blocks;
-    `counts`
-    (6,): programs, iterations, halvings, cold starts, and the worst residuals. Returns the steps done and why no more:
-    0 all are, 1 a corner has gone that far, 2 a program is not solved (the motion is as before that step).
+    halved where it takes, or leaves unsure, more than a share of the kinetic energy, that share, and levels where it is
+    not solved; `margin` (m): how far a corner may go from where it has `begun` (b, 3) before contacts are looked for
+    anew, `radius` (b,) of blocks; `counts` (6,): programs, iterations, halvings, cold starts, and the worst residuals.
+    Returns the steps done and why no more: 0 all are, 1 a corner has gone that far, 2 a program is not solved (the
+    motion is as before that step).
     """
     weight, size, accepted = sizes
-    levels, share = halving
-    n, c, steps = len(x), len(a), len(base) - 1
-    load, now, resultants = np.empty((n, 3)), np.empty((c, PLACE)), np.empty((c, 3))
-    duration, level = np.empty(levels + 2), np.empty(levels + 2, np.intp)
-    kept_x, kept_v, kept_past, kept_f, kept_y, kept_s, kept_e = (
-        np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3)), np.empty((c, 3)), np.empty((c, 4)), np.empty(c),
-        np.empty(ENERGIES),
-    )  # fmt: skip
-    whole_x, whole_v, whole_past, whole_f, whole_y, whole_s, whole_e = (
-        np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3)), np.empty((c, 3)), np.empty((c, 4)), np.empty(c),
-        np.empty(ENERGIES),
-    )  # fmt: skip
-    kept_slides, whole_slides = np.empty((c, 2)), np.empty((c, 2))
+    levels, share, most = halving
+    n, c, steps = blocks.shape[1], len(a), len(base) - 1
+    rigid = basic[0, BED] == np.inf
+    load, resultants = np.empty((n, 3)), np.empty((c, 3))
+    duration, level = np.empty(most + 2), np.empty(most + 2, np.intp)
     for k in range(steps):
-        whole_x[:], whole_v[:], whole_past[:], whole_f[:] = x, v, past, forces
-        whole_y[:], whole_s[:], whole_e[:], whole_slides[:] = gaps, shear, energy, slides
-        time, top = 0.0, 0
+        whole_blocks, whole_joints, whole_energy = blocks.copy(), joints.copy(), energy.copy()
+        time, top, whole = 0.0, 0, False
         duration[0], level[0] = h, 0
         while top >= 0:
             step, deep = duration[top], level[top]
@@ -316,55 +400,51 @@ def march(
             kinetic, fastest = 0.0, 0.0
             at = (time + theta * step) / h
             for i in range(n):
-                fastest = max(fastest, abs(v[i, 0]), abs(v[i, 1]))
+                fastest = max(fastest, abs(blocks[1, i, 0]), abs(blocks[1, i, 1]))
                 for e in range(3):
-                    kinetic += 0.5 * mass[i, e] * v[i, e] ** 2
+                    kinetic += 0.5 * mass[i, e] * blocks[1, i, e] ** 2
                     load[i, e] = dead[i, e] - mass[i, e] * ((1.0 - at) * base[k, e] + at * base[k + 1, e])
-            kept_x[:], kept_v[:], kept_past[:], kept_f[:] = x, v, past, forces
-            kept_y[:], kept_s[:], kept_e[:], kept_slides[:] = gaps, shear, energy, slides
+            kept_blocks, kept_joints, kept_energy = blocks.copy(), joints.copy(), energy.copy()
             span = max(STANDARD_GRAVITY * step * step, fastest * step)
-            solved, taken = False, 0.0
-            for start in range(3 if deep == levels else 2):
-                counts[3] += start > 0
-                done, taken, force, _gap, product = attempt(
-                    a, b, faces, basic, tolerance, row, first, mass, load, x, v, past, forces, gaps, shear, slides,
-                    energy, step,
-                    theta, beta, restitution, lifted, (weight, size, span, accepted), resultants, stored_matrix, packed,
-                    start,
+            found, taken, turned = False, np.inf, 0.0
+            for start in range(2):
+                counts[3] += start
+                done, taken, turned, force, product = attempt(
+                    a, b, faces, basic, tolerance, row, first, mass, load, blocks, joints, energy, step, theta, beta,
+                    restitution, (weight, size, span, accepted), resultants, stored_matrix, packed, start > 0,
                 )  # fmt: skip
                 counts[0] += 1
                 counts[1] += abs(done)
-                solved = max(force, product) <= accepted
-                if solved:
+                found = max(force, product) <= accepted
+                if found:
                     counts[4], counts[5] = max(counts[4], force), max(counts[5], product)
                     break
             small = share * (kinetic + 0.5 * weight / STANDARD_GRAVITY * (STANDARD_GRAVITY * step) ** 2)
-            if deep < levels and (not solved or taken > small):
-                x[:], v[:], past[:], forces[:] = kept_x, kept_v, kept_past, kept_f
-                gaps[:], shear[:], energy[:], slides[:] = kept_y, kept_s, kept_e, kept_slides
+            much = abs(taken) + turned > small
+            if (deep < most and not found) or (deep < levels and much and not whole):
+                blocks[:], joints[:], energy[:] = kept_blocks, kept_joints, kept_energy
                 counts[2] += 1
-                duration[top + 1], level[top + 1] = 0.5 * step, deep + 1
-                duration[top + 2], level[top + 2] = 0.5 * step, deep + 1
+                for half in range(2):
+                    duration[top + 1 + half], level[top + 1 + half] = 0.5 * step, deep + 1
                 top += 2
                 continue
-            if not solved:
-                x[:], v[:], past[:], forces[:] = whole_x, whole_v, whole_past, whole_f
-                gaps[:], shear[:], energy[:], slides[:] = whole_y, whole_s, whole_e, whole_slides
-                return k, 2
-            if taken > small:
-                past[:] = 0.0  # an impact is no acceleration
+            if not found:
+                blocks[:], joints[:], energy[:] = whole_blocks, whole_joints, whole_energy
+                if whole:
+                    return k, 2
+                # once more, halved only where it is not solved
+                time, top, whole = 0.0, 0, True
+                duration[0], level[0] = h, 0
+                continue
+            if much and rigid:
+                blocks[2] = 0.0  # an impact is no acceleration
             time += step
-        if basic[0, BED] < np.inf:
-            place(a, b, faces, x, tolerance, now)
-            energy[ELASTIC] = strain_energy(now, basic, shear, size)
-        xs[k + 1], vs[k + 1], es[k + 1] = x, v, energy
+        xs[k + 1], vs[k + 1], es[k + 1] = blocks[0], blocks[1], energy
         fs[k + 1] = resultants
         far = 0.0
         for i in range(n):
-            way = np.hypot(x[i, 0] - begun[i, 0], x[i, 1] - begun[i, 1]) + radius[i] * abs(
-                x[i, 2] - begun[i, 2]
-            )
-            far = max(far, way)
+            way = np.hypot(blocks[0, i, 0] - begun[i, 0], blocks[0, i, 1] - begun[i, 1])
+            far = max(far, way + radius[i] * abs(blocks[0, i, 2] - begun[i, 2]))
         if far > margin:
             return k + 1, 1
     return steps, 0

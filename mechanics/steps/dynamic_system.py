@@ -18,7 +18,7 @@ from mechanics.kernels.cholesky import factorise, substitute
 from mechanics.kernels.interior_iteration import BED, SHEAR
 from mechanics.kernels.joint import H
 from mechanics.kernels.matrix import diagonal, stiffen
-from mechanics.kernels.motion_step import ELASTIC, ENERGIES, march, strain_energy
+from mechanics.kernels.motion_step import ELASTIC, ENERGIES, JOINT, SPRING, SUNK, march, strain_energy
 from mechanics.model.contacts import Contacts
 from mechanics.program import end_forces
 from mechanics.solvers.elimination import Elimination
@@ -34,20 +34,18 @@ AHEAD = 0.05  # of the block size: how far a corner goes before contacts are loo
 class Motion:
     """Blocks in motion, changed step by step.
 
-    `x`, `v` (b, 3): positions and velocities; `past` (b, 3): mean acceleration of the last step, 0 after an impact;
-    `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4): y₁, y₂, λ₊, λ₋ of the last program; `shear` (j,) kN of springs;
-    `slides` (j, 2): speed (m/s) and acceleration of joints that slide; `energy`
-    (ENERGIES,) kNm: see kernels.motion_step.
+    `blocks` (3, b, 3): positions, velocities and mean accelerations of the last step, 0 after an impact; `joints`
+    (j, JOINT) and `energy` (ENERGIES,) kNm: see kernels.motion_step.
     """
 
-    x: Array
-    v: Array
-    past: Array
-    forces: Array
-    gaps: Array
-    shear: Array
-    slides: Array
+    blocks: Array
+    joints: Array
     energy: Array
+
+    @property
+    def shear(self) -> Array:
+        """Tangential forces (j,) kN of springs."""
+        return self.joints[:, SPRING]
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,10 +67,19 @@ class Recorded:
 
 @dataclass(frozen=True, slots=True)
 class Halving:
-    """How often a step is halved where impacts, or the stepping, take more than a `share` of the kinetic energy."""
+    """Into how many `levels` a step is halved where it takes more than a `share` of the kinetic energy.
+
+    And into how many `unsolved` where its program is not solved.
+    """
 
     levels: int
     share: float
+    unsolved: int = 6
+
+    @property
+    def limits(self) -> tuple[int, float, int]:
+        """As march takes them."""
+        return self.levels, self.share, max(self.levels, self.unsolved)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +87,7 @@ class DynamicSystem:
     """The system of a motion.
 
     `theta`: the share of a step at which balance holds; `damping` (s): viscous contact force per elastic one and rate
-    of
-    gap; `restitution` of normal velocities; `halving` of steps; `lifted` (j,) m: gaps that count as none. `counts`
-    (6,): programs, iterations, halvings, cold
+    of gap; `restitution` of normal velocities; `halving` of steps. `counts` (6,): programs, iterations, halvings, cold
     starts, and the worst residuals of force and product.
     """
 
@@ -91,7 +96,6 @@ class DynamicSystem:
     damping: float
     restitution: float
     halving: Halving
-    lifted: Array
     counts: Array = field(default_factory=lambda: np.zeros(6))
 
     @property
@@ -117,18 +121,13 @@ class DynamicSystem:
 
     def around(self, motion: Motion) -> DynamicSystem:
         """The system with the contacts about a motion, whose arrays become those of these contacts."""
-        system, before = self.system.around(motion.x, self.margin), self.contacts
+        system, before = self.system.around(motion.blocks[0], self.margin), self.contacts
         if system is self.system:
             return self
-        lifted = moved_over(self.lifted[:, None], before, system.contacts)[:, 0]
-        found = replace(self, system=system, lifted=lifted)
+        found = replace(self, system=system)
         if np.array_equal(before.edges, system.contacts.edges):
             found.__dict__["layout"] = self.layout
-        motion.forces, motion.gaps, springs = (
-            moved_over(v, before, system.contacts)
-            for v in (motion.forces, motion.gaps, np.column_stack([motion.shear, motion.slides]))
-        )
-        motion.shear, motion.slides = springs[:, 0].copy(), springs[:, 1:].copy()
+        motion.joints = moved_over(motion.joints, before, system.contacts)
         return found
 
     @cached_property
@@ -138,47 +137,56 @@ class DynamicSystem:
         first[self.model.movable] = 3 * np.argsort(self.layout.order[::3] // 3)
         return first
 
-    def begun(self, start: State, forces: Array | None) -> Motion:
-        """The motion that begins in a state, with forces (j, 3) N, P and T where they are known."""
-        count, elastic = len(self.contacts), not self.system.rigid
-        places = self.contacts.places(start.positions)
-        ends = np.zeros((count, 3))
+    def begun(self, start: State, forces: Array | None, lifted: Array) -> Motion:
+        """The motion that begins in a state, with forces (j, 3) N, P and T where they are known.
+
+        `lifted` (j,) m: gaps that count as none.
+        """
+        places, joints, energy = (
+            self.contacts.places(start.positions),
+            np.zeros((len(self.contacts), JOINT)),
+            np.zeros(ENERGIES),
+        )
+        joints[:, SUNK] = lifted
         if forces is not None:
-            ends[:, :2], ends[:, 2] = end_forces(forces, places[:, H]), forces[:, 2]
-        shear, energy = np.zeros(count), np.zeros(ENERGIES)
-        if elastic:
-            shear = spring_forces(self.contacts, start)
-            energy[ELASTIC] = strain_energy(places, self.system.law, shear, self.model.size)
+            joints[:, :2], joints[:, 2] = end_forces(forces, places[:, H]), forces[:, 2]
+        if not self.system.rigid:
+            joints[:, SPRING] = spring_forces(self.contacts, start)
+            energy[ELASTIC] = strain_energy(places, self.system.law, joints[:, SPRING], self.model.size)
         return Motion(
-            start.positions.copy(), start.velocities.copy(), np.zeros_like(start.positions), ends,
-            np.zeros((count, 4)), shear, np.zeros((count, 2)), energy,
-        )  # fmt: skip
+            np.stack([start.positions, start.velocities, np.zeros_like(start.positions)]), joints, energy
+        )
 
     @one_thread()
     def march(self, motion: Motion, base: Array, step: float) -> Recorded:
         """The steps of a motion under base accelerations (k + 1, 3), m/s², one `step` (s) apart; the motion goes on.
 
         Ends early after the step in which a corner has gone farther than the margin. Raises ConvergenceError where a
-        step
-        is not solved, however short.
+        step is not solved, however short.
         """
         model, c = self.model, self.contacts
         steps, count = len(base) - 1, len(c)
         xs, vs = (np.empty((steps + 1, len(model.blocks), 3)) for _ in range(2))
         fs, es = np.zeros((steps + 1, count, 3)), np.empty((steps + 1, ENERGIES))
-        xs[0], vs[0], es[0] = motion.x, motion.v, motion.energy
+        xs[0], vs[0], es[0] = motion.blocks[0], motion.blocks[1], motion.energy
         done, reason = march(
             c.a, c.b, c.faces, self.system.law, c.tolerance, self.layout.row, self.first, model.mass, model.dead_load,
-            base, motion.x, motion.v, motion.past, motion.forces, motion.gaps, motion.shear, motion.slides,
-            motion.energy, step,
-            self.theta, self.damping, self.restitution, self.lifted, (self.system.weight, model.size, ACCEPTED),
-            (self.halving.levels, self.halving.share), self.margin, model.radius, motion.x.copy(), xs, vs, fs, es,
-            self.counts,
-            self.layout.work_space, self.layout.packed,
+            base, motion.blocks, motion.joints, motion.energy, step, self.theta, self.damping, self.restitution,
+            (self.system.weight, model.size, ACCEPTED), self.halving.limits, self.margin,
+            model.radius, xs[0].copy(), xs, vs, fs, es, self.counts, self.layout.work_space, self.layout.packed,
         )  # fmt: skip
         if reason == 2:
             raise ConvergenceError(f"a step of the motion was not solved, {done} steps on")
         return Recorded(xs[: done + 1], vs[: done + 1], fs[: done + 1], es[: done + 1])
+
+
+def contact_period(model: Assembly) -> float:
+    """√(m/k) (s) of the stiffest joint as drawn, m the reduced mass of its blocks: what an elastic impact lasts."""
+    contacts, mass = model.contacts, np.where(model.movable, model.mass[:, 0], np.inf)
+    stiffness = contacts.bed * 2.0 * contacts.places(model.initial.positions)[:, H]
+    with np.errstate(divide="ignore"):
+        lightness = 1.0 / mass[contacts.a] + 1.0 / mass[contacts.b]
+    return float(1.0 / np.sqrt((stiffness * lightness).max(initial=1e-300)))
 
 
 RIGID_SHEAR = 1e3  # normal stiffnesses: what stands for an infinite tangential one in the first frequency
