@@ -32,10 +32,10 @@ def buttressed_arch(stiffness: float) -> Assembly:
 
 
 def sound(motion: TimeHistory) -> None:
-    """The balance closes, and no step has given energy, but for the dilation of a slide that changes."""
+    """The balance closes, and steps have given next to no energy: the dilation of slides that change."""
     energy = motion.energy
     assert energy.imbalance <= 1e-4
-    assert np.diff(energy.integrator).min() >= -2e-3 * energy.turnover
+    assert np.diff(energy.integrator).clip(max=0.0).sum() >= -0.01 * energy.turnover
     assert not any("energy balance" in note for note in motion.notes)
 
 

@@ -34,8 +34,8 @@ RESOLVED = Halving(6, 1e-2)
 CLOSING = Halving(4, 0.05)  # elastic joints: the same, but no finer than their impacts last
 UNSOLVED = Halving(0, np.inf)  # only steps that are not solved
 CHUNK = 200  # steps between looks at what was recorded
-BALANCED = 1e-4  # of the energy turned over: an imbalance that needs no word
-TAKEN = 0.2  # of all that was dissipated: a share of the integrator that is told
+BALANCED = 1e-4  # of the energy turned over: an imbalance that is none
+TAKEN = 0.2  # of all that was dissipated: a share of the integrator that is warned of
 NOTHING = 1e-6  # of the weight lifted by a block's size: an energy that is no motion
 
 

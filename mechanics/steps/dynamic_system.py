@@ -19,7 +19,7 @@ from mechanics.kernels.interior_iteration import BED, SHEAR
 from mechanics.kernels.joint import H
 from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.kernels.motion_step import ELASTIC, ENERGIES, JOINT, SPRING, SUNK, march, strain_energy
-from mechanics.model.contacts import Contacts
+from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.program import end_forces
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.threads import one_thread
@@ -127,7 +127,13 @@ class DynamicSystem:
         found = replace(self, system=system)
         if np.array_equal(before.edges, system.contacts.edges):
             found.__dict__["layout"] = self.layout
+        kept = moved_over(np.ones((len(before), 1)), before, system.contacts)[:, 0] > 0.0
         motion.joints = moved_over(motion.joints, before, system.contacts)
+        if (
+            not self.system.rigid
+        ):  # faces that are looked at for the first time bear nothing, however deep they are
+            deep = end_gaps(system.contacts.places(motion.blocks[0])).min(axis=1).clip(max=0.0)
+            motion.joints[~kept, SUNK] = deep[~kept]
         return found
 
     @cached_property

@@ -1,0 +1,67 @@
+"""Random structures shaken so that many rock and slide: steps are solved, energy is kept, blocks stay apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+import shapely
+
+from mechanics import Assembly, time_history
+from mechanics.assembly import Behaviour
+from mechanics.types import Array
+from tests.stress.corpus import assemblies
+from tests.stress.harness import Case, sound
+
+COUNT, SHORT = 50, 8
+STEP, DURATION = 0.005, 1.0  # s
+BALANCE = 1e-4  # of the energy turned over
+INSIDE = 0.02  # of the smallest block's size: how far blocks may lie in each other
+
+
+def waves(number: int) -> Array:
+    """Base acceleration (k,) in g: three sines of 1 to 5 Hz, 0.3 to 0.9 g at most."""
+    rng = np.random.default_rng(1000 + number)
+    times = STEP * np.arange(round(DURATION / STEP) + 1)
+    waves = np.sin(
+        2.0 * np.pi * rng.uniform(1.0, 5.0, 3)[:, None] * times + rng.uniform(0.0, 6.0, 3)[:, None]
+    )
+    total: Array = waves.sum(axis=0) * np.minimum(times / 0.2, 1.0)
+    return rng.uniform(0.3, 0.9) * total / abs(total).max()
+
+
+def deepest(model: Assembly, x: Array) -> float:
+    """How far (m) two blocks lie in each other at most, at positions (b, 3): overlap over its length."""
+    cos, sin = np.cos(x[:, 2]), np.sin(x[:, 2])
+    shapes = [
+        shapely.Polygon(at[:2] + (block.polygon - block.centroid) @ np.array([[c, s], [-s, c]]))
+        for block, at, c, s in zip(model.blocks, x, cos, sin, strict=True)
+    ]
+    first, second = shapely.STRtree(shapes).query(shapes, predicate="intersects")
+    common = shapely.intersection(
+        np.array(shapes)[first[first < second]], np.array(shapes)[second[first < second]]
+    )
+    length = shapely.length(common)
+    return float(
+        np.divide(2.0 * shapely.area(common), length, out=np.zeros(len(length)), where=length > 0.0).max(
+            initial=0.0
+        )
+    )
+
+
+def shaken(number: int, model: Assembly, contacts: Behaviour) -> None:
+    """One structure, up to its collapse."""
+    motion = time_history(model, waves(number), STEP, contacts)
+    sound(motion)
+    energy = motion.energy
+    assert energy.imbalance <= BALANCE, f"energy balance {energy.imbalance:.1e}"
+    into = max(deepest(model, x) for x in motion.positions[:: max(len(motion.time) // 5, 1)])
+    assert into <= INSIDE * model.block_size.min(), f"blocks lie {into:.2e} m in each other"
+
+
+def cases() -> Iterator[Case]:
+    for number, model in assemblies(COUNT, seed=19):
+        contacts: Behaviour = ("rigid", "elastic")[number // 4 % 2]
+        name = f"structure {number}, {len(model.blocks)} blocks, {contacts}"
+        yield Case("shaken", name, partial(shaken, number, model, contacts), long=number >= SHORT)
