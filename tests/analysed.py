@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from assessment.model import build_model
-from assessment.new_project import new_project
-from assessment.project import load_project
-from assessment.workflow import run
+from assessment.project.catalogue.new_project import new_project
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.workflow.stages import run
 
 SETTLED = "right support 60 mm"
 PROJECT = """title = "Small arch"

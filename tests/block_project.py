@@ -9,9 +9,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from assessment.cli import main
-from assessment.new_project import template_layout, write_drawing
-from assessment.store import FOLDER
+from assessment.cli.main import main
+from assessment.project.catalogue.new_project import template_layout, write_drawing
+from assessment.runtime.cache import FOLDER
 
 ROOT = Path(__file__).parents[1]
 

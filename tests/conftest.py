@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 from hypothesis import HealthCheck, settings
 
-from assessment import figures
+from assessment.report.figures import index as figures
 from tests.block_project import write_block
 
 # no example is too slow: how long one takes is the machine's affair, and that of what else it is doing

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from assessment.project import ProjectError, load_project
+from assessment.project.project import ProjectError, load_project
 
 CONTRACT = """
 title = "Buttressed arch"

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from mechanics import Assembly, Material, read_drawing
-from mechanics.drawing import Layer
+from mechanics.model.dxf import Layer
 
 FOLDER = Path(__file__).parents[1] / "projects"
 

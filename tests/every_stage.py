@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from assessment.store import FOLDER
+from assessment.runtime.cache import FOLDER
 from tests.block_project import ASSESSMENT, PROJECT, run, write_block
 
 DYNAMICS = """[[history]]

@@ -10,7 +10,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from assessment.project import json_schema
+from assessment.project.project import json_schema
 
 # Texts that a spreadsheet could take for something else.
 TRICKY = ("=1+1", "0", "a; b", '"', "_x0041_", "#N/A", "TRUE", "1e5", "key", "-x", "1,5", "a.b", "inf", "[x]")

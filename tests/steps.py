@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from mechanics import Assembly, State
-from mechanics.assembly import Behaviour
+from mechanics.model.assembly import Behaviour
 from mechanics.model.contacts import deformation
 from mechanics.program import Program
 from mechanics.solvers.elimination import Elimination

@@ -6,22 +6,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from assessment.analyses.checks.capacity import along_push
+from assessment.analyses.static.paths import Part, _curve_followed
 from assessment.benchmark.structures import assembly, template
-from assessment.capacity import participation
-from assessment.checks import along_push
-from assessment.drawings import found_mechanism
-from assessment.hand_check import hand_check, weights
-from assessment.joint_states import situations
-from assessment.outlines import field, outlines, place
-from assessment.plots import draw_pushover
-from assessment.project_schema import ControlTable
-from assessment.reactions import balance, reactions
-from assessment.stages import Part, _curve_followed
-from assessment.table import sense
-from assessment.tables import mechanisms, pushover_curves
-from assessment.translation import translated
-from assessment.viewer import viewer
-from assessment.words import words_of
+from assessment.ntc.capacity import participation
+from assessment.project.schema import ControlTable
+from assessment.report.figures.curves import draw_pushover
+from assessment.report.figures.deformed import found_mechanism
+from assessment.report.tables.index import mechanisms, pushover_curves
+from assessment.report.text.language import words_of
+from assessment.report.text.messages import translated
+from assessment.report.viewer import viewer
+from assessment.results.hand_check import hand_check, weights
+from assessment.results.joint_states import situations
+from assessment.results.outlines import field, outlines, place
+from assessment.results.reactions import balance, reactions
+from assessment.results.table import sense
 from mechanics import pushdown, pushover
 from mechanics.procedures.mechanism import virtual_work_multiplier
 from tests.analysed import SETTLED, analysed

@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 from ezdxf.math import Matrix44
 
-from assessment.capacity_tables import trace, verification
-from assessment.checks import assess, assess_chosen, governing
-from assessment.cli import main
-from assessment.demand import demand_spectra, spectra_numbers
-from assessment.dynamic_stages import read_motions
-from assessment.hazard import RETURN_PERIODS
-from assessment.model import build_model
-from assessment.project import load_project
-from assessment.report_traces import traces
-from assessment.words import words_of
-from assessment.workflow import run
+from assessment.analyses.checks.capacity import assess, assess_chosen, governing
+from assessment.analyses.checks.demand import demand_spectra, spectra_numbers
+from assessment.cli.main import main
+from assessment.ntc.hazard import RETURN_PERIODS
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.report.calculation_annex import traces
+from assessment.report.tables.capacity import trace, verification
+from assessment.report.text.language import words_of
+from assessment.workflow.dynamic import read_motions
+from assessment.workflow.stages import run
 from tests.block_project import HAZARD, TURNED, block
 from tests.trace_check import from_csv, from_report, printed, recomputed
 

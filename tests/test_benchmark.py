@@ -10,11 +10,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from assessment import cli
 from assessment.benchmark import command, ensembles, skips, statics, steps, table, walls
 from assessment.benchmark.command import BENCHMARKS, Benchmark
 from assessment.benchmark.dynamics import Case, certified_to, pulse, sine, stack
 from assessment.benchmark.measure import history_programs, path_programs
+from assessment.cli import main as cli
 from mechanics import ConvergenceError, pushover, time_history
 from mechanics.procedures import time_history as histories
 from mechanics.program import certify

@@ -7,8 +7,8 @@ import json
 
 import pytest
 
-from assessment.cli import main
-from assessment.store import FOLDER
+from assessment.cli.main import main
+from assessment.runtime.cache import FOLDER
 from tests.block_project import ASSESSMENT, PROJECT, command, edit, read_results, run
 
 pytestmark = pytest.mark.usefixtures("quick")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from assessment import cli
-from assessment.cli import main
-from assessment.stage_selection import STAGES
+from assessment.cli import main as cli
+from assessment.cli.main import main
+from assessment.workflow.selection import STAGES
 from tests.block_project import edit
 
 

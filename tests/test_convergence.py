@@ -10,23 +10,23 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from assessment.accuracy import Accuracy, accuracy_of
-from assessment.convergence import Levels, converge, estimated_error
-from assessment.figures import write_figures
-from assessment.increments import refined
-from assessment.messages import ProjectError
-from assessment.model import build_model
-from assessment.new_project import new_project, template_layout, write_drawing
-from assessment.parallel import Workers
-from assessment.pool import Pool
-from assessment.project import Project, load_project
-from assessment.project_schema import PushoverTable, SettlementTable
-from assessment.project_source import convert
-from assessment.report import render_html
-from assessment.states import Request, StateResult, analyse_states
-from assessment.study import Demands
-from assessment.words import words_of
-from assessment.workflow import run
+from assessment.analyses.accuracy import Accuracy, accuracy_of
+from assessment.analyses.static.states import Request, StateResult, analyse_states
+from assessment.project.catalogue.new_project import new_project, template_layout, write_drawing
+from assessment.project.errors import ProjectError
+from assessment.project.formats.convert import convert
+from assessment.project.model import build_model
+from assessment.project.project import Project, load_project
+from assessment.project.schema import PushoverTable, SettlementTable
+from assessment.report.document import render_html
+from assessment.report.figures.index import write_figures
+from assessment.report.text.language import words_of
+from assessment.runtime.pool import Pool
+from assessment.runtime.tasks import Workers
+from assessment.studies.convergence import Levels, converge, estimated_error
+from assessment.studies.increments import refined
+from assessment.studies.variants import Demands
+from assessment.workflow.stages import run
 from tests.results_example import results_example
 from tests.test_studies import ASSESSMENT, BLOCK, HEIGHT, PUSHOVER, SLENDERNESS, TURNS
 

@@ -5,8 +5,8 @@ import pytest
 from ezdxf.entitydb import EntityDB
 from ezdxf.filemanagement import readfile
 
-from assessment.deformed_dxf import shapes, write_deformed
-from assessment.outlines import outlines
+from assessment.report.deformed_dxf import shapes, write_deformed
+from assessment.results.outlines import outlines
 from tests.analysed import analysed
 
 

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics.block import Material
-from mechanics.drawing import METRES, Layer
+from mechanics.model.block import Material
+from mechanics.model.dxf import METRES, Layer
 from tests.dxf import SQUARE, STONE, drawing, outline, read, refused
 
 

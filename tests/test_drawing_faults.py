@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from mechanics.drawing import read_drawing
 from mechanics.errors import DrawingError
+from mechanics.model.dxf import read_drawing
 from tests.dxf import SQUARE, STONE, drawing, outline, read, refused
 
 

@@ -10,18 +10,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.base_motion import incremental_motions
-from assessment.bracket import Bracket, collapse_near
-from assessment.campaign import Campaign
-from assessment.dynamic_errors import collapses_again
-from assessment.dynamics import StageResult
-from assessment.ensemble import Scatter
-from assessment.incremental import search
-from assessment.model import build_model
-from assessment.parallel import Workers
-from assessment.project import load_project
-from assessment.store import Store
-from assessment.workflow import run
+from assessment.analyses.dynamic.bracket import Bracket, collapse_near
+from assessment.analyses.dynamic.ensemble import Scatter
+from assessment.analyses.dynamic.errors import collapses_again
+from assessment.analyses.dynamic.incremental import search
+from assessment.analyses.dynamic.inputs import Campaign
+from assessment.analyses.dynamic.time_history import StageResult
+from assessment.project.model import build_model
+from assessment.project.motions import incremental_motions
+from assessment.project.project import load_project
+from assessment.runtime.cache import Store
+from assessment.runtime.tasks import Workers
+from assessment.workflow.stages import run
 from tests.block_project import block, write_block
 from tests.test_incremental import Trial
 

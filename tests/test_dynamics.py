@@ -6,30 +6,31 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from assessment import dynamics, response
-from assessment.animation import write_animations
-from assessment.artificial_record import write_artificial_record
-from assessment.base_motion import BaseMotion, history_motions
-from assessment.dynamic_stages import read_motions
-from assessment.dynamics import history, thinned
-from assessment.ensemble import sustained_peak
-from assessment.figures import pictures, write_figures
-from assessment.messages import ProjectError
-from assessment.model import build_model
-from assessment.new_project import new_project
-from assessment.pool import Pool
-from assessment.project import load_project
-from assessment.project_schema import ControlTable, HistoryTable
-from assessment.report import render_html
-from assessment.response import TAIL as FREE
-from assessment.response import Setting, respond
-from assessment.spectrum import ElasticSpectrum, RecordSpectrum
-from assessment.tables import tables
-from assessment.words import words_of
-from assessment.workflow import run
+from assessment.analyses.dynamic import response
+from assessment.analyses.dynamic import time_history as dynamics
+from assessment.analyses.dynamic.ensemble import sustained_peak
+from assessment.analyses.dynamic.response import TAIL as FREE
+from assessment.analyses.dynamic.response import Setting, respond
+from assessment.analyses.dynamic.time_history import history, thinned
+from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
+from assessment.project.catalogue.new_project import new_project
+from assessment.project.catalogue.record import write_artificial_record
+from assessment.project.errors import ProjectError
+from assessment.project.model import build_model
+from assessment.project.motions import BaseMotion, history_motions
+from assessment.project.project import load_project
+from assessment.project.schema import ControlTable, HistoryTable
+from assessment.report.document import render_html
+from assessment.report.figures.animation import write_animations
+from assessment.report.figures.index import pictures, write_figures
+from assessment.report.tables.index import tables
+from assessment.report.text.language import words_of
+from assessment.runtime.pool import Pool
+from assessment.workflow.dynamic import read_motions
+from assessment.workflow.stages import run
 from mechanics import ConvergenceError
-from mechanics.ground_motion import Record, read_record
-from mechanics.response_spectrum import response_spectrum
+from mechanics.records.record import Record, read_record
+from mechanics.records.response_spectrum import response_spectrum
 from tests.structures import block_on_base
 
 STEP = 0.02

@@ -7,15 +7,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment import histories
-from assessment.accuracy import Accuracy
-from assessment.base_motion import BaseMotion
-from assessment.dynamics import StageResult
-from assessment.ensemble import Course, Scatter, agree, lowest_median_highest, range_key
-from assessment.histories import together
-from assessment.project_schema import ControlTable, HistoryTable
-from assessment.response import Setting, respond
-from mechanics.ground_motion import Record
+from assessment.analyses.accuracy import Accuracy
+from assessment.analyses.dynamic import histories
+from assessment.analyses.dynamic.ensemble import Course, Scatter, agree, lowest_median_highest, range_key
+from assessment.analyses.dynamic.histories import together
+from assessment.analyses.dynamic.response import Setting, respond
+from assessment.analyses.dynamic.time_history import StageResult
+from assessment.project.motions import BaseMotion
+from assessment.project.schema import ControlTable, HistoryTable
+from mechanics.records.record import Record
 from tests.structures import arch_on_piers, block_on_base
 
 FAST, FIVE = Accuracy(None, 0), Scatter(5, 0.05)

@@ -7,9 +7,9 @@ import re
 import numpy as np
 import pytest
 
-from assessment.cli import main
-from assessment.fault_drawing import draw_faults
-from assessment.words import Words
+from assessment.cli.main import main
+from assessment.report.figures.faults import draw_faults
+from assessment.report.text.language import Words
 from mechanics.faults import Fault, FaultyDrawingError, Outline
 from tests.dxf import drawing, outline
 

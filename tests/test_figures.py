@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.canvas import MM, SCALES, nice, save_svg, sheet
-from assessment.figures import pictures, write_figures
-from assessment.outlines import Outlines, outlines
-from assessment.plots import draw_pushdown
-from assessment.pool import Pool
-from assessment.words import slug, words_of
+from assessment.report.figures.curves import draw_pushdown
+from assessment.report.figures.index import pictures, write_figures
+from assessment.report.figures.style import MM, SCALES, nice, save_svg, sheet
+from assessment.report.text.language import slug, words_of
+from assessment.results.outlines import Outlines, outlines
+from assessment.runtime.pool import Pool
 from tests.results_example import SETTLED, results_example
 
 

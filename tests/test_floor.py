@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assessment.capacity import capacity_curve
-from assessment.floor import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
-from assessment.idealisation import fit_rigid, fit_trilinear
-from assessment.rules import Method
-from assessment.spectrum import ElasticSpectrum
-from assessment.trace import numbers
-from assessment.verification import verify
-from assessment.workflow import run
+from assessment.ntc.calculation import numbers
+from assessment.ntc.capacity import capacity_curve
+from assessment.ntc.curve_fit import fit_rigid, fit_trilinear
+from assessment.ntc.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
+from assessment.ntc.methods import Method
+from assessment.ntc.spectrum import ElasticSpectrum
+from assessment.ntc.verification import verify
+from assessment.workflow.stages import run
 from tests.block_project import HAZARD, PUSHED, block, write_block
 from tests.trace_check import recomputed
 
@@ -123,8 +123,8 @@ def test_the_higher_of_modes_and_ground_is_traced_by_hand():
 @pytest.mark.parametrize("circular", [2019, 2009])
 def test_a_height_of_zero_means_the_ground(tmp_path, circular):
     """It divided by zero."""
-    from assessment.model import build_model
-    from assessment.project import load_project
+    from assessment.project.model import build_model
+    from assessment.project.project import load_project
 
     site = f'[assessment.site]\nsoil = "B"\n{HAZARD}'
     floor = f"[assessment.floor]\nheight_m = 0\nbuilding_height_m = {H}\nstoreys = 2\nperiod_s = 0.3\n"

@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.faces import Met, described
-from assessment.frames import MOST, chosen, pushdown_frames, pushover_frames, snapshots
-from assessment.joint_report import edge_pressures
-from assessment.joint_states import Situation, joint_states, pressed, situations, thrust_lines
-from assessment.outlines import outlines
-from assessment.reactions import balance, joint_table, reactions
+from assessment.report.joints import edge_pressures
+from assessment.results.faces import Met, described
+from assessment.results.frames import MOST, chosen, pushdown_frames, pushover_frames, snapshots
+from assessment.results.joint_states import Situation, joint_states, pressed, situations, thrust_lines
+from assessment.results.outlines import outlines
+from assessment.results.reactions import balance, joint_table, reactions
 from mechanics import Assembly, Block, Material, pushdown, pushover, time_history
 from mechanics.steps.equilibrium import reaction
 from tests.analysed import SETTLED, analysed

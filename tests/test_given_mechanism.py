@@ -5,21 +5,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assessment.capacity import mechanism_participation
-from assessment.capacity_tables import chosen_mechanisms, trace
-from assessment.cli import main
-from assessment.given_mechanism import MechanismError, compared, evaluate, joint_motion
-from assessment.macro_blocks import Chosen, MacroBlock
-from assessment.model import build_model
-from assessment.project import load_project
-from assessment.project_toml import read_toml
-from assessment.project_xlsx import to_xlsx
-from assessment.spectrum import ElasticSpectrum
-from assessment.translation import translated
-from assessment.verification import Method
-from assessment.virtual_work import virtual_displacements
-from assessment.words import words_of
-from assessment.workflow import run
+from assessment.analyses.checks.chosen_mechanism import MechanismError, compared, evaluate, joint_motion
+from assessment.analyses.checks.virtual_work import virtual_displacements
+from assessment.cli.main import main
+from assessment.ntc.capacity import mechanism_participation
+from assessment.ntc.spectrum import ElasticSpectrum
+from assessment.ntc.verification import Method
+from assessment.project.formats.toml import read_toml
+from assessment.project.formats.xlsx import to_xlsx
+from assessment.project.mechanisms import Chosen, MacroBlock
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.report.tables.capacity import chosen_mechanisms, trace
+from assessment.report.text.language import words_of
+from assessment.report.text.messages import translated
+from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, limit_analysis
 from tests.block_project import PROJECT
 from tests.structures import arch_on_piers, block_on_base, rectangle, semicircular_arch

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics import record_formats
-from mechanics.ground_motion import Record, read_record
-from mechanics.response_spectrum import response_spectrum
+from mechanics.records import formats as record_formats
+from mechanics.records.record import Record, read_record
+from mechanics.records.response_spectrum import response_spectrum
 from mechanics.types import GRAVITY
 
 VALUES = np.array(

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 import shapely
 
-from assessment.drawings import found_mechanism
-from assessment.hand_check import (
+from assessment.report.document import render_html
+from assessment.report.figures.deformed import found_mechanism
+from assessment.report.text.language import words_of
+from assessment.results.hand_check import (
     figures_of,
     governing_mechanisms,
     hand_check,
@@ -14,8 +16,6 @@ from assessment.hand_check import (
     multiplier,
     weights,
 )
-from assessment.report import render_html
-from assessment.words import words_of
 from tests.analysed import SETTLED, analysed
 from tests.results_example import results_example
 
@@ -122,9 +122,9 @@ def overlap(shape):
 
 def test_a_mechanism_of_many_macro_blocks_is_left_to_the_table(tmp_path, monkeypatch):
     results = results_example("en")
-    monkeypatch.setattr("assessment.report.pictures", lambda _: [])
+    monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
     printed = render_html(results, tmp_path, words_of(results))
-    monkeypatch.setattr("assessment.report.BY_HAND", 0)
+    monkeypatch.setattr("assessment.report.document.BY_HAND", 0)
     left_out = render_html(results, tmp_path, words_of(results))
     assert "Macro-blocks of the mechanism" in printed and "too many" not in printed
     assert "Macro-blocks of the mechanism" not in left_out and "too many for a check by hand" in left_out

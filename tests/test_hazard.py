@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.hazard import return_period, return_period_steps, site_curve, site_hazard
-from assessment.hazard_files import RETURN_PERIODS, read_grid
-from assessment.trace import rows
+from assessment.ntc.calculation import rows
+from assessment.ntc.hazard import return_period, return_period_steps, site_curve, site_hazard
+from assessment.ntc.hazard_grid import RETURN_PERIODS, read_grid
 
 GRID_FILE = Path(__file__).parents[1] / ".." / "shared" / "data" / "allegato_b.txt"
 needs_grid = pytest.mark.skipif(

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assessment import histories
-from assessment.base_motion import BaseMotion
-from assessment.dynamics import StageResult
-from assessment.project_schema import ControlTable, HistoryTable
-from assessment.response import Setting, respond
-from mechanics.ground_motion import Record
+from assessment.analyses.dynamic import histories
+from assessment.analyses.dynamic.response import Setting, respond
+from assessment.analyses.dynamic.time_history import StageResult
+from assessment.project.motions import BaseMotion
+from assessment.project.schema import ControlTable, HistoryTable
+from mechanics.records.record import Record
 from mechanics.types import GRAVITY
 from tests.structures import block_on_base
 

@@ -10,10 +10,10 @@ from xml.etree import ElementTree
 
 import pytest
 
-from assessment.cli import main
-from assessment.demand import demand_spectra
-from assessment.project import load_project
-from assessment.project_xlsx import to_xlsx
+from assessment.analyses.checks.demand import demand_spectra
+from assessment.cli.main import main
+from assessment.project.formats.xlsx import to_xlsx
+from assessment.project.project import load_project
 from tests.block_project import ASSESSMENT, PROJECT, PUSHED, block, command, write_block
 from tests.hostile.corpus import KINDS, SHEETS, tried
 from tests.hostile.judge import COMPLETED, REFUSED

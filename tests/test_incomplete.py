@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from assessment import stages
-from assessment.cli import main
-from assessment.new_project import write_drawing
+from assessment.analyses.static import paths as stages
+from assessment.cli.main import main
+from assessment.project.catalogue.new_project import write_drawing
 from mechanics import ConvergenceError
 from tests.block_project import ASSESSMENT, PROJECT, edit, read_results, run
 from tests.structures import rectangle

@@ -8,14 +8,14 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from assessment import incremental
-from assessment.base_motion import BaseMotion
-from assessment.bracket import find_collapse
-from assessment.ensemble import Scatter
-from assessment.incremental import Levels, fragility, point, search, summarise
-from assessment.project_schema import ControlTable, IncrementalTable
-from assessment.response import Setting
-from mechanics.ground_motion import Record
+from assessment.analyses.dynamic import incremental
+from assessment.analyses.dynamic.bracket import find_collapse
+from assessment.analyses.dynamic.ensemble import Scatter
+from assessment.analyses.dynamic.incremental import Levels, fragility, point, search, summarise
+from assessment.analyses.dynamic.response import Setting
+from assessment.project.motions import BaseMotion
+from assessment.project.schema import ControlTable, IncrementalTable
+from mechanics.records.record import Record
 from tests.structures import block_on_base
 
 SINGLE = Scatter(1, 0.05)

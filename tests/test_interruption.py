@@ -16,12 +16,13 @@ from pathlib import Path
 
 import pytest
 
-from assessment import figures, states
-from assessment.cli import main
-from assessment.model import build_model
-from assessment.project import load_project
-from assessment.store import FOLDER, Store
-from assessment.workflow import run
+from assessment.analyses.static import states
+from assessment.cli.main import main
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.report.figures import index as figures
+from assessment.runtime.cache import FOLDER, Store
+from assessment.workflow.stages import run
 from tests.block_project import command, contents, edit, read_results, timeless
 from tests.every_stage import ALL, assesto, counts, entries, write_every_stage
 
@@ -149,7 +150,11 @@ def test_a_killed_process_is_told_and_costs_nothing_that_is_finished(project, ca
     capsys.readouterr()
     with monkeypatch.context() as patch:
         patch.setattr(figures, "write_figures", as_good_as_empty)
-        killed = "assessment.states.push" if what == "pushover" else "assessment.report.write_pdf"
+        killed = (
+            "assessment.analyses.static.states.push"
+            if what == "pushover"
+            else "assessment.report.document.write_pdf"
+        )
         patch.setattr(killed, ended_from_outside)
         assert main(["run", str(project), "--jobs", "2"]) == 3
     out, err = capsys.readouterr()

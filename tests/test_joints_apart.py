@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assessment.base_motion import history_motions
-from assessment.model import build_model
-from assessment.project import load_project
-from assessment.response import Setting, respond
+from assessment.analyses.dynamic.response import Setting, respond
+from assessment.project.model import build_model
+from assessment.project.motions import history_motions
+from assessment.project.project import load_project
 from mechanics import Assembly, Block, Material, State, time_history
 from tests.analysed import arch
 from tests.structures import rectangle

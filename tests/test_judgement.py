@@ -12,16 +12,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from markupsafe import Markup
 
-from assessment import capacity_tables, study_tables, tables
-from assessment.checks import governing, safety_index
-from assessment.drawings import draw_settlement
-from assessment.hand_check import hand_check
-from assessment.judgement import RESIDUALS, all_warnings, draft_judgement
-from assessment.plots import draw_pushdown
-from assessment.reactions import balance
-from assessment.scenarios import worst as worst_of
-from assessment.words import direction_name, words_of
-from assessment.workflow import _comparison, _sum_up
+from assessment.analyses.checks.capacity import governing, safety_index
+from assessment.report.figures.curves import draw_pushdown
+from assessment.report.figures.deformed import draw_settlement
+from assessment.report.judgement import RESIDUALS, all_warnings, draft_judgement
+from assessment.report.tables import capacity as capacity_tables
+from assessment.report.tables import index as tables
+from assessment.report.tables import studies as study_tables
+from assessment.report.text.language import direction_name, words_of
+from assessment.results.hand_check import hand_check
+from assessment.results.reactions import balance
+from assessment.studies.scenarios import worst as worst_of
+from assessment.workflow.stages import _comparison, _sum_up
 from tests.analysed import analysed
 from tests.results_example import SETTLED, results_example
 from tests.test_study_tables import results_with_studies

@@ -2,13 +2,13 @@
 
 import pytest
 
-from assessment.cli import main
-from assessment.earlier import NO_REPORT
-from assessment.figures import write_figures
-from assessment.judgement_file import NAME, judgement, to_html
-from assessment.output import write
-from assessment.pool import Pool
-from assessment.words import words_of
+from assessment.cli.main import main
+from assessment.report.figures.index import write_figures
+from assessment.report.judgement_file import NAME, judgement, to_html
+from assessment.report.text.language import words_of
+from assessment.runtime.pool import Pool
+from assessment.workflow.earlier import NO_REPORT
+from assessment.workflow.output import write
 from tests.results_example import results_example
 
 
@@ -74,7 +74,7 @@ def test_a_draft_that_an_editor_saved_in_its_own_way_is_still_the_draft(results,
 
 @pytest.mark.parametrize("content", [b"PK\x03\x04\x00\x00", b"\xff\xfe\x00", b"\x81\x8d"])
 def test_what_is_no_text_is_told_before_any_analysis(project, capsys, monkeypatch, content):
-    monkeypatch.setattr("assessment.workflow.run", lambda *_: pytest.fail("an analysis ran"))
+    monkeypatch.setattr("assessment.workflow.stages.run", lambda *_: pytest.fail("an analysis ran"))
     path = project / "output" / NAME
     path.parent.mkdir()
     path.write_bytes(content)
@@ -93,9 +93,9 @@ def test_markdown_of_a_judgement():
 
 
 def test_a_run_prints_the_edited_judgement_and_leaves_the_file(results, tmp_path, monkeypatch):
-    monkeypatch.setattr("assessment.figures.pictures", lambda _: [])
-    monkeypatch.setattr("assessment.report.pictures", lambda _: [])
-    monkeypatch.setattr("assessment.deformed_dxf.write_deformed", lambda *_: None)
+    monkeypatch.setattr("assessment.report.figures.index.pictures", lambda _: [])
+    monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
+    monkeypatch.setattr("assessment.report.deformed_dxf.write_deformed", lambda *_: None)
     write_figures(Pool(0, results), tmp_path / "figures")
     write(results, tmp_path, NO_REPORT)
     path = tmp_path / NAME

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics import overlaps
-from mechanics.block import Block, Material
 from mechanics.errors import DrawingError
 from mechanics.faults import LISTED
-from mechanics.layout import check_layout, survey_layout
+from mechanics.model import overlaps
+from mechanics.model.block import Block, Material
+from mechanics.model.model_checks import check_layout, survey_layout
 
 STONE = Material(18.0)
 TOLERANCE = 1e-3

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from assessment import lock
-from assessment.lock import NAME, BusyError, locked
+from assessment.runtime import lock
+from assessment.runtime.lock import NAME, BusyError, locked
 from tests.block_project import ROOT, run
 
 HOLD = "import sys, pathlib, assessment.lock as lock\nwith lock.locked(pathlib.Path(sys.argv[1])): input(print('held'))"
@@ -31,7 +31,7 @@ def test_the_report_waits_for_nobody_either(project, capsys):
     (project / "output").mkdir()
     (project / "output" / "results.json").write_text("{}", encoding="utf-8")
     with locked(project / "output"):
-        from assessment.cli import main
+        from assessment.cli.main import main
 
         assert main(["report", str(project)]) == 2
     assert NAME in capsys.readouterr().err

@@ -18,7 +18,7 @@ from mechanics import (
     pushdown,
     pushover,
 )
-from mechanics.assembly import State
+from mechanics.model.assembly import State
 from tests.structures import arch_on_piers, block_on_base, rectangle, running_bond, semicircular_arch
 
 STONE = Material(18.0, 0.7, 1e6)

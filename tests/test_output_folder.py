@@ -9,8 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from assessment import output, swap, workflow
-from assessment.cli import main
+from assessment.cli.main import main
+from assessment.runtime import swap
+from assessment.workflow import output
+from assessment.workflow import stages as workflow
 from tests.block_project import contents, edit, run
 
 pytestmark = pytest.mark.usefixtures("quick")

@@ -7,12 +7,12 @@ import re
 import numpy as np
 import pytest
 
-from assessment.figures import pictures, write_figures
-from assessment.outlines import outlines
-from assessment.pool import Pool
-from assessment.report import render_html
-from assessment.viewer import viewer
-from assessment.words import words_of
+from assessment.report.document import render_html
+from assessment.report.figures.index import pictures, write_figures
+from assessment.report.text.language import words_of
+from assessment.report.viewer import viewer
+from assessment.results.outlines import outlines
+from assessment.runtime.pool import Pool
 from tests import browser
 from tests.analysed import analysed
 
@@ -26,8 +26,8 @@ def html(tmp_path_factory):
     words = words_of(results)
     some = pictures(results)[:4]  # the rest would take most of the time
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("assessment.figures.pictures", lambda _: some)
-        patch.setattr("assessment.report.pictures", lambda _: some)
+        patch.setattr("assessment.report.figures.index.pictures", lambda _: some)
+        patch.setattr("assessment.report.document.pictures", lambda _: some)
         write_figures(Pool(0, results), folder / "figures")
         page = render_html(results, folder / "figures", words, interactive=viewer(results, words))
     path = folder / "report.html"
@@ -88,7 +88,7 @@ def test_the_page_is_one_file_and_small(html):
 
 
 def test_the_pdfs_page_has_no_script(tmp_path, monkeypatch):
-    monkeypatch.setattr("assessment.report.pictures", lambda _: [])
+    monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
     results = analysed("it")
     assert "<script" not in render_html(results, tmp_path, words_of(results))
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from assessment.parallel import Workers
+from assessment.runtime.tasks import Workers
 
 
 def test_as_many_processes_as_asked_for(tmp_path):

@@ -12,15 +12,15 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
-from assessment import new_project as module
-from assessment.messages import ProjectError
-from assessment.new_project import new_project, template_layout, template_options
-from assessment.parametric import THINNEST, Layout, Ring
-from assessment.project import load_project
-from assessment.project_keys import keys_at
-from assessment.project_templates import TEMPLATES
+from assessment.project.catalogue import new_project as module
+from assessment.project.catalogue.geometry import THINNEST, Layout, Ring
+from assessment.project.catalogue.new_project import new_project, template_layout, template_options
+from assessment.project.catalogue.templates import TEMPLATES
+from assessment.project.errors import ProjectError
+from assessment.project.project import load_project
+from assessment.project.schema_index import keys_at
 from mechanics import Assembly, Block, Material, limit_analysis, read_drawing
-from mechanics.drawing import Layer
+from mechanics.model.dxf import Layer
 
 PROJECTS = Path(__file__).parents[1] / "projects"
 STONE = Material(unit_weight=16.0, friction=0.65)

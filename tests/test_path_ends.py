@@ -7,7 +7,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 
-from assessment.new_project import new_project
+from assessment.project.catalogue.new_project import new_project
 from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError
 from mechanics.procedures.pushover import PushoverTolerances

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from assessment.cli import main
-from assessment.description import describe
-from assessment.display import cell
-from assessment.model import build_model
-from assessment.new_project import new_project
-from assessment.plausibility import implausible, implausible_hazard
-from assessment.project import load_project
-from assessment.project_templates import TEMPLATES
-from assessment.tables import layers
-from assessment.words import Words
+from assessment.cli.main import main
+from assessment.project.catalogue.new_project import new_project
+from assessment.project.catalogue.templates import TEMPLATES
+from assessment.project.model import build_model
+from assessment.project.plausibility import implausible, implausible_hazard
+from assessment.project.project import load_project
+from assessment.report.tables.index import layers
+from assessment.report.text.language import Words
+from assessment.report.text.table_format import cell
+from assessment.workflow.skeleton import describe
 from tests.block_project import ASSESSMENT, HAZARD, PROJECT, PUSHED, block, edit, write_block
 
 ROOT = Path(__file__).parents[1]

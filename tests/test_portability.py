@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from assessment.store import FOLDER
+from assessment.runtime.cache import FOLDER
 from tests.block_project import PROJECT, ROOT, command, contents, read_results, run, timeless, write_block
 
 ELSEWHERE = """

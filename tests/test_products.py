@@ -6,12 +6,12 @@ import pypdf
 import pytest
 from PIL import Image
 
-from assessment.canvas import PNG_DPI
-from assessment.hand_check import figures_of, governing_mechanisms, hand_check
-from assessment.judgement import draft_judgement
-from assessment.output import write
-from assessment.reactions import balance, reactions
-from assessment.words import words_of
+from assessment.report.figures.style import PNG_DPI
+from assessment.report.judgement import draft_judgement
+from assessment.report.text.language import words_of
+from assessment.results.hand_check import figures_of, governing_mechanisms, hand_check
+from assessment.results.reactions import balance, reactions
+from assessment.workflow.output import write
 from tests.analysed import SETTLED, analysed
 from tests.validation.test_printed_table import CASES
 
@@ -110,8 +110,8 @@ def test_the_same_results_leave_the_same_bytes(products, tmp_path):
 
 def test_the_english_page_has_english_words_only(tmp_path, monkeypatch):
     results = analysed("en")
-    monkeypatch.setattr("assessment.report.pictures", lambda _: [])
-    from assessment.report import render_html
+    monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
+    from assessment.report.document import render_html
 
     html = re.sub(r"<style>.*?</style>", "", render_html(results, tmp_path, words_of(results)), flags=re.S)
     italian = ("cerniera", "giunto", "Tabella", "Macroblocc", "appoggio", "pesi", "Reazioni")

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from assessment import project_checks
-from assessment.project import json_schema, load_project
-from assessment.project_checks import matches
-from assessment.project_toml import to_toml
+from assessment.project import consistency as project_checks
+from assessment.project.consistency import matches
+from assessment.project.formats.toml import to_toml
+from assessment.project.project import json_schema, load_project
 from tests.contract_project import CONTRACT, HAZARD, MINIMAL, load, message, write_named_files
 
 

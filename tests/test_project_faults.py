@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from assessment.project import ProjectError, load_project
+from assessment.project.project import ProjectError, load_project
 from tests.contract_project import CONTRACT, HAZARD, MINIMAL, load, message, write_named_files
 
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 from openpyxl import load_workbook
 
-from assessment.cli import main
-from assessment.project import load_project
-from assessment.project_comments import commented_toml
-from assessment.project_keys import keys_at, table_at, tables_of
-from assessment.project_schema import ProjectContent
-from assessment.project_templates import TEMPLATES
+from assessment.cli.main import main
+from assessment.project.catalogue.templates import TEMPLATES
+from assessment.project.formats.comments import commented_toml
+from assessment.project.project import load_project
+from assessment.project.schema import ProjectContent
+from assessment.project.schema_index import keys_at, table_at, tables_of
 
 SMALL = {
     "title": 'Quoted "layer" names',

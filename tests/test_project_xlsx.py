@@ -11,11 +11,11 @@ import pytest
 from hypothesis import Phase, example, given, settings
 from openpyxl import Workbook, load_workbook
 
-from assessment.project import ProjectError, load_project
-from assessment.project_comments import commented_toml
-from assessment.project_schema import ProjectContent
-from assessment.project_toml import to_toml
-from assessment.project_xlsx import read_xlsx, to_xlsx
+from assessment.project.formats.comments import commented_toml
+from assessment.project.formats.toml import to_toml
+from assessment.project.formats.xlsx import read_xlsx, to_xlsx
+from assessment.project.project import ProjectError, load_project
+from assessment.project.schema import ProjectContent
 from tests.project_strategy import project_contents
 
 HAZARD = {"ag_g": 0.26, "F0": 2.4, "Tc_star_s": 0.35}

@@ -10,12 +10,12 @@ from typing import get_args
 
 import pytest
 
-from assessment import cli
-from assessment.accuracy import MOST_HALVINGS, PRESETS
+from assessment.analyses.accuracy import MOST_HALVINGS, PRESETS
 from assessment.benchmark.command import BENCHMARKS
-from assessment.printing import APT_COMMAND, COMMANDS
-from assessment.project_keys import annotation_at, table_at, tables_of
-from assessment.project_schema import MotionTable, ProjectContent, Table
+from assessment.cli import main as cli
+from assessment.project.schema import MotionTable, ProjectContent, Table
+from assessment.project.schema_index import annotation_at, table_at, tables_of
+from assessment.report.pdf import APT_COMMAND, COMMANDS
 
 ROOT = Path(__file__).parents[1]
 PAGES = {

@@ -7,15 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mechanics import (
-    Assembly,
-    NoEquilibriumError,
-    State,
-    TimeHistory,
-    pushdown,
-    pushover,
-    time_history,
-)
+from mechanics import Assembly, NoEquilibriumError, State, TimeHistory, pushdown, pushover, time_history
 from mechanics.kernels.joint import H
 from mechanics.steps.equilibrium import rest, rest_size
 from mechanics.steps.rest import REST, lifted, motion_to_rest, way

@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.figures import write_figures
-from assessment.joint_report import joint_law
-from assessment.pool import Pool
-from assessment.printing import APT_COMMAND, COMMANDS
-from assessment.report import CHAPTERS, render_html, write_page, write_pdf
-from assessment.words import LANGUAGES, words_of
+from assessment.report.document import CHAPTERS, render_html, write_page, write_pdf
+from assessment.report.figures.index import write_figures
+from assessment.report.joints import joint_law
+from assessment.report.pdf import APT_COMMAND, COMMANDS
+from assessment.report.text.language import LANGUAGES, words_of
+from assessment.runtime.pool import Pool
 from tests.results_example import SETTLED, results_example
 
 TEMPLATES = files("templates")

@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from assessment import figures, fingerprint
-from assessment.earlier import forget
-from assessment.model import build_model
-from assessment.project import load_project
-from assessment.store import FOLDER, Store
-from assessment.workflow import run
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.report.figures import index as figures
+from assessment.runtime import fingerprint
+from assessment.runtime.cache import FOLDER, Store
+from assessment.workflow.earlier import forget
+from assessment.workflow.stages import run
 from tests.block_project import edit, timeless
 from tests.every_stage import ALL, assesto, counts, entries, write_every_stage, write_wave
 
@@ -142,6 +143,6 @@ def test_a_disk_that_refuses_entries_costs_no_results(project, capsys, monkeypat
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("assessment.store.write_atomically", full)
+    monkeypatch.setattr("assessment.runtime.cache.write_atomically", full)
     assert counts(project, capsys) == (ALL, 0)
     assert counts(project, capsys) == (ALL, 0)

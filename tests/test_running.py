@@ -11,11 +11,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from assessment import figures, output, workflow
-from assessment.cli import main
-from assessment.earlier import ENTRY, forget
-from assessment.judgement_file import NAME
-from assessment.store import FOLDER, Store
+from assessment.cli.main import main
+from assessment.report.figures import index as figures
+from assessment.report.judgement_file import NAME
+from assessment.runtime.cache import FOLDER, Store
+from assessment.workflow import output
+from assessment.workflow import stages as workflow
+from assessment.workflow.earlier import ENTRY, forget
 from tests.block_project import PROJECT, command, edit, read_results, timeless, write_block
 from tests.every_stage import REPORT
 
@@ -37,7 +39,7 @@ def _draw_nothing(monkeypatch):
     monkeypatch.setitem(sys.modules, "weasyprint", SimpleNamespace(HTML=lambda string: printed))
     monkeypatch.setattr(figures, "write_figures", blank)
     monkeypatch.setattr(figures, "write_images", lambda *_: [])
-    monkeypatch.setattr("assessment.report.pictures", lambda _: [])
+    monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
     monkeypatch.setattr(output, "processes", lambda _: 1)
 
 

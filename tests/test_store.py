@@ -7,10 +7,10 @@ import os
 import numpy as np
 import pytest
 
-from assessment.fingerprint import fingerprint as digest
-from assessment.stages import Part, settle
-from assessment.store import Store, packed, unpacked
-from assessment.workflow import run
+from assessment.analyses.static.paths import Part, settle
+from assessment.runtime.cache import Store, packed, unpacked
+from assessment.runtime.fingerprint import fingerprint as digest
+from assessment.workflow.stages import run
 from mechanics import State
 from tests.structures import block_on_base
 

@@ -8,15 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from assessment import study_stages
-from assessment.cli import main
-from assessment.model import build_model
-from assessment.new_project import template_layout, write_drawing
-from assessment.project import load_project
-from assessment.scenarios import part, worst
-from assessment.sensitivity import scatter, with_factor, without_effect
-from assessment.stage_selection import select
-from assessment.workflow import run
+from assessment.cli.main import main
+from assessment.project.catalogue.new_project import template_layout, write_drawing
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.studies.scenarios import part, worst
+from assessment.studies.sensitivity import scatter, with_factor, without_effect
+from assessment.workflow import studies as study_stages
+from assessment.workflow.selection import select
+from assessment.workflow.stages import run
 from mechanics import limit_analysis
 from tests.block_project import block
 

@@ -8,12 +8,12 @@ from xml.etree import ElementTree
 import pytest
 from markupsafe import Markup
 
-from assessment.figures import pictures, write_figures
-from assessment.judgement import draft_judgement
-from assessment.pool import Pool
-from assessment.report import render_html
-from assessment.study_tables import reported_studies, scenarios, sensitivity, tornado
-from assessment.words import LANGUAGES, words_of
+from assessment.report.document import render_html
+from assessment.report.figures.index import pictures, write_figures
+from assessment.report.judgement import draft_judgement
+from assessment.report.tables.studies import reported_studies, scenarios, sensitivity, tornado
+from assessment.report.text.language import LANGUAGES, words_of
+from assessment.runtime.pool import Pool
 from tests.results_example import SETTLED, results_example
 
 CAPACITY = {"original": (1.0, 1.1), SETTLED: (0.8, 0.6)}  # a_g at SLC towards +x and −x, g

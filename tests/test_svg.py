@@ -8,9 +8,9 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from assessment.canvas import STYLE
-from assessment.figures import pictures
-from assessment.svg import SVG, lightened
+from assessment.report.figures.index import pictures
+from assessment.report.figures.style import STYLE
+from assessment.report.figures.svg import SVG, lightened
 from tests.results_example import results_example
 
 STROKED = {"stroke-linejoin": "round", "stroke-linecap": "butt"}

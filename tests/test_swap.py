@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from assessment import swap
-from assessment.messages import ProjectError
-from assessment.swap import clear, put_in_place
+from assessment.project.errors import ProjectError
+from assessment.runtime import swap
+from assessment.runtime.swap import clear, put_in_place
 from tests.block_project import contents
 
 OLD = ("figures/a.svg", "figures/b.svg", "report.pdf", "results.json", "tables/t.csv")

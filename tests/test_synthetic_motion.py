@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from mechanics import synthetic_motion
 from mechanics.errors import ConvergenceError
-from mechanics.response_spectrum import response_spectrum
-from mechanics.synthetic_motion import compatible_record
+from mechanics.records import synthetic as synthetic_motion
+from mechanics.records.response_spectrum import response_spectrum
+from mechanics.records.synthetic import compatible_record
 
 
 def spectrum(T):

@@ -6,9 +6,9 @@ import io
 import pandas as pd
 import pytest
 
-from assessment.capacity_tables import summary, trace, verification
-from assessment.hand_check import hand_check
-from assessment.tables import blocks, layers, write_tables
+from assessment.report.tables.capacity import summary, trace, verification
+from assessment.report.tables.index import blocks, layers, write_tables
+from assessment.results.hand_check import hand_check
 from tests.results_example import SETTLED, results_example
 
 

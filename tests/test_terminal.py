@@ -10,8 +10,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from assessment import figures, terminal
-from assessment.terminal import Bars, _table, capacities
+from assessment.report.figures import index as figures
+from assessment.runtime import progress as terminal
+from assessment.runtime.progress import Bars, _table, capacities
 from tests.block_project import edit, read_results
 from tests.every_stage import assesto, write_every_stage
 

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from assessment.judgement import all_warnings
-from assessment.translation import _entries, _translated, translated
-from assessment.words import words_of
+from assessment.report.judgement import all_warnings
+from assessment.report.text.language import words_of
+from assessment.report.text.messages import _entries, _translated, translated
 from tests.analysed import analysed
 
 ROOT = Path(__file__).parents[1]

@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assessment.capacity import capacity_curve, participation
-from assessment.floor import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
-from assessment.hazard import HazardCurve, return_period, return_period_steps, site_curve
-from assessment.idealisation import CurveFit, fit_curve, fit_rigid
-from assessment.spectrum import ElasticSpectrum, RecordSpectrum
-from assessment.trace import pretty, rows, substituted
-from assessment.verification import Method, check_nonlinear, verify
+from assessment.ntc.calculation import pretty, rows, substituted
+from assessment.ntc.capacity import capacity_curve, participation
+from assessment.ntc.curve_fit import CurveFit, fit_curve, fit_rigid
+from assessment.ntc.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
+from assessment.ntc.hazard import HazardCurve, return_period, return_period_steps, site_curve
+from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
+from assessment.ntc.verification import Method, check_nonlinear, verify
 from mechanics.types import GRAVITY
 from tests.trace_check import from_csv, recomputed
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from assessment import stages
-from assessment.cli import main
+from assessment.analyses.static import paths as stages
+from assessment.cli.main import main
 from tests.block_project import ASSESSMENT, PROJECT, command, contents, edit, run, write_block
 
 pytestmark = pytest.mark.usefixtures("quick")
@@ -179,7 +179,7 @@ def test_a_bug_is_no_input_error(project, monkeypatch):
 
 
 def test_a_value_error_of_a_library_is_a_bug_and_not_the_users(project, monkeypatch):
-    monkeypatch.setattr("assessment.project.load_project", lambda _: np.array_split(np.zeros(3), 0))
+    monkeypatch.setattr("assessment.project.project.load_project", lambda _: np.array_split(np.zeros(3), 0))
     with pytest.raises(ValueError, match="number sections"):
         main(["check", str(project)])
 
@@ -227,7 +227,7 @@ def test_an_error_of_python_or_numpy_is_never_passed_off_as_the_users(project, m
     own = {"__name__": "mechanics.made_up", "numpy": np}
     exec("def raise_it(): raise ValueError('geometry.dxf: wrong; mend it')", own)
     exec(f"def tolerance(blocks): {expression}", own)
-    monkeypatch.setattr("assessment.model.default_tolerance", own["tolerance"])
+    monkeypatch.setattr("assessment.project.model.default_tolerance", own["tolerance"])
     if is_fault:
         with pytest.raises(ValueError, match=r"NaN|broadcast"):
             main(["check", str(project)])

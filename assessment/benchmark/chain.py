@@ -12,15 +12,15 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from assessment.analyses.static.states import PAST_PEAK
 from assessment.benchmark.measure import FAILURES, ROUNDS, Row, once_a_step
 from assessment.benchmark.structures import assembly, template
-from assessment.cli import NEW_OBJECTS
-from assessment.model import build_model
-from assessment.stage_selection import select
-from assessment.states import PAST_PEAK
-from assessment.workflow import run
+from assessment.cli.main import NEW_OBJECTS
+from assessment.project.model import build_model
+from assessment.workflow.selection import select
+from assessment.workflow.stages import run
 from mechanics import pushdown, pushover
-from mechanics.assembly import Behaviour, Direction
+from mechanics.model.assembly import Behaviour, Direction
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.pushdown import Pushdown
 from mechanics.procedures.pushover import Pushover

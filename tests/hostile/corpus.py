@@ -19,20 +19,20 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from assessment import output
-from assessment.base_motion import history_motions
-from assessment.hazard import RETURN_PERIODS, site_curve
-from assessment.hazard_files import HazardError
-from assessment.messages import ProjectError
-from assessment.model import build_model
-from assessment.plausibility import implausible_hazard
-from assessment.project import load_project
-from assessment.project_xlsx import to_xlsx
-from assessment.tables import inert
-from assessment.translation import translated
-from assessment.words import Words, slug
+from assessment.ntc.hazard import RETURN_PERIODS, site_curve
+from assessment.ntc.hazard_grid import HazardError
+from assessment.project.errors import ProjectError
+from assessment.project.formats.xlsx import to_xlsx
+from assessment.project.model import build_model
+from assessment.project.motions import history_motions
+from assessment.project.plausibility import implausible_hazard
+from assessment.project.project import load_project
+from assessment.report.tables.index import inert
+from assessment.report.text.language import Words, slug
+from assessment.report.text.messages import translated
+from assessment.workflow import output
 from mechanics.faults import visible
-from mechanics.ground_motion import read_record
+from mechanics.records.record import read_record
 from tests import test_ground_motion as records
 from tests.block_project import ASSESSMENT, PROJECT, write_block
 from tests.contract_project import CONTRACT, MINIMAL, write_named_files

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from assessment.cli import _is_input_error, main
+from assessment.cli.main import _is_input_error, main
 
 REFUSED, COMPLETED = "refused", "completed"
 

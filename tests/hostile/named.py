@@ -10,9 +10,9 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
-from assessment.judgement_file import to_html
-from assessment.project_xlsx import to_xlsx
-from mechanics.ground_motion import read_record
+from assessment.project.formats.xlsx import to_xlsx
+from assessment.report.judgement_file import to_html
+from mechanics.records.record import read_record
 from tests.block_project import ASSESSMENT, HAZARD, PROJECT, write_block
 from tests.hostile.corpus import SHEETS, WALL
 from tests.hostile.dxf_text import WALL as BLOCKS

@@ -1,0 +1,7 @@
+"""`python -m assessment.cli`: the command line without its script."""
+
+import sys
+
+from assessment.cli.main import main
+
+sys.exit(main())
