@@ -448,4 +448,3 @@ def _message(error: ValueError | OSError) -> str:
     if isinstance(error, OSError) and error.filename:
         return f"{error.filename}: {error.strerror}; change it or choose another place"
     return str(error)
-

@@ -13,7 +13,7 @@ from mechanics.model.assembly import Behaviour
 from mechanics.records.response_spectrum import response_spectrum
 from mechanics.types import GRAVITY
 from tests.stress.harness import Case, sound
-from tests.structures import arch_on_piers, block_on_base, running_bond
+from tests.support.structures import arch_on_piers, block_on_base, running_bond
 
 SCHEMES: list[tuple[Behaviour, str]] = [
     ("rigid", "implicit-euler"),
