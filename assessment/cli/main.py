@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import gc
 import json
 import logging
 import os
@@ -15,7 +14,8 @@ from opcode import opmap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from assessment.cli.console import prepare, say, tell, visible
+from assessment.runtime.console import prepare, say, tell, visible
+from assessment.runtime.garbage import collect_rarely
 from assessment.runtime.interruption import interrupted, leave, watch
 
 if TYPE_CHECKING:
@@ -47,7 +47,6 @@ EXIT_CODES = f"""exit codes:
   {WRONG_INPUT}  the input is wrong: nothing was overwritten
   {INCOMPLETE}  an analysis could not be completed, or the run was interrupted: what is finished is kept"""
 RAISE = opmap["RAISE_VARARGS"]  # the instruction of a raise statement
-NEW_OBJECTS = 50_000  # between two looks for garbage: with Python's 700 the PDF takes a third longer
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -64,7 +63,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     unchanged = f"nothing of an earlier result was changed{kept}"
     if whole:
         watch(f"interrupted: {unchanged}", INCOMPLETE)
-        gc.set_threshold(NEW_OBJECTS)  # the processes of a run inherit it
+        collect_rarely()
         _silence_libraries()
     try:
         code = _carry_out(options)
@@ -118,7 +117,7 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
 
 
 def _nearest(name: str, valid: Sequence[str]) -> str:
-    from assessment.project.errors import nearest  # late: it takes as long to import as all of --help
+    from assessment.runtime.errors import nearest  # late: it takes as long to import as all of --help
 
     return nearest(name, valid)
 
@@ -424,7 +423,7 @@ def _is_input_error(error: ValueError | OSError) -> bool:
     A plain ValueError names it where a `raise` of our own code made it; one out of a library, or out of Python itself
     (int of a NaN), is a bug of ours.
     """
-    from assessment.project.errors import ProjectError
+    from assessment.runtime.errors import ProjectError
     from mechanics import DrawingError
 
     if isinstance(error, ProjectError | DrawingError | OSError):

@@ -14,9 +14,9 @@ from assessment.ntc.capacity import CapacityCurve
 from assessment.ntc.curve_fit import CapacityError
 from assessment.ntc.demand_capacity import Solved, solve_activation, solve_displacement
 from assessment.ntc.hazard import EXCEEDANCE
+from assessment.ntc.limit_states import INDEXED
 from assessment.ntc.methods import LAW, Method
 from assessment.ntc.spectrum import RecordSpectrum, Spectrum
-from assessment.results.table import INDEXED
 from mechanics.errors import require
 
 __all__ = ["Check", "Method", "check_activation", "check_linear", "check_nonlinear", "verify"]

@@ -11,7 +11,7 @@ from fnmatch import fnmatch
 from itertools import islice
 from pathlib import Path
 
-from assessment.project.errors import Problem, nearest
+from assessment.project.errors import Problem
 from assessment.project.schema import (
     MOST_ENTRIES,
     ORIGINAL,
@@ -26,6 +26,7 @@ from assessment.project.schema import (
     SettlementTable,
     SiteTable,
 )
+from assessment.runtime.errors import nearest
 
 _MOST_INCREMENTS = 100_000
 MOST_LOOKED_AT = 20_000  # names in folders, to find the files that a pattern means

@@ -5,7 +5,6 @@ Every message is one line `FILE: KEY: what is wrong; what to do`. List entries a
 
 from __future__ import annotations
 
-import difflib
 import json
 import re
 from collections.abc import Iterable, Mapping
@@ -16,10 +15,7 @@ from pydantic import ValidationError
 
 from assessment.project.schema import KeyPath
 from assessment.project.schema_index import keys_at
-
-
-class ProjectError(ValueError):
-    """The project cannot be used as it is; one line per problem, `FILE: KEY: what is wrong; what to do`."""
+from assessment.runtime.errors import ProjectError, nearest, shortened
 
 
 class Problem(NamedTuple):
@@ -29,10 +25,9 @@ class Problem(NamedTuple):
     text: str
 
 
-_MOST_NAMES = 12
 _COMMA = re.compile(r"\s*([+-]?\d+),(\d+)\s*")  # a number with a decimal comma
 
-_SHOWN, _QUOTED = 40, 120  # characters of a value, and of a line of the file, that a message shows
+_SHOWN = 40  # characters of a value that a message shows
 
 _EXPECTED = {
     "float_type": "a number",
@@ -60,16 +55,6 @@ def project_error(file: str, problems: Iterable[Problem], cells: Mapping[KeyPath
     """All problems of one file as one error; `cells` says where a value stands in a spreadsheet."""
     lines = [f"{file}: {_key(path)}{_cell(path, cells)}: {text}" for path, text in problems]
     return ProjectError("\n".join(dict.fromkeys(lines)))
-
-
-def nearest(name: str, valid: Iterable[str]) -> str:
-    """Return the remedy for a name that does not exist: the nearest valid one, or what is valid."""
-    by_lower = {each.lower(): each for each in valid}
-    close = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=0.5)
-    if close:
-        return f'did you mean "{by_lower[close[0]]}"?'
-    shown = [f'"{each}"' for each in by_lower.values()]
-    return f"valid: {', '.join(shown[:_MOST_NAMES])}{', …' if len(shown) > _MOST_NAMES else ''}"
 
 
 def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[Problem]:
@@ -135,11 +120,6 @@ def _shown(value: Any) -> str:
     for name, own in (("-Infinity", "-inf"), ("Infinity", "inf"), ("NaN", "nan")):
         text = own if text == name else text
     return shortened(text, _SHOWN)
-
-
-def shortened(text: str, most: int = _QUOTED) -> str:
-    """Return a text of the user's in as many characters as a message shows."""
-    return text if len(text) <= most else text[: most - 1] + "…"
 
 
 def _pruned(value: Any, levels: int = 3) -> Any:

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from assessment.project.errors import ProjectError, nearest
+from assessment.runtime.errors import ProjectError, nearest
 
 if TYPE_CHECKING:
     from assessment.project.project import Project

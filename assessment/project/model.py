@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from assessment.project.errors import ProjectError
 from assessment.project.mechanisms import chosen_mechanisms
 from assessment.project.plausibility import implausible
+from assessment.runtime.errors import ProjectError
 from mechanics import Assembly, DrawingError, Material
 from mechanics.faults import Fault, FaultyDrawingError
 from mechanics.model.dxf import Drawing, Layer, survey_drawing

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from assessment.project.errors import ProjectError
+from assessment.runtime.errors import ProjectError
 from mechanics.faults import visible
 from mechanics.records.record import SAME_TIME, Record, read_record
 from mechanics.types import Array

@@ -15,12 +15,13 @@ from typing import Any
 from pydantic import Field, ValidationError
 
 from assessment.project.consistency import content_problems, matches
-from assessment.project.errors import ProjectError, project_error, schema_problems
+from assessment.project.errors import project_error, schema_problems
 from assessment.project.formats.convert import SOURCES
 from assessment.project.formats.toml import read_toml
 from assessment.project.formats.xlsx import read_xlsx
 from assessment.project.schema import ControlTable, Direction, ProjectContent
 from assessment.runtime.atomic_files import file_digest
+from assessment.runtime.errors import ProjectError
 
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")  # a line of a message would end in the middle
 

@@ -14,10 +14,10 @@ from typing import Any
 from markupsafe import Markup
 
 from assessment.ntc.calculation import pretty, renamed
+from assessment.ntc.limit_states import CHECKS
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.text.language import Words, direction_name
 from assessment.report.text.table_format import Grid, check_name
-from assessment.results.table import CHECKS
 
 Results = Mapping[str, Any]
 Steps = Sequence[Mapping[str, Any]]

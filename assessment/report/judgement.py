@@ -7,6 +7,7 @@ from typing import Any
 
 from markupsafe import Markup
 
+from assessment.ntc.limit_states import CHECKS
 from assessment.report.tables.capacity import capacities, chosen_checks, summary, verification
 from assessment.report.tables.index import mechanisms
 from assessment.report.tables.studies import tornado
@@ -14,7 +15,7 @@ from assessment.report.text.language import Words, direction_name
 from assessment.report.text.table_format import ROUNDING, check_name
 from assessment.results.hand_check import hand_check
 from assessment.results.reactions import balance
-from assessment.results.table import CHECKS, Row, indices
+from assessment.results.table import Row, indices
 
 Results = Mapping[str, Any]
 RESIDUALS = {  # of the solutions, relative to the weight: what needs no word

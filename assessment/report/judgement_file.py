@@ -13,10 +13,10 @@ from pathlib import Path
 
 from markupsafe import Markup, escape
 
-from assessment.project.errors import ProjectError
 from assessment.report.judgement import draft_judgement
 from assessment.report.text.language import Words
 from assessment.results.table import Results
+from assessment.runtime.errors import ProjectError
 
 NAME = "judgement.md"
 MARK = re.compile(r"<!-- draft ([0-9a-f]{16})")

@@ -6,12 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from assessment.ntc.limit_states import CHECKS, INDEXED, QUOTED
+
 Results = Mapping[str, Any]
 Row = dict[str, Any]
-# limit states, and beside the nonlinear check at SLV the linear one
-CHECKS = ("SLO", "SLD", "SLV linear", "SLV", "SLC")
-QUOTED = ("SLC", "SLV", "SLD", "SLO")  # limit states, the farthest first
-INDEXED = ("SLV", "SLC")  # where the ratio of a_g borne to a_g demanded is the index ζ_E (NTC 2018, §8.3)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import json
 import os
 from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
-from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from assessment.runtime.atomic_files import write_atomically
 FOLDER = ".stages"  # in the output folder
 MOST_BYTES = 300_000_000  # of all entries; those not used for longest go first
 KIND, ARRAY = "·kind", "·array"
+OWN = ("assessment.", "mechanics.")  # packages whose dataclasses results are made of
 
 
 def packed(result: Any) -> str:
@@ -74,16 +75,6 @@ def _digest(key: str, text: str) -> str:
     return hashlib.sha256(f"{key}\n{text}".encode()).hexdigest()
 
 
-@cache
-def _kinds() -> dict[str, type]:
-    """Return the classes of results by name; late: a run that takes over all of them needs none."""
-    from assessment.analyses.dynamic.time_history import StageResult
-    from assessment.analyses.static.paths import Part
-    from mechanics import State
-
-    return {kind.__name__: kind for kind in (Part, StageResult, State)}
-
-
 def _plain(value: Any) -> Any:
     """Return what JSON has no form for as an object that `_restored` knows."""
     import numpy as np
@@ -92,9 +83,10 @@ def _plain(value: Any) -> Any:
         return {ARRAY: value.tolist(), "shape": value.shape, "type": value.dtype.str}
     if isinstance(value, np.generic):
         return value.item()
-    if is_dataclass(value) and type(value).__name__ in _kinds():
+    kind = type(value)
+    if is_dataclass(value) and kind.__module__.startswith(OWN):
         content = {field.name: getattr(value, field.name) for field in fields(value)}
-        return {KIND: type(value).__name__} | content
+        return {KIND: f"{kind.__module__}:{kind.__name__}"} | content
     raise TypeError(f"{type(value).__name__}: not a result of an analysis")
 
 
@@ -104,5 +96,10 @@ def _restored(content: dict[str, Any]) -> Any:
 
         return np.array(content[ARRAY], dtype=content["type"]).reshape(content["shape"])
     if KIND in content:
-        return _kinds()[content.pop(KIND)](**content)
+        module, _, name = content.pop(KIND).partition(":")
+        # late: a run that takes over all results needs none
+        kind = getattr(import_module(module), name) if module.startswith(OWN) else None
+        if not isinstance(kind, type) or not is_dataclass(kind):
+            raise ValueError(f"{module}:{name}: not a result of an analysis")
+        return kind(**content)
     return content

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from assessment.project.errors import ProjectError
+from assessment.runtime.errors import ProjectError
 
 try:
     import fcntl

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from assessment.results.table import CHECKS, INDEXED, quoted_limit_state
+from assessment.ntc.limit_states import CHECKS, INDEXED
+from assessment.results.table import quoted_limit_state
 
 if TYPE_CHECKING:
     from rich.console import Console

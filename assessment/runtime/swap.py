@@ -14,7 +14,7 @@ from collections.abc import Collection, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from assessment.project.errors import ProjectError
+from assessment.runtime.errors import ProjectError
 
 SCRATCH = ".assesto-"  # folders where files are made before they take their place
 LAST = "results.json"  # where it is new, all is; while others are moved it is away

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.checks.capacity import assess
 from assessment.analyses.static.states import Request, StateResult, analyse_states
+from assessment.ntc.limit_states import QUOTED
 from assessment.project.schema import ORIGINAL
-from assessment.results.table import QUOTED
 
 if TYPE_CHECKING:
     from assessment.ntc.hazard import HazardCurve

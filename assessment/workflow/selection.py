@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from assessment.project.errors import ProjectError, nearest
+from assessment.runtime.errors import ProjectError, nearest
 
 if TYPE_CHECKING:
     from assessment.project.project import Project

@@ -13,7 +13,7 @@ from assessment.ntc.hazard import HazardCurve, return_period, return_period_step
 from assessment.ntc.hazard_grid import HazardError
 from assessment.ntc.methods import ACTIVATION_DAMPING, RULES
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
-from assessment.project.errors import ProjectError
+from assessment.runtime.errors import ProjectError
 
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion

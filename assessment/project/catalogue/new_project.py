@@ -12,8 +12,8 @@ from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.project.catalogue.geometry import Layout
 from assessment.project.catalogue.record import write_artificial_record
 from assessment.project.catalogue.templates import DRAWING, NUMBER, TEMPLATES, Option, Template
-from assessment.project.errors import ProjectError, nearest
 from assessment.project.formats.convert import TOML, source_bytes
+from assessment.runtime.errors import ProjectError, nearest
 
 SIZES = (1e-3, 1e3)  # m
 MOST_BLOCKS = 100  # of each kind, in a row

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from assessment.project.errors import ProjectError
 from assessment.project.formats.comments import commented_toml
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.runtime.atomic_files import write_atomically
+from assessment.runtime.errors import ProjectError
 
 if TYPE_CHECKING:
     from assessment.project.project import Project

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile, ZipFile
 
-from assessment.project.errors import ProjectError
+from assessment.runtime.errors import ProjectError
 
 MOST_BYTES = 20_000_000  # of a workbook's parts, unpacked; one with every key has a hundredth of it
 MOST_ROWS, MOST_COLUMNS = 20_000, 200  # of a sheet

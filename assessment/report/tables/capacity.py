@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from assessment.results.table import CHECKS, Results, Row, Table, reduction
+from assessment.ntc.limit_states import CHECKS
+from assessment.results.table import Results, Row, Table, reduction
 
 VERIFICATION: tuple[str, ...] = (
     "d_star_m",

@@ -10,9 +10,10 @@ from typing import Any
 from markupsafe import Markup
 
 from assessment.ntc.hazard_grid import RETURN_PERIODS
+from assessment.ntc.limit_states import INDEXED
 from assessment.report.tables.capacity import directions
 from assessment.report.text.language import Words, direction_name
-from assessment.results.table import INDEXED, Row, Table
+from assessment.results.table import Row, Table
 
 MILLIMETRES = {
     "d_y_m",

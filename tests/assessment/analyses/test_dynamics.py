@@ -15,7 +15,6 @@ from assessment.analyses.dynamic.time_history import history, thinned
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.catalogue.record import write_artificial_record
-from assessment.project.errors import ProjectError
 from assessment.project.model import build_model
 from assessment.project.motions import BaseMotion, history_motions
 from assessment.project.project import load_project
@@ -25,6 +24,7 @@ from assessment.report.figures.animation import write_animations
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.tables.index import tables
 from assessment.report.text.language import words_of
+from assessment.runtime.errors import ProjectError
 from assessment.runtime.pool import Pool
 from assessment.workflow.dynamic import read_motions
 from assessment.workflow.stages import run

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from assessment.project.errors import ProjectError
 from assessment.runtime import swap
+from assessment.runtime.errors import ProjectError
 from assessment.runtime.swap import clear, put_in_place
 from tests.support.block_project import contents
 

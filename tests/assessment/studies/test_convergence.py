@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from assessment.analyses.accuracy import Accuracy, accuracy_of
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.catalogue.new_project import new_project, template_layout, write_drawing
-from assessment.project.errors import ProjectError
 from assessment.project.formats.convert import convert
 from assessment.project.model import build_model
 from assessment.project.project import Project, load_project
@@ -21,6 +20,7 @@ from assessment.project.schema import PushoverTable, SettlementTable
 from assessment.report.document import render_html
 from assessment.report.figures.index import write_figures
 from assessment.report.text.language import words_of
+from assessment.runtime.errors import ProjectError
 from assessment.runtime.pool import Pool
 from assessment.runtime.tasks import Workers
 from assessment.studies.convergence import Levels, converge, estimated_error

@@ -21,7 +21,6 @@ from hypothesis import strategies as st
 
 from assessment.ntc.hazard import RETURN_PERIODS, site_curve
 from assessment.ntc.hazard_grid import HazardError
-from assessment.project.errors import ProjectError
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.project.model import build_model
 from assessment.project.motions import history_motions
@@ -30,6 +29,7 @@ from assessment.project.project import load_project
 from assessment.report.tables.index import inert
 from assessment.report.text.language import Words, slug
 from assessment.report.text.messages import translated
+from assessment.runtime.errors import ProjectError
 from assessment.workflow import output
 from mechanics.faults import visible
 from mechanics.records.record import read_record

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from assessment.cli.console import say, tell
+from assessment.runtime.console import say, tell
 from tests.support.block_project import PROJECT, ROOT, run, write_block
 
 TITLE = 'title = "Block"'
