@@ -108,7 +108,7 @@ def test_the_benchmark_runs_from_the_wheel(installed, tmp_path):
 def test_help_imports_no_package():
     """What keeps `assesto --help` quick: none of the dependencies, nor the lookup of a version."""
     code = (
-        "import sys\nfrom assessment.cli import main\n"
+        "import sys\nfrom assessment.cli.main import main\n"
         "try:\n    main(['--help'])\nexcept SystemExit:\n    print(*sys.modules)\n"
     )
     imported = set(execute("-c", code, cwd=ROOT).splitlines()[-1].split())

@@ -101,8 +101,8 @@ def test_no_process_is_left_behind(project, sent):
     """A signal to the parent alone while two others work on something endless."""
     code = (
         "import os, sys, time\n"
-        "from assessment import states\n"
-        "from assessment.cli import main\n"
+        "from assessment.analyses.static import states\n"
+        "from assessment.cli.main import main\n"
         "def endless(*_):\n"
         "    os.write(1, b'begun\\n')\n"
         "    time.sleep(3600)\n"
@@ -181,7 +181,7 @@ def test_memory_that_runs_out_is_told(project, capsys, monkeypatch):
 def test_nohup_keeps_a_run_alive():
     code = (
         "import os, signal, time\n"
-        "from assessment.interruption import watch\n"
+        "from assessment.runtime.interruption import watch\n"
         "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
         "watch('ended', 3)\n"
         "os.kill(os.getpid(), signal.SIGHUP)\n"
@@ -205,8 +205,8 @@ RENAMED = (
 def test_an_interruption_that_a_library_swallows_ends_the_run_all_the_same(project, deaf):
     code = (
         "import contextlib, os, sys, time\n"
-        "from assessment import stages\n"
-        "from assessment.cli import main\n"
+        "from assessment.analyses.static import paths as stages\n"
+        "from assessment.cli.main import main\n"
         "def deaf(*_):\n"
         "    os.write(1, b'begun\\n')\n"
         f"{deaf}"
@@ -238,8 +238,8 @@ def test_a_killed_run_leaves_the_earlier_result(project):
     edit(project, "increment_m = 0.2", "increment_m = 0.1")
     # the process kills itself after its first figure: that is written, results.json is not
     code = (
-        "import os, signal, sys, assessment.figures as figures\n"
-        "from assessment.cli import main\n"
+        "import os, signal, sys, assessment.report.figures.index as figures\n"
+        "from assessment.cli.main import main\n"
         "draw = figures.save_svg\n"
         "figures.save_svg = lambda *it: (draw(*it), os.kill(os.getpid(), signal.SIGKILL))\n"
         "main(['run', sys.argv[1], '--no-report', '--jobs', '1'])"
