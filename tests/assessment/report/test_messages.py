@@ -13,7 +13,7 @@ from tests.support.analysed import analysed
 RAISED = {"UnstableError", "NoEquilibriumError", "CollapseError", "ConvergenceError", "ControlError"}
 RAISED |= {"CapacityError", "MechanismError"}
 LISTS = {"warnings", "notes", "failures", "findings"}
-ELSEWHERE = {"mechanics/synthetic_motion.py", "assessment/benchmark/dynamics.py"}  # no part of a run
+ELSEWHERE = {"mechanics/records/synthetic.py", "assessment/benchmark/dynamics.py"}  # no part of a run
 NAMED = {"_SHAPES", "_COLLAPSE_FIRST", "end"}
 SAYING = {"not_met", "missed", "collapse", "overruns", "passing_through", "_notes", "scatter"}
 SAYING |= {"_gap_texts", "_gap_warnings", "_remedy", "_scattered", "_spread"}

@@ -70,7 +70,10 @@ def test_a_closed_stream_ends_no_run(project, closed):
 @pytest.mark.skipif(os.name != "posix", reason="closes the numbers of the streams")
 def test_no_file_gets_the_number_of_a_stream():
     """What libraries print to it would go into that file."""
-    code = "import os, sys; from assessment.runtime.console import prepare; prepare(); sys.exit(open(os.devnull).fileno())"
+    code = (
+        "import os, sys\nfrom assessment.runtime.console import prepare\n"
+        "prepare()\nsys.exit(open(os.devnull).fileno())"
+    )
     command = ["sh", "-c", 'exec "$0" -c "$1" 0>&- 1>&- 2>&-', sys.executable, code]
     assert subprocess.run(command, cwd=ROOT, check=False).returncode > 2
 

@@ -14,7 +14,11 @@ from assessment.runtime import lock
 from assessment.runtime.lock import NAME, BusyError, locked
 from tests.support.block_project import ROOT, run
 
-HOLD = "import sys, pathlib, assessment.runtime.lock as lock\nwith lock.locked(pathlib.Path(sys.argv[1])): input(print('held'))"
+HOLD = """
+import sys, pathlib, assessment.runtime.lock as lock
+with lock.locked(pathlib.Path(sys.argv[1])):
+    input(print('held'))
+"""
 
 
 def test_a_second_run_is_refused_and_told_by_which_process(project, capsys):

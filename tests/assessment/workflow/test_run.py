@@ -95,7 +95,7 @@ def test_it_imports_nothing_that_computes_or_draws(project):
     """What keeps it quick: all of that takes seconds to load."""
     assert command("run", str(project)).returncode == 0  # with the libraries of a PDF, and real figures
     code = (
-        "import sys\nfrom assessment.cli import main\n"
+        "import sys\nfrom assessment.cli.main import main\n"
         f"assert main(['run', {str(project)!r}]) == 0\nprint(*sys.modules)"
     )
     done = command(code=code)
@@ -203,8 +203,8 @@ def test_a_pdf_that_could_not_be_made_is_made_once_its_libraries_are_there(proje
         raise OSError("cannot load library 'libpango-1.0-0'")
 
     with monkeypatch.context() as patch:
-        for place in ("printing", "report"):
-            patch.setattr(f"assessment.{place}.load_weasyprint", lacking)
+        for place in ("pdf", "document"):
+            patch.setattr(f"assessment.report.{place}.load_weasyprint", lacking)
         assert main(["run", str(project), "--fresh"]) == 0
         assert "report.pdf" in capsys.readouterr().out
         assert not (project / "output" / "report.pdf").exists()
