@@ -10,7 +10,7 @@ from assessment.ntc.limit_states import CHECKS
 from assessment.results.table import quoted_limit_state
 
 Curves = Mapping[str, Mapping[str, Any]]  # of a state: numbers by direction and behaviour
-Assess = Callable[[Curves], Mapping[str, Any]]
+Assess = Callable[[Curves], dict[str, Any]]
 CHECKED = ("a_g_g", "zeta_E")
 
 

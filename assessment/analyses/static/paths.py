@@ -27,6 +27,7 @@ from mechanics import (
     pushover,
 )
 from mechanics.model.assembly import Behaviour, Direction
+from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.mechanism import hinges, virtual_work_multiplier
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.pushdown import Pushdown, whole_movement
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
 
 STILL = 1e-6  # of the largest virtual displacement: a control point that takes no part in a mechanism
 AT_LIMIT = 1e-5  # of the bound on friction: a force nearer to it slides
+OTHER_LAW: dict[Sliding, Sliding] = {"associative": "coulomb", "coulomb": "associative"}
+DIFFERS = 0.01  # of a multiplier: one by another law of friction that is worth telling
 SLIDING_CARRIES = 1e-3  # of the weight of the model: a joint that carries less does not turn a path
 
 
@@ -158,7 +161,7 @@ def push(
             if found is not None:
                 quality.add(found[1])
         if found is not None:
-            _curve_followed(title, model, behaviour, direction, *found, result)
+            _curve_followed(title, model, behaviour, sliding, direction, *found, result)
         result.quality.append(quality.numbers())
         result.seconds = time.perf_counter() - began
         parts.append(result)
@@ -223,6 +226,7 @@ def _settle(
     quality.add(path)
     result.quality.append(quality.numbers())
     result.numbers = {
+        "sliding": sliding,
         "movement_m": path.movement.tolist(),
         "reaction_x_kN": path.reaction[:, 0].tolist(),
         "reaction_z_kN": path.reaction[:, 1].tolist(),
@@ -273,6 +277,7 @@ def _curve_followed(
     title: str,
     model: Assembly,
     behaviour: Behaviour,
+    sliding: Sliding,
     direction: Direction,
     control: ControlTable,
     path: Pushover,
@@ -283,8 +288,16 @@ def _curve_followed(
     rigid = behaviour == "rigid"
     met = Met(model)
     numbers = _rigid(model, control, direction, path, met) if rigid else _elastic(model, direction, path)
+    if rigid and numbers["mechanism"]["sliding_joints"]:
+        numbers |= _other_law(model, sliding, direction, path)
+        if "alpha_0_coulomb" in numbers:
+            result.warnings.append(
+                f"{title}: with friction that does not lift what slides (Coulomb) α0 is "
+                f"{numbers['alpha_0_coulomb']:.4g}, not {numbers['alpha_0']:.4g}"
+            )
     result.numbers = {
         "control": control.name,
+        "sliding": sliding,
         **numbers,
         "frames": pushover_frames(model, path, met),
     }
@@ -349,6 +362,19 @@ def _rigid(
         "mechanism_configuration": configuration(model, at),
         "final_configuration": configuration(model, path.states[-1]),
     }
+
+
+def _other_law(model: Assembly, sliding: Sliding, direction: Direction, path: Pushover) -> dict[str, float]:
+    """Return the multiplier by the other law of friction at the peak where it differs by more than DIFFERS.
+
+    With Coulomb friction a multiplier is not unique: `sliding_residual` tells how far its lift is from settled.
+    """
+    at, other = path.states[path.peak], OTHER_LAW[sliding]
+    found = {law: limit_in(model, direction, at, law) for law in OTHER_LAW}
+    alpha = float(path.multiplier[path.peak])
+    if abs(found[other].alpha - alpha) <= DIFFERS * alpha:
+        return {}
+    return {f"alpha_0_{other}": found[other].alpha, "sliding_residual": found["coulomb"].residual}
 
 
 def _scaled(
