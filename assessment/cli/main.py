@@ -429,9 +429,9 @@ def _is_input_error(error: ValueError | OSError) -> bool:
     (int of a NaN), is a bug of ours.
     """
     from assessment.runtime.errors import ProjectError
-    from mechanics import DrawingError
+    from mechanics import ArgumentError, DrawingError, RecordError
 
-    if isinstance(error, ProjectError | DrawingError | OSError):
+    if isinstance(error, ProjectError | DrawingError | RecordError | ArgumentError | OSError):
         return True
     last = error.__traceback__
     while last and last.tb_next:
