@@ -15,6 +15,7 @@ from assessment.cli.main import main
 from assessment.results.file import UndocumentedError, as_bytes, read_results
 from assessment.results.schema import FORMAT, Results, json_schema
 from tests.support.analysed import analysed
+from tests.support.results_example import results_example, with_frames
 
 UNITS = {"m": "m", "kN": "kN", "kNm": "kNm", "g": "g", "s": "s", "rad": "rad", "m2": "kN/m²", "s2": "m/s²"}
 
@@ -169,3 +170,7 @@ def test_the_schema_of_results_is_printed(capsys):
     assert schema == json_schema()
     assert schema["properties"]["timing_s"]["unit"] == "s"
     assert schema["$defs"]["Check"]["properties"]["zeta_E"]["description"].startswith("ratio of a_g S")
+
+
+def test_the_example_of_other_tests_is_results():
+    as_bytes(with_frames(results_example()))
