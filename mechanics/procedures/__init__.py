@@ -3,6 +3,7 @@
 The analyses themselves are public names of `mechanics`; here is what they return, and what goes with them.
 """
 
+from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.mechanism import hinges, virtual_work_multiplier
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.pushdown import Pushdown, whole_movement
@@ -13,6 +14,7 @@ __all__ = [
     "Pushdown",
     "Pushover",
     "hinges",
+    "limit_in",
     "virtual_work_multiplier",
     "whole_movement",
 ]

@@ -248,6 +248,7 @@ def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
                 "reached_zero": True,
                 "lost": False,
                 "end": "α = 0",
+                "sliding": "associative",
                 "curve": {"displacement_m": (sense * displacement).tolist(), "multiplier": rigid.tolist()},
                 "mechanism": _mechanism(sense, a0, e_star, gamma_star),
                 "mechanism_configuration": _configuration(movement),
@@ -262,6 +263,7 @@ def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
                 "d_u_m": float(displacement[elastic.argmax()]),
                 "peak": int(elastic.argmax()),
                 "end": "α = 0",
+                "sliding": "associative",
                 "reached_zero": True,
                 "rest_configuration": _configuration(movement),
                 "peak_configuration": _configuration(movement),
@@ -390,6 +392,7 @@ def _pushdown() -> dict[str, Any]:
             "ultimate_configuration": _configuration(ultimate),
             "control_displacement_m": np.column_stack([0.5 * movement, 0.0 * movement]).tolist(),
             "end": "the structure falls",
+            "sliding": "associative",
         }
     return stages
 

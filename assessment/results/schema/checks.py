@@ -25,7 +25,7 @@ class Check(Part):
     a_star_g: float | None = key("acceleration that counts; null: not defined", "g")
     T_s: float | None = key("period that counts; null: not defined", "s")
     a_g_g: float | None = key("capacity a_g; null: not defined, `notes` say why", "g")
-    a_g_range: list[float | None] | None = optional("least and largest of an ensemble", "g")
+    a_g_g_range: list[float | None] | None = optional("least and largest of an ensemble", "g")
     demand_a_g_g: float = key("demand a_g", "g")
     zeta_E: float | None = key(
         "ratio of a_g S borne to that demanded: the index ζ_E at SLV and SLC, a ratio at SLO and SLD", "–"

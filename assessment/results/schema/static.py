@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from assessment.results.schema.model import Face
 from assessment.results.schema.part import Configuration, Part, Point, key, optional
+
+Sliding = Literal["associative", "coulomb"]
 
 
 class Frames(Part):
@@ -28,7 +32,8 @@ class PushdownPath(Part):
         "largest component of the movement at which the structure falls; null: not reached or not looked for",
         "m",
     )
-    ultimate_movement_range: list[float | None] | None = optional("least and largest of an ensemble", "m")
+    ultimate_movement_m_range: list[float | None] | None = optional("least and largest of an ensemble", "m")
+    sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
     applied_movement_m: float = key("largest component of the movement that the settlement asks for", "m")
     end: str = key("why the path ends")
     configuration: Configuration = key("after the whole movement, or where the structure falls", "m, rad")
@@ -77,11 +82,22 @@ class RigidPush(Part):
     alpha_0_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
     alpha_onset: float = key("its first multiplier; above it an open hinge of a settlement may close", "–")
     d_0_m: float | None = key("displacement capacity, along the push; null: the path was cut short", "m")
-    d_0_range: list[float | None] | None = optional("least and largest of an ensemble", "m")
+    d_0_m_range: list[float | None] | None = optional("least and largest of an ensemble", "m")
+    alpha_0_associative: float | None = optional(
+        "α_0 where what slides lifts, if it differs by 1 % or more", "–"
+    )
+    alpha_0_coulomb: float | None = optional(
+        "α_0 where what slides does not lift, if it differs by 1 % or more", "–"
+    )
+    sliding_residual: float | None = optional(
+        "how far the lift taken back is from settled, per largest displacement of the mechanism", "–"
+    )
     reached_zero: bool = key("whether the curve falls to α = 0")
     lost: bool = key("whether equilibrium is lost before, where the capacity ends")
     end: str = key("why the path ends")
     curve: Curve = key("the curve")
+    members: list[Curve] | None = optional("curves of the other members of the ensemble")
+    sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
     mechanism: Mechanism = key("the mechanism at its activation")
     virtual_work_alpha: float | None = key(
         "multiplier by virtual work over all blocks; null: no load works", "–"
@@ -103,6 +119,8 @@ class ElasticPush(Part):
     end: str = key("why the path ends")
     reached_zero: bool = key("whether the curve falls to α = 0")
     curve: Curve = key("the curve")
+    members: list[Curve] | None = optional("curves of the other members of the ensemble")
+    sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
     rest_configuration: Configuration = key("at rest, before the push", "m, rad")
     peak_configuration: Configuration = key("at the peak", "m, rad")
     frames: Frames = key("some of its configurations")
