@@ -17,6 +17,7 @@ import numpy as np
 import piqp
 from scipy import sparse
 
+from mechanics.errors import ArgumentError
 from mechanics.kernels.interior_iteration import BED, FRICTION, LIFT, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.model.contacts import rows
@@ -42,7 +43,7 @@ def solve(program: Program, tolerance: float, most_iterations: int = 60) -> Answ
     """
     form = StandardForm.of(program)
     if not all(np.isfinite(v).all() for v in (form.p.data, form.q, form.a.data, form.b)):
-        raise ValueError("the program holds a number that is not finite")
+        raise ArgumentError("the program holds a number that is not finite")
     solver = piqp.SparseSolver()
     solver.settings.eps_abs = solver.settings.eps_rel = tolerance
     solver.settings.eps_duality_gap_abs = solver.settings.eps_duality_gap_rel = tolerance

@@ -19,10 +19,8 @@ from assessment.ntc.capacity import CapacityCurve, capacity_curve
 from assessment.ntc.curve_fit import fit_rigid
 from assessment.ntc.verification import Method, check_activation, check_linear
 from assessment.results.faces import Met
-from mechanics.kernels.joint import H
-from mechanics.model.contacts import Contacts, end_gaps, rows
-from mechanics.steps.equilibrium import CLOSED, ONSET
-from mechanics.steps.static_step import static_system
+from mechanics.model import Contacts, H, end_gaps, rows
+from mechanics.steps import CLOSED, ONSET, static_system
 from mechanics.types import Index, Mask
 
 if TYPE_CHECKING:

@@ -26,15 +26,18 @@ from mechanics import (
     pushdown,
     pushover,
 )
-from mechanics.model.assembly import Behaviour, Direction
-from mechanics.procedures.limit_analysis import limit_in
-from mechanics.procedures.mechanism import hinges, virtual_work_multiplier
-from mechanics.procedures.mirror import Mirror
-from mechanics.procedures.pushdown import Pushdown, whole_movement
-from mechanics.procedures.pushover import Pushover
+from mechanics.model import Behaviour, Direction
+from mechanics.procedures import (
+    Mirror,
+    Pushdown,
+    Pushover,
+    hinges,
+    limit_in,
+    virtual_work_multiplier,
+    whole_movement,
+)
 from mechanics.program import Certificate
-from mechanics.steps.equilibrium import check_self_weight
-from mechanics.steps.static_step import Sliding
+from mechanics.steps import Sliding, check_self_weight
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
