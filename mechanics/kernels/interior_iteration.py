@@ -10,12 +10,9 @@ with |T| < μN, their gaps y₁, y₂ > 0 and the slips λ₊, λ₋ > 0:
     work           f_L·x = γ
 
 with σ the strength per length, and G what the forces of an earlier solution change as the geometry does. All but x and
-α
-are eliminated joint by joint, which leaves BᵀDB + M̄ − G, three rows a block; D is written in sums of positive terms,
-since
-differences lose all digits once stick or slip is decided. Predictor and corrector after Mehrotra; the forces that
-follow from stiff joints are refined until equilibrium holds to rounding. Where sliding does not lift (Coulomb) the ends
-do not know the slips, and the bound μN is that of the last iterate.
+α are eliminated joint by joint, which leaves BᵀDB + M̄ − G, three rows a block; D is written in sums of positive terms,
+since differences lose all digits once stick or slip is decided. Predictor and corrector after Mehrotra; the forces that
+follow from stiff joints are refined until equilibrium holds to rounding.
 """
 
 from __future__ import annotations
@@ -43,16 +40,13 @@ from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
 
-# columns of the law of a joint (j, LAW): friction; friction that lifts (0: Coulomb's); compliance in shear, m/kN;
-# stiffness
-# of the bed, kN/m² (inf: rigid); slip from which the slide counts, m; strength, kN/m; segments of a bed of points (0:
-# exact)
-FRICTION, LIFT, SHEAR, BED, SLID, STRENGTH, SEGMENTS = range(7)
-# and of a bed whose gap is bent, in time stepping: where (from the middle of the overlap), 0: nowhere it is; u and φ
-# of the
-# gaps at the start; by what they are multiplied below and above
-KINK, U0, PHI0, BELOW, ABOVE = range(7, 12)
-LAW = 12
+# columns of the law of a joint (j, LAW): friction; compliance in shear, m/kN; stiffness of the bed, kN/m² (inf: rigid);
+# slip from which the slide counts, m; strength, kN/m; segments of a bed of points (0: exact)
+FRICTION, SHEAR, BED, SLID, STRENGTH, SEGMENTS = range(6)
+# and of a bed whose gap is bent, in time stepping: place of the bend, from the middle of the overlap; u and φ of the
+# gaps at the start; factors of these below and above the bend (equal: no bend)
+KINK, U0, PHI0, BELOW, ABOVE = range(6, 11)
+LAW = 11
 
 STIFFEST = 1e-11  # compliance, per step and weight, that bounds the stiffness of closed and of stuck joints
 TO_THE_BOUND = 0.995  # share of the way to the bounds that an iteration goes
@@ -90,9 +84,9 @@ def missing(
 ) -> None:  # fmt: skip
     """What an iterate misses of the laws of a joint, and the terms of its elimination, into `know` (KNOWN,)."""
     du, dphi, dv = motion(p, i, j, x)
-    n1, n2, t, h, lift = f[0], f[1], f[2], p[H], law[LIFT]
+    n1, n2, t, h, mu = f[0], f[1], f[2], p[H], law[FRICTION]
     n = n1 + n2
-    w, tilt = p[U] + du - lift * (y[2] + y[3]), h * (p[PHI] + dphi)
+    w, tilt = p[U] + du - mu * (y[2] + y[3]), h * (p[PHI] + dphi)
     first, second = w - tilt, w + tilt
     kappa = 0.25 / (h * law[STRENGTH])
     beta = 2.0 * kappa * n
@@ -137,7 +131,7 @@ def missing(
         off = max(abs(know[E1]), abs(know[E2]))
     know[SLIP] = y[2] - y[3] - (p[V] + dv - law[SLID]) - law[SHEAR] * t
     know[OFF] = max(off, abs(know[SLIP]))
-    know[ZP], know[ZM] = law[FRICTION] * n + t, law[FRICTION] * n - t
+    know[ZP], know[ZM] = mu * n + t, mu * n - t
     know[PP], know[PM] = y[2] / know[ZP], y[3] / know[ZM]
     know[S11], know[S12], know[S22] = c11, c12, c22
     first, second, cross = y[0] / know[G1], y[1] / know[G2], 2.0 * kappa * both
@@ -151,7 +145,7 @@ def missing(
     know[A], know[LEVER] = a, h * (know[D22] - know[D11]) / a
     shear = law[SHEAR] + unit
     know[SUM] = know[PP] + know[PM] + shear
-    know[Q] = know[SUM] + a * lift * lift * (4.0 * know[PP] * know[PM] + shear * (know[PP] + know[PM]))
+    know[Q] = know[SUM] + a * mu * mu * (4.0 * know[PP] * know[PM] + shear * (know[PP] + know[PM]))
 
 
 @compiled
@@ -160,21 +154,21 @@ def _taken(missed: float, y: float) -> float:
 
 
 @compiled
-def stiffness(know: Array, h: float, lift: float, d: Array) -> None:
+def stiffness(know: Array, h: float, mu: float, d: Array) -> None:
     """D (6,) of a joint: −∂(N, P, T)/∂(u, φ, v) at the iterate, its entries uu, uφ, uv, φφ, φv, vv."""
     a, lever, q = know[A], know[LEVER], know[Q]
-    skew = -a * lift * (know[PP] - know[PM]) / q
+    skew = -a * mu * (know[PP] - know[PM]) / q
     d[0] = a * know[SUM] / q
     d[1] = lever * d[0]
     d[2] = skew
     # with N held, P = h(N₂ − N₁) resists the turn by 4h²/(det C a)
     d[3] = 4.0 * h * h * (know[D11] * know[D22] - know[D12] * know[D12]) / a + lever * d[1]
     d[4] = lever * skew
-    d[5] = (1.0 + a * lift * lift * (know[PP] + know[PM])) / q
+    d[5] = (1.0 + a * mu * mu * (know[PP] + know[PM])) / q
 
 
 @compiled
-def aim(know: Array, h: float, lift: float, target: float) -> None:
+def aim(know: Array, h: float, mu: float, target: float) -> None:
     """Forces RN, RP, RT of a joint that bear what it misses, its products becoming `target` less the corrections."""
     know[KP] = (target - know[LP] * know[ZP] - know[BP]) / know[ZP]
     know[KM] = (target - know[LM] * know[ZM] - know[BM]) / know[ZM]
@@ -186,12 +180,12 @@ def aim(know: Array, h: float, lift: float, target: float) -> None:
     a, skew = know[A], know[PP] - know[PM]
     n = (know[D11] + know[D12]) * b1 + (know[D22] + know[D12]) * b2
     tilt = 2.0 * h * (know[D11] * know[D22] - know[D12] * know[D12]) * (b2 - b1) / a
-    lifted = a * lift
+    lifted = a * mu
     know[RN] = (know[SUM] * n + lifted * (know[SUM] * both - skew * apart)) / know[Q]
     know[RP] = tilt + know[LEVER] * know[RN]
-    know[RT] = (
-        apart * (1.0 + lifted * lift * (know[PP] + know[PM])) - skew * lift * (n + lifted * both)
-    ) / know[Q]
+    know[RT] = (apart * (1.0 + lifted * mu * (know[PP] + know[PM])) - skew * mu * (n + lifted * both)) / know[
+        Q
+    ]
 
 
 @compiled
@@ -208,12 +202,12 @@ def agree(know: Array, h: float, law: Array, df: Array, target: float, stiff: fl
 
     As differences of large forces they would have lost their digits. `stiff`: weight per step.
     """
-    u, phi, v, lift = know[DU], know[DPHI], know[DV], law[LIFT]
+    u, phi, v, mu = know[DU], know[DPHI], know[DV], law[FRICTION]
     one, other = know[LP] * stiff > know[ZP], know[LM] * stiff > know[ZM]
     if one == other or know[BETA] > 0.0:
         return
     slip = v + law[SHEAR] * df[2] - know[SLIP]
-    bound = law[FRICTION] * df[0] if lift > 0.0 else 0.0
+    bound = mu * df[0]
     if one:
         lm = know[KM] - know[PM] * (bound - df[2])
         lp = lm + slip
@@ -222,7 +216,7 @@ def agree(know: Array, h: float, law: Array, df: Array, target: float, stiff: fl
         lm = lp - slip
     couple = df[1] / h
     d1, d2 = 0.5 * (df[0] - couple), 0.5 * (df[0] + couple)
-    w = u - lift * (lp + lm)
+    w = u - mu * (lp + lm)
     if know[Y1] > know[N1] * (1.0 / stiff + know[S11]):
         y1 = w - h * phi - know[E1] + know[S11] * d1 - know[S12] * d2
         d1 = (target - know[G1] * know[Y1] - know[C1] - know[G1] * y1) / know[Y1]
@@ -230,7 +224,7 @@ def agree(know: Array, h: float, law: Array, df: Array, target: float, stiff: fl
         y2 = w + h * phi - know[E2] + know[S22] * d2 - know[S12] * d1
         d2 = (target - know[G2] * know[Y2] - know[C2] - know[G2] * y2) / know[Y2]
     df[0], df[1] = d1 + d2, h * (d2 - d1)
-    bound = law[FRICTION] * df[0] if lift > 0.0 else 0.0
+    bound = mu * df[0]
     if one:
         df[2] = (target - know[LP] * know[ZP] - know[BP] - know[ZP] * lp) / know[LP] - bound
     else:
@@ -245,10 +239,10 @@ def change(know: Array, h: float, law: Array, df: Array, target: float, stiff: f
     where joints crush, that which the product asks for.
     """
     u, phi, v, beta = know[DU], know[DPHI], know[DV], know[BETA]
-    couple, lift = df[1] / h, law[LIFT]
+    couple, mu = df[1] / h, law[FRICTION]
     d1, d2 = 0.5 * (df[0] - couple), 0.5 * (df[0] + couple)
     g1, g2 = d1 - beta * df[0], d2 - beta * df[0]
-    bound = law[FRICTION] * df[0] if lift > 0.0 else 0.0
+    bound = mu * df[0]
     zp, zm = bound + df[2], bound - df[2]
     lp, lm = know[KP] - know[PP] * zp, know[KM] - know[PM] * zm
     slip = v + law[SHEAR] * df[2] - know[SLIP]
@@ -258,7 +252,7 @@ def change(know: Array, h: float, law: Array, df: Array, target: float, stiff: f
         lm = lp - slip
     y1 = (target - know[G1] * know[Y1] - know[C1] - know[Y1] * g1) / know[G1]
     y2 = (target - know[G2] * know[Y2] - know[C2] - know[Y2] * g2) / know[G2]
-    w = u - lift * (lp + lm)
+    w = u - mu * (lp + lm)
     if know[Y1] > know[N1] * (1.0 / stiff + know[S11]) and beta == 0.0:
         y1 = w - h * phi - know[E1] + know[S11] * d1 - know[S12] * d2
     if know[Y2] > know[N2] * (1.0 / stiff + know[S22]) and beta == 0.0:
@@ -368,7 +362,7 @@ def iterate(
             diagonal(held, stored, pattern)
             for k in range(c):
                 i, j = row[k, 0], row[k, 1]
-                stiffness(know[k], places[k, H], law[k, LIFT], d[k])
+                stiffness(know[k], places[k, H], law[k, FRICTION], d[k])
                 stiffen(which[k], places[k], i, j, d[k], stored, pattern)
                 if bent:
                     bend(which[k], i, j, curved[k], stored, pattern)
@@ -395,7 +389,7 @@ def iterate(
             dx[:] = residual
             for k in range(c):
                 s = know[k]
-                aim(s, places[k, H], law[k, LIFT], target)
+                aim(s, places[k, H], law[k, FRICTION], target)
                 df[k, 0], df[k, 1], df[k, 2] = s[RN], s[RP], s[RT]
                 push(places[k], row[k, 0], row[k, 1], s[RN], s[RP], s[RT], dx)
             _back(stored, pattern, bent, dx)

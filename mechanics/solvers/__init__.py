@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError
-from mechanics.kernels.interior_iteration import BED, LIFT, SHEAR, SLID
+from mechanics.kernels.interior_iteration import BED, SHEAR, SLID
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, Solution, certify
@@ -87,7 +87,6 @@ def imbalance(program: Program, layout: Elimination) -> float:
     places[:, U], places[:, PHI] = 0.5 * (low + high), 0.5 * (high - low) / np.maximum(places[:, H], 1e-300)
     places[:, V] = 0.0
     law[:, BED], law[:, SHEAR], law[:, SLID] = np.inf, 0.0, 0.0
-    law[:, LIFT] = law[:, 0]
     mass = np.full(len(program.load), program.weight / GRAVITY)
     mass[2::3] *= program.size**2
     gauss = replace(program, places=places, law=law, work=0.0, mass=mass, step=GRAVITY, curved=None)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mechanics.kernels.interior_iteration import BED, FRICTION, STRENGTH, iterate
+from mechanics.kernels.interior_iteration import FRICTION, STRENGTH, iterate
 from mechanics.kernels.joint import H
 from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, certify
 from mechanics.solvers.elimination import Elimination
@@ -117,11 +117,6 @@ def solution(program: Program, iterate: Iterate) -> Solution:
         iterate.displacement,
         certify(program, forces, iterate.alpha, iterate.displacement),
     )
-
-
-def is_elastic(program: Program) -> bool:
-    """Whether the joints of a program have beds."""
-    return bool(len(program.law)) and bool(np.isfinite(program.law[0, BED]))
 
 
 def frozen(program: Program) -> Program:

@@ -17,7 +17,7 @@ import numpy as np
 import piqp
 from scipy import sparse
 
-from mechanics.kernels.interior_iteration import BED, FRICTION, LIFT, SEGMENTS, SHEAR, SLID, STRENGTH
+from mechanics.kernels.interior_iteration import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.model.contacts import rows
 from mechanics.program import LARGEST_MULTIPLIER, Program
@@ -29,9 +29,8 @@ Answer = tuple[Array, float, Array]
 
 
 def suits(program: Program) -> bool:
-    """Whether the program is a quadratic one: associated friction, and no joint that crushes."""
-    law = program.law
-    return bool((law[:, LIFT] == law[:, FRICTION]).all() and np.isinf(law[:, STRENGTH]).all())
+    """Whether the program is a quadratic one: no joint crushes."""
+    return bool(np.isinf(program.law[:, STRENGTH]).all())
 
 
 def solve(program: Program, tolerance: float, most_iterations: int = 60) -> Answer | None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from mechanics.assembly import Assembly, Behaviour, State
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnsettledError
-from mechanics.kernels.interior_iteration import BED, FRICTION, LAW, LIFT, SEGMENTS, SHEAR, SLID, STRENGTH
+from mechanics.kernels.interior_iteration import BED, FRICTION, LAW, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.kernels.joint import ARM, BETA, MV, PHI, H, U, V, curvature
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.model.proximity import near
@@ -100,7 +100,7 @@ class StaticSystem:
         """What each joint obeys (j, LAW)."""
         c = self.contacts
         law = np.zeros((len(c), LAW))
-        law[:, FRICTION] = law[:, LIFT] = np.maximum(c.friction, LEAST_FRICTION)
+        law[:, FRICTION] = np.maximum(c.friction, LEAST_FRICTION)
         law[:, STRENGTH], law[:, BED] = c.strength, np.inf
         if not self.rigid:
             law[:, BED], law[:, SEGMENTS] = c.bed, c.segments
