@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechanics.kernels.bed import closures, points_under, under
-from mechanics.kernels.interior_iteration import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import rows
 from mechanics.types import Array, Index
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechanics.kernels.interior_iteration import FRICTION, SHEAR
 from mechanics.kernels.joint import (
     A1,
     A2,
@@ -19,6 +18,7 @@ from mechanics.kernels.joint import (
     TBX,
     TBZ,
 )
+from mechanics.kernels.law import FRICTION, SHEAR
 from mechanics.types import Array
 
 

@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics.kernels import interior_iteration as loops
-from mechanics.kernels.interior_iteration import BED, FRICTION, KNOWN, LAW, SHEAR, STRENGTH
+from mechanics.kernels import joint_elimination as loops
 from mechanics.kernels.joint import H, curvature
+from mechanics.kernels.joint_elimination import KNOWN
+from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
 from mechanics.model.contacts import rows
 from mechanics.steps.static_step import static_system
@@ -92,7 +93,7 @@ def any_joint(seed: int, kind: str) -> tuple[Array, Array, Array, Array, Array]:
     if kind != "rigid":
         law[BED], law[SHEAR] = 10.0 ** rng.uniform(3.0, 6.0), 10.0 ** rng.uniform(-6.0, -4.0)
     if kind == "points":
-        law[loops.SEGMENTS] = 5
+        law[SEGMENTS] = 5
     if kind == "crushing":
         law[STRENGTH] = 3.0 * forces.sum() ** 2 / (4.0 * place[H] * forces[:2].min())
     forces[2] = rng.uniform(-0.9, 0.9) * law[FRICTION] * forces.sum()

@@ -30,7 +30,7 @@ from mechanics import (
     UnstableError,
 )
 from mechanics.assembly import Behaviour
-from mechanics.kernels.interior_iteration import SEGMENTS
+from mechanics.kernels.law import SEGMENTS
 from mechanics.procedures.pushdown import Pushdown
 from mechanics.procedures.pushover import Pushover
 from mechanics.program import Program

@@ -18,7 +18,7 @@ import numpy as np
 
 from mechanics.kernels.jit import compiler
 
-compiled = compiler("contract", "reassoc")
+compiled = compiler("contract", "reassoc", allocates=False)
 
 MOST_SEGMENTS = 64  # of a bed of points
 NEWTON, HALVINGS = 60, 30  # iterations for the displacements of a bed of finite strength, and halvings of one

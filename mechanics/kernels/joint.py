@@ -20,7 +20,7 @@ import numpy as np
 from mechanics.kernels.jit import compiler
 from mechanics.types import Array
 
-compiled = compiler()
+compiled = compiler(allocates=False)
 
 LEVEL = 1e-11  # rad: faces that rounding turns against each other are level, and keep to one of their ends
 

@@ -18,20 +18,10 @@ from typing import Any
 import numpy as np
 
 from mechanics.kernels.bed import crushed, stored
-from mechanics.kernels.interior_iteration import (
-    ABOVE,
-    BED,
-    BELOW,
-    FRICTION,
-    KINK,
-    PHI0,
-    SHEAR,
-    SLID,
-    U0,
-    iterate,
-)
+from mechanics.kernels.interior_iteration import iterate
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import MPHI, MU, MV, NX, NZ, PHI, PLACE, H, U, V, place
+from mechanics.kernels.law import ABOVE, BED, BELOW, FRICTION, KINK, PHI0, SHEAR, SLID, U0
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")

@@ -8,8 +8,8 @@ import numpy as np
 
 from mechanics.assembly import Assembly, Direction, State
 from mechanics.errors import NoEquilibriumError
-from mechanics.kernels.interior_iteration import FRICTION
 from mechanics.kernels.joint import U
+from mechanics.kernels.law import FRICTION
 from mechanics.model.contacts import Contacts
 from mechanics.program import LARGEST_MULTIPLIER, Certificate
 from mechanics.solvers import solve

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError
-from mechanics.kernels.interior_iteration import BED, SHEAR, SLID
 from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.kernels.law import BED, SHEAR, SLID
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, Solution, certify
 from mechanics.solvers import interior

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mechanics.kernels.interior_iteration import FRICTION, STRENGTH, iterate
+from mechanics.kernels.interior_iteration import iterate
 from mechanics.kernels.joint import H
+from mechanics.kernels.law import FRICTION, STRENGTH
 from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, certify
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.threads import one_thread

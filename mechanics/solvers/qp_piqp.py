@@ -17,8 +17,8 @@ import numpy as np
 import piqp
 from scipy import sparse
 
-from mechanics.kernels.interior_iteration import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import rows
 from mechanics.program import LARGEST_MULTIPLIER, Program
 from mechanics.types import Array, Index
