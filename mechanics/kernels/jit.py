@@ -53,9 +53,9 @@ def compiler(
     pipeline: Any = _Apart if apart else Compiler
 
     def compile_(function: Callable[..., Any]) -> Any:
-        loop: Any = numba.njit(
-            fastmath=set(fastmath), error_model="numpy", pipeline_class=pipeline, _nrt=allocates
-        )(function)
+        # numba's type hints do not know the last option
+        options: dict[str, Any] = {"error_model": "numpy", "pipeline_class": pipeline, "_nrt": allocates}
+        loop: Any = numba.njit(fastmath=set(fastmath), **options)(function)
         if cache_folder() is not None:
             loop._cache = _Cache(function)
         return loop

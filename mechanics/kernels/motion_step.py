@@ -22,6 +22,7 @@ from mechanics.kernels.interior_iteration import iterate
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import MPHI, MU, MV, NX, NZ, PHI, PLACE, H, U, V, place
 from mechanics.kernels.law import ABOVE, BED, BELOW, FRICTION, KINK, PHI0, SHEAR, SLID, U0
+from mechanics.kernels.newton_iteration import newton
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -31,6 +32,7 @@ compiled = compiler("contract", "reassoc")
 ELASTIC, RUBBED, IMPACT, VISCOUS, STEPPING, INPUT = range(6)
 ENERGIES = 6
 STANDARD_GRAVITY = 9.80665  # m/s²
+ROUGHLY = 1e-4  # missed per weight and span: the joints that slide are known
 COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a start from nowhere
 MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
 PRESSED = 1e-6  # of the weight of a block: a force that is one
@@ -73,6 +75,74 @@ def _apart(gap: float, rate: float, closed: float, bounce: float) -> float:
     if bounce > 0.0 and gap + rate <= 0.0:
         return bounce * min(rate, 0.0)
     return gap if gap > closed else 0.0
+
+
+@compiled
+def _begin_inside(
+    at: Array, laws: Array, weight: float, span: float, pressed: float, cold: bool, f: Array, y: Array
+) -> None:
+    """Bring forces and gaps within their bounds, where the interior point begins.
+
+    `cold`: nothing is known of them but the gaps that are there, and the force `pressed` that stops blocks.
+    """
+    for k in range(len(f)):
+        if cold:
+            for e in range(2):
+                gap = at[k, U] + (2 * e - 1) * at[k, H] * at[k, PHI]
+                y[k, e] = COLD * span + max(gap, 0.0)
+                f[k, e] = pressed * COLD * span / y[k, e]
+            f[k, 2], y[k, 2], y[k, 3] = 0.0, COLD * span, COLD * span
+        f[k, 0], f[k, 1] = max(f[k, 0], 1e-2 * weight), max(f[k, 1], 1e-2 * weight)
+        bound = 0.98 * laws[k, FRICTION] * (f[k, 0] + f[k, 1])
+        f[k, 2] = min(max(f[k, 2], -bound), bound)
+        for e in range(4):
+            least = 1e-2 * span / (max(laws[k, FRICTION], 1.0) if e > 1 else 1.0)
+            y[k, e] = max(y[k, e], least)
+
+
+@compiled
+def _solve(
+    rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any, cold: bool,
+    elastic: bool, pressed: float, stored_matrix: Array, packed: Any, chosen: Any,
+) -> tuple[int, float, float, float]:  # fmt: skip
+    """Displacements dx (m,), forces f (j, 3) and gaps y (j, 4) of a step: iterations and residuals as of `iterate`.
+
+    Elastic joints: by Newton's method from the start of the step; where many joints slide, from what the interior point
+    has found ROUGHLY; else, as with rigid joints, by the interior point, near the dx, f and y given.
+    """
+    weight, size, span, accepted = scale
+    done, none = 0, np.empty(0)
+    if elastic and not cold:
+        moved = np.zeros(len(dx))
+        more, force, gap = newton(
+            rows, at, laws, load, mass, moved, f, y, scale, stored_matrix, packed, chosen
+        )
+        done += more
+        if force <= accepted:
+            dx[:] = moved
+            return done, force, gap, 0.0
+    _begin_inside(at, laws, weight, span, pressed, cold, f, y)
+    if elastic:
+        more, _, force, gap, product = iterate(
+            rows, at, laws, load, none, 0.0, mass, np.empty((0, 7)), dx, 0.0, f, y,
+            (weight, size, span, ROUGHLY), MOST_ITERATIONS, stored_matrix, packed, chosen,
+        )  # fmt: skip
+        done += abs(more)
+        if not max(force, product) <= ROUGHLY:
+            return done, force, gap, product
+        moved = dx.copy()
+        more, force, gap = newton(
+            rows, at, laws, load, mass, moved, f, y, scale, stored_matrix, packed, chosen
+        )
+        done += more
+        if force <= accepted:
+            dx[:] = moved
+            return done, force, gap, 0.0
+    more, _, force, gap, product = iterate(
+        rows, at, laws, load, none, 0.0, mass, np.empty((0, 7)), dx, 0.0, f, y, scale, MOST_ITERATIONS, stored_matrix,
+        packed, chosen,
+    )  # fmt: skip
+    return done + abs(more), force, gap, product
 
 
 @compiled
@@ -166,24 +236,9 @@ def attempt(
                 scaled[j + e] = mass[i, e] / (share * h * h)
                 dx[j + e] = h * v[i, e]
                 pushed[j + e] = load[i, e] + scaled[j + e] * dx[j + e]
-    none = np.empty(0)
-    pressed = COLD * weight * span / (STANDARD_GRAVITY * h * h)
-    for k in range(count):
-        if attempts > 0:
-            for e in range(2):
-                gap = at[k, U] + (2 * e - 1) * at[k, H] * at[k, PHI]
-                y[k, e] = COLD * span + max(gap, 0.0)
-                f[k, e] = pressed * COLD * span / y[k, e]
-            f[k, 2], y[k, 2], y[k, 3] = 0.0, COLD * span, COLD * span
-        f[k, 0], f[k, 1] = max(f[k, 0], 1e-2 * weight), max(f[k, 1], 1e-2 * weight)
-        bound = 0.98 * laws[k, FRICTION] * (f[k, 0] + f[k, 1])
-        f[k, 2] = min(max(f[k, 2], -bound), bound)
-        for e in range(4):
-            least = 1e-2 * span / (max(laws[k, FRICTION], 1.0) if e > 1 else 1.0)
-            y[k, e] = max(y[k, e], least)
-    done, _, force, gap, product = iterate(
-        rows, at, laws, pushed, none, 0.0, scaled, np.empty((0, 7)), dx, 0.0, f, y,
-        (weight, size, span, accepted), MOST_ITERATIONS, stored_matrix, packed, chosen,
+    done, force, gap, product = _solve(
+        rows, at, laws, pushed, scaled, dx, f, y, (weight, size, span, accepted), attempts > 0, elastic,
+        COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen,
     )  # fmt: skip
     if max(force, product) > accepted:
         return -done, 0.0, force, gap, product
