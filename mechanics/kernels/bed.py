@@ -7,9 +7,8 @@ at its two ends, N = N₁ + N₂ and P = h(N₂ − N₁):
     W* = 2N³/(9kL N₁)                  where it opens at the first end; likewise at the other
 
 Its gradient are the closures of the ends, its Hessian their compliance; both are continuous. A bed of points at the
-ends
-of n equal segments (the paper's) and one of finite strength have no W* in closed form: there the displacements under
-two forces are found first.
+ends of n equal segments (the paper's) and one of finite strength have no W* in closed form: there the displacements
+under two forces are found first.
 """
 
 from __future__ import annotations

@@ -7,8 +7,7 @@ closed at the start, w₀ < 0, the force is −k(w₀ + θΔw), of one that clos
 −k(θ + β/h)(Δw + g), g = w₀ where open and w₀/(θ + β/h) where closed: two beds where a face is partly open.
 
 Rigid joints, at velocity level: M(v₁ − v₀)/h = f + BᵀF and the gap g₀ + h Bv₁ ≥ 0 (Moreau and Jean, without bounce),
-with
-x₁ = x₀ + h((1 − θ)v₀ + θv₁). What a joint that closes takes of the energy is an impact.
+with x₁ = x₀ + h((1 − θ)v₀ + θv₁). What a joint that closes takes of the energy is an impact.
 """
 
 from __future__ import annotations
@@ -27,13 +26,13 @@ from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
 
-# where the energy of a motion is (energy, 6): stored in springs; taken by friction, impacts, dashpots and the
-# stepping; put in
+# where the energy of a motion is (energy, 6): stored in springs; taken by friction, impacts, dashpots and the stepping;
+# put in
 ELASTIC, RUBBED, IMPACT, VISCOUS, STEPPING, INPUT = range(6)
 ENERGIES = 6
 STANDARD_GRAVITY = 9.80665  # m/s²
 ROUGHLY = 1e-4  # missed per weight and span: the joints that slide are known
-COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a start from nowhere
+COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a cold start
 MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
 PRESSED = 1e-6  # of the weight of a block: a force that is one
 STILL = 1e-3  # of its speed before: a slide that has come to rest
@@ -156,12 +155,10 @@ def attempt(
 
     `load` (b, 3) kN at the share θ; `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4), near which the solution is sought;
     `shear` (j,) of springs; `energy` (ENERGIES,); `restitution` of velocities at which rigid ends meet; `lifted` (j,):
-    gaps that count as none; `resultants` (j, 3): N, P and T found; `attempts`
-    so far: after one, nothing is known of forces and gaps but the
-    gaps that are there, and that impacts stop the blocks within the step. Returns the iterations, negative where
-    nothing was
-    found, the energy of which impacts, the stepping and slides that turn back leave unsure, and the residuals: force,
-    gap, product.
+    gaps that count as none; `resultants` (j, 3): N, P and T found; `attempts` so far: after one, nothing is known of
+    forces and gaps but the gaps that are there, and that impacts stop the blocks within the step. Returns the
+    iterations, negative where nothing was found, the energy of which impacts, the stepping and slides that turn back
+    leave unsure, and the residuals: force, gap, product.
     """
     weight, size, span, accepted = scale
     c, n, m = len(a), len(x), 0
@@ -186,8 +183,7 @@ def attempt(
         law[k, SLID] = s[V]
         if not elastic:
             # the velocity at the end is along the rows of the end, which differ from those of the middle as these do
-            # from
-            # those of the start
+            # from those of the start
             u0, phi0, _ = relative(s, a[k], b[k], v)
             u1, phi1, _ = relative(p, a[k], b[k], v)
             du, dphi = h * (u1 - u0), h * (phi1 - phi0)
@@ -220,8 +216,7 @@ def attempt(
             elif max(low, high) <= 0.0:
                 p[U], p[PHI] = p[U] * closed, p[PHI] * closed
         # Coulomb: the lift of a slide that goes on as it did is taken back, which leaves that by which it has changed;
-        # where a
-        # slower slide has let rigid faces into each other, it is left until they are out again
+        # where a slower slide has let rigid faces into each other, it is left until they are out again
         lift = law[k, FRICTION] * h * max(slides[k, 0] + h * slides[k, 1], 0.0)
         p[U] += lift if elastic else max(lift + min(s[U] - lifted[k] - s[H] * abs(s[PHI]), 0.0), 0.0)
     share = theta if elastic else 1.0
@@ -329,12 +324,10 @@ def march(
     """Steps of length h under base accelerations (k + 1, 3), m/s², linear in between, recorded in xs, vs, fs and es.
 
     `sizes`: weight, size of a block and what is accepted of a solution; `halving`: levels down to which a step is
-    halved
-    and the share of the kinetic energy that impacts and the stepping may take before it is; `margin` (m): how far a
-    corner may go from where it has `begun` (b, 3) before contacts are looked for anew, `radius` (b,) of blocks;
-    `counts`
-    (6,): programs, iterations, halvings, cold starts, and the worst residuals. Returns the steps done and why no more:
-    0 all are, 1 a corner has gone that far, 2 a program is not solved (the motion is as before that step).
+    halved and the share of the kinetic energy that impacts and the stepping may take before it is; `margin` (m): how
+    far a corner may go from where it has `begun` (b, 3) before contacts are looked for anew, `radius` (b,) of blocks;
+    `counts` (6,): programs, iterations, halvings, cold starts, and the worst residuals. Returns the steps done and why
+    no more: 0 all are, 1 a corner has gone that far, 2 a program is not solved (the motion is as before that step).
     """
     weight, size, accepted = sizes
     levels, share = halving

@@ -3,10 +3,8 @@
 A joint is here a row of contact points, its two ends where it is rigid, those of its segments where it has a bed: their
 forces span the same cone, and friction is bounded on their sum. In the plane the cone of a point is spanned by two unit
 rays along (1, μ) and (1, −μ): with the forces s ≥ 0 along them as unknowns the cone is a bound and the method's
-matrices
-halve. An exact bed stands here as one of POINTS segments. Every call sets up a new solver object: PIQP's update()
-accepts
-a wrong pattern without a word.
+matrices halve. An exact bed stands here as one of POINTS segments. Every call sets up a new solver object: PIQP's
+update() accepts a wrong pattern without a word.
 """
 
 from __future__ import annotations

@@ -8,10 +8,10 @@ from typing import Literal
 
 import numpy as np
 
-from mechanics.assembly import Assembly, Behaviour, State
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnsettledError
 from mechanics.kernels.joint import ARM, BETA, MV, PHI, H, U, V, curvature
 from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, SLID, STRENGTH
+from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.model.proximity import near
 from mechanics.program import (
