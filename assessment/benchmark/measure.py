@@ -29,7 +29,7 @@ from mechanics import (
     TimeHistory,
     UnstableError,
 )
-from mechanics.kernels.interior_iteration import SEGMENTS
+from mechanics.kernels.law import SEGMENTS
 from mechanics.model.assembly import Behaviour
 from mechanics.procedures.pushdown import Pushdown
 from mechanics.procedures.pushover import Pushover

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mechanics.errors import NoEquilibriumError
-from mechanics.kernels.interior_iteration import FRICTION
 from mechanics.kernels.joint import U
+from mechanics.kernels.law import FRICTION
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.program import LARGEST_MULTIPLIER, Certificate

@@ -14,8 +14,8 @@ from scipy.sparse.csgraph import connected_components
 
 from mechanics.errors import ConvergenceError
 from mechanics.kernels.cholesky import factorise, substitute
-from mechanics.kernels.interior_iteration import BED, SHEAR
 from mechanics.kernels.joint import H
+from mechanics.kernels.law import BED, SHEAR
 from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.kernels.motion_step import ELASTIC, ENERGIES, march, strain_energy
 from mechanics.model.assembly import Assembly, State

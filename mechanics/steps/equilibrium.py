@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mechanics.errors import NoEquilibriumError, UnstableError
-from mechanics.kernels.interior_iteration import SLID
 from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.kernels.law import SLID
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import Contacts, end_gaps, rows
 from mechanics.program import Program

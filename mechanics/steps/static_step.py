@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnsettledError
-from mechanics.kernels.interior_iteration import BED, FRICTION, LAW, LIFT, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.kernels.joint import ARM, BETA, MV, PHI, H, U, V, curvature
+from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.model.proximity import near
@@ -53,7 +53,7 @@ INSIDE = 1e-6  # of the block size: a penetration that is one
 class StaticSystem:
     """What does not change along a path: an assembly, how its joints behave, and where blocks touch.
 
-    `law` (j, LAW): see kernels.interior_iteration, but for the slip from which slides count. The contacts are those of
+    `law` (j, LAW): see kernels.law, but for the slip from which slides count. The contacts are those of
     configurations whose corners are within `reach` (m) of where they are at `seen` (b, 3); None: no others than drawn.
     """
 
@@ -100,7 +100,7 @@ class StaticSystem:
         """What each joint obeys (j, LAW)."""
         c = self.contacts
         law = np.zeros((len(c), LAW))
-        law[:, FRICTION] = law[:, LIFT] = np.maximum(c.friction, LEAST_FRICTION)
+        law[:, FRICTION] = np.maximum(c.friction, LEAST_FRICTION)
         law[:, STRENGTH], law[:, BED] = c.strength, np.inf
         if not self.rigid:
             law[:, BED], law[:, SEGMENTS] = c.bed, c.segments

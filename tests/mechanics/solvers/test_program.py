@@ -21,8 +21,8 @@ from mechanics import (
     limit_analysis,
     solvers,
 )
-from mechanics.kernels.interior_iteration import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.kernels.joint import PHI, H, U
+from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import rows
 from mechanics.program import Program, Solution, certify
 from mechanics.solvers import imbalance, interior, lp_highs, qp_piqp, solve

@@ -7,8 +7,8 @@ import pytest
 from scipy.linalg import eigh
 
 from mechanics import Assembly, Block, Material, time_history
-from mechanics.kernels.interior_iteration import BED, SHEAR
 from mechanics.kernels.joint import H
+from mechanics.kernels.law import BED, SHEAR
 from mechanics.model.contacts import rows
 from mechanics.steps.dynamic_system import RIGID_SHEAR, first_frequency
 from mechanics.steps.static_step import static_system
