@@ -21,8 +21,8 @@ from assessment.verification import Method, check_activation, check_linear
 from assessment.virtual_work import virtual_displacements, virtual_work
 from mechanics.kernels.joint import H
 from mechanics.model.contacts import Contacts, end_gaps, rows
-from mechanics.steps.equilibrium import CLOSED, ONSET
-from mechanics.steps.static_step import static_system
+from mechanics.steps.static_system import static_system
+from mechanics.steps.tolerances import LIMIT
 from mechanics.types import Index, Mask
 
 if TYPE_CHECKING:
@@ -68,9 +68,9 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion
     Only ends of faces that overlap and are closed count. A joint rubs where its slip exceeds what associative friction
     allows for the opening of a closed end, u_t > u_n/μ: friction there would do work.
     """
-    contacts = static_system(model, "rigid").around(positions, ONSET * model.size).contacts
+    contacts = static_system(model, "rigid").around(positions, LIMIT.onset * model.size).contacts
     places = contacts.places(positions)
-    closed = (end_gaps(places) <= CLOSED * model.size) & (places[:, H] > 0.0)[:, None]
+    closed = (end_gaps(places) <= LIMIT.closed * model.size) & (places[:, H] > 0.0)[:, None]
     relative = np.concatenate([delta[contacts.a], delta[contacts.b]], axis=1)
     u, phi, v = np.einsum("jrc,jc->rj", rows(places), relative)
     half = places[:, H] * phi

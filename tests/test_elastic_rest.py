@@ -7,7 +7,7 @@ import pytest
 
 from assessment.benchmark.structures import arch_on_piers
 from mechanics.steps.equilibrium import rest, rest_size
-from mechanics.steps.static_step import static_system
+from mechanics.steps.static_system import static_system
 
 
 def test_a_slender_arch_sinks_by_a_hundred_times_what_its_joints_are_compressed():

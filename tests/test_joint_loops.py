@@ -12,7 +12,7 @@ from mechanics.kernels.interior_iteration import BED, FRICTION, KNOWN, LAW, LIFT
 from mechanics.kernels.joint import H, curvature
 from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
 from mechanics.model.contacts import rows
-from mechanics.steps.static_step import static_system
+from mechanics.steps.static_system import static_system
 from mechanics.types import Array
 from tests.reference_loops import joint_newton
 from tests.steps import shaken

@@ -18,8 +18,10 @@ from mechanics import (
 )
 from mechanics.kernels.joint import H
 from mechanics.steps.equilibrium import rest, rest_size
-from mechanics.steps.rest import REST, lifted, motion_to_rest, way
-from mechanics.steps.static_step import StepProblem, static_system
+from mechanics.steps.rest import lifted, motion_to_rest, way
+from mechanics.steps.static_step import StepProblem
+from mechanics.steps.static_system import static_system
+from mechanics.steps.tolerances import REST
 from tests.structures import block_on_base, running_bond
 
 SETTLED = {"support": "base", "rotation": 0.03, "increment": 0.01}

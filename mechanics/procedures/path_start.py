@@ -13,8 +13,11 @@ from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import limit_analysis
 from mechanics.program import Certificate, bed_gaps, end_forces
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
-from mechanics.steps.rest import REST, lifted, motion_to_rest
-from mechanics.steps.static_step import Equilibrium, Sliding, StepProblem, find_equilibrium, static_system
+from mechanics.steps.geometry_iteration import find_equilibrium
+from mechanics.steps.rest import lifted, motion_to_rest
+from mechanics.steps.static_step import Equilibrium, StepProblem
+from mechanics.steps.static_system import Sliding, static_system
+from mechanics.steps.tolerances import REST
 from mechanics.types import Array
 
 

@@ -12,8 +12,10 @@ from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError
 from mechanics.procedures.step_control import Bisection, reach
 from mechanics.program import Certificate
 from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
-from mechanics.steps.rest import REST, lifted, motion_to_rest
-from mechanics.steps.static_step import Equilibrium, Sliding, StaticSystem, StepProblem, static_system
+from mechanics.steps.rest import lifted, motion_to_rest
+from mechanics.steps.static_step import Equilibrium, StepProblem
+from mechanics.steps.static_system import Sliding, StaticSystem, static_system
+from mechanics.steps.tolerances import REST
 from mechanics.types import Array
 
 

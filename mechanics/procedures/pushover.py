@@ -15,7 +15,8 @@ from mechanics.procedures.path_start import elastic_start, mechanism_start, no_w
 from mechanics.procedures.step_control import HALVINGS, Bisection, reach
 from mechanics.program import Certificate
 from mechanics.steps.rest import motion_to_rest
-from mechanics.steps.static_step import Equilibrium, Sliding, StepProblem, static_system
+from mechanics.steps.static_step import Equilibrium, StepProblem
+from mechanics.steps.static_system import Sliding, static_system
 from mechanics.types import Array
 
 

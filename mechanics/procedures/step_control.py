@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnsettledError
+from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest
-from mechanics.steps.static_step import Equilibrium, StepProblem, find_equilibrium, in_short_steps
+from mechanics.steps.short_steps import in_short_steps
+from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.types import Array
 
 HALVINGS = 5  # down to which the end of a path is located

@@ -13,10 +13,13 @@ from mechanics.errors import NoEquilibriumError, UnstableError, require
 from mechanics.model.contacts import end_gaps
 from mechanics.procedures.collapse import ControlPoint, collapse, passing_through
 from mechanics.procedures.energy import Energy
+from mechanics.steps.contact_values import carried, with_springs
 from mechanics.steps.dynamic_system import DynamicSystem, Halving, Motion, Recorded, first_frequency
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
-from mechanics.steps.rest import REST, lifted, motion_to_rest, way
-from mechanics.steps.static_step import StepProblem, carried, static_system, with_springs
+from mechanics.steps.rest import lifted, motion_to_rest, way
+from mechanics.steps.static_step import StepProblem
+from mechanics.steps.static_system import static_system
+from mechanics.steps.tolerances import REST
 from mechanics.types import GRAVITY, Array
 
 Integrator = Literal["auto", "moreau-jean", "second-order", "implicit-euler"]

@@ -23,7 +23,8 @@ from mechanics.model.contacts import Contacts
 from mechanics.program import end_forces
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.threads import one_thread
-from mechanics.steps.static_step import StaticSystem, moved_over, spring_forces, static_system
+from mechanics.steps.contact_values import moved_over, spring_forces
+from mechanics.steps.static_system import StaticSystem, static_system
 from mechanics.types import Array, Index
 
 ACCEPTED = 1e-7  # what a program may miss, per weight and span

@@ -7,7 +7,7 @@ of equilibrium by the inertia alone. Where steps come to rest there is an equili
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,35 +18,11 @@ from mechanics.model.contacts import end_gaps
 from mechanics.program import bed_gaps, end_forces
 from mechanics.solvers import ACCEPTED, interior, solve
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.static_step import (
-    DISTANCE,
-    Equilibrium,
-    StepProblem,
-    displaced,
-    find_equilibrium,
-    iterate_over,
-    over_all,
-    taken,
-)
+from mechanics.steps.contact_values import iterate_over, over_all, taken
+from mechanics.steps.geometry_iteration import find_equilibrium
+from mechanics.steps.static_step import Equilibrium, StepProblem, displaced
+from mechanics.steps.tolerances import REST, STEP, RestTolerances
 from mechanics.types import GRAVITY, Array
-
-
-@dataclass(frozen=True, slots=True)
-class RestTolerances:
-    """When a motion rests, and when it has run away.
-
-    `time`: of a step, in units of √(size/g); `still`: of the block size, what a step at rest moves; `lifted`: the same,
-    gaps under forces; `steps`: the most; `farthest`: of the block size, the longest way.
-    """
-
-    time: float = 0.5
-    still: float = 2e-5
-    lifted: float = 5e-5
-    steps: int = 400
-    farthest: float = 0.3
-
-
-REST = RestTolerances()
 
 
 def way(one: Array, other: Array, size: float) -> float:
@@ -111,7 +87,7 @@ def _one(problem: StepProblem, at: Array, iterate: Iterate | None) -> tuple[Arra
     layout = system.layout.take(index)
     starts = [interior.cold(program)]
     if iterate is not None:
-        starts.insert(0, taken(iterate, index).warm(program, DISTANCE))
+        starts.insert(0, taken(iterate, index).warm(program, STEP.begin))
     for start in starts:
         found, outcome = interior.run(program, layout, start, 1e3 * ACCEPTED)
         if outcome.accepted:
