@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mechanics.assembly import Assembly, Behaviour, State
-from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, require
+from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError, require
 from mechanics.procedures.step_control import Bisection, reach
 from mechanics.program import Certificate
 from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
@@ -31,7 +31,7 @@ class PushdownTolerances:
     rides: float = 1e-6
 
 
-TOLERANCES = PushdownTolerances()
+PUSHDOWN = PushdownTolerances()
 WAY = 4.0  # expected displacements of a step, within which contacts are looked for
 
 
@@ -98,15 +98,16 @@ def pushdown(
         except (NoEquilibriumError, ConvergenceError) as stop:
             if bisection.shorter():
                 continue
-            if isinstance(stop, ConvergenceError) and final is None:
+            collapses = isinstance(stop, RunawayError)
+            if not collapses and final is None:
                 raise
-            ultimate, end = (here if isinstance(stop, NoEquilibriumError) else None), str(stop)
+            ultimate, end = here if collapses else None, str(stop)
             break
         bisection.longer()
         if final is None and path.movement[-1] >= full * (1.0 - 1e-9):
             try:
                 final = path.settle()
-            except NoEquilibriumError as stop:
+            except RunawayError as stop:
                 ultimate, end = here, str(stop)
                 break
         elif final is not None and rotation == 0.0 and path.rides(by / full * target):
@@ -158,7 +159,7 @@ class _Path:
         start = rest(self.system, self.model.initial)
         begun = start
         if self.system.rigid:
-            onset = TOLERANCES.onset * min(increment, self.model.size)
+            onset = PUSHDOWN.onset * min(increment, self.model.size)
             begun = self._step(start, np.zeros_like(start.state.positions), 0.0, onset, onset, True)
         self.steps, self.movement = [start], [0.0]
         self.reactions = [reaction(self.model, begun, self.index)[:2]]
@@ -206,7 +207,7 @@ class _Path:
         """Whether every movable block made just the support's translation (2,) in the last step."""
         before, after = (step.state.positions for step in self.steps[-2:])
         apart = abs((after - before)[self.model.movable] - [*moved, 0.0]).max()
-        return bool(apart < TOLERANCES.rides * float(abs(moved).max()))
+        return bool(apart < PUSHDOWN.rides * float(abs(moved).max()))
 
     def result(self, final: State | None, ultimate: float | None, end: str) -> Pushdown:
         """The path as it is handed on."""

@@ -8,7 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mechanics.assembly import Assembly, Behaviour, Direction, State
-from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError, require
+from mechanics.errors import (
+    ControlError,
+    ConvergenceError,
+    NoEquilibriumError,
+    RunawayError,
+    UnstableError,
+    require,
+)
 from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.path_start import elastic_start, mechanism_start, no_way_from_rest
@@ -38,7 +45,7 @@ class PushoverTolerances:
     points: int = 5000
 
 
-TOLERANCES = PushoverTolerances()
+PUSHOVER = PushoverTolerances()
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +93,7 @@ def pushover(
     state: State | None = None,
     until: float = 0.0,
     sliding: Sliding = "associative",
+    tolerances: PushoverTolerances = PUSHOVER,
 ) -> Pushover:
     """Push the assembly over, from onset (rigid) or rest (elastic) until the multiplier has come down to zero.
 
@@ -101,14 +109,14 @@ def pushover(
     """
     require(0.0 < increment < np.inf, "increment", increment, "positive, in m")
     require(0.0 <= until < 1.0, "until", until, "a share of the peak")
-    curve = _Curve(model, control, direction, contacts, increment, state, until, sliding)
+    curve = _Curve(model, control, direction, contacts, increment, state, until, sliding, tolerances)
     bisection = Bisection(increment, curve.first.share * increment)
     while not curve.end:
         try:
             curve.advance(bisection.length, bisection.shortest)
         except (NoEquilibriumError, ConvergenceError) as stop:
             if not bisection.shorter():
-                curve.end, curve.lost = str(stop), isinstance(stop, NoEquilibriumError)
+                curve.end, curve.lost = str(stop), isinstance(stop, RunawayError)
             continue
         bisection.longer()
     return curve.finished()
@@ -127,7 +135,9 @@ class _Curve:
         state: State | None,
         until: float,
         sliding: Sliding,
+        tolerances: PushoverTolerances,
     ) -> None:
+        self.tolerances = tolerances
         self.model, self.increment, self.until, self.drawn = model, increment, until, state is None
         self.control, self.direction = np.asarray(control, dtype=float), direction
         self.block = model.block_at(control)
@@ -160,8 +170,10 @@ class _Curve:
     def advance(self, length: float, shortest: bool) -> None:
         """The next point, about a length (m) further on: whether it is the `shortest` that is tried."""
         fastest = float(abs(self.rate[:, :2]).max())
-        work = length / max(self.control_rate, fastest / TOLERANCES.largest)
+        work = length / max(self.control_rate, fastest / self.tolerances.largest)
         step, jumped = self._step(work, fastest, shortest)
+        if jumped and self.system.rigid and self._go_on_from(step):
+            return  # rigid blocks rest under many multipliers: the one that moves them again is theirs
         if step.alpha >= 0.0:
             self._append(work, step, jumped)
             return
@@ -171,8 +183,8 @@ class _Curve:
         held = self._held_again(step)
         if held is None:
             self.reached, self.end = True, "α = 0"
-        else:
-            self._go_on_from(held)
+        elif not self._go_on_from(held):
+            self.reached, self.end = True, "α = 0, and no push moves the structure where it rests again"
 
     def _step(self, work: float, fastest: float, shortest: bool = True) -> tuple[Equilibrium, bool]:
         """The equilibrium after so much work (kNm), and whether blocks were let go to find it."""
@@ -185,8 +197,8 @@ class _Curve:
     def _down_to_zero(self, work: float, fastest: float, step: Equilibrium) -> tuple[float, Equilibrium]:
         """The work that brings the multiplier down to zero, and its step (false position, Illinois rule)."""
         low, high = (0.0, self.multiplier[-1]), (work, step.alpha)
-        tolerance, least = TOLERANCES.zero * max(self.multiplier), work / 2.0**HALVINGS
-        for count in range(TOLERANCES.chords):
+        tolerance, least = self.tolerances.zero * max(self.multiplier), work / 2.0**HALVINGS
+        for count in range(self.tolerances.chords):
             chord = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
             if count and chord < least:
                 break  # the multiplier jumps below zero within that
@@ -212,8 +224,8 @@ class _Curve:
             return None
         return held if self.along(held.state.positions) >= self.displacement[-1] - self.increment else None
 
-    def _go_on_from(self, held: Equilibrium) -> None:
-        """The curve goes on where the structure rests again."""
+    def _go_on_from(self, held: Equilibrium) -> bool:
+        """Whether the curve goes on where the structure rests again, or nothing can be pushed there."""
         try:
             start = (
                 mechanism_start(self.model, self.direction, held.state, self.system.sliding)
@@ -222,17 +234,15 @@ class _Curve:
                     self.model, self.direction, held.state, self.increment, self.system.sliding
                 )
             )
-        except (NoEquilibriumError, ConvergenceError) as stop:
-            self.reached, self.end = True, f"α = 0, and where the structure rests again: {stop}"
-            return
-        here = self.displacement[-1]
+        except (UnstableError, NoEquilibriumError, ConvergenceError):
+            return False
         self._append(1.0, replace(held, alpha=start.alpha), jumped=True)
-        self.crossed.append((here, self.displacement[-1]))
         self.rate = start.rate
         little = 1e-6 * self.model.size / float(abs(self.rate[:, :2]).max())
         self.control_rate = (
             self.along(held.state.positions + little * self.rate) - self.displacement[-1]
         ) / little
+        return True
 
     def _append(self, work: float, step: Equilibrium, jumped: bool) -> None:
         """The next point."""
@@ -247,22 +257,22 @@ class _Curve:
             self.crossed.append((then, now))
         else:
             self.rate, self.control_rate = (step.state.positions - before) / work, (now - then) / work
-        if abs(self.multiplier[-1] - self.plateau[1]) > TOLERANCES.flat * max(self.multiplier):
+        if abs(self.multiplier[-1] - self.plateau[1]) > self.tolerances.flat * max(self.multiplier):
             self.plateau = (now, self.multiplier[-1])
         size, alpha = self.model.size, self.multiplier[-1]
         if now - self.plateau[0] > size:
             self.end = f"the structure slides: α stays {alpha:.4g} over {size:.3g} m, and nothing ends that"
         if not self.end and now > 0.5 * self.increment and alpha <= self.until * max(self.multiplier):
             self.end = f"α has come down to {self.until:g} of its peak"
-        if len(self.states) == TOLERANCES.points and not self.end:
-            self.end = f"{TOLERANCES.points} points"
+        if len(self.states) == self.tolerances.points and not self.end:
+            self.end = f"{self.tolerances.points} points"
 
     def finished(self) -> Pushover:
         """The curve; ControlError where the control point takes no part in it."""
         if len(self.states) == 1 and not self.system.rigid and self.drawn:
             raise no_way_from_rest(self.end)
         moved = float(abs(self.states[-1].positions - self.states[0].positions)[:, :2].max())
-        if len(self.states) == 1 or max(self.displacement) < TOLERANCES.still * moved:
+        if len(self.states) == 1 or max(self.displacement) < self.tolerances.still * moved:
             raise ControlError(
                 f"control = {tuple(self.control.tolist())} takes no part in the mechanism along {self.direction}, "
                 f"or the increment is too large: {self.end}"
@@ -314,10 +324,10 @@ class _Curve:
         fastest = float(abs(mechanism[:, :2]).max())
         little, at = 1e-6 * self.model.size / fastest, self.states[point].positions
         moved = self.along(at + little * mechanism) - self.along(at)
-        return moved >= TOLERANCES.still * little * fastest
+        return moved >= self.tolerances.still * little * fastest
 
 
 def _peak(multiplier: Array) -> int:
     """Index of the largest multiplier (k,), the first of those that differ by no more than rounding."""
     largest = float(multiplier.max())
-    return int(np.argmax(multiplier >= largest - TOLERANCES.zero * abs(largest)))
+    return int(np.argmax(multiplier >= largest - PUSHOVER.zero * abs(largest)))

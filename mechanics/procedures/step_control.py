@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from mechanics.errors import ConvergenceError, NoEquilibriumError, UnsettledError
+import numpy as np
+
+from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, UnsettledError
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.short_steps import in_short_steps
@@ -64,24 +66,22 @@ def reach(
 def _reach(
     problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool
 ) -> tuple[Equilibrium, bool]:
-    stop: Exception
+    rigid = problem.system.rigid
     try:
         return find_equilibrium(problem, guess, last), False
-    except UnsettledError as unsettled:
-        # rigid joints that slide settle in shorter steps as little
-        if not problem.system.rigid and not shortest:
-            raise
+    except (NoEquilibriumError, ConvergenceError) as error:
+        stop: Exception = error
+    unsettled = isinstance(stop, UnsettledError)
+    if unsettled and not rigid and not shortest:
+        raise stop  # rigid joints that slide settle in shorter steps as little
+    if unsettled or rigid:
         try:
             return in_short_steps(problem, guess), False
         except (NoEquilibriumError, ConvergenceError) as error:
+            error.__cause__ = stop
             stop = error
-        stop.__cause__ = unsettled
-    except (NoEquilibriumError, ConvergenceError) as error:
-        stop = error
-    begun = problem.start.positions.copy()
-    fixed = ~problem.system.model.movable
-    begun[fixed] = guess[fixed]
+    begun = np.where(problem.system.model.movable[:, None], problem.start.positions, guess)
     try:
         return motion_to_rest(problem, begun), True
-    except NoEquilibriumError as fall:
-        raise NoEquilibriumError(f"{fall} ({stop})") from stop
+    except RunawayError as fall:
+        raise RunawayError(f"{fall} ({stop})") from stop

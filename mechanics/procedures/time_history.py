@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mechanics.assembly import Assembly, Behaviour, State
-from mechanics.errors import NoEquilibriumError, UnstableError, require
+from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError, require
 from mechanics.model.contacts import end_gaps
 from mechanics.procedures.collapse import ControlPoint, collapse, passing_through
 from mechanics.procedures.energy import Energy
@@ -193,7 +193,7 @@ def _settled(model: Assembly, contacts: Behaviour, state: State) -> tuple[State,
             and way(state.positions, step.state.positions, model.size) > REST.lifted * model.size
         ):
             check_self_weight(model, state)
-    except (UnstableError, NoEquilibriumError):
+    except (UnstableError, NoEquilibriumError, ConvergenceError):
         return state, None
     return step.state, step.forces
 

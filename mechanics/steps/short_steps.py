@@ -6,13 +6,29 @@ from dataclasses import replace
 
 import numpy as np
 
-from mechanics.program import certify
+from mechanics.errors import NoEquilibriumError
+from mechanics.program import Program, certify
 from mechanics.solvers import interior
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.contact_values import over_all, spread, state_at_rest, taken
-from mechanics.steps.static_step import Equilibrium, StepProblem, check_motion, displaced, solve_program
+from mechanics.steps.static_step import (
+    Equilibrium,
+    StepProblem,
+    check_motion,
+    displaced,
+    penetration,
+    solve_program,
+)
 from mechanics.steps.tolerances import STEP
-from mechanics.types import Array
+from mechanics.types import GRAVITY, Array
+
+
+def inertia(program: Program, displacement: Array) -> float:
+    """The largest force of inertia in displacements (m,) from rest, per weight; moments by the block size."""
+    if program.mass is None:
+        return 0.0
+    force = (program.mass * displacement).reshape(-1, 3) / (1.0, 1.0, program.size)
+    return float(abs(force).max(initial=0.0)) / program.weight
 
 
 def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
@@ -27,7 +43,7 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
     system, model = problem.system, problem.system.model
     begun, fixed = problem.start.positions, ~model.movable
     count = max(STEP.fewest, int(np.ceil(problem.size / (STEP.short * model.size))))
-    mass = model.mass / STEP.short_time**2
+    mass = model.mass * GRAVITY / (STEP.short_time**2 * model.size)
     short = replace(problem, size=problem.size / count, work=problem.work / count, mass=mass)
     at, iterate, solves = begun, None, 0
     for k in range(count):
@@ -39,20 +55,23 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
         solves += more
         at = displaced(model, posed, found.displacement)
         check_motion(short, at)
+        if inertia(program, found.displacement) > STEP.inertia:
+            raise NoEquilibriumError(f"the structure falls: in a step of {short.size:.3g} m it gains speed")
         iterate = over_all(found, index, len(system.contacts))
         forces = spread(interior.solution(program, found).forces, index, len(system.contacts))
         short = replace(short, start=state_at_rest(system, at, forces))
     alpha = found.alpha
     if problem.lateral is not None and program.mass is not None:
         alpha -= float((program.mass * found.displacement**2).sum()) / short.work  # what inertia takes
+    places = system.contacts.places(at)
     return Equilibrium(
         short.start,
         system,
-        system.contacts.places(at),
+        places,
         forces,
         alpha,
         iterate,
         certify(replace(program, mass=None), forces[index], found.alpha, found.displacement),
-        0.0,
+        penetration(system, places, forces),
         solves,
     )
