@@ -183,7 +183,7 @@ def _settle(
         return
     if settlement.to_collapse and path.ultimate is None:
         result.warnings.append(f"{title}: no ultimate movement up to {path.movement[-1]:.3g} m ({path.end})")
-    result.warnings += _crossings(title, path.crossed, whole / settlement.increments)
+    result.warnings += crossings(title, path.crossed, whole / settlement.increments)
     quality = Quality(settlement.name, f"pushdown, {behaviour}")
     quality.add(path)
     result.quality.append(quality.numbers())
@@ -248,7 +248,7 @@ def _curve_followed(
     increment: float,
     result: Part,
 ) -> None:
-    result.warnings += _crossings(title, path.crossed, increment)
+    result.warnings += crossings(title, path.crossed, increment)
     rigid = behaviour == "rigid"
     met = Met(model)
     numbers = _rigid(model, control, direction, path, met) if rigid else _elastic(model, direction, path)
@@ -269,7 +269,7 @@ def _curve_followed(
         )
 
 
-def _crossings(title: str, crossed: NDArray[np.float64], increment: float) -> list[str]:
+def crossings(title: str, crossed: NDArray[np.float64], increment: float) -> list[str]:
     """Warnings of where parts move by themselves (n, 2) m, those that follow each other together.
 
     What is shorter than 1/32 of the increment (m) is below the accuracy of the path and left out.
