@@ -32,9 +32,8 @@ class PushoverTolerances:
     """Of a capacity curve.
 
     `still`: of the largest displacement, a control point that takes no part; `largest`: increments that a block may
-    move
-    where the control point moves less; `zero`: of the largest multiplier, one that is none, found by at most `chords`;
-    `flat`: of the largest multiplier, a change that is none; `points`: the most.
+    move where the control point moves less; `zero`: of the largest multiplier, one that is none, found by at most
+    `chords`; `flat`: of the largest multiplier, a change that is none; `points`: the most.
     """
 
     still: float = 1e-3
@@ -100,12 +99,11 @@ def pushover(
     `control`: drawn point (m) in or on a block; `increment` (m) of its displacement along the push; `until`: the share
     of its peak at which the multiplier has come down far enough. Every point is an equilibrium in its own displaced
     geometry, under a free multiplier whose loads do a given work (eq. 5; with elastic joints the same program traces
-    the
-    curve through its peak). Where no equilibrium lies near, the blocks are let go with that work held, until they
-    rest; where the
-    multiplier comes down to zero, under gravity: where they rest again the curve goes on, elsewhere the structure has
-    collapsed. Raises UnstableError, ValueError for a control point outside every block, ControlError for one that takes
-    no part in the mechanism, NoEquilibriumError where the load meets no mechanism.
+    the curve through its peak). Where no equilibrium lies near, the blocks are released with that work held, until they
+    rest; where the multiplier comes down to zero, under gravity. Where they rest again the curve goes on (with rigid
+    joints at the multiplier that moves them again); where they run away the structure has collapsed. Raises
+    UnstableError, ValueError for a control point outside every block, ControlError for one that takes no part in the
+    mechanism, NoEquilibriumError where the load meets no mechanism.
     """
     require(0.0 < increment < np.inf, "increment", increment, "positive, in m")
     require(0.0 <= until < 1.0, "until", until, "a share of the peak")
@@ -187,7 +185,7 @@ class _Curve:
             self.reached, self.end = True, "α = 0, and no push moves the structure where it rests again"
 
     def _step(self, work: float, fastest: float, shortest: bool = True) -> tuple[Equilibrium, bool]:
-        """The equilibrium after so much work (kNm), and whether blocks were let go to find it."""
+        """The equilibrium after so much work (kNm), and whether blocks were released to find it."""
         now = self.states[-1]
         self.system = self.system.around(now.positions, 2.0 * work * fastest)
         problem = StepProblem(self.system, now, self.model.dead_load, work * fastest, self.lateral, work)

@@ -47,13 +47,13 @@ class Bisection:
 def reach(
     problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool
 ) -> tuple[Equilibrium, bool]:
-    """The equilibrium of a step, and whether blocks were let go to find it.
+    """The equilibrium of a step, and whether blocks were released to find it.
 
-    Collapse is a fact and not a failed step: where there is no equilibrium nearby, the motion that follows decides. A
-    step in which blocks came into each other that were too far apart to touch is repeated with their faces in contact.
-    Raises NoEquilibriumError where it runs away, UnsettledError of an elastic step that may be halved: whether it is
-    the
-    `shortest`.
+    Collapse is a fact and not a failed step. Where no equilibrium is found the step is taken in short ones; where
+    blocks fall in these, the motion that follows decides. A step in which blocks came into each other that were too far
+    apart to touch is repeated with their faces in contact. Raises RunawayError where the motion runs away,
+    UnsettledError of an elastic step that may be halved (it is not the `shortest`), ConvergenceError or
+    NoEquilibriumError where nothing is decided.
     """
     while True:
         found, jumped = _reach(problem, guess, last, shortest)

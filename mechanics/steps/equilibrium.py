@@ -88,7 +88,7 @@ def rest(
 ) -> Equilibrium:
     """The equilibrium under gravity into which a state settles: gaps closed, elastic joints compressed.
 
-    A slender arch goes down by a hundred times what its joints are compressed: where that is far, the blocks are let go
+    A slender arch sinks by a hundred times the compression of its joints: where that is far, the blocks are released
     until they rest. Raises NoEquilibriumError where they do not.
     """
     model = system.model
