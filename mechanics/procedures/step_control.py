@@ -11,6 +11,7 @@ from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.short_steps import in_short_steps
 from mechanics.steps.static_step import Equilibrium, StepProblem
+from mechanics.steps.tolerances import STEP
 from mechanics.types import Array
 
 HALVINGS = 5  # down to which the end of a path is located
@@ -63,6 +64,14 @@ def reach(
         problem = replace(problem, system=system)
 
 
+def slides(found: Equilibrium, size: float) -> bool:
+    """Whether joints slide in the program that led to an equilibrium, by a share of its step's size (m)."""
+    if found.iterate is None:
+        return False
+    slip = abs(found.iterate.gaps[:, 2] - found.iterate.gaps[:, 3]).max(initial=0.0)
+    return bool(slip > STEP.slip_gap * size)
+
+
 def _reach(
     problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool
 ) -> tuple[Equilibrium, bool]:
@@ -76,7 +85,9 @@ def _reach(
         raise stop  # rigid joints that slide settle in shorter steps as little
     if unsettled or rigid:
         try:
-            return in_short_steps(problem, guess), False
+            found = in_short_steps(problem, guess)
+            if unsettled or slides(found, problem.size):
+                return found, False  # what only turns is followed exactly, or not at all
         except (NoEquilibriumError, ConvergenceError) as error:
             error.__cause__ = stop
             stop = error

@@ -186,7 +186,7 @@ def check_motion(problem: StepProblem, positions: Array) -> None:
     model, size = problem.system.model, problem.size
     motion = abs(positions - problem.start.positions)
     moved = float((motion * (1.0, 1.0, model.size)).max())
-    times = STEP.rigid_fall if problem.system.rigid else max(STEP.elastic_fall, model.joints_in_a_row)
+    times = STEP.fall if problem.system.rigid else max(STEP.fall, model.joints_in_a_row)
     if moved > times * size:
         raise NoEquilibriumError(f"the structure falls: a step of {size:.3g} m moves it by {moved:.3g} m")
     turned = float(motion[model.movable, 2].max())

@@ -18,8 +18,8 @@ class StepTolerances:
     which Coulomb slips are updated; `slip_gap`: of a step, a gap left by slips that changed.
 
     What is accepted. `certificate`: of the forces in the geometry to which they lead; `slow`: the same where forces and
-    geometry approach each other only slowly. `rigid_fall`, `elastic_fall`: a motion so many times the step is a fall,
-    not a path of equilibrium (elastic joints close by more than a step asks for); `turn` (rad): a step that turns a
+    geometry approach each other only slowly. `fall`: a motion so many times the step is a fall, not a path of
+    equilibrium; `turn` (rad): a step that turns a
     block by more leaves the range in which its geometry is linear.
 
     Contacts. `carrying`: of the weight, the least force of a joint that carries; of the block size, `no_overlap`: an
@@ -40,8 +40,7 @@ class StepTolerances:
     slip_gap: float = 1e-3
     certificate: float = 1e-8
     slow: float = 1e-4
-    rigid_fall: float = 5.0
-    elastic_fall: float = 30.0
+    fall: float = 30.0
     turn: float = 0.5
     carrying: float = 1e-6
     no_overlap: float = 1e-9
