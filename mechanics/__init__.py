@@ -1,8 +1,5 @@
 """Rigid blocks in dry contact: limit analysis, pushdown, pushover and time histories by one program."""
 
-from mechanics.assembly import Assembly, State
-from mechanics.block import Block, Material
-from mechanics.drawing import read_drawing
 from mechanics.errors import (
     CollapseError,
     ControlError,
@@ -11,6 +8,9 @@ from mechanics.errors import (
     NoEquilibriumError,
     UnstableError,
 )
+from mechanics.model.assembly import Assembly, State
+from mechanics.model.block import Block, Material
+from mechanics.model.dxf import read_drawing
 from mechanics.procedures.limit_analysis import limit_analysis
 from mechanics.procedures.pushdown import pushdown
 from mechanics.procedures.pushover import pushover

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from mechanics import Block, Material
-from mechanics.joints import find_joints
+from mechanics.model.joints import find_joints
 
 STONE = Material(unit_weight=18.0, friction=0.6)
 JOINT, FAULT = "#c02020", "#1050b0"

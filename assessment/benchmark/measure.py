@@ -29,8 +29,8 @@ from mechanics import (
     TimeHistory,
     UnstableError,
 )
-from mechanics.assembly import Behaviour
 from mechanics.kernels.interior_iteration import SEGMENTS
+from mechanics.model.assembly import Behaviour
 from mechanics.procedures.pushdown import Pushdown
 from mechanics.procedures.pushover import Pushover
 from mechanics.program import Program

@@ -16,30 +16,30 @@ from unittest.mock import patch
 
 import numpy as np
 
-from assessment.artificial_record import RECORD
+from assessment.analyses.dynamic.bracket import find_collapse
+from assessment.analyses.static.states import PAST_PEAK
 from assessment.benchmark.dynamics import DAMPING, pulse, shaking
 from assessment.benchmark.measure import Row, in_turn
 from assessment.benchmark.structures import assembly, block_on_base, template
-from assessment.bracket import find_collapse
-from assessment.idealisation import SECANT_SHARE
-from assessment.states import PAST_PEAK
+from assessment.ntc.curve_fit import SECANT_SHARE
+from assessment.project.catalogue.record import RECORD
 from mechanics import TimeHistory, pushover, time_history
-from mechanics.assembly import Behaviour, Direction
 from mechanics.errors import NoEquilibriumError
-from mechanics.ground_motion import read_record
 from mechanics.kernels.motion_step import COLD
+from mechanics.model.assembly import Behaviour, Direction
 from mechanics.procedures import time_history as histories
 from mechanics.procedures.collapse import TURNED
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.pushover import Pushover
+from mechanics.records.record import read_record
 from mechanics.steps.dynamic_system import DynamicSystem, Motion, Recorded
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.static_step import StepProblem
 from mechanics.types import GRAVITY, Array
 
 if TYPE_CHECKING:
-    from assessment.project import Project
-    from assessment.store import Store
+    from assessment.project.project import Project
+    from assessment.runtime.cache import Store
 
 STEP, LONG_STEP = 0.005, 0.02  # s
 CLOSE = 1e-4  # of the size of an answer: what a skip that is not exact is held to
@@ -117,9 +117,9 @@ def all_skips() -> list[Skip]:
 
 def stages(only: tuple[str, ...] | None, store: Store | None = None) -> tuple[Array, int]:
     """Multiplier and displacement capacity of the block template as drawn, from some of its stages or all."""
-    from assessment.model import build_model
-    from assessment.stage_selection import select
-    from assessment.workflow import run
+    from assessment.project.model import build_model
+    from assessment.workflow.selection import select
+    from assessment.workflow.stages import run
 
     project = select(_with_history(template("block")), only)
     outcome = run(project, build_model(project), 1, store)
@@ -128,7 +128,7 @@ def stages(only: tuple[str, ...] | None, store: Store | None = None) -> tuple[Ar
 
 
 def _with_history(project: Project) -> Project:
-    from assessment.project_schema import HistoryTable
+    from assessment.project.schema import HistoryTable
 
     history = HistoryTable(
         record=RECORD, contacts="elastic", damping_ratio=0.05, window_s=(4.0, 6.0), time_step_s=STEP
@@ -140,7 +140,7 @@ def _with_history(project: Project) -> Project:
 
 def unchanged() -> Skip:
     """A second run over the store of a first one."""
-    from assessment.store import Store
+    from assessment.runtime.cache import Store
 
     folder = TemporaryDirectory(prefix="assesto-benchmark-")
 

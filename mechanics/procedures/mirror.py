@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.assembly import Assembly, Behaviour, State
+from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.procedures.pushover import Pushover
 from mechanics.steps.static_step import Equilibrium
 from mechanics.types import Array, Index

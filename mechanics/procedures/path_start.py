@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mechanics.assembly import Assembly, Direction, State
 from mechanics.errors import NoEquilibriumError, UnstableError
 from mechanics.kernels.joint import H
+from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import limit_analysis
 from mechanics.program import Certificate, bed_gaps, end_forces

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.assembly import Assembly, Behaviour, State
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError, require
+from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.procedures.step_control import Bisection, reach
 from mechanics.program import Certificate
 from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.assembly import Assembly, Behaviour, Direction, State
 from mechanics.errors import (
     ControlError,
     ConvergenceError,
@@ -16,6 +15,7 @@ from mechanics.errors import (
     UnstableError,
     require,
 )
+from mechanics.model.assembly import Assembly, Behaviour, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.path_start import elastic_start, mechanism_start, no_way_from_rest

@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.assembly import Assembly, Behaviour, State
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError, require
+from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import end_gaps
 from mechanics.procedures.collapse import ControlPoint, collapse, passing_through
 from mechanics.procedures.energy import Energy

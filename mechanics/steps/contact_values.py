@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from mechanics.assembly import State
 from mechanics.kernels.interior_iteration import SHEAR
+from mechanics.model.assembly import State
 from mechanics.model.contacts import Contacts
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.static_system import StaticSystem

@@ -12,13 +12,13 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from mechanics.assembly import Assembly, State
 from mechanics.errors import ConvergenceError
 from mechanics.kernels.cholesky import factorise, substitute
 from mechanics.kernels.interior_iteration import BED, SHEAR
 from mechanics.kernels.joint import H
 from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.kernels.motion_step import ELASTIC, ENERGIES, march, strain_energy
+from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts
 from mechanics.program import end_forces
 from mechanics.solvers.elimination import Elimination

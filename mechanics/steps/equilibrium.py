@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mechanics.assembly import Assembly, Behaviour, State
 from mechanics.errors import NoEquilibriumError, UnstableError
 from mechanics.kernels.interior_iteration import SLID
 from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import Contacts, end_gaps, rows
 from mechanics.program import Program
 from mechanics.solvers import BALANCED, imbalance

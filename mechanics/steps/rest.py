@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from mechanics.assembly import State
 from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError
 from mechanics.kernels.joint import H
+from mechanics.model.assembly import State
 from mechanics.model.contacts import end_gaps
 from mechanics.program import bed_gaps, end_forces
 from mechanics.solvers import ACCEPTED, interior, solve

@@ -7,10 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
-from mechanics.assembly import Assembly, State
 from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.kernels.interior_iteration import FRICTION, SHEAR, SLID
 from mechanics.kernels.joint import ARM, BETA, MV, PHI, H, U, V, curvature
+from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program, bed_gaps, end_forces
 from mechanics.solvers import interior, solve

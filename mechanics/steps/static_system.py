@@ -8,9 +8,9 @@ from typing import Literal
 
 import numpy as np
 
-from mechanics.assembly import Assembly, Behaviour
 from mechanics.kernels.interior_iteration import BED, FRICTION, LAW, LIFT, SEGMENTS, SHEAR, STRENGTH
 from mechanics.kernels.joint import H
+from mechanics.model.assembly import Assembly, Behaviour
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.model.proximity import near
 from mechanics.solvers.elimination import Elimination

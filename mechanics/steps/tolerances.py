@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mechanics.assembly import Behaviour
+from mechanics.model.assembly import Behaviour
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from mechanics.kernels.joint import H
 from mechanics.solvers import lp_highs
 from mechanics.steps.equilibrium import closed_program
 from tests.stress.harness import Case, sound
-from tests.structures import arch_on_piers, block_on_base, running_bond
+from tests.support.structures import arch_on_piers, block_on_base, running_bond
 
 SLENDERNESS = np.arctan(0.2)
 

@@ -25,10 +25,10 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from assessment.capacity import capacity_curve
-from assessment.idealisation import CurveFit
-from assessment.spectrum import ElasticSpectrum, RecordSpectrum
-from assessment.verification import Method, verify
+from assessment.ntc.capacity import capacity_curve
+from assessment.ntc.curve_fit import CurveFit
+from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
+from assessment.ntc.verification import Method, verify
 
 G = 9.80665
 COLUMNS = {

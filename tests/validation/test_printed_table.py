@@ -11,7 +11,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from mechanics import limit_analysis, pushover, time_history
-from tests.structures import block_on_base, running_bond
+from tests.support.structures import block_on_base, running_bond
 from tests.validation import test_paper_table_1 as paper
 from tests.validation import test_rocking as rocking
 from tests.validation.test_rectangular_block import BREADTH, HEIGHT

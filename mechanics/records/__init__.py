@@ -1,0 +1,1 @@
+"""Ground motions: files read, response spectra, synthetic records."""
