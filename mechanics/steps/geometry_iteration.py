@@ -99,7 +99,7 @@ def _solve_round(problem: StepProblem, last: _Round, residual: float, update_sli
         slips = _slips(iterate)
     program, index = problem.pose(last.at, last.forces, slips, last.touching)
     near = None if iterate is None else taken(iterate, index).warm(program, last.distance)
-    found, solves = solve_program(program, system.layout.take(index), near, residual)
+    found, solves = solve_program(program, system.layout.take(index), near, residual, first=last.solves == 0)
     at = displaced(system.model, last.at, found.displacement)
     check_motion(problem, at)
     count = len(system.contacts)

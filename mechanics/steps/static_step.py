@@ -142,17 +142,18 @@ def lay_shear(places: Array, forces: Array, turned: Array) -> None:
 
 
 def solve_program(
-    program: Program, layout: Elimination, near: Iterate | None, accepted: float
+    program: Program, layout: Elimination, near: Iterate | None, accepted: float, first: bool
 ) -> tuple[Iterate, int]:
     """The iterate that solves a program to a residual, sought from one near it, then from a cold start; and the solves.
 
-    An elastic program is last solved without the change of its forces with the geometry. Raises NoEquilibriumError
-    where there is no equilibrium, ConvergenceError where that cannot be decided.
+    The `first` program of a step has forces of another geometry: what these change may make it unstable where the
+    structure is not, so it is solved without that where nothing else helps. Raises NoEquilibriumError where there is no
+    equilibrium, ConvergenceError where that cannot be decided.
     """
     unstable, solves = False, 0
     programs = [program] if program.curved is None else [program, interior.frozen(program)]
     attempts = [] if near is None else [(program, near)]
-    attempts += [(tried, interior.cold(program)) for tried in programs[: 2 if near is None else 1]]
+    attempts += [(tried, interior.cold(program)) for tried in programs[: 2 if first else 1]]
     for tried, start in attempts:
         found, outcome = interior.run(tried, layout, start, accepted)
         solves += 1
