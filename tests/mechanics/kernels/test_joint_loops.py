@@ -13,7 +13,7 @@ from mechanics.kernels.joint_elimination import KNOWN
 from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
 from mechanics.model.contacts import rows
-from mechanics.steps.static_step import static_system
+from mechanics.steps.static_system import static_system
 from mechanics.types import Array
 from tests.mechanics.solvers.test_dissection import dense
 from tests.support.reference_loops import joint_newton
