@@ -6,13 +6,13 @@ from importlib import import_module
 from typing import Any
 
 _HOME = {
-    "ElasticSpectrum": "spectrum",
-    "RecordSpectrum": "spectrum",
-    "site_hazard": "hazard",
-    "fit_curve": "idealisation",
-    "capacity_curve": "capacity",
-    "participation": "capacity",
-    "verify": "verification",
+    "ElasticSpectrum": "ntc.spectrum",
+    "RecordSpectrum": "ntc.spectrum",
+    "site_hazard": "ntc.hazard",
+    "fit_curve": "ntc.curve_fit",
+    "capacity_curve": "ntc.capacity",
+    "participation": "ntc.capacity",
+    "verify": "ntc.verification",
 }
 __all__ = [
     "ElasticSpectrum",

@@ -1,22 +1,26 @@
 """Rigid blocks in dry contact: limit analysis, pushdown, pushover and time histories by one program."""
 
-from mechanics.assembly import Assembly, State
-from mechanics.block import Block, Material
-from mechanics.drawing import read_drawing
 from mechanics.errors import (
+    ArgumentError,
     CollapseError,
     ControlError,
     ConvergenceError,
     DrawingError,
+    MechanicsError,
     NoEquilibriumError,
+    RecordError,
     UnstableError,
 )
+from mechanics.model.assembly import Assembly, State
+from mechanics.model.block import Block, Material
+from mechanics.model.dxf import read_drawing
 from mechanics.procedures.limit_analysis import limit_analysis
 from mechanics.procedures.pushdown import pushdown
 from mechanics.procedures.pushover import pushover
 from mechanics.procedures.time_history import TimeHistory, time_history
 
 __all__ = [
+    "ArgumentError",
     "Assembly",
     "Block",
     "CollapseError",
@@ -24,7 +28,9 @@ __all__ = [
     "ConvergenceError",
     "DrawingError",
     "Material",
+    "MechanicsError",
     "NoEquilibriumError",
+    "RecordError",
     "State",
     "TimeHistory",
     "UnstableError",

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 import pytest
 from hypothesis import HealthCheck, settings
 
-from assessment import figures
-from tests.block_project import write_block
+from assessment.report.figures import index as figures
+from tests.support.block_project import write_block
 
 # no example is too slow: how long one takes is the machine's affair, and that of what else it is doing
 settings.register_profile("assesto", deadline=None, suppress_health_check=[HealthCheck.too_slow])

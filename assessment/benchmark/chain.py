@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import os
 import subprocess
 import sys
@@ -12,15 +11,15 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from assessment.analyses.static.states import PAST_PEAK
 from assessment.benchmark.measure import FAILURES, ROUNDS, Row, once_a_step
 from assessment.benchmark.structures import assembly, template
-from assessment.cli import NEW_OBJECTS
-from assessment.model import build_model
-from assessment.stage_selection import select
-from assessment.states import PAST_PEAK
-from assessment.workflow import run
+from assessment.project.model import build_model
+from assessment.runtime.garbage import collect_rarely
+from assessment.workflow.selection import select
+from assessment.workflow.stages import run
 from mechanics import pushdown, pushover
-from mechanics.assembly import Behaviour, Direction
+from mechanics.model.assembly import Behaviour, Direction
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.pushdown import Pushdown
 from mechanics.procedures.pushover import Pushover
@@ -111,7 +110,7 @@ def side_by_side(name: str) -> Row:
 
 def _elapsed(name: str) -> float:
     """Time elapsed (s) in a process of its own, where nothing has been loaded but the analyses themselves."""
-    gc.set_threshold(NEW_OBJECTS)  # as the command
+    collect_rarely()  # as the command
     project = select(template(name), ("pushdown", "pushover"))
     (table,) = project.settlements
     settlements = (table.model_copy(update={"to_collapse": False}),)

@@ -13,10 +13,10 @@ from assessment.benchmark.machine import load, machine
 from assessment.benchmark.measure import Row
 from assessment.benchmark.plots import shown, work_precision
 from assessment.benchmark.table import Column, as_csv, listed, number, percent, pivoted
-from assessment.canvas import save_png, save_svg
-from assessment.console import say
-from assessment.files import write_atomically
-from assessment.messages import nearest
+from assessment.report.figures.style import save_png, save_svg
+from assessment.runtime.atomic_files import write_atomically
+from assessment.runtime.console import say
+from assessment.runtime.errors import nearest
 
 SUMMARY = "summary.md"
 

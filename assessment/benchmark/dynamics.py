@@ -13,7 +13,7 @@ import numpy as np
 from assessment.benchmark.measure import FAILURES, SAMPLES, Row, beside_piqp, history_programs
 from assessment.benchmark.structures import assembly, block_on_base, rectangle, running_bond, template
 from mechanics import Assembly, Block, Material, State, TimeHistory, time_history
-from mechanics.assembly import Behaviour
+from mechanics.model.assembly import Behaviour
 from mechanics.procedures.time_history import Integrator
 from mechanics.steps import dynamic_system
 from mechanics.steps.dynamic_system import ACCEPTED

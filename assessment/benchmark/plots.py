@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from assessment.benchmark.measure import Row
-from assessment.canvas import DASHES, MM, WIDTH_MM
+from assessment.report.figures.style import DASHES, MM, WIDTH_MM
 
 COLUMNS, HEIGHT_MM = 3, 58.0
 EXACT = 1e-12  # an error that is none, for a logarithmic axis

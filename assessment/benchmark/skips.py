@@ -16,31 +16,34 @@ from unittest.mock import patch
 
 import numpy as np
 
-from assessment.artificial_record import RECORD
+from assessment.analyses.dynamic.bracket import find_collapse
+from assessment.analyses.static.states import PAST_PEAK
 from assessment.benchmark.dynamics import DAMPING, pulse, shaking
 from assessment.benchmark.measure import Row, in_turn
 from assessment.benchmark.structures import assembly, block_on_base, template
-from assessment.bracket import find_collapse
-from assessment.idealisation import SECANT_SHARE
-from assessment.states import PAST_PEAK
+from assessment.ntc.curve_fit import SECANT_SHARE
+from assessment.project.catalogue.record import RECORD
 from mechanics import TimeHistory, pushover, time_history
-from mechanics.assembly import Behaviour, Direction
 from mechanics.errors import NoEquilibriumError
-from mechanics.ground_motion import read_record
 from mechanics.kernels.motion_step import COLD, GAPS, SPRING
+from mechanics.model.assembly import Behaviour, Direction
 from mechanics.procedures import time_history as histories
 from mechanics.procedures.collapse import TURNED
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.pushover import Pushover
+from mechanics.records.record import read_record
 from mechanics.steps.dynamic_system import DynamicSystem, Motion, Recorded
-from mechanics.steps.static_step import StepProblem, find_equilibrium
+from mechanics.steps.geometry_iteration import find_equilibrium
+from mechanics.steps.static_step import StepProblem
 from mechanics.types import GRAVITY, Array
 
 if TYPE_CHECKING:
-    from assessment.project import Project
-    from assessment.store import Store
+    from assessment.project.project import Project
+    from assessment.runtime.cache import Store
 
 STEP, LONG_STEP = 0.005, 0.02  # s
+# a rigid program's start shows in the motion: 9e-4 to 7e-3 of it over 100 to 150 steps
+STARTED = 1e-2
 CLOSE = 1e-4  # of the size of an answer: what a skip that is not exact is held to
 WINDOWED = 0.02  # and a part of a record in place of the whole
 ARCH_PGA, BLOCK_PGA = 0.02, 0.17  # g
@@ -110,15 +113,15 @@ def all_skips() -> list[Skip]:
             every_level,
             1.01 * RESOLVED / LOWEST,
         ),
-        Skip("starts of a step's program from nowhere", "iterations", started_near, started_nowhere, CLOSE),
+        Skip("starts of a step's program from nowhere", "iterations", started_near, started_nowhere, STARTED),
     ]
 
 
 def stages(only: tuple[str, ...] | None, store: Store | None = None) -> tuple[Array, int]:
     """Multiplier and displacement capacity of the block template as drawn, from some of its stages or all."""
-    from assessment.model import build_model
-    from assessment.stage_selection import select
-    from assessment.workflow import run
+    from assessment.project.model import build_model
+    from assessment.workflow.selection import select
+    from assessment.workflow.stages import run
 
     project = select(_with_history(template("block")), only)
     outcome = run(project, build_model(project), 1, store)
@@ -127,7 +130,7 @@ def stages(only: tuple[str, ...] | None, store: Store | None = None) -> tuple[Ar
 
 
 def _with_history(project: Project) -> Project:
-    from assessment.project_schema import HistoryTable
+    from assessment.project.schema import HistoryTable
 
     history = HistoryTable(
         record=RECORD, contacts="elastic", damping_ratio=0.05, window_s=(4.0, 6.0), time_step_s=STEP
@@ -139,7 +142,7 @@ def _with_history(project: Project) -> Project:
 
 def unchanged() -> Skip:
     """A second run over the store of a first one."""
-    from assessment.store import Store
+    from assessment.runtime.cache import Store
 
     folder = TemporaryDirectory(prefix="assesto-benchmark-")
 
@@ -307,8 +310,9 @@ def started_nowhere() -> tuple[Array, int]:
 
 
 def _shaken() -> TimeHistory:
-    """The arch with elastic joints, until they close so hard that the last digits of a motion decide how it goes on."""
-    return time_history(assembly("buttressed-arch"), shaking(0.02)(_times(150)), STEP, "elastic")
+    """The arch with rigid joints, whose programs the interior point solves; those of elastic ones are Newton's."""
+    wave = shaking(0.2)(_times(150))
+    return time_history(assembly("buttressed-arch"), wave, STEP, "rigid", integrator="implicit-euler")
 
 
 def _way(motion: TimeHistory) -> Array:

@@ -12,7 +12,7 @@ import numpy as np
 from assessment.benchmark.measure import FAILURES, Row, beside_piqp, once_a_step
 from assessment.benchmark.structures import assembly, block_on_base, rectangle, running_bond, template
 from mechanics import Assembly, Block, Material, State, pushdown, pushover
-from mechanics.assembly import Behaviour
+from mechanics.model.assembly import Behaviour
 from mechanics.procedures.pushdown import Pushdown
 from mechanics.procedures.pushover import Pushover
 from mechanics.program import Program

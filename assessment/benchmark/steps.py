@@ -10,16 +10,16 @@ from unittest.mock import patch
 
 import numpy as np
 
-from assessment.artificial_record import RECORD
 from assessment.benchmark.dynamics import INTEGRATORS
 from assessment.benchmark.measure import FAILURES, Row, exponent, history_programs, peak_memory, piqp
 from assessment.benchmark.structures import arch_on_piers, assembly, block_on_base, running_bond, template
+from assessment.project.catalogue.record import RECORD
 from mechanics import Assembly, TimeHistory, time_history
-from mechanics.assembly import Behaviour
-from mechanics.ground_motion import read_record
+from mechanics.model.assembly import Behaviour
 from mechanics.procedures import time_history as histories
 from mechanics.procedures.time_history import Integrator
 from mechanics.program import Program
+from mechanics.records.record import read_record
 from mechanics.steps.dynamic_system import DynamicSystem
 from mechanics.types import Array
 

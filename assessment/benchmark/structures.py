@@ -13,7 +13,7 @@ import numpy as np
 from mechanics import Assembly, Block, Material
 
 if TYPE_CHECKING:
-    from assessment.project import Project
+    from assessment.project.project import Project
 
 
 def rectangle(x0: float, z0: float, x1: float, z1: float) -> list[list[float]]:
@@ -86,8 +86,8 @@ def arch_on_piers(voussoirs: int = 27, courses: int = 19, stiffness: float = 1e6
 @cache
 def template(name: str) -> Project:
     """A new project from a built-in template, in a folder that lasts as long as the process."""
-    from assessment.new_project import new_project
-    from assessment.project import load_project
+    from assessment.project.catalogue.new_project import new_project
+    from assessment.project.project import load_project
 
     folder = Path(_scratch().name) / name
     new_project(folder, name, {})
@@ -97,7 +97,7 @@ def template(name: str) -> Project:
 @cache
 def assembly(name: str, segments: int | None = None) -> Assembly:
     """The assembly of a template, its elastic joints of so many segments; None: exact."""
-    from assessment.model import build_model
+    from assessment.project.model import build_model
 
     project = template(name)
     geometry = project.geometry.model_copy(update={"segments_per_joint": segments})

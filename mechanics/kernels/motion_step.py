@@ -6,9 +6,9 @@ Elastic joints: M(v₁ − v₀)/h = f + BᵀF and Δx/h = v₀ + θ(v₁ − v�
 closed the force is −k(w₀ + θΔw), of one that closes within the step −kθ(w₀ + Δw); dashpots add −kβΔw/h. In one:
 −k(θ + β/h)(Δw + g), where g is w₀/(θ + β/h) at an end that is closed and w₀ at one that closes.
 
-No step presses a bed deeper than its forces have, nor stores more in it than they have done: where the blocks come
-closer than that, by the geometry of the step or a slide that stops, the bed has `sunk` until they part. Otherwise a
-stiff bed would turn a gap wrong by microns into a blow.
+No step leaves a bed deeper than its forces pressed it, nor with more stored than was done on it (it may give more):
+where the blocks come closer than that, by the geometry of the step or a slide that stops, the bed has `sunk` until they
+part. Otherwise a stiff bed would turn a gap wrong by microns into a blow.
 
 Rigid joints, at velocity level: M(v₁ − v₀)/h = f + BᵀF and the gap g₀ + h Bv₁ ≥ 0 (Moreau and Jean, without bounce),
 with x₁ = x₀ + h((1 − θ)v₀ + θv₁). What a joint that closes takes of the energy is an impact's, but for what a block
@@ -22,9 +22,11 @@ from typing import Any
 import numpy as np
 
 from mechanics.kernels.bed import crushed, pressed, stored
-from mechanics.kernels.interior_iteration import BED, FRICTION, LIFT, SHEAR, SLID, iterate
+from mechanics.kernels.interior_iteration import iterate
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import MPHI, MU, MV, NX, NZ, PHI, PLACE, H, U, V, place
+from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID
+from mechanics.kernels.newton_iteration import newton
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -38,7 +40,8 @@ ENERGIES = 6
 N1, GAPS, SPRING, SPEED, RATE, SUNK = 0, 3, 7, 8, 9, 10
 JOINT = 11
 STANDARD_GRAVITY = 9.80665  # m/s²
-COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a start from nowhere
+ROUGHLY = 1e-4  # missed per weight and span: the joints that slide are known
+COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a cold start
 MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
 PRESSED = 1e-6  # of the weight of a block: a force that is one
 STILL = 1e-3  # of its speed before: a slide that has come to rest
@@ -172,17 +175,14 @@ def posed(
 
 
 @compiled
-def solved(
-    rows: Any, at: Array, laws: Array, f: Array, y: Array, scaled: Array, pushed: Array, dx: Array, h: float,
-    scale: Any, cold: bool, stored_matrix: Array, packed: Any, chosen: Any,
-) -> tuple[int, float, float, float]:  # fmt: skip
-    """Solve the program of a step near forces f (i, 3) and gaps y (i, 4), or from nowhere where the start is `cold`.
+def _begin_inside(
+    at: Array, laws: Array, weight: float, span: float, stops: float, cold: bool, f: Array, y: Array
+) -> None:
+    """Bring forces and gaps within their bounds, where the interior point begins.
 
-    Then nothing is known but the gaps that are there, and that impacts stop the blocks within the step.
+    `cold`: nothing is known of them but the gaps that are there, and the force `stops` that stops blocks.
     """
-    weight, size, span, accepted = scale
-    stops = COLD * weight * span / (STANDARD_GRAVITY * h * h)
-    for k in range(len(rows)):
+    for k in range(len(f)):
         if cold:
             for e in range(2):
                 gap = at[k, U] + (2 * e - 1) * at[k, H] * at[k, PHI]
@@ -195,12 +195,51 @@ def solved(
         for e in range(4):
             least = 1e-2 * span / (max(laws[k, FRICTION], 1.0) if e > 1 else 1.0)
             y[k, e] = max(y[k, e], least)
-    none = np.empty(0)
-    done, _, force, gap, product = iterate(
-        rows, at, laws, pushed, none, 0.0, scaled, np.empty((0, 7)), dx, 0.0, f, y,
-        (weight, size, span, accepted), MOST_ITERATIONS, stored_matrix, packed, chosen,
+
+
+@compiled
+def _solve(
+    rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any, cold: bool,
+    elastic: bool, stops: float, stored_matrix: Array, packed: Any, chosen: Any,
+) -> tuple[int, float, float, float]:  # fmt: skip
+    """Displacements dx (m,), forces f (j, 3) and gaps y (j, 4) of a step: iterations and residuals as of `iterate`.
+
+    Elastic joints: by Newton's method from the start of the step; where many joints slide, from what the interior point
+    has found ROUGHLY; else, as with rigid joints, by the interior point, near the dx, f and y given.
+    """
+    weight, size, span, accepted = scale
+    done, none = 0, np.empty(0)
+    if elastic and not cold:
+        moved = np.zeros(len(dx))
+        more, force, gap = newton(
+            rows, at, laws, load, mass, moved, f, y, scale, stored_matrix, packed, chosen
+        )
+        done += more
+        if force <= accepted:
+            dx[:] = moved
+            return done, force, gap, 0.0
+    _begin_inside(at, laws, weight, span, stops, cold, f, y)
+    if elastic:
+        more, _, force, gap, product = iterate(
+            rows, at, laws, load, none, 0.0, mass, np.empty((0, 7)), dx, 0.0, f, y,
+            (weight, size, span, ROUGHLY), MOST_ITERATIONS, stored_matrix, packed, chosen,
+        )  # fmt: skip
+        done += abs(more)
+        if not max(force, product) <= ROUGHLY:
+            return done, force, gap, product
+        moved = dx.copy()
+        more, force, gap = newton(
+            rows, at, laws, load, mass, moved, f, y, scale, stored_matrix, packed, chosen
+        )
+        done += more
+        if force <= accepted:
+            dx[:] = moved
+            return done, force, gap, 0.0
+    more, _, force, gap, product = iterate(
+        rows, at, laws, load, none, 0.0, mass, np.empty((0, 7)), dx, 0.0, f, y, scale, MOST_ITERATIONS, stored_matrix,
+        packed, chosen,
     )  # fmt: skip
-    return done, force, gap, product
+    return done + abs(more), force, gap, product
 
 
 @compiled
@@ -237,11 +276,12 @@ def attempt(
     """A step of length h from the state of blocks (3, b, 3), joints (j, JOINT) and energy, changed in place if solved.
 
     `load` (b, 3) kN at the share θ; `restitution` of velocities at which rigid ends meet; `scale`: weight, size and
-    span of the step, and what is accepted; `resultants` (j, 3): N, P and T found; `cold`: see solved. Returns the
+    span of the step, and what is accepted; `resultants` (j, 3): N, P and T found; `cold`: nothing is known of what is
+    sought but the gaps that are there. Returns the
     iterations, negative where nothing was found, the energy that was taken and that which slides that turn back leave
     unsure, and the residuals: force and product.
     """
-    weight, size, _, accepted = scale
+    weight, size, span, accepted = scale
     c, n, m = len(a), blocks.shape[1], 0
     x, v, past = blocks[0], blocks[1], blocks[2]
     for i in range(n):
@@ -263,9 +303,10 @@ def attempt(
                 scaled[j + e] = mass[i, e] / (share * h * h)
                 dx[j + e] = h * v[i, e]
                 pushed[j + e] = load[i, e] + scaled[j + e] * dx[j + e]
-    done, force, _, product = solved(
-        row[chosen], at, laws, f, y, scaled, pushed, dx, h, scale, cold, stored_matrix, packed, chosen
-    )
+    done, force, _, product = _solve(
+        row[chosen], at, laws, pushed, scaled, dx, f, y, scale, cold, elastic,
+        COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen,
+    )  # fmt: skip
     if max(force, product) > accepted:
         return -done, 0.0, 0.0, force, product
     moved, speed, jerked, work = np.zeros((n, 3)), np.zeros((n, 3)), 0.0, 0.0
@@ -293,7 +334,7 @@ def attempt(
             k = chosen[q]
             du, dphi, _ = relative(at[q], a[k], b[k], moved)
             # by the law of the step: the lift that was taken back, less that of the slide
-            u = start[k, U] - joints[k, SUNK] + du + back[k] - laws[q, LIFT] * (y[q, 2] + y[q, 3])
+            u = start[k, U] - joints[k, SUNK] + du + back[k] - laws[q, FRICTION] * (y[q, 2] + y[q, 3])
             closest[k] = u - at[q, H] * abs(start[k, PHI] + dphi)
             done_on[k] = -(resultants[k, 0] * du + resultants[k, 1] * dphi)
         end = np.empty((c, PLACE))

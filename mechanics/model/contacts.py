@@ -8,8 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from mechanics.block import Block
-from mechanics.joints import Joints
 from mechanics.kernels.joint import (
     A1,
     A2,
@@ -38,6 +36,8 @@ from mechanics.kernels.joint import (
     V,
     place,
 )
+from mechanics.model.block import Block
+from mechanics.model.joints import Joints
 from mechanics.types import Array, Index
 
 MOST_FRICTION = 1e3  # a tangent; friction beyond it, infinite too, lets nothing slide

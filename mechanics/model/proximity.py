@@ -13,10 +13,10 @@ from functools import cached_property
 import numpy as np
 import shapely
 
-from mechanics.block import Block
-from mechanics.joints import block_edges
 from mechanics.kernels.joint import A1, A2, B1, B2, FACE, PX, PZ, QX, QZ, TAX, TAZ, TBX, TBZ, H
+from mechanics.model.block import Block
 from mechanics.model.contacts import Contacts, between, end_gaps
+from mechanics.model.joints import block_edges
 from mechanics.types import Array, Index
 
 POINTS_AT = 0.3  # sine of the angle by which a corner's edges may lean towards the face at which it points

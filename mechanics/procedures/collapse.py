@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from mechanics.assembly import Assembly, State
 from mechanics.kernels.joint import H, U
+from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts
 from mechanics.types import Array, Mask
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mechanics.assembly import Assembly, Direction, State
 from mechanics.kernels.joint import H
+from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts, end_points, rows
 from mechanics.types import Array, Index
 

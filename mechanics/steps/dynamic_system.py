@@ -12,18 +12,19 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from mechanics.assembly import Assembly, State
 from mechanics.errors import ConvergenceError
 from mechanics.kernels.cholesky import factorise, substitute
-from mechanics.kernels.interior_iteration import BED, SHEAR
 from mechanics.kernels.joint import H
+from mechanics.kernels.law import BED, SHEAR
 from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.kernels.motion_step import ELASTIC, ENERGIES, JOINT, SPRING, SUNK, march, strain_energy
+from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.program import end_forces
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.threads import one_thread
-from mechanics.steps.static_step import StaticSystem, moved_over, spring_forces, static_system
+from mechanics.steps.contact_values import moved_over, spring_forces
+from mechanics.steps.static_system import StaticSystem, static_system
 from mechanics.types import Array, Index
 
 ACCEPTED = 1e-7  # what a program may miss, per weight and span

@@ -15,8 +15,8 @@ import numpy as np
 
 from mechanics import Assembly, pushdown, pushover
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, UnstableError
-from tests.drawn_projects import drawn, tables
 from tests.stress.corpus import assemblies
+from tests.support.drawn_projects import drawn, tables
 
 BEDS = {"exact": None, "32 points": 32}
 STEPS = import_module("mechanics.procedures.step_control")

@@ -9,7 +9,7 @@ import numpy as np
 from mechanics import Assembly
 from mechanics.errors import UnstableError
 from mechanics.steps.equilibrium import check_self_weight
-from tests.structures import arch_on_piers, block_on_base, running_bond, semicircular_arch
+from tests.support.structures import arch_on_piers, block_on_base, running_bond, semicircular_arch
 
 
 def assemblies(count: int, seed: int = 11, segments: int | None = None) -> Iterator[tuple[int, Assembly]]:

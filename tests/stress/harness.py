@@ -15,11 +15,11 @@ from multiprocessing.connection import Connection
 
 import numpy as np
 
-from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError, UnstableError
+from mechanics.errors import ArgumentError, ControlError, ConvergenceError, NoEquilibriumError, UnstableError
 from mechanics.model.contacts import Contacts
 from mechanics.program import Certificate
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.static_step import StaticSystem
+from mechanics.steps.static_system import StaticSystem
 
 USABLE = 1e-6  # the certificate that the program itself asks for (mechanics.solvers)
 REFUSALS = (UnstableError, NoEquilibriumError, ControlError, ConvergenceError)
@@ -96,7 +96,9 @@ def judge(case: Case) -> Outcome:
         said = f"{type(refusal).__name__}: {refusal}"
         return outcome("refused" if named and str(refusal) else "failed", said)
     except ValueError as refusal:
-        known = case.bad_input and type(refusal) is ValueError and case.bad_input in str(refusal)
+        known = (
+            case.bad_input and type(refusal) in (ValueError, ArgumentError) and case.bad_input in str(refusal)
+        )
         return outcome("refused" if known else "failed", f"{type(refusal).__name__}: {refusal}")
     except BaseException as failure:
         where = traceback.extract_tb(failure.__traceback__)[-1]

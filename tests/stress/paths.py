@@ -12,7 +12,7 @@ from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pusho
 from mechanics.errors import CollapseError, ControlError, NoEquilibriumError, UnstableError
 from tests.stress.harness import Case, sound
 from tests.stress.scales import by_highs
-from tests.structures import arch_on_piers, block_on_base, rectangle, running_bond
+from tests.support.structures import arch_on_piers, block_on_base, rectangle, running_bond
 
 STONE = Material(18.0, 0.7, 1e6)
 BASE = Block(rectangle(-5.0, -1.0, 5.0, 0.0), 1.0, STONE, support="base")

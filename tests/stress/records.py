@@ -8,12 +8,12 @@ from functools import partial
 import numpy as np
 
 from mechanics import Assembly, time_history
-from mechanics.assembly import Behaviour
 from mechanics.errors import ConvergenceError
-from mechanics.response_spectrum import response_spectrum
+from mechanics.model.assembly import Behaviour
+from mechanics.records.response_spectrum import response_spectrum
 from mechanics.types import GRAVITY
 from tests.stress.harness import Case, sound
-from tests.structures import arch_on_piers, block_on_base, running_bond
+from tests.support.structures import arch_on_piers, block_on_base, running_bond
 
 SCHEMES: list[tuple[Behaviour, str]] = [
     ("rigid", "implicit-euler"),

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from mechanics import Assembly, time_history
-from mechanics.assembly import Behaviour
+from mechanics.model.assembly import Behaviour
 from mechanics.types import Array
 from tests.stress.corpus import assemblies
 from tests.stress.harness import Case, sound

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from mechanics.errors import ControlError, NoEquilibriumError, UnstableError
+from tests.mechanics.procedures.test_statics_properties import random_path
+from tests.mechanics.solvers.test_program import same_elastic_step, same_multiplier, same_time_step
 from tests.stress.beds import same_peak
 from tests.stress.corpus import assemblies
-from tests.test_program import same_elastic_step, same_multiplier, same_time_step
-from tests.test_statics_properties import random_path
 
 COUNT = 200
 

@@ -2,8 +2,8 @@
 
 Values from issue 18 of the project: α_u of exact beds 0.0476 as drawn; α_0 of rigid joints that crush, from its
 independent linear programs with tangent cuts. The last three of these were given for strengths rounded to 41.5, 24.9
-and
-16.6 kPa; at exactly those the same programs (tests/test_program.py) give 0.07992, 0.04748 and 0.00665.
+and 16.6 kPa; at exactly those the same programs (tests/mechanics/solvers/test_program.py) give 0.07992, 0.04748 and
+0.00665.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from mechanics import limit_analysis, pushdown, pushover
-from tests.drawn_projects import drawn, tables
+from tests.support.drawn_projects import drawn, tables
 
 CRUSHING = [
     (np.inf, 0.12730, 1e-5),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover
-from tests.structures import block_on_base, running_bond
+from tests.support.structures import block_on_base, running_bond
 
 SLOPE = np.radians(20.0)  # of the wedge's faces from vertical
 

@@ -11,7 +11,7 @@ import pytest
 
 from mechanics import Assembly, Block, Material, State, time_history
 from mechanics.types import GRAVITY
-from tests.structures import block_on_base, rectangle
+from tests.support.structures import block_on_base, rectangle
 
 FLAT = {"width": 2.0, "height": 0.2, "friction": 0.3}
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from mechanics import pushover
-from tests.structures import column
+from tests.support.structures import column
 
 COLUMNS = [
     (0.5, 3.0, 1, 2e4, 0.06671),

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mechanics.ground_motion import read_record
+from mechanics.records.record import read_record
 from mechanics.types import GRAVITY
 
 RECORDS = Path(__file__).parents[2] / ".." / "shared" / "data" / "records"

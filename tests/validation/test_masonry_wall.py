@@ -8,7 +8,7 @@ from __future__ import annotations
 import pytest
 
 from mechanics import limit_analysis
-from tests.structures import running_bond
+from tests.support.structures import running_bond
 
 
 def test_number_of_bricks():

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from mechanics import limit_analysis, pushover
-from tests.structures import block_on_base
+from tests.support.structures import block_on_base
 
 BREADTH, HEIGHT = 0.2, 1.0
 SLENDERNESS = np.arctan(BREADTH / HEIGHT)

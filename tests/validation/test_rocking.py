@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from mechanics import Assembly, State, time_history
 from mechanics.types import GRAVITY
-from tests.structures import block_on_base
+from tests.support.structures import block_on_base
 
 
 def released(width: float, height: float, share: float) -> tuple[Assembly, State, float]:

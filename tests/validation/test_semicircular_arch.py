@@ -12,7 +12,7 @@ import pytest
 
 from mechanics import UnstableError, pushdown
 from mechanics.steps.equilibrium import check_self_weight
-from tests.structures import semicircular_arch
+from tests.support.structures import semicircular_arch
 
 
 def stands(voussoirs: int, thickness: float, friction: float = 1e3) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import pytest
 
 from mechanics import pushdown
-from tests.structures import semicircular_arch
+from tests.support.structures import semicircular_arch
 
 
 @pytest.mark.parametrize(("thickness", "expected"), [(0.12, 0.0354), (0.15, 0.1134), (0.20, 0.2962)])

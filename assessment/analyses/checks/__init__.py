@@ -1,0 +1,1 @@
+"""Demand on a project, and the checks of every mechanism against it."""

@@ -1,0 +1,212 @@
+"""Capacity and verification of every state from the stages' results, as plain numbers for results.json."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from assessment.analyses.checks.chosen_mechanism import MechanismError, compared, evaluate
+from assessment.analyses.checks.demand import site_acceleration
+from assessment.ntc.calculation import numbers
+from assessment.ntc.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
+from assessment.ntc.curve_fit import CapacityError, Curve, CurveFit, fit_curve
+from assessment.ntc.hazard import HazardCurve
+from assessment.ntc.spectrum import Spectrum
+from assessment.ntc.verification import Check, Method, verify
+from assessment.project.mechanisms import chosen_mechanisms
+from assessment.project.schema import ORIGINAL
+from assessment.results.table import indices, ratios, sense
+
+if TYPE_CHECKING:
+    from assessment.project.project import Project
+    from mechanics import Assembly
+
+
+CONTRADICTION = 0.5  # of the curve's multiplier: that of virtual work is another mechanism's
+
+
+def assess(
+    project: Project,
+    model: Assembly,
+    pushovers: Mapping[str, Mapping[str, Any]],
+    demands: Mapping[str, Spectrum],
+    hazard: HazardCurve | None,
+    warnings: list[str],
+) -> dict[str, Any]:
+    """Capacity and checks of one state in each direction; fills the fitted values into the elastic curves."""
+    assessment = project.assessment
+    assert assessment is not None
+    found = {}
+    for direction, curves in pushovers.items():
+        rigid = curves.get("rigid")
+        if rigid is None:
+            warnings.append(f"{direction}: no capacity without the rigid pushover curve")
+            continue
+        try:
+            mechanism, elastic = rigid["mechanism"], curves.get("elastic")
+            told, virtual_work = mechanism["alpha"], rigid["virtual_work_alpha"]
+            if abs(virtual_work - told) > CONTRADICTION * abs(told):
+                raise CapacityError(
+                    f"virtual work on the mechanism gives α = {virtual_work:.3g}, the curve {told:.3g}: blocks "
+                    "slide or move by themselves there, and e*, Γ* are not those of a mechanism"
+                )
+            if elastic is None and assessment.model != "none" and _asked_for_elastic(project):
+                raise CapacityError(
+                    "the elastic pushover was asked for and gave no curve (the warnings say why), and the "
+                    f'{assessment.model} curve needs it; mend that, or set model = "none" (rigid branch alone)'
+                )
+            virtual = np.array(mechanism["displacements"])
+            part = mechanism_participation(model, virtual, mechanism["control_displacement_x"])
+            branch = None if elastic is None else along_push(elastic["curve"], direction)
+            fit = fit_curve(assessment.model, rigid_branch(rigid, direction), branch)
+            capacity = capacity_curve(fit, part.e_star, part.gamma_star, assessment.confidence_factor)
+            checks = verify(capacity, demands, method_of(project, hazard))
+        except CapacityError as refusal:
+            warnings.append(f"{direction}: no capacity: {refusal}")
+            continue
+        if elastic is not None and fit.alpha_y is not None:
+            elastic |= {"alpha_y": fit.alpha_y, "d_y_m": fit.d_y}
+        said = dict.fromkeys(note for check in checks.values() for note in check.notes)
+        warnings += [f"{direction}: {note}" for note in said]
+        found[direction] = _numbers(mechanism, part, fit, capacity, checks)
+    return found
+
+
+def _asked_for_elastic(project: Project) -> bool:
+    return project.pushover is not None and "elastic" in project.pushover.contacts
+
+
+def along_push(curve: Mapping[str, Any], direction: str) -> Curve:
+    """A curve of the results over displacements (m) counted along the push."""
+    return sense(direction) * np.array(curve["displacement_m"]), np.array(curve["multiplier"])
+
+
+def rigid_branch(rigid: Mapping[str, Any], direction: str) -> Curve:
+    """The rigid curve from its peak on, over growing displacements along the push.
+
+    Where equilibrium is lost before α = 0 the capacity falls to nothing there: the branch ends with a vertical drop,
+    and d_0 is that displacement.
+    """
+    d, alpha = map(np.asarray, along_push(rigid["curve"], direction))
+    peak = int(np.argmax(alpha))
+    d, alpha = d[peak:], alpha[peak:]
+    grows = np.concatenate([[True], d[1:] > np.maximum.accumulate(d)[:-1]])
+    d, alpha = d[grows], alpha[grows]
+    if rigid["lost"]:
+        d, alpha = np.append(d, d[-1] * (1.0 + 1e-9) + 1e-15), np.append(alpha, 0.0)
+    return d, alpha
+
+
+def method_of(project: Project, hazard: HazardCurve | None) -> Method:
+    """Return how the checks of a project are made."""
+    assessment = project.assessment
+    assert assessment is not None
+    limit = assessment.local_displacement_limit_m
+    return Method(
+        behaviour_factor=assessment.behaviour_factor,
+        circular=str(assessment.circular),
+        scaling="return_period" if assessment.method == "grid" else "shape",
+        displacement_demand=assessment.record_demand if assessment.spectrum == "record" else "maximum",
+        hazard=hazard,
+        site_acceleration=site_acceleration(project),
+        local_limits={} if limit is None else dict.fromkeys(("SLV", "SLC"), limit),
+        local_reason=assessment.local_displacement_reason,
+    )
+
+
+def governing(capacities: Mapping[str, Mapping[str, Any]]) -> dict[str, Any] | None:
+    """Return direction, limit state and ratio of the least check of a state; None where no check has a number."""
+    return _least(capacities, ratios, "ratio")
+
+
+def safety_index(capacities: Mapping[str, Mapping[str, Any]]) -> dict[str, Any] | None:
+    """Return direction, limit state and ζ_E of a state: the least ratio at SLV and SLC (NTC 2018, §8.3)."""
+    return _least(capacities, indices, "zeta_E")
+
+
+def _least(
+    capacities: Mapping[str, Mapping[str, Any]],
+    of: Callable[[Mapping[str, Any]], Mapping[str, float]],
+    called: str,
+) -> dict[str, Any] | None:
+    found = [
+        (value, direction, name)
+        for direction, capacity in capacities.items()
+        for name, value in of(capacity).items()
+    ]
+    if not found:
+        return None
+    value, direction, name = min(found)
+    return {"direction": direction, "limit_state": name, called: value}
+
+
+def assess_chosen(
+    project: Project,
+    model: Assembly,
+    states: Mapping[str, Mapping[str, Any]],
+    demands: Mapping[str, Spectrum],
+    hazard: HazardCurve | None,
+    warnings: list[str],
+) -> list[dict[str, Any]]:
+    """Return the mechanisms that the user chose, each in its state's configuration, refused ones with the reason."""
+    found = []
+    factor = project.assessment.confidence_factor if project.assessment else 1.0
+    method = method_of(project, hazard) if project.assessment else Method()
+    for chosen in chosen_mechanisms(project, model):
+        state = states[chosen.state]
+        answer: dict[str, Any] = {"name": chosen.name, "state": chosen.state}
+        positions = model.initial.positions + np.array(state["configuration"])
+        try:
+            if chosen.state != ORIGINAL and not any(map(any, state["configuration"])):
+                raise MechanismError("its state was not reached")
+            answer |= evaluate(model, positions, chosen, factor, demands, method)
+            rigid = (state["pushover"].get(answer["direction"]) or {}).get("rigid")
+            answer = compared(answer, *(rigid[key] if rigid else None for key in ("alpha_0", "alpha_onset")))
+            warnings += [f'mechanism "{chosen.name}": {note}' for note in answer["notes"]]
+        except MechanismError as refusal:
+            answer["refused"] = str(refusal)
+            warnings.append(f'mechanism "{chosen.name}": refused: {refusal}')
+        found.append(answer)
+    return found
+
+
+def _numbers(
+    mechanism: Mapping[str, Any],
+    part: Participation,
+    fit: CurveFit,
+    capacity: CapacityCurve,
+    checks: Mapping[str, Check],
+) -> dict[str, Any]:
+    return {
+        "mechanism": {"hinges": mechanism["hinges"], "sliding_joints": len(mechanism["sliding_joints"])},
+        "e_star": part.e_star,
+        "gamma_star": part.gamma_star,
+        "T_0_s": capacity.T_0,
+        "model": fit.model,
+        "d_0_star_m": capacity.d_0_star,
+        "notes": list(fit.notes),
+        "curve": {"d_star_m": capacity.displacement.tolist(), "a_star_g": capacity.acceleration.tolist()},
+        "trace": numbers((*part.steps(), *capacity.steps()[2:])),  # e*, Γ* with what they come from
+        **{name: _check(check, len(capacity.steps())) for name, check in checks.items()},
+    }
+
+
+def _check(check: Check, common: int) -> dict[str, Any]:
+    """The numbers of a check; its trace without the `common` first steps, which are the capacity curve's."""
+    return {
+        "method": check.method,
+        "d_star_m": check.d_star,
+        "a_star_g": check.a_star,
+        "T_s": check.T,
+        "a_g_g": check.a_g,
+        "demand_a_g_g": check.demand_a_g,
+        "zeta_E": check.zeta_E,
+        "verified": check.verified,
+        "damping": check.damping,
+        "return_period_years": check.return_period,
+        "governing": check.governing,
+        "notes": list(check.notes),
+        "trace": numbers(check.trace[common:]),
+    }

@@ -1,0 +1,162 @@
+"""The seismic demand on a project: spectra of its site, at the ground or at height, or of a record."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from assessment.ntc.calculation import Trace, numbers
+from assessment.ntc.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
+from assessment.ntc.hazard import HazardCurve, return_period, return_period_steps, site_curve
+from assessment.ntc.hazard_grid import HazardError
+from assessment.ntc.methods import ACTIVATION_DAMPING, RULES
+from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
+from assessment.runtime.errors import ProjectError
+
+if TYPE_CHECKING:
+    from assessment.project.motions import BaseMotion
+    from assessment.project.project import Project
+    from assessment.project.schema import AssessmentTable, SiteTable
+
+PERIODS = np.concatenate([np.arange(400) / 100.0, np.arange(80, 201) / 20.0])  # s: finer up to 4 s
+
+
+def demand_spectra(
+    project: Project, shaking: Sequence[BaseMotion] = ()
+) -> tuple[dict[str, Spectrum], HazardCurve | None]:
+    """The demand spectrum of each limit state, and the site's hazard curve where a grid gives it.
+
+    `shaking`: the base motions of [[history]]; with spectrum = "record" the first one's own spectrum is the demand at
+    every limit state. Raises ProjectError for a site that the grid does not hold, and for a record that is to be
+    followed along a grid.
+    """
+    assessment = project.assessment
+    assert assessment is not None
+    if assessment.spectrum == "record":
+        if assessment.method == "grid":
+            text = 'a record has no return period; write "demand-shape", or spectrum = "ntc"'
+            raise ProjectError(f"{project.source}: assessment.method: {text}")
+        record = shaking[0].original
+        demand = RecordSpectrum(record.acceleration, record.time_step, ACTIVATION_DAMPING)
+        return dict.fromkeys(assessment.limit_states, demand), None
+    return _site_spectra(project, assessment)
+
+
+def site_acceleration(project: Project) -> dict[str, float]:
+    """Return a_g S (g) of the site per limit state where the demand is a record's spectrum and a site is given.
+
+    The capacity that the record's shape gives is compared with the site's demand, without a site with the record's PGA.
+    """
+    assessment = project.assessment
+    if assessment is None or assessment.spectrum != "record" or assessment.site is None:
+        return {}
+    return {
+        name: spectrum.ag * spectrum.S for name, spectrum in _site_spectra(project, assessment)[0].items()
+    }
+
+
+def _site_spectra(
+    project: Project, assessment: AssessmentTable
+) -> tuple[dict[str, Spectrum], HazardCurve | None]:
+    site = assessment.site
+    if site is None:
+        raise ProjectError(f"{project.source}: assessment.site: missing; give the site's hazard")
+    curve = _hazard_curve(project, site)
+    spectra: dict[str, Spectrum] = {}
+    for limit_state in assessment.limit_states:
+        if curve is not None:
+            hazard = curve.at(return_period(limit_state, site.nominal_life_years, site.use_class))
+            ag, F0, Tc_star = hazard.ag, hazard.F0, hazard.Tc_star
+        else:
+            typed = getattr(site, limit_state)
+            ag, F0, Tc_star = typed.ag_g, typed.F0, typed.Tc_star_s
+        ground = ElasticSpectrum(ag, F0, Tc_star, site.soil, site.topography, ACTIVATION_DAMPING)
+        spectra[limit_state] = _at_height(ground, assessment)
+    return spectra, curve
+
+
+def _at_height(ground: ElasticSpectrum, assessment: AssessmentTable) -> Spectrum:
+    floor = assessment.floor
+    if floor is None or floor.height_m == 0.0:
+        return ground
+    first = first_mode(
+        floor.period_s, floor.storeys, floor.height_m, floor.building_height_m, floor.damping_ratio
+    )
+    if assessment.circular == 2009:
+        return FloorSpectrum2009(ground, first)
+    higher = zip(floor.higher_periods_s, floor.higher_participations, strict=True)
+    return FloorSpectrum(
+        ground, (first, *(Mode(period, share, 1.0, floor.damping_ratio) for period, share in higher))
+    )
+
+
+def _hazard_curve(project: Project, site: SiteTable) -> HazardCurve | None:
+    if site.grid is None:
+        return None
+    try:
+        return site_curve(project.path(site.grid), site.latitude, site.longitude)
+    except HazardError as error:
+        raise ProjectError(f"{project.source}: assessment.site: {error}") from None
+
+
+def spectra_numbers(
+    project: Project, demands: Mapping[str, Spectrum], hazard: HazardCurve | None
+) -> dict[str, Any]:
+    """The demand spectra as numbers: ordinates at 5 % and at the damping of the check, parameters, calculation."""
+    assert project.assessment is not None
+    found = {}
+    for name, spectrum in demands.items():
+        rule = RULES.get((str(project.assessment.circular), name))
+        damped = spectrum.with_damping(rule.damping if rule else ACTIVATION_DAMPING)
+        found[name] = {
+            "kind": _kind(spectrum),
+            "a_g_g": spectrum.ag,
+            "S": spectrum.S,
+            "T_s": PERIODS.tolist(),
+            "S_e_g": spectrum.acceleration(PERIODS).tolist(),
+            "S_De_m": spectrum.displacement(PERIODS).tolist(),
+            "damping": rule.damping if rule else ACTIVATION_DAMPING,
+            "damped_S_e_g": damped.acceleration(PERIODS).tolist(),
+            "damped_S_De_m": damped.displacement(PERIODS).tolist(),
+            **_parameters(spectrum),
+        }
+        site = project.assessment.site
+        steps: Trace = ()
+        if hazard is not None and site is not None:
+            by_life = return_period_steps(name, site.nominal_life_years, site.use_class)
+            found[name]["return_period_years"] = by_life[-1].result
+            steps = (*by_life, *hazard.steps(by_life[-1].result)[1:])
+        ground = _ground(spectrum)
+        if ground is not None:
+            found[name]["trace"] = numbers((*steps, *ground.parameter_steps()))
+    return found
+
+
+def _kind(spectrum: Spectrum) -> str:
+    if isinstance(spectrum, RecordSpectrum):
+        return "record"
+    return "ground" if isinstance(spectrum, ElasticSpectrum) else "floor"
+
+
+def _ground(spectrum: Spectrum) -> ElasticSpectrum | None:
+    """Return the spectrum at the ground; None for that of a record."""
+    if isinstance(spectrum, FloorSpectrum | FloorSpectrum2009):
+        return spectrum.ground
+    return spectrum if isinstance(spectrum, ElasticSpectrum) else None
+
+
+def _parameters(spectrum: Spectrum) -> dict[str, Any]:
+    ground = _ground(spectrum)
+    if ground is None:
+        return {}
+    return {
+        "F0": ground.F0,
+        "Tc_star_s": ground.Tc_star,
+        "soil": ground.soil,
+        "topography": ground.topography,
+        "T_B_s": ground.T_B,
+        "T_C_s": ground.T_C,
+        "T_D_s": ground.T_D,
+    }

@@ -1,0 +1,112 @@
+"""The virtual work of the weights on a mechanism of macro-blocks, by hand: α0 and e*."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assessment.ntc.calculation import Step, Trace, datum, names, step
+from mechanics.types import GRAVITY
+
+if TYPE_CHECKING:
+    from assessment.project.mechanisms import Chosen, MacroBlock
+    from mechanics import Assembly
+
+Array = NDArray[np.float64]
+
+_WORK = "virtual work; Circolare 7/2019, C8.7.1.2"
+_SUMS = (  # symbol, unit, term of a macro-block
+    ("L_W", "kN·m", "W_{k}*delta_z_{k}"),
+    ("L_P", "kN·m", "P_{k}*delta_x_{k}"),
+    ("Sigma_P", "kN", "P_{k}"),
+    ("Sigma_P_delta_2", "kN·m²", "P_{k}*delta_x_{k}**2 + theta_{k}**2*J_{k}"),
+)
+
+
+@dataclass(frozen=True)
+class VirtualWork:
+    """Works of the weights `dead` and of the same weights laid over towards +x `lateral` (kN·m); their steps.
+
+    `moving`: seismic weight that moves, kN; `second`: Σ P δ_x², kN·m².
+    """
+
+    dead: float
+    lateral: float
+    moving: float
+    second: float
+    steps: Trace
+
+    @property
+    def alpha_0(self) -> float:
+        """α0 = Σ W δ_z/|Σ P δ_x|: what the weights gain in height against what the lateral load gains."""
+        return self.dead / abs(self.lateral)
+
+    @property
+    def e_star(self) -> float:
+        """e* = (Σ P δ_x)²/(Σ P Σ P δ_x²)."""
+        return self.lateral**2 / (self.moving * self.second)
+
+    def result_steps(self) -> Trace:
+        """Return α0 and e* by hand, where the lateral load does work."""
+        return (
+            step("alpha_0", "L_W/abs(L_P)", self.alpha_0, "", _WORK, L_W=self.dead, L_P=self.lateral),
+            step("e_star", "L_P**2/(Sigma_P*Sigma_P_delta_2)", self.e_star, "", "Circolare 7/2019, C8.7.1.2",
+                 L_P=self.lateral, Sigma_P=self.moving, Sigma_P_delta_2=self.second),
+        )  # fmt: skip
+
+
+def virtual_displacements(model: Assembly, positions: Array, chosen: Chosen) -> Array:
+    """Return δ (b, 3): δ_x = −θ (z − z_C), δ_z = θ (x − x_C) of the centroids and θ; other blocks stay still."""
+    delta = np.zeros((len(model.blocks), 3))
+    for part in chosen.parts:
+        x, z = (positions[part.blocks, :2] - part.about).T
+        delta[part.blocks] = part.rotation * np.stack([-z, x, np.ones_like(x)], axis=1)
+    return delta
+
+
+def virtual_work(model: Assembly, positions: Array, chosen: Chosen) -> VirtualWork:
+    """Return the works of a chosen mechanism at `positions` (b, 3), and how they add up over the macro-blocks."""
+    delta = virtual_displacements(model, positions, chosen)
+    weight, seismic = _weights(model)
+    moving = np.concatenate([part.blocks for part in chosen.parts])
+    dead, lateral = float(weight @ delta[:, 1]), float(seismic @ delta[:, 0])
+    total, second = float(seismic[moving].sum()), float(seismic @ delta[:, 0] ** 2)
+    lines: list[Step] = []
+    for k, part in enumerate(chosen.parts, 1):
+        lines += _macro_block(k, part, model, positions)
+    known = {line.symbol: line.result for line in lines}
+    for (symbol, unit, term), value in zip(_SUMS, (dead, lateral, total, second), strict=True):
+        formula = " + ".join(term.format(k=k) for k in range(1, len(chosen.parts) + 1))
+        lines.append(step(symbol, formula, value, unit, _WORK, **{n: known[n] for n in names(formula)}))
+    return VirtualWork(dead, lateral, total, second, tuple(lines))
+
+
+def _macro_block(k: int, part: MacroBlock, model: Assembly, positions: Array) -> list[Step]:
+    """Return weights, centres and virtual displacements of the k-th macro-block."""
+    weight, seismic = (each[part.blocks] for each in _weights(model))
+    x, z = positions[part.blocks, :2].T
+    W, P, (x_C, z_C), theta = float(weight.sum()), float(seismic.sum()), part.about.tolist(), part.rotation
+    x_G, z_G = float(weight @ x / W), float(seismic @ z / P)
+    return [
+        datum(f"W_{k}", W, "kN", "macro-block: weights and vertical loads"),
+        datum(f"x_G_{k}", x_G, "m", "macro-block: where W acts"),
+        datum(f"P_{k}", P, "kN", "macro-block: weights that are seismic mass"),
+        datum(f"z_G_{k}", z_G, "m", "macro-block: where P acts"),
+        datum(f"J_{k}", float(seismic @ (z - z_G) ** 2), "kN·m²", "macro-block: sum of P (z - z_G)² over centroids"),
+        datum(f"x_C_{k}", x_C, "m", "given: centre of rotation"),
+        datum(f"z_C_{k}", z_C, "m", "given: centre of rotation"),
+        datum(f"theta_{k}", theta, "", "given: virtual rotation, anticlockwise positive"),
+        step(f"delta_x_{k}", f"-theta_{k}*(z_G_{k} - z_C_{k})", -theta * (z_G - z_C), "m", _WORK,
+             **{f"theta_{k}": theta, f"z_G_{k}": z_G, f"z_C_{k}": z_C}),
+        step(f"delta_z_{k}", f"theta_{k}*(x_G_{k} - x_C_{k})", theta * (x_G - x_C), "m", _WORK,
+             **{f"theta_{k}": theta, f"x_G_{k}": x_G, f"x_C_{k}": x_C}),
+    ]  # fmt: skip
+
+
+def _weights(model: Assembly) -> tuple[Array, Array]:
+    """Return the vertical forces and the seismic weights (b,) of the blocks, kN."""
+    weight = np.array([block.weight for block in model.blocks])
+    return weight, GRAVITY * np.array([block.mass for block in model.blocks])

@@ -1,0 +1,1 @@
+"""Time histories and incremental dynamic analyses of every state."""

@@ -1,0 +1,105 @@
+"""Small ensembles: a motion again under the same record, a little weaker and a little stronger.
+
+Where impacts or slides are many a motion turns on the last digits of its record: single runs do not converge, their
+distribution does. Where it does not, a first pair of members says so and is all that is run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import median
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from assessment.analyses.accuracy import NOISE, PRESETS, accuracy_of
+from mechanics.types import Array
+
+if TYPE_CHECKING:
+    from assessment.project.project import Project
+
+SPREAD = 0.01  # of the amplitude, to either side
+PAIR = 2  # members that are run first
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """How many `members` an ensemble has at most, and to what `tolerance` a pair agrees that is enough."""
+
+    members: int
+    tolerance: float
+
+    @property
+    def amplitudes(self) -> tuple[float, ...]:
+        """Factors on the record, evenly spread over 1 ± SPREAD: as it is, then the weakest, and the others."""
+        half = self.members // 2
+        shares = [k / half for k in range(-half, self.members - half) if k]
+        return (1.0, *(1.0 + SPREAD * share for share in shares))
+
+
+def scatter_of(project: Project) -> Scatter:
+    """Return what the project's keys `scatter` and `accuracy` ask for."""
+    tolerance = accuracy_of(project).tolerance or PRESETS["standard"].tolerance
+    assert tolerance is not None
+    return Scatter(project.scatter, tolerance)
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """The control displacement (k,) m of a member at times (k,) s, and whether the motion ends in collapse."""
+
+    time: Array
+    displacement: Array
+    collapsed: bool
+
+    @property
+    def last(self) -> int:
+        """Where the largest displacement is that the structure came back from."""
+        return sustained_peak(self.displacement, self.collapsed)
+
+
+def sustained_peak(displacement: Array, collapsed: bool) -> int:
+    """Return the index of the largest displacement (k,), at a collapse the largest before the last turn outward."""
+    if collapsed:
+        turns = np.flatnonzero(np.diff(np.sign(np.diff(displacement)))) + 1
+        displacement = displacement[: turns[-1] + 1] if turns.size else displacement[:1]
+    return int(np.argmax(abs(displacement)))
+
+
+def agree(one: Course, other: Course, tolerance: float, size: float) -> bool:
+    """Whether two members are the same motion: the same end, and the same course up to the peak of both.
+
+    `tolerance`: of their distance at any time, relative to the peak; `size` (m) of the model. Equal peaks alone could
+    be chance.
+    """
+    if one.collapsed != other.collapsed:
+        return False
+    until = min(max(one.time[one.last], other.time[other.last]), one.time[-1], other.time[-1])
+    shared = one.time[one.time <= until]
+    apart = np.interp(shared, one.time, one.displacement) - np.interp(shared, other.time, other.displacement)
+    peak = max(abs(each.displacement[each.last]) for each in (one, other))
+    return float(abs(apart).max()) <= max(tolerance * peak, NOISE * size)
+
+
+def enough(courses: Sequence[Course], scatter: Scatter, size: float) -> bool:
+    """Whether the members run so far tell what all would."""
+    if len(courses) >= scatter.members:
+        return True
+    return len(courses) == PAIR and agree(courses[0], courses[1], scatter.tolerance, size)
+
+
+def range_key(quantity: str) -> str:
+    """Name the range of a quantity, which has no unit in its name: pga_collapse_range."""
+    stem, _, unit = quantity.rpartition("_")
+    return f"{stem if unit in {'m', 'g', 's'} else quantity}_range"
+
+
+def lowest_median_highest(
+    values: Sequence[float | None],
+) -> tuple[float | None, float | None, float | None]:
+    """Lowest, median and highest of several values; None is beyond any of them: a collapse."""
+    counted = [math.inf if value is None else value for value in values]
+    low, middle, high = (None if math.isinf(f(counted)) else float(f(counted)) for f in (min, median, max))
+    return low, middle, high

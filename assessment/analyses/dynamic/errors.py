@@ -1,0 +1,83 @@
+"""How far a PGA at collapse is from converged in the time step.
+
+It is looked for again about where it was found, with a half and a quarter of the time step: a few runs beside those of
+the search. Results stay as they are; only their error is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from assessment.analyses.accuracy import NOISE, accuracy_of
+from assessment.analyses.dynamic.bracket import Bracket
+from assessment.analyses.dynamic.ensemble import scatter_of
+from assessment.analyses.dynamic.incremental import search_again, search_title
+from assessment.analyses.dynamic.refinement import Refinement
+
+if TYPE_CHECKING:
+    from assessment.analyses.dynamic.inputs import Campaign
+    from assessment.analyses.dynamic.time_history import StageResult
+    from assessment.project.motions import BaseMotion
+
+AGAIN = 20  # motions that a bracket looked for again costs, about, at two to eight levels
+PGA = "pga_collapse_g"
+
+
+@dataclass
+class Estimates:
+    """`rows` of results.json; `warnings`: where the tolerance was not met; `seconds`: what the analyses took."""
+
+    rows: list[dict[str, Any]] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    seconds: float = 0.0
+
+
+def collapses_again(campaign: Campaign, motions: list[BaseMotion], given: Sequence[StageResult]) -> Estimates:
+    """Estimate the error of the PGA at collapse; `given`: the searches in their order.
+
+    It is the width of the bracket, the distance to the PGA of the finest time step, and the error of that one.
+    """
+    found, project = Estimates(), campaign.project
+    table, tolerance = project.incremental, accuracy_of(project).tolerance
+    if table is None or tolerance is None:
+        return found
+    searched = [
+        (task, stage)
+        for task, stage in zip(campaign.tasks(table, motions), given, strict=True)
+        if stage.numbers["pga_safe_g"] is not None
+    ]
+    tasks = [
+        (model, finer, setting, state, start, _bracket(stage))
+        for (model, motion, setting, state, start), stage in searched
+        for finer in (motion.at_half_step(), motion.at_half_step().at_half_step())
+    ]
+    again = campaign.each(
+        "finer: incremental",
+        search_again,
+        tasks,
+        AGAIN,
+        scatter_of(project),
+        table.max_scale,
+        table.tolerance_g,
+    )
+    found.seconds = sum(stage.seconds for stage in again)
+    for (task, stage), half, quarter in zip(searched, again[::2], again[1::2], strict=True):
+        title, near = search_title(task[3], task[1]), _bracket(stage)
+        values = tuple(each.numbers[PGA] for each in (stage, half, quarter))
+        apart = 0.0 if near.certain is None or near.collapse is None else near.certain - near.collapse
+        levels = Refinement(PGA, values, (apart, 0.0, 0.0), NOISE, near.width, 0)
+        failed = [each.numbers["reason"] for each in (half, quarter) if each.numbers["pga_safe_g"] is None]
+        row = {"state": task[3], "record": task[1].name, **levels.numbers(tolerance)}
+        found.rows.append(row | ({"met": False} if failed else {}))
+        found.warnings += [f"{title}: a finer time step fails: {why}" for why in failed[:1]]
+        found.warnings += [] if failed else levels.missed(title, tolerance, "tolerance_g or time_step_s")
+    return found
+
+
+def _bracket(search: StageResult) -> Bracket:
+    """The bracket that a search found."""
+    numbers = search.numbers
+    certain = numbers.get("pga_collapse_range", (None, None))[1]
+    return Bracket(numbers["pga_safe_g"], numbers[PGA], certain, ())

@@ -1,0 +1,233 @@
+"""Every time history that a project asks for: at which time steps, and by how many members of an ensemble.
+
+a first pair of members at the time step given, and at a half and a quarter of it where an accuracy is asked for
+finer ones until the peak is as accurate, or scatters more than the time steps differ
+all other members at the finest time step, where the pair is not the same motion
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from assessment.analyses.accuracy import NOISE, Accuracy, accuracy_of
+from assessment.analyses.dynamic.ensemble import (
+    PAIR,
+    Course,
+    Scatter,
+    agree,
+    enough,
+    lowest_median_highest,
+    scatter_of,
+)
+from assessment.analyses.dynamic.inputs import Campaign, Task
+from assessment.analyses.dynamic.refinement import LEVELS, Refinement
+from assessment.analyses.dynamic.time_history import Numbers, StageResult, history
+
+if TYPE_CHECKING:
+    from assessment.project.motions import BaseMotion
+    from mechanics.types import Array
+
+PEAK = "peak_displacement_m"
+
+
+def histories(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult]:
+    """Every time history that the project asks for, in the order of their tasks."""
+    accuracy, scatter = accuracy_of(campaign.project), scatter_of(campaign.project)
+    studies = [Study(task, accuracy, scatter) for task in history_tasks(campaign, motions)]
+    for levels in rounds(accuracy):
+        wanted = [study for study in studies if not study.finished]
+        _run(campaign, [(study, level, n) for study in wanted for level in levels for n in study.pair])
+    _run(campaign, [(study, study.finest, n) for study in studies for n in study.others])
+    return [study.result() for study in studies]
+
+
+def history_tasks(campaign: Campaign, motions: list[BaseMotion]) -> list[Task]:
+    """What every time history is made of, state by state."""
+    by_table = [
+        campaign.tasks(table, [motion])
+        for table, motion in zip(campaign.project.history, motions, strict=True)
+    ]
+    states = campaign.project.states
+    return sorted((task for tasks in by_table for task in tasks), key=lambda task: states.index(task[3]))
+
+
+def rounds(accuracy: Accuracy) -> list[list[int]]:
+    """Return which halvings of the time step are run together: three levels, then one by one."""
+    if accuracy.tolerance is None:
+        return [[0]]
+    return [list(range(LEVELS)), *([level] for level in range(LEVELS, accuracy.halvings + 1))]
+
+
+@dataclass
+class Study:
+    """One history: its members, by halvings of the time step, then by their place among the amplitudes."""
+
+    task: Task
+    accuracy: Accuracy
+    scatter: Scatter
+    members: dict[int, dict[int, StageResult]] = field(default_factory=dict)
+
+    @property
+    def pair(self) -> range:
+        """Which members are run first: one where there is nothing to start from."""
+        return range(min(PAIR, self.scatter.members)) if self._starts else range(1)
+
+    @property
+    def others(self) -> range:
+        """Which members are still to be run at the finest time step."""
+        first = self.members[self.finest]
+        if not self._starts or _failures(first) or enough(_courses(first), self.scatter, self._size):
+            return range(0)
+        return range(len(first), self.scatter.members)
+
+    @property
+    def finest(self) -> int:
+        """The halvings of the finest time step before any that fails."""
+        sound = 0
+        while sound + 1 in self.members and not _failures(self.members[sound + 1]):
+            sound += 1
+        return sound
+
+    @property
+    def finished(self) -> bool:
+        """Whether a finer time step is not wanted."""
+        if not self.members:
+            return False
+        tolerance, deepest = self.accuracy.tolerance, max(self.members)
+        if tolerance is None or not self._starts or self.finest < deepest:
+            return True
+        return self.refinement.finished(tolerance)
+
+    @property
+    def refinement(self) -> Refinement:
+        """What the time steps tell of the peak; members that are the same motion do not scatter."""
+        values, apart = [], []
+        for level in range(self.finest + 1):
+            one, *more = (self.members[level][n] for n in self.pair)
+            values.append(peak(one))
+            courses = _courses(self.members[level])[:PAIR]
+            same = len(courses) < PAIR or agree(courses[0], courses[1], self.scatter.tolerance, self._size)
+            other = peak(more[0]) if more else None
+            apart.append(0.0 if same or other is None or values[-1] is None else abs(other - values[-1]))
+        return Refinement(PEAK, tuple(values), tuple(apart), NOISE * self._size)
+
+    def at(self, level: int, member: int) -> Task:
+        """The task of a member at a time step."""
+        model, motion, setting, state, start = self.task
+        for _ in range(level):
+            motion = motion.at_half_step()
+        return model, motion.at_amplitude(self.scatter.amplitudes[member]), setting, state, start
+
+    def result(self) -> StageResult:
+        """The history in numbers: those of the members at the finest time step, with the error that the others tell."""
+        state, title = self.task[3], f"{self.task[3]}, history of {self.task[1].name}"
+        found = together(title, list(self.members[self.finest].values()))
+        found.seconds = sum(each.seconds for level in self.members.values() for each in level.values())
+        tolerance = self.accuracy.tolerance
+        if tolerance is None or not self._starts or found.numbers["collapsed"] is None:
+            return found
+        if self.finest < max(self.members):
+            said = "; ".join(_failures(self.members[self.finest + 1]))
+            found.warnings.append(f"{title}: a finer time step fails: {said}")
+        found.convergence = {"state": state, "record": self.task[1].name, "halvings": self.finest}
+        found.convergence |= self.refinement.numbers(tolerance)
+        found.warnings += self.refinement.missed(title, tolerance)
+        return found
+
+    @property
+    def _starts(self) -> bool:
+        return not isinstance(self.task[4], str)
+
+    @property
+    def _size(self) -> float:
+        return self.task[0].size
+
+
+def _run(campaign: Campaign, wanted: Sequence[tuple[Study, int, int]]) -> None:
+    """Run members of studies, side by side."""
+    tasks = [study.at(level, member) for study, level, member in wanted]
+    for (study, level, member), found in zip(
+        wanted, campaign.each("history", history, tasks, 1), strict=True
+    ):
+        study.members.setdefault(level, {})[member] = found
+
+
+def together(title: str, members: Sequence[StageResult]) -> StageResult:
+    """The members of a history as one result: the numbers of the one that suffers most, and the range of all.
+
+    A collapse is beyond any peak; of several the earliest counts.
+    """
+    finished = [each for each in members if each.numbers["collapsed"] is not None]
+    if not finished or len(members) == 1:
+        return members[0]
+    worst = max(finished, key=_suffering)
+    low, middle, high = lowest_median_highest([peak(each) for each in finished])
+    fallen = sum(each.numbers["collapsed"] for each in finished)
+    numbers = worst.numbers | {
+        "members": len(finished),
+        "members_collapsed": fallen,
+        "peak_displacement_range": [low, high],
+        "peak_displacement_median_m": middle,
+        "seconds": sum(each.seconds for each in members),
+    }
+    found = StageResult(worst.state, worst.stage, numbers, warnings=list(worst.warnings))
+    found.failures = [text for each in members for text in each.failures]
+    found.quality = [_joined([row for each in members for row in each.quality])]
+    if len(finished) > PAIR:
+        numbers["band"] = band(finished, np.array(numbers["curve"]["time_s"]))
+        found.warnings.append(_scattered(title, len(finished), fallen, low, middle, high))
+    return found
+
+
+def band(members: Sequence[StageResult], time: Array) -> Numbers:
+    """The control displacements between which all members are, m, at times (k,) s; a collapsed one is as it ended."""
+    each = [np.interp(time, one.time, one.displacement) for one in map(_course, members)]
+    return {"low_m": np.min(each, axis=0).tolist(), "high_m": np.max(each, axis=0).tolist()}
+
+
+def peak(result: StageResult) -> float | None:
+    """Return the peak displacement of a history, m; a collapse has none."""
+    value: float | None = result.numbers[PEAK]
+    return None if result.numbers["collapsed"] else value
+
+
+def _suffering(member: StageResult) -> tuple[bool, float]:
+    numbers = member.numbers
+    fallen: bool = numbers["collapsed"]
+    return fallen, -numbers["time_of_collapse_s"] if fallen else numbers[PEAK]
+
+
+def _scattered(
+    title: str, count: int, fallen: int, low: float | None, middle: float | None, high: float | None
+) -> str:
+    if fallen:
+        return (
+            f"{title}: {fallen} of {count} records within 1 % of the one given end in collapse, which counts"
+        )
+    return (
+        f"{title}: under {count} records within 1 % of the one given the peak is from {low:.4g} to {high:.4g} m, "
+        f"median {middle:.4g} m; the largest counts"
+    )
+
+
+def _joined(rows: Sequence[Numbers]) -> Numbers:
+    """One row of quality for the programs of several."""
+    worst = {key: max(row[key] for row in rows) for key in rows[0] if key.startswith("worst")}
+    return rows[0] | {"solves": sum(row["solves"] for row in rows)} | worst
+
+
+def _course(member: StageResult) -> Course:
+    curve = member.numbers["curve"]
+    return Course(np.array(curve["time_s"]), np.array(curve["displacement_m"]), member.numbers["collapsed"])
+
+
+def _courses(members: dict[int, StageResult]) -> list[Course]:
+    return [_course(each) for each in members.values() if each.numbers["collapsed"] is not None]
+
+
+def _failures(members: dict[int, StageResult]) -> list[str]:
+    return [text for each in members.values() for text in each.failures]

@@ -1,0 +1,277 @@
+"""Incremental dynamic analysis: the peak ground acceleration at incipient collapse of each record and state."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from assessment.analyses.dynamic.bracket import Bracket, collapse_near, find_collapse
+from assessment.analyses.dynamic.ensemble import Course, Scatter, enough, lowest_median_highest, scatter_of
+from assessment.analyses.dynamic.inputs import Campaign
+from assessment.analyses.dynamic.response import Setting, respond
+from assessment.analyses.dynamic.time_history import Numbers, StageResult, Start, quality_row
+from mechanics import Assembly, ConvergenceError, State
+
+if TYPE_CHECKING:
+    from assessment.project.motions import BaseMotion
+
+MEAN_FROM, ENOUGH = 7, 3  # records: NTC 2018 §7.3.5
+RUNS = 30  # of a search, about: what it costs
+
+
+def searches(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult]:
+    """The search of every record from every state, state by state."""
+    table = campaign.project.incremental
+    assert table is not None
+    tasks = campaign.tasks(table, motions)
+    scatter = scatter_of(campaign.project)
+    return campaign.each("incremental", search, tasks, RUNS, scatter, table.max_scale, table.tolerance_g)
+
+
+def search(
+    model: Assembly,
+    motion: BaseMotion,
+    setting: Setting,
+    state: str,
+    start: Start,
+    scatter: Scatter,
+    max_scale: float,
+    tolerance: float,
+) -> StageResult:
+    """The PGA at incipient collapse of one record from one state, with every run made on the way, in numbers."""
+    title = search_title(state, motion)
+    result = _searched(
+        model, motion, setting, state, start, scatter,
+        lambda levels: find_collapse(levels.some, levels.every, motion.pga, max_scale * motion.pga, tolerance),
+    )  # fmt: skip
+    lowest, safe = result.numbers["pga_collapse_g"], result.numbers["pga_safe_g"]
+    if lowest is None and safe is not None:
+        result.warnings.append(
+            f"{title}: no collapse up to {safe:.3g} g, max_scale = {max_scale:g}; raise it to find one"
+        )
+    upper = result.numbers.get("pga_collapse_range", [None, None])[1]
+    if lowest is not None and scatter.members > 1 and upper != lowest:
+        result.warnings.append(_spread(title, lowest, upper, max_scale * motion.pga))
+    if resurrections := result.numbers["resurrections_g"]:
+        result.warnings.append(
+            f"{title}: collapse at {lowest:.3g} g, but stands at "
+            f"{', '.join(f'{level:.3g}' for level in resurrections)} g; the lowest collapse counts"
+        )
+    return result
+
+
+def _spread(title: str, lowest: float, upper: float | None, largest: float) -> str:
+    if upper is None:
+        return (
+            f"{title}: members of the ensemble collapse from {lowest:.3g} g on, not all of them up to {largest:.3g} g; "
+            "the lowest counts"
+        )
+    return (
+        f"{title}: members of the ensemble collapse from {lowest:.3g} g on, all of them from {upper:.3g} g on; "
+        "the lowest counts"
+    )
+
+
+def search_again(
+    model: Assembly,
+    motion: BaseMotion,
+    setting: Setting,
+    state: str,
+    start: Start,
+    near: Bracket,
+    scatter: Scatter,
+    max_scale: float,
+    tolerance: float,
+) -> StageResult:
+    """The PGA at incipient collapse where another model, or another time step, gave the bracket `near`."""
+    return _searched(
+        model, motion, setting, state, start, scatter,
+        lambda levels: collapse_near(levels.some, near, max_scale * motion.pga, tolerance),
+    )  # fmt: skip
+
+
+def search_title(state: str, motion: BaseMotion) -> str:
+    """Return what warnings of a search begin with."""
+    return f"{state}, incremental analysis with {motion.name}"
+
+
+def _searched(
+    model: Assembly,
+    motion: BaseMotion,
+    setting: Setting,
+    state: str,
+    start: Start,
+    scatter: Scatter,
+    bracketing: Callable[[Levels], Bracket],
+) -> StageResult:
+    """Return what `bracketing` finds when given the levels (g), in numbers."""
+    title = search_title(state, motion)
+    numbers: Numbers = {
+        "record": motion.name,
+        "record_pga_g": motion.pga,
+        "pga_collapse_g": None,
+        "pga_safe_g": None,
+        "runs": 0,
+        "resurrections_g": [],
+        "points": [],
+        "reason": None,
+    }
+    result = StageResult(state, "incremental", numbers)
+    if isinstance(start, str):
+        numbers["reason"] = start
+        result.warnings.append(f"{title}: {start}")
+        return result
+    levels = Levels(model, motion, setting, start, scatter)
+    began = time.perf_counter()
+    try:
+        bracket = bracketing(levels)
+        numbers |= {
+            "pga_collapse_g": bracket.collapse,
+            "pga_safe_g": bracket.safe,
+            "resurrections_g": list(bracket.resurrections),
+        }
+        if scatter.members > 1:
+            numbers["pga_collapse_range"] = [bracket.collapse, bracket.certain]
+    except ConvergenceError as error:
+        numbers["reason"] = str(error)
+        result.failures.append(f"{title}: {error}")
+    result.seconds = time.perf_counter() - began
+    members = [each for level in levels.members.values() for each in level]
+    numbers["points"] = [point(pga, level) for pga, level in sorted(levels.members.items()) if level]
+    numbers |= {"runs": len(members), "seconds": result.seconds}
+    if members:
+        worst, programs = max(each.worst for each in members), sum(each.programs for each in members)
+        result.quality.append(quality_row(state, f"incremental, {motion.name}", programs, worst))
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class Member(Course):
+    """One motion of an ensemble: its `end` (s, of the record's file), why it `fell`, programs and worst residual."""
+
+    end: float
+    fell: str
+    programs: int
+    worst: float
+
+
+@dataclass
+class Levels:
+    """The ensembles of a search, by level (g): as many members of each as its question needs."""
+
+    model: Assembly
+    motion: BaseMotion
+    setting: Setting
+    start: State
+    scatter: Scatter
+    members: dict[float, list[Member]] = field(default_factory=dict)
+
+    def some(self, pga: float) -> bool:
+        """Whether any member collapses: they are run up to the first that does, or a pair that stands alike."""
+        found = self.members.setdefault(pga, [])
+        while not any(each.collapsed for each in found) and not enough(found, self.scatter, self.model.size):
+            found.append(self._run(pga, len(found)))
+        return any(each.collapsed for each in found)
+
+    def every(self, pga: float) -> bool:
+        """Whether all members collapse: they are run up to the first that stands."""
+        found = self.members.setdefault(pga, [])
+        while all(each.collapsed for each in found) and len(found) < self.scatter.members:
+            found.append(self._run(pga, len(found)))
+        return all(each.collapsed for each in found)
+
+    def _run(self, pga: float, number: int) -> Member:
+        factor = self.scatter.amplitudes[number] * pga / self.motion.pga
+        response = respond(self.model, self.motion, self.setting, self.start, factor)
+        return Member(
+            response.time,
+            response.displacement,
+            response.collapsed,
+            self.motion.start + float(response.time[-1]),
+            response.last.collapse_reason,
+            response.total("programs"),
+            response.worst,
+        )
+
+
+def point(pga: float, members: Sequence[Member]) -> Numbers:
+    """A level of the search: what the members that were run come to; any collapse counts as one, and has no peak."""
+    fallen = [each for each in members if each.collapsed]
+    first = min(fallen, key=lambda each: each.end, default=None)
+    low, _, high = lowest_median_highest(
+        [None if each.collapsed else float(abs(each.displacement).max()) for each in members]
+    )
+    return {
+        "pga_g": pga,
+        "peak_displacement_m": high,
+        "peak_displacement_range": [low, high],
+        "members": len(members),
+        "members_collapsed": len(fallen),
+        "collapsed": bool(fallen),
+        "time_of_collapse_s": first.end if first else None,
+        "reason": first.fell if first else None,
+    }
+
+
+def summarise(records: Sequence[Mapping[str, Any]], warnings: list[str], state: str) -> Numbers:
+    """The searches of a state together: mean, lowest, what NTC 2018 §7.3.5 takes of them, and the fragility.
+
+    §7.3.5 [k: known, not re-read]: with seven records or more the mean of the effects counts, with three to six the
+    most unfavourable: the lowest PGA at collapse. Fewer are not enough: their lowest is given, with a warning.
+    A mean or lowest that a record without collapse leaves open is None.
+    """
+    collapses = [record["pga_collapse_g"] for record in records]
+    surely = [record["pga_collapse_range"][1] for record in records if record.get("pga_collapse_range")]
+    found = [pga for pga in collapses if pga is not None]
+    withstood = [r["pga_safe_g"] for r in records if r["pga_collapse_g"] is None]
+    unknown = [pga for pga in withstood if pga is None]
+    mean = float(np.mean(found)) if found and not withstood else None
+    lowest = min(found, default=None)
+    if lowest is not None and (unknown or min(withstood, default=math.inf) < lowest):
+        lowest = None
+    rule = "mean" if len(records) >= MEAN_FROM else "lowest"
+    if len(records) < ENOUGH:
+        warnings.append(
+            f"{state}: records of the incremental analysis: {len(records)}; "
+            f"NTC 2018 §7.3.5 asks for at least {ENOUGH}"
+        )
+    numbers: Numbers = {
+        "records": list(records),
+        "mean_pga_collapse_g": mean,
+        "lowest_pga_collapse_g": lowest,
+        "rule": rule,
+        "pga_collapse_g": mean if rule == "mean" else lowest,
+        "fragility": None if unknown else fragility(found, withstood),
+    }
+    if surely:
+        known = [pga for pga in surely if pga is not None]
+        upper = min(known, default=None)
+        if rule == "mean":
+            upper = float(np.mean(known)) if len(known) == len(records) else None
+        numbers["pga_collapse_range"] = [numbers["pga_collapse_g"], upper]
+    return numbers
+
+
+def fragility(collapses: Sequence[float], withstood: Sequence[float] = ()) -> Numbers | None:
+    """Median (g) and dispersion (of ln PGA) of the lognormal distribution of collapse, by maximum likelihood.
+
+    `withstood` (g): largest levels tried of records that made nothing collapse; they count as censored. None where
+    two different levels of collapse are wanting.
+    """
+    if len(set(collapses)) < 2:
+        return None
+    from scipy.stats import CensoredData, norm
+
+    data = CensoredData(uncensored=np.log(collapses), right=np.log(withstood))
+    mean, deviation = norm.fit(data)
+    return {
+        "median_g": float(np.exp(mean)),
+        "dispersion": float(deviation),
+        "records": len(collapses) + len(withstood),
+        "censored": len(withstood),
+    }

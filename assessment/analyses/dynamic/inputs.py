@@ -1,0 +1,91 @@
+"""What the motions of a run are made of: models, settings and the states at rest that they begin from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from assessment.analyses.dynamic.response import Setting
+from assessment.analyses.dynamic.time_history import StageResult, Start
+from assessment.project.schema import ORIGINAL
+
+if TYPE_CHECKING:
+    from assessment.analyses.static.states import StateResult
+    from assessment.project.motions import BaseMotion
+    from assessment.project.project import Project
+    from assessment.project.schema import MotionTable
+    from assessment.runtime.tasks import Workers
+    from mechanics import Assembly
+    from mechanics.model import Behaviour
+
+Task: TypeAlias = "tuple[Assembly, BaseMotion, Setting, str, Start]"
+"""What one motion, or one search, is made of: the arguments of history."""
+
+WORTHWHILE = 50_000  # joints times steps: below it a second process costs more than it saves
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """What every motion of a run is made with.
+
+    `starts`: state at rest by name and contacts; `ultimates`: ultimate displacement by state and control point.
+    """
+
+    project: Project
+    model: Assembly
+    starts: Mapping[tuple[str, str], Start]
+    ultimates: Mapping[tuple[str, str], float]
+    workers: Workers
+
+    def tasks(self, table: MotionTable, motions: Iterable[BaseMotion]) -> list[Task]:
+        """The motions from every state that the table asks for."""
+        control = self.project.control_point(table.control)
+        return [
+            (
+                self.model,
+                motion,
+                Setting(_own(table), control, self.ultimates.get((state, control.name))),
+                state,
+                self.starts[state, table.contacts],
+            )
+            for state in self.project.states
+            if table.states is None or state in table.states
+            for motion in motions
+        ]
+
+    def each(
+        self,
+        stage: str,
+        function: Callable[..., StageResult],
+        tasks: Sequence[tuple[*Task, *tuple[Any, ...]]],
+        runs: int,
+        *more: object,
+    ) -> list[StageResult]:
+        """Return function(*task, *more) for every task, in order; `runs`: motions that one costs, about."""
+        samples = sum(motion.record.acceleration.size for _, motion, *_ in tasks)
+        return self.workers.each(
+            stage,
+            function,
+            [(*task, *more) for task in tasks],
+            [f"{state}, {motion.name}" for _, motion, _, state, *_ in tasks],
+            runs * len(self.model.contacts) * samples > WORTHWHILE,
+        )
+
+
+def _own(table: MotionTable) -> MotionTable:
+    """Return the table without its choice of states and records: an analysis depends on its own alone."""
+    choice: dict[str, Any] = {"states": None, "records": ()}
+    return table.model_copy(update={key: choice[key] for key in choice if key in type(table).model_fields})
+
+
+def starts_of(
+    behaviours: Iterable[Behaviour], model: Assembly, stages: Iterable[StateResult]
+) -> dict[tuple[str, str], Start]:
+    """The state at rest of each name and behaviour, or why it was not reached."""
+    starts: dict[tuple[str, str], Start] = {(ORIGINAL, behaviour): model.initial for behaviour in behaviours}
+    for stage in stages:
+        if stage.state != ORIGINAL:
+            reason = "; ".join(stage.failures) or "the settled state was not reached"
+            starts[stage.state, stage.behaviour] = reason if stage.reached is None else stage.reached
+    return starts

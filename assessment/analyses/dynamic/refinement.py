@@ -1,0 +1,122 @@
+"""What three and more levels of the time step tell of a quantity: its error with the order observed, or its scatter.
+
+v₀, v₁, v₂… at time steps h, h/2, h/4…, and at each how far a perturbed pair is apart
+three levels are always there: two may agree by chance
+the pair is farther apart than the levels    the quantity scatters: no time step makes it surer
+differences shrink as those of a method      Richardson's extrapolation, of first order at most
+else                                         the levels converge to nothing that is known: all they differ by
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from assessment.analyses.accuracy import FIRST_ORDER, SHOWN
+
+FASTEST = (
+    6.0  # ratio of differences beyond which no method converges: those of second order shrink to a quarter
+)
+LEVELS = 3
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """A `quantity` at time steps h, h/2, h/4…: its `values`, None for a collapse, and the `scatter` of each level.
+
+    `least`: a value that is none; `resolution`: what every value is known to; `result`: which level is the result.
+    """
+
+    quantity: str
+    values: tuple[float | None, ...]
+    scatter: tuple[float, ...]
+    least: float
+    resolution: float = 0.0
+    result: int = -1
+
+    @property
+    def collapsed(self) -> bool:
+        """Whether the last levels all collapse: there is no value, and no error of it."""
+        return all(value is None for value in self.values[-LEVELS:])
+
+    @property
+    def _known(self) -> list[float]:
+        """The values of the last levels, where there are enough of them."""
+        known = [value for value in self.values[-LEVELS:] if value is not None]
+        return known if len(known) == LEVELS else []
+
+    @property
+    def scatters(self) -> float | None:
+        """How far a perturbed pair is apart, where that is more than the levels are; else None."""
+        known, apart = self._known, max(self.scatter[-LEVELS:])
+        return apart if known and apart > max(known) - min(known) else None
+
+    @property
+    def order(self) -> float | None:
+        """The order that the last three levels show; None where their differences shrink as those of no method."""
+        if not self._known:
+            return None
+        a, b, c = self._known
+        if abs(c - b) == 0.0:
+            return None
+        ratio = abs((b - a) / (c - b))
+        return math.log2(ratio) if SHOWN <= ratio <= FASTEST else None
+
+    @property
+    def error(self) -> float | None:
+        """The estimated error of the finest level, and how far the result is from it; None where it is not known."""
+        result = self.values[self.result]
+        if not self._known or result is None:
+            return None
+        _, b, c = self._known
+        left = max(self._known) - min(self._known)
+        if self.order is not None:
+            left = abs(c - b) / (min(2.0**self.order, FIRST_ORDER) - 1.0)
+        return left + abs(result - c) + self.resolution
+
+    @property
+    def unsure(self) -> float | None:
+        """Scatter or error, relative to the value of the result."""
+        amount = self.error if self.scatters is None else self.scatters
+        return None if amount is None else amount / max(abs(self.values[self.result] or 0.0), self.least)
+
+    def within(self, tolerance: float) -> bool:
+        """Whether the value is as sure as asked for."""
+        if len(self.values) < LEVELS:
+            return False
+        return self.collapsed or (self.unsure is not None and self.unsure <= tolerance)
+
+    def finished(self, tolerance: float) -> bool:
+        """Whether a finer level would tell no more."""
+        return len(self.values) >= LEVELS and (self.within(tolerance) or self.scatters is not None)
+
+    def numbers(self, tolerance: float) -> dict[str, Any]:
+        """Return the row of results.json: order, error or scatter, the same relative to the value, and the levels."""
+        stem, _, unit = self.quantity.rpartition("_")
+        told: dict[str, Any] = {}
+        if self.scatters is not None:
+            told = {f"{stem}_scatter_{unit}": self.scatters, "relative_scatter": self.unsure}
+        elif not self.collapsed:
+            told = {f"{stem}_error_{unit}": self.error, "order": self.order, "relative_error": self.unsure}
+        return told | {"met": self.within(tolerance), "levels": {self.quantity: list(self.values)}}
+
+    def missed(self, title: str, tolerance: float, keys: str = "time_step_s") -> list[str]:
+        """Say what is not as sure as asked for; `keys` of the project that may help."""
+        if self.within(tolerance):
+            return []
+        if len(self.values) < LEVELS:
+            return [f"{title}: discretisation error not known"]
+        if self.unsure is None:
+            return [f"{title}: error of {self.quantity} not known: not every time step reaches it"]
+        unsure, asked = 100.0 * self.unsure, 100.0 * tolerance
+        if self.scatters is not None:
+            return [
+                f"{title}: {self.quantity} scatters by {unsure:.2g} % between records that differ by 1 %, more than "
+                f"between time steps, tolerance {asked:.2g} %; the range tells how sure it is"
+            ]
+        times = 2 ** (len(self.values) - 1)
+        return [
+            f"{title}: estimated error of {self.quantity} {unsure:.2g} % by time steps down to 1/{times} of those "
+            f"given, tolerance {asked:.2g} %; take a smaller {keys}"
+        ]

@@ -1,0 +1,137 @@
+"""The response of the structure to a base motion, and to what follows until it rests again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mechanics import Assembly, State, TimeHistory, time_history
+from mechanics.types import GRAVITY, Array
+
+if TYPE_CHECKING:
+    from assessment.project.motions import BaseMotion
+    from assessment.project.schema import ControlTable, MotionTable
+
+TAIL = 2.0  # s of free motion after the record, where the blocks still move
+TAILS = (
+    10  # of them at most, while the control point is farther than ever: a fall under way is seen to its end
+)
+STILL = 0.01  # of √(g·size): a speed that is none
+STORED = ("kinetic", "potential", "elastic")
+TAKEN = ("friction", "impact", "viscous", "integrator")
+ENERGIES = (*STORED, "input", *TAKEN, "residual")
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How motions are integrated: the keys that [[history]] and [incremental] share.
+
+    `ultimate` (m): control displacement at which the static capacity vanishes, None where it is not known.
+    """
+
+    table: MotionTable
+    control: ControlTable
+    ultimate: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """A motion and the free one after it: time (k,) s from the beginning, control displacement (k,) m from rest.
+
+    `positions` (k, b, 3); `forces` (k, j, 3) kN and kNm: N, P and T of the drawn joints; `parts`: the runs that it
+    is made of.
+    """
+
+    time: Array
+    displacement: Array
+    positions: Array
+    forces: Array
+    parts: tuple[TimeHistory, ...]
+
+    @property
+    def last(self) -> TimeHistory:
+        """The run at whose end the response ends."""
+        return self.parts[-1]
+
+    @property
+    def collapsed(self) -> bool:
+        """Whether it ends in collapse."""
+        return self.last.collapsed
+
+    @property
+    def worst(self) -> float:
+        """The largest residual of a program, relative."""
+        return max(part.worst for part in self.parts)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What to know about the runs."""
+        return tuple(dict.fromkeys(note for part in self.parts for note in part.notes))
+
+    def total(self, count: str) -> int:
+        """Return the total of a count over the runs."""
+        return sum(getattr(part, count) for part in self.parts)
+
+    def energy(self) -> dict[str, float]:
+        """Return the balance since the beginning, kNm: changes of the stored energies, input, what was dissipated."""
+        return {
+            f"{name}_kNm": float(sum(energy[-1] - energy[0] for energy in series))
+            for name in ENERGIES
+            for series in [[getattr(part.energy, name) for part in self.parts]]
+        }
+
+    def integrator_share(self) -> float:
+        """Return what the integrator itself took, of all that was dissipated."""
+        energy = self.energy()
+        taken = sum(energy[f"{name}_kNm"] for name in TAKEN)
+        return abs(energy["integrator_kNm"]) / taken if taken > 0.0 else 0.0
+
+
+def respond(
+    model: Assembly, motion: BaseMotion, setting: Setting, start: State, factor: float = 1.0
+) -> Response:
+    """Shake the structure by a base motion times `factor` and, where it still moves then, let it come to rest.
+
+    Raises ConvergenceError where a step is not solved.
+    """
+    table, point = setting.table, setting.control.point_m
+    step = motion.record.time_step
+
+    def run(acceleration: Array, vertical: Array | None, state: State, ultimate: float | None) -> TimeHistory:
+        return time_history(
+            model, acceleration, step, table.contacts, state, table.integrator, vertical,
+            damping_ratio=table.damping_ratio or 0.0, control=point, ultimate=ultimate,
+        )  # fmt: skip
+
+    vertical = None if motion.vertical is None else factor * motion.vertical
+    parts = [run(factor * motion.record.acceleration, vertical, start, setting.ultimate)]
+    still = STILL * np.sqrt(GRAVITY * model.size)
+    while _goes_on(parts, still):
+        parts.append(run(np.zeros(round(TAIL / step) + 2), None, parts[-1].final, None))
+    return _joined(parts)
+
+
+def _goes_on(parts: list[TimeHistory], still: float) -> bool:
+    """Whether free motion is to follow: blocks faster than `still` (m/s) after the record, or a fall under way."""
+    last = parts[-1]
+    if last.collapsed or abs(last.final.velocities[:, :2]).max() <= still:
+        return False
+    moved = abs(_joined(parts).displacement)
+    return len(parts) == 1 or (len(parts) <= TAILS and int(moved.argmax()) == len(moved) - 1)
+
+
+def _joined(parts: list[TimeHistory]) -> Response:
+    """The runs one after the other, times and displacements going on."""
+    time, displacement = parts[0].time, parts[0].displacement
+    for part in parts[1:]:
+        assert displacement is not None and part.displacement is not None
+        time = np.concatenate([time, time[-1] + part.time[1:]])
+        displacement = np.concatenate([displacement, displacement[-1] + part.displacement[1:]])
+    assert displacement is not None
+    positions, forces = (
+        np.concatenate([getattr(parts[0], name), *(getattr(part, name)[1:] for part in parts[1:])])
+        for name in ("positions", "forces")
+    )
+    return Response(time, displacement, positions, forces, tuple(parts))

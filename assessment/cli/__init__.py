@@ -1,0 +1,1 @@
+"""The command line `assesto`: arguments, exit codes, and what the terminal shows."""

@@ -1,0 +1,1 @@
+"""NTC 2018 and its Circolare: hazard, spectra, capacity and verification; usable alone."""

@@ -1,0 +1,194 @@
+"""Capacity of a mechanism: participation e*, Γ* and the capacity curve a*(d*).
+
+Circolare 7/2019, C8.7.1.2; Portioli et al., §7.1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from assessment.ntc.calculation import Trace, datum, step
+from assessment.ntc.curve_fit import CapacityError, CurveFit
+from mechanics.errors import require
+from mechanics.types import GRAVITY
+
+if TYPE_CHECKING:
+    from mechanics import Assembly
+
+Array = NDArray[np.float64]
+
+_LAW = "Circolare 7/2019, C8.7.1.2"
+_PAPER = "Portioli et al., §7.1"
+
+
+@dataclass(frozen=True, slots=True)
+class Participation:
+    """e* and Γ* of a mechanism, with the sums they come from: weights P in kN, displacements as δ/δ_C."""
+
+    e_star: float
+    gamma_star: float
+    weight: float
+    first_moment: float
+    second_moment: float
+
+    def steps(self) -> Trace:
+        """Return e* and Γ* by hand from the three sums over the moving weights, with δ_C = 1."""
+        sums = "sum over the weights that move, δ_C = 1"
+        return (
+            datum("Sigma_P", self.weight, "kN", sums),
+            datum("Sigma_P_delta", self.first_moment, "kN", sums),
+            datum("Sigma_P_delta_2", self.second_moment, "kN", sums),
+            step("e_star", "Sigma_P_delta**2/(Sigma_P*Sigma_P_delta_2)", self.e_star, "", _LAW,
+                 Sigma_P_delta=self.first_moment, Sigma_P=self.weight, Sigma_P_delta_2=self.second_moment),
+            step("Gamma_star", "Sigma_P_delta_2/Sigma_P_delta", self.gamma_star, "", _LAW,
+                 Sigma_P_delta_2=self.second_moment, Sigma_P_delta=self.first_moment),
+        )  # fmt: skip
+
+
+def participation(
+    weights: ArrayLike,
+    dx: ArrayLike,
+    control_dx: float,
+    moving: ArrayLike | None = None,
+    still: float = 1e-6,
+) -> Participation:
+    """Return e* = (ΣPδ)²/(ΣP ΣPδ²) and Γ* = ΣPδ²/(δ_C ΣPδ) of a mechanism (Circolare C8.7.1.2; paper §7.1).
+
+    weights (b,) in kN hold the loads each block carries as well; dx (b,) are the virtual horizontal
+    displacements at onset and control_dx that of the control point, in any common unit. Blocks that stay
+    still do not count in ΣP: `moving` (b,) says which move (a block may move vertically only); without it,
+    those with |dx| > still · max|dx|. Raises CapacityError where nothing moves, where the control point does
+    not move horizontally, or where it moves against the resultant of the moving weights.
+    """
+    P, delta = np.asarray(weights, dtype=float), np.asarray(dx, dtype=float)
+    require(P.ndim == 1 and P.shape == delta.shape, "dx", delta.shape, f"one value per weight: {P.shape}")
+    require(bool((P >= 0.0).all()), "weights", P.min(initial=0.0), "zero or positive, in kN")
+    largest = np.abs(delta).max(initial=0.0)
+    takes_part = np.abs(delta) > still * largest if moving is None else np.asarray(moving, dtype=bool)
+    if largest == 0.0 or not P[takes_part].any():
+        raise CapacityError("e*, Γ*: no weight moves horizontally in the mechanism")
+    if abs(control_dx) <= still * largest:
+        raise CapacityError(
+            "Γ*: the control point does not move horizontally; choose one on a block of the mechanism"
+        )
+    P, ratio = P[takes_part], delta[takes_part] / control_dx
+    weight, first, second = float(P.sum()), float(P @ ratio), float(P @ ratio**2)
+    if first <= 0.0:
+        raise CapacityError(
+            "Γ*: the control point moves against the moving weights; choose one that moves with the mechanism"
+        )
+    return Participation(first**2 / (weight * second), second / first, weight, first, second)
+
+
+def mechanism_participation(model: Assembly, mechanism: Array, control_dx: float) -> Participation:
+    """Return e* and Γ* of virtual displacements (b, 3), that of the control point along x being control_dx.
+
+    Every block of the assembly that moves counts, with the load it carries as seismic mass.
+    """
+    weights = np.array([block.mass * GRAVITY for block in model.blocks])
+    weights[~model.movable] = 0.0
+    size = abs(mechanism[:, :2]).max(axis=1)
+    return participation(weights, mechanism[:, 0], control_dx, (size > 1e-6 * size.max()) & model.movable)
+
+
+@dataclass(frozen=True, eq=False)
+class CapacityCurve:
+    """Capacity of the equivalent oscillator: a* (k,) in g over d* (k,) in m, with the fit it comes from.
+
+    a* = α/(e* F_C) (in g), d* = d Γ*; the confidence factor is in here and nowhere else.
+    """
+
+    fit: CurveFit
+    e_star: float
+    gamma_star: float
+    confidence_factor: float
+
+    @cached_property
+    def displacement(self) -> Array:
+        """d* (k,), m."""
+        return self.fit.displacement * self.gamma_star
+
+    @cached_property
+    def acceleration(self) -> Array:
+        """a* (k,), g."""
+        return self.fit.multiplier / (self.e_star * self.confidence_factor)
+
+    @property
+    def a_0_star(self) -> float:
+        """Acceleration that activates the rigid mechanism, g."""
+        return self.fit.alpha_0 / (self.e_star * self.confidence_factor)
+
+    @property
+    def a_y_star(self) -> float | None:
+        """Acceleration at the end of the elastic branch, g."""
+        return None if self.fit.alpha_y is None else self.fit.alpha_y / (self.e_star * self.confidence_factor)
+
+    @property
+    def d_y_star(self) -> float | None:
+        """Displacement at the end of the elastic branch, m."""
+        return None if self.fit.d_y is None else self.fit.d_y * self.gamma_star
+
+    @property
+    def d_0_star(self) -> float | None:
+        """Displacement where the capacity vanishes, m."""
+        return None if self.fit.d_0 is None else self.fit.d_0 * self.gamma_star
+
+    @property
+    def T_0(self) -> float | None:
+        """Period of the elastic branch, T_0 = 2π √(d_y*/a_y*), s; None where the curve is rigid."""
+        if self.d_y_star is None or self.a_y_star is None:
+            return None
+        return 2.0 * pi * sqrt(self.d_y_star / (self.a_y_star * GRAVITY))
+
+    def a_star(self, d_star: float) -> float:
+        """Return a* (g) at d* (m) on the curve."""
+        return float(np.interp(d_star, self.displacement, self.acceleration))
+
+    def steps(self) -> Trace:
+        """Return α0*, a_y*, T_0 and d_0* by hand."""
+        fit, F_C, e, Gamma = self.fit, self.confidence_factor, self.e_star, self.gamma_star
+        lines = [
+            datum("e_star", e, "", _LAW),
+            datum("Gamma_star", Gamma, "", _LAW),
+            datum("F_C", F_C, "", "Circolare 7/2019, C8.5.4"),
+            datum("alpha_0", fit.alpha_0, "", fit.source),
+            step("a_0_star", "alpha_0/(e_star*F_C)", self.a_0_star, "g", _LAW, alpha_0=fit.alpha_0, e_star=e,
+                 F_C=F_C),
+        ]  # fmt: skip
+        if fit.d_0 is not None and self.d_0_star is not None:
+            lines += [
+                datum("d_0", fit.d_0, "m", "pushover, rigid contacts: α = 0"),
+                step("d_0_star", "d_0*Gamma_star", self.d_0_star, "m", _LAW, d_0=fit.d_0, Gamma_star=Gamma),
+            ]
+        if fit.alpha_y is not None and fit.d_y is not None:
+            a_y, d_y = fit.alpha_y / (e * F_C), fit.d_y * Gamma
+            lines += [
+                *fit.steps,
+                step("a_y_star", "alpha_y/(e_star*F_C)", a_y, "g", _LAW, alpha_y=fit.alpha_y, e_star=e,
+                     F_C=F_C),
+                step("d_y_star", "d_y*Gamma_star", d_y, "m", _LAW, d_y=fit.d_y, Gamma_star=Gamma),
+                step("T_0", "2*pi*sqrt(d_y_star/(a_y_star*g))", self.T_0 or 0.0, "s", f"{_LAW}; {_PAPER}",
+                     d_y_star=d_y, a_y_star=a_y, g=GRAVITY),
+            ]  # fmt: skip
+        return tuple(lines)
+
+
+def capacity_curve(
+    fit: CurveFit, e_star: float, gamma_star: float, confidence_factor: float = 1.0
+) -> CapacityCurve:
+    """Return the capacity curve d* = d Γ*, a* = α/(e* F_C): the confidence factor divides once, here.
+
+    Raises ValueError naming the argument.
+    """
+    require(0.0 < e_star <= 1.0 + 1e-9, "e_star", e_star, "above 0 and at most 1")
+    require(0.0 < gamma_star < np.inf, "gamma_star", gamma_star, "positive")
+    require(
+        1.0 <= confidence_factor < np.inf, "confidence_factor", confidence_factor, "1 or more (1.35, 1.20, 1)"
+    )
+    return CapacityCurve(fit, e_star, gamma_star, confidence_factor)

@@ -1,0 +1,266 @@
+"""Idealised pushover curves: the rigid branch with, or without, an elastic branch before it.
+
+Portioli et al., §7.1 (trilinear); NTC 2018, C7.3.4.2 (equal area); Circolare 7/2019, C8.7.1.2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from assessment.ntc.calculation import Step, Trace, datum, step
+from mechanics.errors import require
+
+Array = NDArray[np.float64]
+
+SWAY = 0.01  # of the displacement at the peak: as a settled state's hinges close, the control point may sway back
+SECANT_SHARE = 0.4  # of α_u: where the secant stiffness is taken
+YIELD_SHARE = 0.9  # of α_u: plateau of the trilinear curve
+_PAPER = "Portioli et al., §7.1"
+
+
+class CapacityError(ValueError):
+    """The pushover curves do not define the capacity that is asked for; the message says which and why."""
+
+
+@dataclass(frozen=True, eq=False)
+class CurveFit:
+    """An idealised pushover curve: multiplier (k,) over the displacement (k,) of the control point, m.
+
+    model: "trilinear", "bilinear" or "none" (rigid branch alone). alpha_0: multiplier at the onset of the
+    rigid mechanism; d_0: where the rigid branch reaches 0 (None: not reached); alpha_u: peak of the elastic
+    curve; (d_y, alpha_y): end of the elastic branch. The elastic values are None for model "none". `steps`:
+    how they were found; `source`: where alpha_0 comes from.
+    """
+
+    model: str
+    alpha_0: float
+    d_0: float | None
+    alpha_u: float | None
+    alpha_y: float | None
+    d_y: float | None
+    displacement: Array
+    multiplier: Array
+    notes: tuple[str, ...] = ()
+    steps: Trace = ()
+    source: str = "pushover, rigid contacts"
+
+
+Curve = tuple[ArrayLike, ArrayLike]
+
+
+def fit_rigid(rigid: Curve) -> CurveFit:
+    """Return the rigid branch alone (displacement (k,) m, multiplier (k,)), cut where it reaches 0.
+
+    Raises CapacityError where α0 ≤ 0, ValueError where the displacement does not grow.
+    """
+    d, alpha, d_0 = _rigid_branch(rigid)
+    return CurveFit("none", float(alpha[0]), d_0, None, None, None, d, alpha)
+
+
+def fit_trilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
+    """Return the paper's trilinear curve (§7.1): secant at 0.4 α_u, plateau 0.9 α_u, rigid branch to d_0.
+
+    The plateau ends where it meets the rigid branch, and the fit never lies above that branch: where the
+    secant meets it below the plateau, that point is (d_y, α_y) and a note says so; an elastic peak above α0
+    is noted too. Raises CapacityError without an elastic curve, for α0 ≤ 0, or where the elastic curve does
+    not rise with the displacement of the control point.
+    """
+    d, alpha, d_0 = _rigid_branch(rigid)
+    secant, alpha_u, _ = _rising_branch(elastic)
+    return _idealised("trilinear", (d, alpha, d_0), secant, alpha_u, YIELD_SHARE * alpha_u)
+
+
+def fit_bilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
+    """Return the elastic-plastic curve of equal area, cut by the rigid branch.
+
+    The stiffness is the secant at 0.4 α_u; the plateau α_y ≤ α_u gives the curve the area that the elastic
+    pushover has up to its meeting with the rigid branch (NTC 2018, C7.3.4.2, carried over to mechanisms
+    [k]); beyond the plateau the rigid branch is followed to d_0. Raises as fit_trilinear.
+    """
+    d, alpha, d_0 = _rigid_branch(rigid)
+    secant, alpha_u, (d_e, alpha_e) = _rising_branch(elastic)
+    grid = np.union1d(np.union1d(d, d_e[d_e < d[-1]]), np.linspace(0.0, d[-1], 2001))
+    branch = np.interp(grid, d, alpha)
+    target = float(np.trapezoid(np.minimum(np.interp(grid, d_e, alpha_e), branch), grid))
+
+    def excess(alpha_y: float) -> float:
+        fit = _idealised("bilinear", (d, alpha, d_0), secant, alpha_u, alpha_y, target)
+        return float(np.trapezoid(fit.multiplier, fit.displacement) - target)
+
+    if excess(alpha_u) <= 0.0:
+        return _idealised(
+            "bilinear", (d, alpha, d_0), secant, alpha_u, alpha_u, None,
+            "no plateau below α_u has the area of the curve: α_y = α_u",
+        )  # fmt: skip
+    from scipy.optimize import brentq  # late: few fits need it, and it takes long to import
+
+    alpha_y = float(brentq(excess, 1e-9 * alpha_u, alpha_u, xtol=1e-14))
+    return _idealised("bilinear", (d, alpha, d_0), secant, alpha_u, alpha_y, target)
+
+
+def fit_curve(model: str, rigid: Curve, elastic: Curve | None = None) -> CurveFit:
+    """Return the fit named by the project's `model`: trilinear, bilinear or none (rigid branch alone)."""
+    require(model in {"trilinear", "bilinear", "none"}, "model", model, "trilinear, bilinear or none")
+    if model == "none":
+        return fit_rigid(rigid)
+    return (fit_trilinear if model == "trilinear" else fit_bilinear)(rigid, elastic)
+
+
+def _branch(curve: Curve, name: str) -> tuple[Array, Array]:
+    d, alpha = (np.array(values, dtype=float) for values in curve)
+    same = d.ndim == 1 and d.shape == alpha.shape and d.size >= 2
+    require(same, name, (d.shape, alpha.shape), "displacement (k,) and multiplier (k,), two points or more")
+    require(bool(np.isfinite(d).all() and np.isfinite(alpha).all()), name, "not finite", "finite numbers")
+    return d, alpha
+
+
+def _rigid_branch(rigid: Curve) -> tuple[Array, Array, float | None]:
+    """Return the rigid curve up to α = 0 and its d_0 (None where α stays positive)."""
+    d, alpha = _branch(rigid, "rigid curve")
+    require(bool((np.diff(d) > 0.0).all()), "rigid curve", "displacement", "growing from point to point")
+    if alpha[0] <= 0.0:
+        raise CapacityError(
+            f"alpha_0 = {alpha[0]:.6g}: the rigid mechanism needs no horizontal load: no seismic capacity"
+        )
+    down = np.flatnonzero(alpha <= 0.0)
+    if not down.size:
+        return d, alpha, None
+    k = int(down[0])
+    d_0 = float(d[k - 1] + (d[k] - d[k - 1]) * alpha[k - 1] / (alpha[k - 1] - alpha[k]))
+    return np.append(d[:k], d_0), np.append(alpha[:k], 0.0), d_0
+
+
+def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Array]]:
+    """Return where the curve reaches 0.4 α_u (m), α_u, and the curve up to where its displacement turns back."""
+    if elastic is None:
+        raise CapacityError(
+            "no elastic pushover curve: ask for contacts = [\"rigid\", \"elastic\"] and give "
+            "normal_stiffness_kN_m3, or set model = \"none\" (rigid branch alone)"
+        )  # fmt: skip
+    d, alpha = _branch(elastic, "elastic curve")
+    d, alpha = np.insert(d, 0, 0.0), np.insert(alpha, 0, 0.0)
+    peak = int(np.argmax(alpha))
+    alpha_u = float(alpha[peak])
+    if alpha_u <= 0.0:
+        raise CapacityError(f"elastic curve: its peak alpha_u = {alpha_u:.6g} must be positive")
+    above = int(np.argmax(alpha >= SECANT_SHARE * alpha_u))
+    share = (SECANT_SHARE * alpha_u - alpha[above - 1]) / (alpha[above] - alpha[above - 1])
+    d_secant = float(d[above - 1] + share * (d[above] - d[above - 1]))
+    back = np.maximum.accumulate(d) - d
+    if d_secant <= 0.0 or back[: peak + 1].max() > SWAY * d[peak]:
+        raise CapacityError(
+            "elastic curve: the control point does not advance as the load grows; choose another one"
+        )
+    turned = np.flatnonzero(back[peak:] > 1e-9 * np.abs(d).max())
+    end = peak + int(turned[0]) if turned.size else d.size
+    return d_secant, alpha_u, (np.maximum.accumulate(d[:end]), alpha[:end])
+
+
+def _idealised(
+    model: str,
+    rigid: tuple[Array, Array, float | None],
+    secant: float,
+    alpha_u: float,
+    alpha_y: float,
+    area: float | None = None,
+    *notes: str,
+) -> CurveFit:
+    """Return min(secant stiffness times d, α_y, rigid branch) as a piecewise-linear curve.
+
+    secant: displacement at 0.4 α_u, m; area: of the curve from which α_y was found, m, None for a share of α_u.
+    """
+    d, alpha, d_0 = rigid
+    stiffness = SECANT_SHARE * alpha_u / secant
+    if alpha_u > alpha[0]:
+        notes += (
+            f"elastic peak α_u = {alpha_u:.4g} above the rigid onset α0 = {alpha[0]:.4g}: the fit is cut",
+        )
+    d_y = alpha_y / stiffness
+    meets = _crossing(d, alpha - stiffness * d)
+    if meets is None:
+        raise CapacityError(
+            "the elastic branch does not meet the rigid branch: follow the rigid pushover further"
+        )
+    cut = meets < d_y
+    if cut:
+        d_y = meets
+        alpha_y = stiffness * meets
+        notes += (f"the secant meets the rigid branch at α = {alpha_y:.4g}, below the plateau: no plateau",)
+        end = d_y
+    else:
+        below = d >= d_y
+        tail_d = np.concatenate([[d_y], d[below]])
+        tail = np.concatenate([[np.interp(d_y, d, alpha)], alpha[below]]) - alpha_y
+        crossing = _crossing(tail_d, tail)
+        if crossing is None:
+            end = float(d[-1])
+            notes += ("the plateau does not meet the rigid branch within the curve",)
+        else:
+            end = crossing
+    after = d > end
+    knots = [(0.0, 0.0), (d_y, alpha_y)] + ([(end, alpha_y)] if end > d_y else [])
+    displacement = np.concatenate([[k[0] for k in knots], d[after]])
+    multiplier = np.concatenate([[k[1] for k in knots], np.minimum(alpha[after], alpha_y)])
+    beyond = float(np.trapezoid(multiplier[displacement >= end], displacement[displacement >= end]))
+    steps = (
+        datum("alpha_u", alpha_u, "", "pushover, elastic contacts: peak"),
+        datum("d_40", secant, "m", f"pushover, elastic contacts: at {SECANT_SHARE:g} α_u"),
+        step("K", f"{SECANT_SHARE:g}*alpha_u/d_40", stiffness, "1/m", _PAPER, alpha_u=alpha_u, d_40=secant),
+        *_yield_steps(float(d_y), float(alpha_y), cut, stiffness, alpha_u, end, area, beyond),
+    )
+    return CurveFit(
+        model,
+        float(alpha[0]),
+        d_0,
+        alpha_u,
+        float(alpha_y),
+        float(d_y),
+        displacement,
+        multiplier,
+        notes,
+        steps,
+    )
+
+
+def _yield_steps(
+    d_y: float,
+    alpha_y: float,
+    cut: bool,
+    K: float,
+    alpha_u: float,
+    d_m: float,
+    area: float | None,
+    beyond: float,
+) -> tuple[Step, ...]:
+    """Return how α_y and d_y follow: cut by the rigid branch, from equal areas, or as a share of α_u."""
+    if cut:
+        return (
+            datum("d_y", d_y, "m", "where the secant meets the rigid branch"),
+            step("alpha_y", "K*d_y", alpha_y, "", _PAPER, K=K, d_y=d_y),
+        )
+    last = step("d_y", "alpha_y/K", d_y, "m", _PAPER, alpha_y=alpha_y, K=K)
+    if area is None:
+        share = alpha_y / alpha_u
+        return step("alpha_y", f"{share:g}*alpha_u", alpha_y, "", _PAPER, alpha_u=alpha_u), last
+    return (
+        datum("A", area, "m", "area of the elastic curve, up to the rigid branch"),
+        datum("d_m", d_m, "m", "where the plateau meets the rigid branch"),
+        datum("A_m", beyond, "m", "area of the rigid branch beyond d_m"),
+        step("alpha_y", "2*(A - A_m)/(d_m + sqrt(d_m**2 - 2*(A - A_m)/K))", alpha_y, "",
+             "equal area: NTC 2018, C7.3.4.2", A=area, A_m=beyond, d_m=d_m, K=K),
+        last,
+    )  # fmt: skip
+
+
+def _crossing(d: Array, value: Array) -> float | None:
+    """Return the first d where the piecewise-linear value falls to 0; None where it stays positive."""
+    down = np.flatnonzero(value <= 0.0)
+    if not down.size:
+        return None
+    k = int(down[0])
+    if k == 0:
+        return float(d[0])
+    return float(d[k - 1] + (d[k] - d[k - 1]) * value[k - 1] / (value[k - 1] - value[k]))

@@ -1,0 +1,208 @@
+"""Safety of a mechanism at the limit states: Circolare 7/2019, C8.7.1.2, and the 2009 circular's variant.
+
+Every check solves for the ground acceleration a_g at which the demand equals the capacity, and carries the
+trace of its calculation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from assessment.ntc.calculation import Trace, datum, step
+from assessment.ntc.capacity import CapacityCurve
+from assessment.ntc.curve_fit import CapacityError
+from assessment.ntc.demand_capacity import Solved, solve_activation, solve_displacement
+from assessment.ntc.hazard import EXCEEDANCE
+from assessment.ntc.limit_states import INDEXED
+from assessment.ntc.methods import LAW, Method
+from assessment.ntc.spectrum import RecordSpectrum, Spectrum
+from mechanics.errors import require
+
+__all__ = ["Check", "Method", "check_activation", "check_linear", "check_nonlinear", "verify"]
+
+_COLLAPSE_FIRST = (
+    "SLV: d_SLC is reached at a smaller a_g under the same spectrum (the formulas allow it where T_SLV lies on "
+    "the plateau): that a_g counts"
+)
+_SHAPES = (
+    "a_g of SLC comes out below that of SLV because their demand spectra differ in shape: the smaller one counts "
+    "for both"
+)
+
+
+@dataclass(frozen=True)
+class Check:
+    """The answer of one check of one limit state.
+
+    method: "activation", "linear" or "nonlinear". d_star (m), a_star (g): point of the capacity curve that
+    counts; T (s): its period; a_g: capacity, g; demand_a_g: demand, g; zeta_E: their ratio, with S on both
+    sides, which is the index ζ_E at SLV and SLC only (§8.3); return_period: of the capacity, years, where the site's
+    hazard is known (30 or 2475: there or beyond). governing: what gave a_g.
+    Numbers are None where the capacity is not defined, and `notes` say why.
+    """
+
+    limit_state: str
+    method: str
+    d_star: float | None
+    a_star: float | None
+    T: float | None
+    a_g: float | None
+    demand_a_g: float
+    zeta_E: float | None  # noqa: N815 — the key of the contract
+    verified: bool | None
+    damping: float | None
+    return_period: float | None
+    governing: str
+    trace: Trace
+    notes: tuple[str, ...] = ()
+
+
+def verify(
+    capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method | None = None
+) -> dict[str, Check]:
+    """Return the checks of the limit states in `demands` (limit state → spectrum of the site at that state).
+
+    SLO and SLD: activation; SLV and SLC: nonlinear; under "SLV linear" also the linear check with q. For a
+    mechanism at height the spectra are floor spectra; for the paper's assessment a RecordSpectrum. A capacity
+    that is not defined (d_0 not reached) gives a Check without numbers that says why.
+    Raises ValueError for an unknown limit state or an unsuitable method.
+    """
+    method = method or Method()
+    checks = {}
+    for state, spectrum in demands.items():
+        require(state in EXCEEDANCE, "limit state", state, "one of SLO, SLD, SLV, SLC")
+        if state in {"SLO", "SLD"}:
+            checks[state] = check_activation(capacity, state, spectrum, method)
+            continue
+        try:
+            checks[state] = check_nonlinear(capacity, state, spectrum, method)
+        except CapacityError as refusal:
+            checks[state] = _refused(state, spectrum, method, str(refusal))
+        if state == "SLV":
+            checks["SLV linear"] = check_linear(capacity, state, spectrum, method)
+    life, collapse = (checks[state].a_g if state in checks else None for state in ("SLV", "SLC"))
+    if life is not None and collapse is not None and collapse < life:
+        checks["SLC"] = replace(checks["SLC"], notes=(*checks["SLC"].notes, _SHAPES))
+    return checks
+
+
+def check_activation(
+    capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method | None = None
+) -> Check:
+    """Return the check against activation of the mechanism (Circolare 7/2019, C8.7.1.2: SLD).
+
+    Rigid capacity: a_0* = S_e(0) = a_g S (or the floor's a_Z). With an elastic branch: a_y* = S_e(T_0, 5 %).
+    """
+    method = method or Method()
+    solved = solve_activation(capacity, spectrum, method)
+    return _check(limit_state, solved, capacity, spectrum, method, kind="activation")
+
+
+def check_linear(
+    capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method | None = None
+) -> Check:
+    """Return the linear kinematic check q a_0* = S_e(0): a_g,SLV = q a_g,SLD (Circolare 7/2019, C8.7.1.2).
+
+    a_g,SLD is here the activation under the spectrum of this limit state, so that S is that of its demand.
+    """
+    method = method or Method()
+    solved = solve_activation(capacity, spectrum, method, method.behaviour_factor)
+    return _check(limit_state, solved, capacity, spectrum, method, kind="linear")
+
+
+def check_nonlinear(
+    capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method | None = None
+) -> Check:
+    """Return the nonlinear kinematic check at SLV or SLC (Circolare 7/2019, C8.7.1.2).
+
+    d_SLV = min(0.40 d_0, local limit), d_SLC = min(0.60 d_0, local limit); T = 1.68 π √(d/a) at 8 % damping,
+    T = 1.56 π √(d/a) at 10 %; a_g solves S_De(T) = d, is not below activation, and at SLV not above that at
+    which the same spectrum reaches d_SLC. Circular of 2009:
+    d_u = min(0.40 d_0, local limit), T_s = 2π √(d_s/a_s) at d_s = 0.4 d_u, S_De(T_s, 5 %) = d_u.
+    Raises CapacityError where d_0 is not reached, where no capacity is left at the limit, or where the
+    circular knows no nonlinear check for the limit state.
+    """
+    method = method or Method()
+    solved = solve_displacement(capacity, limit_state, spectrum, method)
+    if method.circular == "2019":
+        if limit_state == "SLV":
+            solved = _before_collapse(solved, capacity, spectrum, method)
+        solved = _after_activation(solved, limit_state, capacity, spectrum, method)
+    return _check(limit_state, solved, capacity, spectrum, method, kind="nonlinear")
+
+
+def _before_collapse(life: Solved, capacity: CapacityCurve, spectrum: Spectrum, method: Method) -> Solved:
+    """Return the solution of SLV, or that of SLC where the same spectrum reaches d_SLC at a smaller a_g.
+
+    The formulas allow it where T_SLV lies on the plateau: a structure past SLC is past SLV.
+    """
+    try:
+        collapse = solve_displacement(capacity, "SLC", spectrum, method)
+    except CapacityError:
+        return life
+    if collapse.a_g >= life.a_g:
+        return life
+    *steps, last = collapse.steps
+    line = step("a_g_nonlinear", "min(a_g_life, a_g_collapse)", collapse.a_g, "g", LAW["2019"],
+                a_g_life=life.a_g, a_g_collapse=collapse.a_g)  # fmt: skip
+    steps = [*life.steps[:-1], replace(life.steps[-1], symbol="a_g_life"), *steps,
+             replace(last, symbol="a_g_collapse"), line]  # fmt: skip
+    return replace(
+        collapse, governing=f"SLC reached first: {collapse.governing}", steps=tuple(steps),
+        notes=(*collapse.notes, _COLLAPSE_FIRST),
+    )  # fmt: skip
+
+
+def _after_activation(
+    solved: Solved, limit_state: str, capacity: CapacityCurve, spectrum: Spectrum, method: Method
+) -> Solved:
+    """Return the solution, its a_g in no case below the activation of the mechanism."""
+    active = solve_activation(capacity, spectrum, method)
+    line = step(f"a_g_{limit_state}", "max(a_g_nonlinear, a_g_act)", max(solved.a_g, active.a_g), "g",
+                LAW["2019"], a_g_nonlinear=solved.a_g, a_g_act=active.a_g)  # fmt: skip
+    steps = (*solved.steps, *active.steps, line)
+    if active.a_g > solved.a_g:
+        solved = replace(solved, a_g=active.a_g, base=active.base, governing="activation", notes=active.notes)
+    return replace(solved, steps=steps)
+
+
+def _check(
+    limit_state: str,
+    solved: Solved,
+    capacity: CapacityCurve,
+    spectrum: Spectrum,
+    method: Method,
+    *,
+    kind: str,
+) -> Check:
+    """Return the Check of the capacity against the demand: `spectrum`'s own a_g, or that of the site."""
+    a_g, S = solved.a_g, solved.base.S
+    site = method.site_acceleration.get(limit_state)
+    demand, S_demand = (spectrum.ag, spectrum.S) if site is None else (site, 1.0)
+    source = "hazard of the site, or peak of the record" if site is None else "a_g S of the site"
+    zeta = a_g * S / (demand * S_demand)
+    indexed = limit_state in INDEXED
+    symbol, law = ("zeta_E", "NTC 2018, §8.3") if indexed else (f"r_{limit_state}", LAW[method.circular])
+    lines = [
+        datum("a_g_demand", demand, "g", source),
+        step(symbol, "a_g_capacity*S_capacity/(a_g_demand*S_demand)", zeta, "", law,
+             a_g_capacity=a_g, S_capacity=S, a_g_demand=demand, S_demand=S_demand),
+    ]  # fmt: skip
+    T_R = None
+    if method.hazard is not None and not isinstance(spectrum, RecordSpectrum):
+        T_R = method.hazard.return_period(a_g)
+        lines.append(method.hazard.return_period_step(a_g))
+    trace = (*capacity.steps(), *solved.steps, *lines)
+    return Check(
+        limit_state, kind, solved.d_star, solved.a_star, solved.T, a_g, demand, zeta, zeta >= 1.0,
+        solved.damping, T_R, solved.governing, trace, (*capacity.fit.notes, *solved.notes),
+    )  # fmt: skip
+
+
+def _refused(limit_state: str, spectrum: Spectrum, method: Method, reason: str) -> Check:
+    """Return the Check of a capacity that is not defined."""
+    demand = method.site_acceleration.get(limit_state, spectrum.ag)
+    return Check(
+        limit_state, "nonlinear", None, None, None, None, demand, None, None, None, None, "", (), (reason,)
+    )

@@ -1,0 +1,1 @@
+"""The built-in templates: a new project from a few dimensions."""

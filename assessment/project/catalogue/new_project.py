@@ -1,0 +1,109 @@
+"""A new project from a built-in template: its drawing and a project file that explains every key."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from assessment.ntc.spectrum import ElasticSpectrum
+from assessment.project.catalogue.geometry import Layout
+from assessment.project.catalogue.record import write_artificial_record
+from assessment.project.catalogue.templates import DRAWING, NUMBER, TEMPLATES, Option, Template
+from assessment.project.formats.convert import TOML, source_bytes
+from assessment.runtime.errors import ProjectError, nearest
+
+SIZES = (1e-3, 1e3)  # m
+MOST_BLOCKS = 100  # of each kind, in a row
+COLOURS = (7, 8, 30, 1, 5, 3)  # AutoCAD colour indices of the layers, in their order
+
+
+def template_options(template: str) -> dict[str, Option]:
+    """Options of a template, name to (default, unit, description); ProjectError for an unknown template."""
+    return dict(_template(template).options)
+
+
+def template_layout(template: str, options: Mapping[str, float] | None = None) -> Layout:
+    """Polygons of a template by layer, m; raises ProjectError for options that do not fit."""
+    try:
+        return _template(template).layout(**_values(template, options or {}))
+    except ProjectError:
+        raise
+    except ValueError as error:
+        raise ProjectError(f"{template}: {error}") from None
+
+
+def new_project(folder: Path, template: str, options: Mapping[str, float], source: str = TOML) -> None:
+    """Write drawing, artificial record and project file of a template into a new folder, whole or not at all.
+
+    `options` change the template's dimensions (see template_options), `source` is the name of the project file, which
+    tells its form. Raises ProjectError where the template or an option is unknown or does not fit, or the folder
+    holds something already; OSError where it cannot be written.
+    """
+    layout = template_layout(template, options)
+    content = _template(template).content(_values(template, options))
+    write_project(folder, layout, content, source)
+
+
+def write_project(folder: Path, layout: Layout, content: Mapping[str, Any], source: str = TOML) -> None:
+    """Write drawing, record and commented project file into a new folder, whole or not at all."""
+    if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
+        raise ProjectError(f"{folder}: folder: exists and is not empty; give the name of a new one")
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
+    try:
+        temporary.chmod(0o755)
+        write_drawing(temporary / DRAWING, layout)
+        (temporary / source).write_bytes(source_bytes(source, content))
+        write_artificial_record(temporary, _spectrum(content["assessment"]["site"]))
+        if folder.is_dir():
+            folder.rmdir()  # Windows renames nothing over a folder, not even over an empty one
+        temporary.replace(folder)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _spectrum(site: Mapping[str, Any]) -> ElasticSpectrum:
+    hazard = site["SLC"]
+    return ElasticSpectrum(
+        hazard["ag_g"], hazard["F0"], hazard["Tc_star_s"], site["soil"], site["topography"]
+    )
+
+
+def write_drawing(path: Path, layout: Layout) -> None:
+    """Write a DXF in metres: one closed polyline per block on the layer of its role."""
+    from ezdxf import units
+    from ezdxf.filemanagement import new
+
+    drawing = new("R2010")
+    drawing.units = units.M
+    space = drawing.modelspace()
+    for colour, (layer, polygons) in zip(COLOURS, layout.items(), strict=False):
+        drawing.layers.add(layer, color=colour)
+        for polygon in polygons:
+            space.add_lwpolyline(polygon.tolist(), close=True, dxfattribs={"layer": layer})
+    drawing.saveas(path)
+
+
+def _template(name: str) -> Template:
+    if name not in TEMPLATES:
+        raise ProjectError(f"--template: {name}: no such template; {nearest(name, TEMPLATES)}")
+    return TEMPLATES[name]
+
+
+def _values(template: str, options: Mapping[str, float]) -> dict[str, float]:
+    """Return the template's defaults with the given options over them, counts as int."""
+    known = _template(template).options
+    values = {name: default for name, (default, _, _) in known.items()}
+    for name, value in options.items():
+        if name not in known:
+            raise ProjectError(f"{template}: {name}: no such option; {nearest(name, known)}")
+        counts = known[name][1] == NUMBER
+        low, high = (1, MOST_BLOCKS) if counts else SIZES
+        if not (low <= value <= high) or (counts and value != int(value)):
+            unit = "a whole number" if counts else f"a number, in {known[name][1]},"
+            raise ProjectError(f"{template}: {name}: is {value:g}; must be {unit} from {low:g} to {high:g}")
+        values[name] = value
+    return {name: int(v) if known[name][1] == NUMBER else float(v) for name, v in values.items()}

@@ -1,0 +1,322 @@
+"""What in a project does not fit together: names, files, and stages that need each other."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from fnmatch import fnmatch
+from itertools import islice
+from pathlib import Path
+
+from assessment.project.errors import Problem
+from assessment.project.schema import (
+    MOST_ENTRIES,
+    ORIGINAL,
+    VARIED,
+    AssessmentTable,
+    FloorTable,
+    KeyPath,
+    LimitState,
+    MotionTable,
+    ProjectContent,
+    SensitivityTable,
+    SettlementTable,
+    SiteTable,
+)
+from assessment.runtime.errors import nearest
+
+_MOST_INCREMENTS = 100_000
+MOST_LOOKED_AT = 20_000  # names in folders, to find the files that a pattern means
+LEAST_ROTATION = 1e-6  # of a macro-block, relative to the others'
+_WILD = re.compile(r"[*?[]")
+
+
+def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]:
+    """Every problem between tables and with the files they name, in the order of the tables."""
+    yield from _file(folder, ("geometry", "drawing"), project.geometry.drawing)
+    yield from _stiffness(project)
+    for name, layer in project.layers.items():
+        if layer.vertical_load_kN < 0.0 and layer.load_has_mass:
+            text = f"{layer.vertical_load_kN:g} acts upward and has no mass; add load_has_mass = false"
+            yield Problem(("layers", name, "vertical_load_kN"), text)
+    yield from _doubles("control", [point.name for point in project.control])
+    yield from _control(project)
+    yield from _doubles("settlements", list(project.states[1:]))
+    for index, settlement in enumerate(project.settlements):
+        yield from _settlement(project, ("settlements", index), settlement)
+    yield from _motions(project, folder)
+    yield from _mechanisms(project)
+    if project.assessment:
+        yield from _assessment(project, project.assessment)
+        if project.assessment.floor:
+            yield from _floor(project.assessment.floor, project.assessment)
+        if project.assessment.site:
+            yield from _site(project.assessment.site, project.assessment.limit_states, folder)
+    if project.sensitivity:
+        yield from _sensitivity(project, project.sensitivity)
+
+
+def matches(folder: Path, pattern: str) -> list[Path]:
+    """Return the files in `folder` that a name or a pattern such as "records/*.acc" means, sorted.
+
+    Raises ValueError where more than MOST_LOOKED_AT names would have to be looked at, or there are too many files.
+    """
+    if _is_file(folder / pattern):
+        return [folder / pattern]
+    if "**" in pattern:
+        raise ValueError("** is not understood; name the folders, * for each")
+    found, looked_at = [folder], 0
+    for part in Path(pattern).parts:
+        if not _WILD.search(part):
+            found = [path / part for path in found]
+            continue
+        within: list[Path] = []
+        for path in found:
+            for name in _names(path):
+                looked_at += 1
+                if looked_at > MOST_LOOKED_AT:
+                    raise ValueError(f"more than {MOST_LOOKED_AT} names to look at; name the folders")
+                if fnmatch(name, part) and (part.startswith(".") or not name.startswith(".")):
+                    within.append(path / name)
+        found = within
+    files = sorted(path for path in found if _is_file(path))
+    if len(files) > MOST_ENTRIES:
+        raise ValueError(f"{len(files)} files, at most {MOST_ENTRIES}; choose among them")
+    return files
+
+
+def _names(folder: Path) -> Iterator[str]:
+    """Yield the names in a folder; none where there is no such folder, or it may not be read."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            yield entry.name
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a name that is too long or no name, a folder that may not be searched
+        return False
+
+
+def _file(folder: Path, path: KeyPath, name: str | None) -> Iterator[Problem]:
+    if name is not None and not _is_file(folder / name):
+        parent = Path(name).parent
+        names = islice(_names(folder / parent), MOST_ENTRIES)
+        files = sorted(str(parent / each) for each in names if _is_file(folder / parent / each))
+        remedy = nearest(name, files) if files else "put it there or correct the name"
+        yield Problem(path, f'no file "{name}" in the project folder; {remedy}')
+
+
+def _doubles(table: str, names: list[str | None]) -> Iterator[Problem]:
+    earlier: set[str] = set()
+    for index, name in enumerate(names):
+        if name is None:
+            continue
+        if name in earlier:
+            yield Problem((table, index, "name"), f'"{name}" is the name of an earlier entry; write another')
+        earlier.add(name)
+
+
+def _known(path: KeyPath, name: str, valid: Iterable[str], what: str) -> Iterator[Problem]:
+    names = list(valid)
+    if name not in names:
+        yield Problem(path, f'no {what} "{name}"; {nearest(name, names) if names else f"add a {what}"}')
+
+
+def _stiffness(project: ProjectContent) -> Iterator[Problem]:
+    """Ask for a stiffness somewhere if an analysis is elastic; which blocks lack it, the drawing tells."""
+    layers = project.layers.values()
+    if project.material.normal_stiffness_kN_m3 or any(layer.normal_stiffness_kN_m3 for layer in layers):
+        return
+    pushover, incremental, assessment = project.pushover, project.incremental, project.assessment
+    needed_by = [
+        f"history[{n}].contacts" for n, each in enumerate(project.history, 1) if each.contacts == "elastic"
+    ]
+    if pushover and "elastic" in pushover.contacts:
+        needed_by.append("pushover.contacts")
+    if incremental and incremental.contacts == "elastic":
+        needed_by.append("incremental.contacts")
+    if assessment and assessment.model != "none":
+        needed_by.append("assessment.model")
+    if needed_by:
+        text = (
+            f"missing, but {', '.join(needed_by)} ask for elastic contacts; add it, in kN/m³ "
+            '(or write contacts "rigid", model "none")'
+        )
+        yield Problem(("material", "normal_stiffness_kN_m3"), text)
+
+
+def _control(project: ProjectContent) -> Iterator[Problem]:
+    if not project.control and (project.pushover or project.history or project.incremental):
+        yield Problem(("control",), "no control point; add [[control]] with name and point_m")
+        return
+    references: list[tuple[KeyPath, str | None]] = [
+        (("history", index, "control"), motion.control) for index, motion in enumerate(project.history)
+    ]
+    if project.pushover:
+        control = project.pushover.control
+        by_key = control.items() if isinstance(control, dict) else ()
+        references += [(("pushover", "control", direction), name) for direction, name in by_key]
+        references += [(("pushover", "control"), control)] if isinstance(control, str) else []
+    if project.incremental:
+        references.append((("incremental", "control"), project.incremental.control))
+    for path, name in references:
+        if name is not None:
+            yield from _known(path, name, [point.name for point in project.control], "control point")
+
+
+def _settlement(project: ProjectContent, path: KeyPath, settlement: SettlementTable) -> Iterator[Problem]:
+    if settlement.name == ORIGINAL:
+        yield Problem((*path, "name"), f'"{ORIGINAL}" is the state before any settlement; write another name')
+    yield from _known((*path, "support"), settlement.support, project.supports, "support")
+    largest = max(map(abs, settlement.displacement_m))
+    if largest == 0.0 and settlement.rotation_rad == 0.0:
+        yield Problem((*path, "displacement_m"), "nothing moves; write a displacement or a rotation_rad")
+    elif "increment_m" in settlement.model_fields_set and settlement.increment_m > largest > 0.0:
+        text = f"{settlement.increment_m:g} is larger than the movement; write {largest:g} or less"
+        yield Problem((*path, "increment_m"), text)
+    if settlement.increments > _MOST_INCREMENTS:
+        text = (
+            f"the movement takes {settlement.increments} increments; "
+            f"write longer ones, for {_MOST_INCREMENTS} or fewer"
+        )
+        yield Problem((*path, "increment_m"), text)
+    if settlement.steps and not project.pushover:
+        text = "there is no pushover whose capacity could be reviewed; add [pushover] or leave steps out"
+        yield Problem((*path, "steps"), text)
+
+
+def _motions(project: ProjectContent, folder: Path) -> Iterator[Problem]:
+    yield from _doubles("history", [history.name for history in project.history])
+    for index, history in enumerate(project.history):
+        path: KeyPath = ("history", index)
+        yield from _file(folder, (*path, "record"), history.record)
+        yield from _file(folder, (*path, "vertical_record"), history.vertical_record)
+        if history.scale == 0.0:
+            yield Problem((*path, "scale"), "0 leaves no motion; write 1.0 for the record as it is")
+        yield from _motion(project, path, history)
+    if project.incremental:
+        for index, pattern in enumerate(project.incremental.records):
+            try:
+                found = matches(folder, pattern)
+            except ValueError as error:
+                yield Problem(("incremental", "records", index), f'"{pattern}": {error}')
+                continue
+            if not found:
+                yield from _file(folder, ("incremental", "records", index), pattern)
+        yield from _motion(project, ("incremental",), project.incremental)
+
+
+def _motion(project: ProjectContent, path: KeyPath, motion: MotionTable) -> Iterator[Problem]:
+    if isinstance(motion.window_s, tuple) and not 0.0 <= motion.window_s[0] < motion.window_s[1]:
+        yield Problem(
+            (*path, "window_s"), "not a stretch of time; write first and last second, 0 ≤ first < last"
+        )
+    if motion.integrator == "moreau-jean" and motion.contacts == "elastic":
+        text = 'moreau-jean is for rigid contacts; write "auto", "second-order" or "implicit-euler"'
+        yield Problem((*path, "integrator"), text)
+    for index, name in enumerate(motion.states or ()):
+        yield from _known((*path, "states", index), name, project.states, "state")
+
+
+def _assessment(project: ProjectContent, assessment: AssessmentTable) -> Iterator[Problem]:
+    needed = ["rigid"] if assessment.model == "none" else ["rigid", "elastic"]
+    if project.pushover is None:
+        yield Problem(
+            ("assessment",), "there is no pushover to assess; add [pushover] or leave [assessment] out"
+        )
+    elif missing := [contacts for contacts in needed if contacts not in project.pushover.contacts]:
+        text = (
+            f"{' and '.join(missing)} missing, but assessment.model asks for it; write {json.dumps(needed)}"
+        )
+        yield Problem(("pushover", "contacts"), text)
+    if assessment.spectrum == "record" and not project.history:
+        text = 'there is no record to take the spectrum of; add [[history]] or write spectrum = "ntc"'
+        yield Problem(("assessment", "spectrum"), text)
+    if assessment.spectrum == "ntc" and assessment.site is None:
+        yield Problem(("assessment", "site"), 'missing; add [assessment.site] or write spectrum = "record"')
+    if assessment.method == "grid" and (assessment.site is None or assessment.site.grid is None):
+        text = (
+            'there is no grid; add latitude, longitude and grid to [assessment.site] or write "demand-shape"'
+        )
+        yield Problem(("assessment", "method"), text)
+
+
+def _floor(floor: FloorTable, assessment: AssessmentTable) -> Iterator[Problem]:
+    path: KeyPath = ("assessment", "floor")
+    if floor.height_m > floor.building_height_m:
+        text = f"{floor.height_m:g} is above building_height_m ({floor.building_height_m:g}); correct one of them"
+        yield Problem((*path, "height_m"), text)
+    if len(floor.higher_periods_s) != len(floor.higher_participations):
+        text = "write one γ_k ψ_k for each of higher_periods_s, in the same order"
+        yield Problem((*path, "higher_participations"), text)
+    if floor.higher_periods_s and assessment.circular == 2009:
+        text = "the circular of 2009 knows the first mode alone; leave it out or write circular = 2019"
+        yield Problem((*path, "higher_periods_s"), text)
+    if assessment.spectrum == "record":
+        yield Problem(path, 'a record is taken as that of the ground; write spectrum = "ntc" or leave it out')
+
+
+def _mechanisms(project: ProjectContent) -> Iterator[Problem]:
+    states: dict[str, str] = {}
+    for index, part in enumerate(project.mechanism):
+        path: KeyPath = ("mechanism", index)
+        if not (part.layers or part.region_m or part.blocks):
+            yield Problem(path, "no block is chosen; write layers, region_m or blocks")
+        if part.region_m is not None and (len(part.region_m) < 4 or len(part.region_m) % 2):
+            text = "no corners; write x and z of two corners of a box, or of each corner of a polygon"
+            yield Problem((*path, "region_m"), text)
+        if abs(part.rotation) < LEAST_ROTATION:
+            yield Problem(
+                (*path, "rotation"), f"{part.rotation:g} does not move the macro-block; leave the entry out"
+            )
+        yield from _known((*path, "state"), part.state, project.states, "state")
+        if part.state != states.setdefault(part.name, part.state):
+            yield Problem(
+                (*path, "state"), f'"{part.name}" has macro-blocks in another state; write one state'
+            )
+
+
+def _sensitivity(project: ProjectContent, sensitivity: SensitivityTable) -> Iterator[Problem]:
+    path: KeyPath = ("sensitivity",)
+    if project.assessment is None:
+        yield Problem(path, "there is no capacity to vary; add [assessment] or leave [sensitivity] out")
+    elif project.assessment.model == "none" and sensitivity.stiffness:
+        text = 'assessment.model = "none" uses no stiffness; leave it out or write another model'
+        yield Problem((*path, "stiffness"), text)
+    if not sensitivity.factors:
+        yield Problem(path, f"nothing varies; write low and high factors of {', '.join(VARIED)}")
+    for key, (low, high) in sensitivity.factors.items():
+        if not low < high:
+            yield Problem((*path, key), f"[{low:g}, {high:g}]: write the low factor, then the high one")
+    for index, name in enumerate(sensitivity.states or ()):
+        yield from _known((*path, "states", index), name, project.states, "state")
+
+
+def _site(site: SiteTable, limit_states: Iterable[LimitState], folder: Path) -> Iterator[Problem]:
+    path: KeyPath = ("assessment", "site")
+    yield from _file(folder, (*path, "grid"), site.grid)
+    by_place = {key: getattr(site, key) for key in ("latitude", "longitude", "grid")}
+    by_state = {key: getattr(site, key) for key in ("SLD", "SLV", "SLC")}
+    placed = [key for key, value in by_place.items() if value is not None]
+    typed = [key for key, value in by_state.items() if value is not None]
+    if placed and typed:
+        text = f"given twice, by {', '.join(placed)} and by {', '.join(typed)}; keep one of the two"
+        yield Problem(path, text)
+    elif placed and placed != ["grid"]:  # alone, it may be the table of the site; else the file tells
+        for key in sorted(by_place.keys() - placed):
+            yield Problem((*path, key), "missing; latitude, longitude and grid go together")
+    elif placed:
+        return
+    elif typed:
+        for key in limit_states:
+            if key not in typed:
+                text = "missing, but assessment.limit_states asks for it; add its ag_g, F0 and Tc_star_s"
+                yield Problem((*path, key), text)
+    else:
+        text = "no hazard; add latitude, longitude and grid, or ag_g, F0 and Tc_star_s per limit state"
+        yield Problem(path, text)

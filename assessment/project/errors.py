@@ -1,0 +1,152 @@
+"""What is wrong in a project file, in the words of the person who wrote it.
+
+Every message is one line `FILE: KEY: what is wrong; what to do`. List entries are counted from 1.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Mapping
+from itertools import islice
+from typing import Any, NamedTuple
+
+from pydantic import ValidationError
+
+from assessment.project.schema import KeyPath
+from assessment.project.schema_index import keys_at
+from assessment.runtime.errors import ProjectError, nearest, shortened
+
+
+class Problem(NamedTuple):
+    """What is wrong with the value at `path`, and the remedy."""
+
+    path: KeyPath
+    text: str
+
+
+_COMMA = re.compile(r"\s*([+-]?\d+),(\d+)\s*")  # a number with a decimal comma
+
+_SHOWN = 40  # characters of a value that a message shows
+
+_EXPECTED = {
+    "float_type": "a number",
+    "finite_number": "a finite number",
+    "int_type": "a whole number",
+    "bool_type": "true or false",
+    "string_type": "a text",
+    "tuple_type": "a list in brackets",
+    "dict_type": "a table",
+    "model_type": "a table",
+    "greater_than_equal": "a number not less than {ge:g}",
+    "less_than": "a number less than {lt:g}",
+    "less_than_equal": "a number not greater than {le:g}",
+    "literal_error": "{expected}",
+    "missing": "two numbers",  # only of a pair: a missing key is another message
+    "too_long": "at most {max_length} entries",
+    "too_short": "a list with one entry or more",
+    "string_too_long": "at most {max_length} characters",
+    "string_pattern_mismatch": "a text without control characters or blanks at its ends, not empty",
+    "string_unicode": "a text of whole characters",
+}
+
+
+def project_error(file: str, problems: Iterable[Problem], cells: Mapping[KeyPath, str]) -> ProjectError:
+    """All problems of one file as one error; `cells` says where a value stands in a spreadsheet."""
+    lines = [f"{file}: {_key(path)}{_cell(path, cells)}: {text}" for path, text in problems]
+    return ProjectError("\n".join(dict.fromkeys(lines)))
+
+
+def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[Problem]:
+    """Return what is wrong in `content` for each of pydantic's errors, alternatives of a value joined."""
+    expected: dict[KeyPath, list[str]] = {}
+    problems: dict[KeyPath, str] = {}
+    for detail in error.errors(include_url=False):
+        kind, context = detail["type"], detail.get("ctx", {})
+        path, node = _walk(detail["loc"], content)
+        if kind == "extra_forbidden":
+            problems[path] = f"unknown key; {nearest(str(path[-1]), keys_at(path[:-1]))}"
+        elif kind == "missing" and isinstance(node, dict):
+            key = str(detail["loc"][-1])
+            problems[(*path, key)] = f"missing; add it ({keys_at(path)[key]})"
+        elif kind == "value_error":
+            problems[path] = str(context["error"])
+        else:
+            phrase = _brackets(path, kind, detail["input"]) or _phrase(kind, context, detail)
+            expected.setdefault(path, []).append(phrase.replace("'", '"'))
+            problems[path] = f"{_shown(detail['input'])} is wrong; write {' or '.join(expected[path])}"
+    # Of the alternatives of one value, the one that was understood further says what is wrong.
+    shallow = {path[:n] for path in problems for n in range(len(path)) if path[:n] in expected}
+    return [Problem(path, text) for path, text in problems.items() if path not in shallow]
+
+
+def _walk(location: tuple[str | int, ...], content: Any) -> tuple[KeyPath, Any]:
+    """Return the part of pydantic's location that the user wrote, and the value there."""
+    path: KeyPath = ()
+    node = content
+    for part in location:
+        children = dict(enumerate(node)) if isinstance(node, list) else node
+        if isinstance(children, dict) and part in children:
+            node, path = children[part], (*path, part)
+    return path, node
+
+
+def _brackets(path: KeyPath, kind: str, value: Any) -> str:
+    """Return the remedy where a table has the wrong number of brackets."""
+    if kind == "tuple_type" and isinstance(value, dict) and len(path) == 1:
+        return f"[[{path[-1]}]] with double brackets, one per entry"
+    if kind == "model_type" and isinstance(value, list):
+        return f"[{_key(path)}] with single brackets, once"
+    return ""
+
+
+def _phrase(kind: str, context: Mapping[str, Any], detail: Mapping[str, Any]) -> str:
+    """Return what is expected in the place of a value that pydantic refuses."""
+    value = detail["input"]
+    if kind == "greater_than_equal" and 0.0 < context["ge"] < 0.01 and not value > 0.0:
+        return "a number greater than 0"
+    if kind == "too_long" and context["max_length"] == 2:  # [0,6] of one number, or [0,6, 0,8] of two
+        return "two numbers" + (", with decimal points" if all(type(each) is int for each in value) else "")
+    expected = _EXPECTED[kind].format(**context) if kind in _EXPECTED else str(detail["msg"])
+    if kind == "float_type" and isinstance(value, str) and (comma := _COMMA.fullmatch(value)):
+        expected += (
+            f", with a decimal point and without quotes: {shortened(f'{comma[1]}.{comma[2]}', _SHOWN)}"
+        )
+    return expected
+
+
+def _shown(value: Any) -> str:
+    text = json.dumps(_pruned(value), ensure_ascii=False, default=str)
+    for name, own in (("-Infinity", "-inf"), ("Infinity", "inf"), ("NaN", "nan")):
+        text = own if text == name else text
+    return shortened(text, _SHOWN)
+
+
+def _pruned(value: Any, levels: int = 3) -> Any:
+    """Return as much of a value as a message shows: of nested ones, and of numbers of thousands of digits, little."""
+    if isinstance(value, int) and value.bit_length() > 1000:
+        return f"a number of some {0.30103 * value.bit_length():.0f} digits"
+    if not isinstance(value, dict | list | tuple):
+        return value
+    if levels == 0:
+        return "…"
+    if isinstance(value, dict):
+        return {str(key): _pruned(each, levels - 1) for key, each in islice(value.items(), _SHOWN)}
+    return [_pruned(each, levels - 1) for each in value[:_SHOWN]]
+
+
+def _key(path: KeyPath) -> str:
+    key = ""
+    for part in path:
+        if isinstance(part, int):
+            key += f"[{part + 1}]"
+        else:
+            key += "." * bool(key) + (part if re.fullmatch(r"[\w+-]+", part) else _shown(part))
+    return key
+
+
+def _cell(path: KeyPath, cells: Mapping[KeyPath, str]) -> str:
+    for n in range(len(path), 0, -1):
+        if path[:n] in cells:
+            return f" ({cells[path[:n]]})"
+    return ""

@@ -1,0 +1,1 @@
+"""The forms of a project file, TOML and spreadsheet, read and written."""

@@ -1,0 +1,277 @@
+"""A project's content as a spreadsheet, read and written: one sheet per table.
+
+Single tables (project, geometry, material, pushover, incremental, assessment, site, report) are sheets of
+key | value | comment; "project" holds the title, and a table within a table is written with a point
+(`control.+x`, `SLV.ag_g`). Lists of tables (layers, control, settlements, history, mechanism) have a header of keys
+and one row per entry; the first column of "layers" is the layer's name. A list stands in one cell,
+"0.020; -0.020"; numbers in a text may have a decimal comma. An empty cell is an absent key, a missing
+sheet an absent table.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from io import BytesIO
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, get_args, get_origin
+
+from assessment.project.formats.comments import unset_keys
+from assessment.project.formats.workbook import Rows, read_sheets
+from assessment.project.schema import KeyPath, ProjectContent
+from assessment.project.schema_index import alternatives, annotation_at, keys_at, table_at, tables_of
+from assessment.runtime.errors import ProjectError, nearest
+
+_FORMS = tables_of(ProjectContent)
+_SINGLE: dict[str, KeyPath] = {
+    "project": (),
+    **{name: (name,) for name, form in _FORMS.items() if form == "single"},
+    "site": ("assessment", "site"),
+}
+_SHEETS = _SINGLE | {name: (name,) for name, form in _FORMS.items() if form != "single"}
+_NAME = {name: "layer" if name == "layers" else "name" for name, form in _FORMS.items() if form == "named"}
+WIDEST = 90  # letters of a column
+_HELP = "help"  # the sheet that lists all keys; it is not read
+
+
+class _Entry(NamedTuple):
+    """A value, or the empty table that values go into, and the cell or row it was read from."""
+
+    path: KeyPath
+    value: Any
+    place: str
+
+
+def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str]]:
+    """Return the content of a project spreadsheet and where each value stands (sheet and cell).
+
+    Raises ProjectError naming sheet and cell where the form is wrong; values are not checked here.
+    """
+    rows, formulas = read_sheets(path)
+    for name, sheet in formulas.items():
+        if place := _unevaluated(sheet, rows[name]):
+            raise ProjectError(
+                f'{path.name}: sheet "{name}", cell {place}: a formula whose value is not stored; '
+                "open the file in a spreadsheet program and save it, or write the value"
+            )
+    for name in rows.keys() - _SHEETS.keys() - {_HELP}:
+        if rows[name]:
+            raise ProjectError(f'{path.name}: sheet "{name}": unknown sheet; {nearest(name, _SHEETS)}')
+    content: dict[str, Any] = {}
+    places: dict[KeyPath, str] = {}
+    for name in (each for each in _SHEETS if each in rows):
+        entries = _table_entries(name, rows[name]) if name in _SINGLE else _list_entries(name, rows[name])
+        for entry in entries:
+            places[entry.path] = f'sheet "{name}"{entry.place}'
+            if fault := _put(content, entry):
+                raise ProjectError(f"{path.name}: {places[entry.path]}: {fault}")
+    for name in content.keys() & _FORMS.keys():
+        if _FORMS[name] == "list" and isinstance(content[name], dict):
+            content[name] = list(content[name].values())
+    return content, places
+
+
+def to_xlsx(content: Mapping[str, Any]) -> bytes:
+    """Return a project's content, as read from TOML, as a spreadsheet that explains its keys.
+
+    Keys that the content leaves out have an empty cell in the sheets that there are; the sheet "help" has them all.
+    """
+    from openpyxl import Workbook
+
+    book = Workbook()
+    book.remove(book.active)
+    for name, table in _SHEETS.items():
+        node: Any = content
+        for part in table:
+            node = node.get(part) if node else None
+        if node is None or (not node and name not in _SINGLE):
+            continue
+        rows = _table_rows(table, node) if name in _SINGLE else _list_rows(name, node)
+        _fill(book.create_sheet(name), rows)
+    for name in _FORMS.keys() & set(book.sheetnames) - _SINGLE.keys():
+        _explain_header(book[name])
+    _fill(book.create_sheet(_HELP), _help_rows())
+    file = BytesIO()
+    book.save(file)
+    return file.getvalue()
+
+
+def _fill(sheet: Any, rows: Iterable[list[Any]]) -> None:
+    from openpyxl.styles import Font
+    from openpyxl.utils import get_column_letter
+
+    for number, row in enumerate(rows, 1):
+        for column, value in enumerate(row, 1):
+            cell = sheet.cell(number, column, value)
+            if isinstance(value, str):
+                cell.data_type = "s"  # a text that begins with = is no formula
+            if number == 1:
+                cell.font = Font(bold=True)
+    for column, cells in enumerate(sheet.columns, 1):
+        longest = max(len(str(cell.value or "")) for cell in cells)
+        sheet.column_dimensions[get_column_letter(column)].width = min(longest, WIDEST) + 2
+    sheet.freeze_panes = "A2"
+
+
+def _explain_header(sheet: Any) -> None:
+    """Put the meaning of each key of a list as a note to its heading."""
+    from openpyxl.comments import Comment
+
+    meanings = keys_at((sheet.title, 0))
+    for cell in sheet[1]:
+        if cell.value in meanings:
+            cell.comment = Comment(meanings[cell.value], "Assesto", height=80, width=260)
+
+
+def _unevaluated(formulas: Rows, values: Rows) -> str | None:
+    """Return the first cell that has a formula and no value, which would else pass for an empty one."""
+    from openpyxl.utils import get_column_letter
+
+    for number, row in formulas.items():
+        known = values.get(number, ())
+        for column, text in enumerate(row):
+            if isinstance(text, str) and text.startswith("=") and known[column : column + 1] in {(), (None,)}:
+                return f"{get_column_letter(column + 1)}{number}"
+    return None
+
+
+def _table_entries(name: str, rows: Rows) -> Iterator[_Entry]:
+    table = _SINGLE[name]
+    if table:
+        yield _Entry(table, {}, "")
+    for index, (number, row) in enumerate(rows.items()):
+        key, value = (*row, None)[:2]
+        if value is None or (index == 0 and str(key).strip().lower() == "key"):
+            continue
+        path = (*table, *_text(key).strip().split("."))
+        yield _Entry(path, _typed(value, annotation_at(path)), f", cell B{number}")
+
+
+def _list_entries(name: str, rows: Rows) -> Iterator[_Entry]:
+    from openpyxl.utils import get_column_letter
+
+    header, *entries = [*rows.items()] or [(0, ())]
+    keys = [_text(key).strip() for key in header[1]]
+    first = 1 if name in _NAME else 0
+    for index, (number, row) in enumerate(entries):
+        entry: KeyPath = (name, _text(row[0]) if first else index)
+        yield _Entry(entry, {}, f", row {number}")
+        for column, value in enumerate(row[first:], first):
+            if value is not None:
+                path = (*entry, keys[column] if column < len(keys) else "")
+                place = f", cell {get_column_letter(column + 1)}{number}"
+                yield _Entry(path, _typed(value, annotation_at(path)), place)
+
+
+def _put(content: dict[str, Any], entry: _Entry) -> str:
+    """Put an entry into the content, lists as tables of their indices; return what is wrong, if anything."""
+    node: Any = content
+    for part in entry.path[:-1]:
+        node = node.setdefault(part, {})
+        if not isinstance(node, dict):
+            return "is a value and a table at once; write one of them"
+    key = entry.path[-1]
+    if key == "":
+        return "has no key or name; write it in the first column or in the header"
+    if key in node:
+        return f'"{key}" appears twice; write it once'
+    node[key] = entry.value
+    return ""
+
+
+def _typed(value: Any, annotation: Any) -> Any:
+    """Return the content of a cell as the type its key asks for; left as it is where that cannot be."""
+    kinds = alternatives(annotation)
+    members = [member for kind in kinds if get_origin(kind) is Literal for member in get_args(kind)]
+    lists = [kind for kind in kinds if get_origin(kind) is tuple]
+    words = any(isinstance(member, str) for member in members)
+    takes_text = str in kinds or (words and value in members) or (words and float not in kinds)
+    if lists and value not in members:
+        member = get_args(lists[0])[0]
+        if {int, float} & {
+            *alternatives(member)
+        }:  # in a list of numbers nothing but a separator has a blank after it
+            parts = re.split(r";|,?\s", _text(value).strip().removeprefix("[").removesuffix("]"))
+        else:
+            one_line = _text(value).replace("\r", ";").replace("\n", ";")
+            try:
+                parts = next(csv.reader([one_line], delimiter=";", skipinitialspace=True))
+            except csv.Error:  # more text than a cell can hold
+                return value
+        return [_typed(part.strip(), member) for part in parts if part.strip()]
+    if isinstance(value, str):
+        return value if takes_text else _number(value, kinds)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        whole = isinstance(value, float) and value.is_integer() and float not in kinds
+        return _text(value) if takes_text else int(value) if whole else value
+    return value
+
+
+def _number(text: str, kinds: tuple[Any, ...]) -> Any:
+    if bool in kinds:
+        return {"true": True, "false": False}.get(text.strip().lower(), text)
+    try:
+        number = float(text.replace(",", "."))
+    except ValueError:
+        return text
+    return int(number) if number.is_integer() and float not in kinds else number
+
+
+def _text(value: Any) -> str:
+    """Return a cell as text: the layer 0 is called "0", whether typed as text or number."""
+    if value is None:
+        return ""
+    return str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)
+
+
+def _table_rows(table: KeyPath, node: Mapping[str, Any]) -> Iterator[list[Any]]:
+    comments = keys_at(table)
+    yield ["key", "value", "comment"]
+    for key, value in {**node, **dict.fromkeys(unset_keys(table, node))}.items():
+        path = (*table, key)
+        if path in _SHEETS.values():
+            continue
+        if isinstance(value, Mapping):
+            inner = keys_at(path)
+            yield from ([f"{key}.{k}", _cell(v), inner.get(k, comments[key])] for k, v in value.items())
+        else:
+            yield [key, _cell(value), comments[key]]
+
+
+def _list_rows(name: str, node: Any) -> Iterator[list[Any]]:
+    entries = [{_NAME[name]: key, **table} for key, table in node.items()] if name in _NAME else node
+    keys = [*([_NAME[name]] if name in _NAME else []), *keys_at((name, 0))]
+    yield keys
+    yield from ([_cell(entry.get(key)) for key in keys] for entry in entries)
+
+
+def _help_rows() -> Iterator[list[Any]]:
+    yield ["sheet", "key", "default", "meaning"]
+    for name, path in _SHEETS.items():
+        yield from _help_on(name, path if name in _SINGLE else (name, 0), "")
+
+
+def _help_on(sheet: str, table: KeyPath, prefix: str) -> Iterator[list[Any]]:
+    defaults = unset_keys(table, {})
+    for key, meaning in keys_at(table).items():
+        path = (*table, key)
+        if table_at(path) is None:
+            yield [sheet, prefix + key, _cell(defaults[key]), meaning]
+        elif path not in _SHEETS.values():
+            yield from _help_on(sheet, path, f"{prefix}{key}.")
+
+
+def _cell(value: Any) -> Any:
+    """Return a value as one cell: lists joined by semicolons, with quotes where a text needs them."""
+    if isinstance(value, list | tuple):
+        return "; ".join(
+            '"' + each.replace('"', '""') + '"'
+            if isinstance(each, str) and set(each) & set(';"')
+            else str(each)
+            for each in value
+        )
+    if isinstance(value, float) and (math.isinf(value) or float(f"{value:.16g}") != value):
+        return repr(value)  # openpyxl stores 16 digits and no infinity
+    return value

@@ -1,0 +1,114 @@
+"""From a project's tables and drawing to an assembly of blocks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from assessment.project.mechanisms import chosen_mechanisms
+from assessment.project.plausibility import implausible
+from assessment.runtime.errors import ProjectError
+from mechanics import Assembly, DrawingError, Material
+from mechanics.faults import Fault, FaultyDrawingError
+from mechanics.model import Drawing, Layer, default_tolerance, survey_drawing, survey_layout
+
+if TYPE_CHECKING:
+    from assessment.project.project import Project
+    from assessment.project.schema import LayerTable
+
+UNSEEN = "gaps, and blocks that touch nothing, are looked for once these are mended"
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """The assembly of a project and what its drawing gave cause to warn about."""
+
+    assembly: Assembly
+    warnings: tuple[str, ...]
+
+
+def build_model(project: Project) -> Model:
+    """Read the drawing, check it, and place the control points.
+
+    Raises DrawingError for a drawing that cannot be read, FaultyDrawingError, one of them, with all the faults of one
+    that is no assembly, and ProjectError for a control point outside every block or a mechanism whose blocks are not
+    there.
+    """
+    geometry = project.geometry
+    drawing = survey_drawing(
+        project.path(geometry.drawing),
+        geometry.unit,
+        _layer(project, None),
+        {name: _layer(project, table) for name, table in project.layers.items()},
+        geometry.sagitta_m,
+    )
+    tolerance, warnings = _laid_out(project, drawing)
+    lacking = sorted({block.layer for block in drawing.blocks if block.material.normal_stiffness is None})
+    if lacking and project.elastic:
+        raise ProjectError(
+            f"{project.source}: layers.{lacking[0]}.normal_stiffness_kN_m3: missing ({', '.join(lacking)}), "
+            "and elastic analyses need it for every block; give it there or in [material]"
+        )
+    try:
+        assembly = Assembly(
+            drawing.blocks, geometry.segments_per_joint, tolerance, project.contacts.collisions
+        )
+    except ValueError as error:  # a block too light beside the others
+        raise DrawingError(f"{geometry.drawing}: {error}") from None
+    for point in project.control:
+        try:
+            assembly.block_at(point.point_m)
+        except ValueError as error:
+            reason = str(error).partition("must be ")[2]
+            raise ProjectError(
+                f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}"
+            ) from None
+    chosen_mechanisms(project, assembly)  # what is wrong in them is told before any analysis
+    return Model(assembly, (*warnings, *implausible(project, assembly)))
+
+
+def _laid_out(project: Project, drawing: Drawing) -> tuple[float, tuple[str, ...]]:
+    """Return the tolerance (m) of the joints and all warnings; FaultyDrawingError with every fault there is."""
+    name, blocks, faults = project.geometry.drawing, drawing.blocks, drawing.faults
+    if not blocks:
+        raise FaultyDrawingError(name, faults, drawing.outlines)
+    if not faults and all(block.support is not None for block in blocks):
+        noticed = "".join(f" ({warning})" for warning in drawing.warnings)
+        text = f"every block is a support; put the movable ones on other layers{noticed}"
+        raise FaultyDrawingError(name, [Fault("layer", text)], drawing.outlines)
+    tolerance = project.geometry.tolerance_m or default_tolerance(blocks)
+    layout = survey_layout(blocks, tolerance, whole=not faults)
+    if faults or layout.faults:
+        remedy = layout.remedy if not faults else UNSEEN
+        raise FaultyDrawingError(name, (*faults, *layout.faults), drawing.outlines, remedy)
+    return tolerance, drawing.warnings + layout.warnings
+
+
+def _layer(project: Project, table: LayerTable | None) -> Layer:
+    """What the blocks of a layer are: the layer's own keys before the defaults of [material] and [geometry]."""
+
+    def key(name: str) -> float | None:
+        own = getattr(table, name, None)
+        value: float | None = getattr(project.material, name) if own is None else own
+        return value
+
+    try:
+        material = Material(
+            unit_weight=key("unit_weight_kN_m3") or 0.0,
+            friction=key("friction") or 0.0,
+            normal_stiffness=key("normal_stiffness_kN_m3"),
+            tangential_stiffness=key("tangential_stiffness_kN_m3") or 0.0,
+            compressive_strength=key("compressive_strength_kN_m2") or 0.0,
+        )
+    except ValueError as error:
+        raise ProjectError(f"{project.source}: material: {error}") from None
+    if table is None:
+        return Layer(material, project.geometry.depth_m)
+    return Layer(
+        material,
+        table.depth_m or project.geometry.depth_m,
+        table.support,
+        table.vertical_load_kN,
+        table.load_has_mass,
+        table.segments_per_joint,
+    )

@@ -1,0 +1,136 @@
+"""The base motions that a project asks for: records read, scaled, cut, resampled, and refused where they do not fit."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from assessment.runtime.errors import ProjectError
+from mechanics.faults import visible
+from mechanics.records import SAME_TIME, Record, read_record
+from mechanics.types import Array
+
+if TYPE_CHECKING:
+    from assessment.project.project import Project
+    from assessment.project.schema import HistoryTable, MotionTable
+
+MOST_SAMPLES = 200_000  # of a motion: a hundred seconds at half a millisecond
+WHOLE = 1e-3  # of the peak acceleration: a window that loses no more of it holds the strong motion
+
+
+@dataclass(frozen=True, eq=False)
+class BaseMotion:
+    """What shakes the base: `record` at the analysis' step in the window that begins at `start` (s) of the file.
+
+    `pga` (g): largest horizontal acceleration in the window before resampling, `scale` included. `original`: the whole
+    record, scaled. `vertical` (n,) g, upward, None where there is none. `notes`: what the user should know.
+    `amplitude`: of a member of an ensemble, a factor on what shakes the base that `pga` and `scale` do not include.
+    """
+
+    record: Record
+    original: Record
+    pga: float
+    scale: float
+    start: float = 0.0
+    vertical: Array | None = None
+    notes: tuple[str, ...] = ()
+    amplitude: float = 1.0
+
+    @property
+    def name(self) -> str:
+        """Name in tables and figures."""
+        return self.record.name
+
+    def at_half_step(self) -> BaseMotion:
+        """Return the same broken lines with a sample between any two."""
+        record = self.record.resampled(0.5 * self.record.time_step)
+        vertical = None if self.vertical is None else np.interp(record.time, self.record.time, self.vertical)
+        return replace(self, record=record, vertical=vertical)
+
+    def at_amplitude(self, factor: float) -> BaseMotion:
+        """Return the motion of a member of an ensemble."""
+        vertical = None if self.vertical is None else factor * self.vertical
+        record = self.record.scaled(factor)
+        return replace(self, record=record, vertical=vertical, amplitude=factor * self.amplitude)
+
+
+def history_motions(project: Project) -> list[BaseMotion]:
+    """Base motion of each [[history]]; ProjectError or ValueError naming key or file where one cannot be used."""
+    motions = [
+        _motion(project, f"history[{n}]", table, project.path(table.record), table)
+        for n, table in enumerate(project.history, 1)
+    ]
+    doubles = Counter(motion.name for motion in motions)
+    return [
+        motion if doubles[motion.name] == 1 else _renamed(motion, f"{motion.name} × {motion.scale:g}")
+        for motion in motions
+    ]
+
+
+def incremental_motions(project: Project) -> list[BaseMotion]:
+    """Base motion, unscaled, of each record of [incremental]; errors as history_motions."""
+    if project.incremental is None:
+        return []
+    return [
+        _motion(project, "incremental", project.incremental, path) for path in project.incremental_records()
+    ]
+
+
+def _motion(
+    project: Project, key: str, table: MotionTable, path: Path, history: HistoryTable | None = None
+) -> BaseMotion:
+    if table.damping_ratio and table.contacts == "rigid":
+        text = 'rigid contacts have no stiffness to damp; leave it out or write contacts = "elastic"'
+        raise ProjectError(f"{project.source}: {key}.damping_ratio: {text}")
+    scale = history.scale if history else 1.0
+    record = read_record(path, table.time_step_s).scaled(scale)
+    original = replace(record, name=history.name if history and history.name else visible(record.name))
+    try:
+        window = original.arias_window() if table.window_s == "arias" else table.window_s
+        cut = original.windowed(*window) if window else original
+        if table.time_step_s and cut.duration > MOST_SAMPLES * table.time_step_s:
+            raise ValueError(
+                f"time_step_s = {table.time_step_s:g} makes more than {MOST_SAMPLES} samples of {cut.duration:g} s; "
+                "write a longer one, or a window_s"
+            )
+        record = cut.resampled(table.time_step_s or cut.time_step)
+    except ValueError as error:
+        raise ProjectError(f"{project.source}: {key}: {path.name}: {error}") from None
+    # the window begins at the first sample inside it
+    start = (
+        float(original.time[original.time > window[0] - SAME_TIME * original.time_step][0]) if window else 0.0
+    )
+    vertical = None
+    if history and history.vertical_record:
+        vertical = _vertical(project, key, history, project.path(history.vertical_record), record, start)
+    notes: tuple[str, ...] = ()
+    if cut.pga < (1.0 - WHOLE) * original.pga:
+        notes = (
+            f"{original.name}: the window leaves out the peak of {original.pga:.3g} g; PGA means {cut.pga:.3g} g, "
+            "the largest acceleration inside it",
+        )
+    return BaseMotion(record, original, cut.pga, scale, start, vertical, notes)
+
+
+def _vertical(
+    project: Project, key: str, history: HistoryTable, path: Path, horizontal: Record, start: float
+) -> Array:
+    """Vertical acceleration (n,) g at the samples of the horizontal one; both files begin at the same instant."""
+    whole = read_record(path, history.time_step_s).scaled(history.scale)
+    missing = start + horizontal.duration - whole.duration
+    if missing > horizontal.time_step:
+        text = f"{path.name} ends {missing:.3g} s before the horizontal motion; give a longer record or a window_s"
+        raise ProjectError(f"{project.source}: {key}.vertical_record: {text}")
+    cut = whole.windowed(start, min(start + horizontal.duration, whole.duration))
+    vertical = np.zeros(horizontal.acceleration.size)
+    found = cut.resampled(horizontal.time_step).acceleration[: vertical.size]
+    vertical[: found.size] = found
+    return vertical
+
+
+def _renamed(motion: BaseMotion, name: str) -> BaseMotion:
+    return replace(motion, record=replace(motion.record, name=name))

@@ -1,0 +1,125 @@
+"""The project file: read as TOML or spreadsheet, checked as a whole, handed on frozen.
+
+`load_project` is the only entry: what it returns has passed every check that needs no drawing and no
+record. Wrong keys, types and ranges are all reported at once; where there are none, all that does not fit
+together (names, files, stages that need each other) is.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, ValidationError
+
+from assessment.project.consistency import content_problems, matches
+from assessment.project.errors import project_error, schema_problems
+from assessment.project.formats.convert import SOURCES
+from assessment.project.formats.toml import read_toml
+from assessment.project.formats.xlsx import read_xlsx
+from assessment.project.schema import ControlTable, Direction, ProjectContent
+from assessment.runtime.atomic_files import file_digest
+from assessment.runtime.errors import ProjectError
+
+_CONTROL = re.compile(r"[\x00-\x1f\x7f]")  # a line of a message would end in the middle
+
+
+class Project(ProjectContent):
+    """A checked project: the tables of its file, the folder it lives in and the file's name."""
+
+    folder: Path = Field(description="absolute folder of the project")
+    source: str = Field(description="name of the project file in the folder")
+
+    def path(self, name: str) -> Path:
+        """Return the file that the project calls `name`, relative to its folder."""
+        return self.folder / name
+
+    @property
+    def elastic(self) -> bool:
+        """Whether any analysis asks for elastic contacts."""
+        asked = [self.pushover.contacts] if self.pushover else []
+        asked += [(motion.contacts,) for motion in (*self.history, self.incremental) if motion]
+        return any("elastic" in contacts for contacts in asked)
+
+    def control_point(self, name: str | None = None) -> ControlTable:
+        """Return the control point of that name, or the first; stages that need one have one."""
+        return next(point for point in self.control if name in (None, point.name))
+
+    def pushover_control(self, direction: Direction) -> ControlTable:
+        """Return the control point of the pushover in a direction."""
+        control = self.pushover.control if self.pushover else None
+        return self.control_point(control.get(direction) if isinstance(control, dict) else control)
+
+    def incremental_records(self) -> tuple[Path, ...]:
+        """Record files of [incremental], patterns expanded, each file once, sorted within a pattern."""
+        patterns = self.incremental.records if self.incremental else ()
+        return tuple(dict.fromkeys(file for pattern in patterns for file in matches(self.folder, pattern)))
+
+    def digests(self) -> dict[str, str]:
+        """Return the SHA-256 of every file that a run reads, the project file first, by names with slashes."""
+        names = [self.source, self.geometry.drawing]
+        if self.assessment and self.assessment.site and self.assessment.site.grid:
+            names.append(self.assessment.site.grid)
+        for history in self.history:
+            names += [name for name in (history.record, history.vertical_record) if name]
+        names += map(self._name, self.incremental_records())
+        return {name: file_digest(self.path(name)) for name in names}
+
+    def _name(self, path: Path) -> str:
+        try:
+            return Path(os.path.relpath(path, self.folder)).as_posix()
+        except ValueError:  # on another drive
+            return path.as_posix()
+
+    def content(self, defaults: bool = True) -> dict[str, Any]:
+        """Return what the file says as plain values, without what is absent; by default defaults included."""
+        return self.model_dump(
+            mode="json", exclude={"folder", "source"}, exclude_none=True, exclude_unset=not defaults
+        )
+
+
+def load_project(folder: Path | str) -> Project:
+    """Read and check the project in `folder` (or the project file itself).
+
+    Raises ProjectError with one line `FILE: KEY: what is wrong; what to do` per problem.
+    """
+    try:
+        file = _source(Path(folder).absolute())
+        content, places = read_xlsx(file) if file.suffix == ".xlsx" else (read_toml(file), {})
+    except OSError as error:
+        raise ProjectError(f"{error.filename}: project: {error.strerror}; make it readable") from None
+    try:
+        tables = ProjectContent.model_validate(content)
+    except ValidationError as error:
+        raise project_error(file.name, schema_problems(error, content), places) from None
+    if problems := list(content_problems(tables, file.parent)):
+        raise project_error(file.name, problems, places)
+    said = {name: getattr(tables, name) for name in tables.model_fields_set}
+    return Project(**said, folder=file.parent, source=file.name)
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON schema (draft 2020-12) of the project file, for editors."""
+    schema = ProjectContent.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | schema | {"title": "Assesto project"}
+
+
+def _source(path: Path) -> Path:
+    if _CONTROL.search(str(path)):
+        from mechanics.faults import visible  # late: the mechanics take their time
+
+        raise ProjectError(f"{visible(str(path))}: project: control characters in the name; rename it")
+    if path.name in SOURCES and path.is_file():
+        return path
+    if path.is_file():
+        raise ProjectError(f"{path}: project: a file; give the folder that holds {' or '.join(SOURCES)}")
+    if not path.is_dir():
+        raise ProjectError(f"{path}: project: no such folder; give the folder that holds {SOURCES[0]}")
+    found = [path / name for name in SOURCES if (path / name).is_file()]
+    if len(found) > 1:
+        raise ProjectError(f"{path}: project: holds {' and '.join(SOURCES)}; keep one of them")
+    if not found:
+        raise ProjectError(f"{path}: project: holds no {' or '.join(SOURCES)}; write one (assesto new)")
+    return found[0]

@@ -1,0 +1,183 @@
+"""The annex of the report with the steps of the verifications: a row to a step, a column to a state and direction.
+
+A formula is printed once for all the columns that follow it. What it is worked out from stands in the rows above it, or
+in the tables of the seismic action and of the capacity curve, under the name that it has in the formula.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from markupsafe import Markup
+
+from assessment.ntc.calculation import pretty, renamed
+from assessment.ntc.limit_states import CHECKS
+from assessment.report.tables import capacity as capacity_tables
+from assessment.report.text.language import Words, direction_name
+from assessment.report.text.table_format import Grid, check_name
+
+Results = Mapping[str, Any]
+Steps = Sequence[Mapping[str, Any]]
+COLUMNS = 4  # of results in one table
+CONSTANTS = {"g": 9.80665}  # said at the beginning of the report
+SHARED = "capacity"  # the part that the checks of a direction have in common
+
+
+@dataclass(frozen=True)
+class Line:
+    """A row: what is the same in every column that has it. `turn` counts the rows that are otherwise alike."""
+
+    symbol: str
+    formula: str
+    unit: str
+    paragraph: str
+    turn: int = 0
+
+
+Column = Mapping[Line, float]
+
+
+def traces(results: Results, words: Words) -> Iterator[Grid]:
+    """Yield the seismic action, then every part of the checks of states and directions and of chosen mechanisms."""
+    action = {limit: content.get("trace") or [] for limit, content in (results.get("spectra") or {}).items()}
+    spectra = {limit: _column(steps, []) for limit, steps in action.items() if steps}
+    yield from _tables(spectra, words("caption.trace_spectrum"), words)
+    directions = {
+        f"{words.state(name)}, {direction_name(direction)}": dict(capacity_tables.traces(capacity))
+        for name, direction, capacity in capacity_tables.capacities(results)
+    }
+    yield from _parts(directions, action, "capacity_curve", "trace", words)
+    chosen = {given["name"]: dict(capacity_tables.traces(given)) for given in results.get("mechanisms") or []}
+    yield from _parts(chosen, action, "virtual_work", "trace_chosen", words)
+
+
+def _parts(
+    calculations: Mapping[str, Mapping[str, Steps]],
+    action: Mapping[str, Steps],
+    shared: str,
+    caption: str,
+    words: Words,
+) -> Iterator[Grid]:
+    """Yield the tables of each part of some calculations: what their checks share, then check by check."""
+    for part in (SHARED, *CHECKS):
+        said = action.get(part.split()[0], [])
+        columns = {
+            title: _column(parts[part], said if part == SHARED else [*said, *parts.get(SHARED, [])])
+            for title, parts in calculations.items()
+            if part in parts
+        }
+        title = words.plain(f"value.{shared}") if part == SHARED else check_name(part, words)
+        yield from _tables(columns, words(f"caption.{caption}", limit=title), words)
+
+
+def _column(steps: Steps, said: Steps) -> Column:
+    """Return the lines of a calculation that were not `said` before it, each with its result.
+
+    An input with another name than the line that its value is from takes that line's; one that no line gives becomes a
+    line of its own, given. What was said is said again where another value has taken its name since.
+    """
+    known = {step["symbol"]: step["result"] for step in said}
+    units = {_head(step["symbol"]): step["unit"] for step in (*said, *steps)}
+    lines: dict[Line, float] = {}
+
+    def add(line: Line, value: float) -> None:
+        while line in lines:
+            line = Line(line.symbol, line.formula, line.unit, line.paragraph, line.turn + 1)
+        lines[line] = value
+        known[line.symbol] = value
+
+    for number, step in enumerate(steps):
+        if known.get(step["symbol"]) == step["result"] and (step in said or step in steps[:number]):
+            continue
+        names: dict[str, str] = {}
+        for name, value in step["inputs"].items():
+            if known.get(name) == value or name in CONSTANTS:
+                continue
+            same = [symbol for symbol in known if known[symbol] == value and _alike(name, symbol)]
+            if same:
+                names[name] = same[-1]
+            else:
+                add(Line(name, "", units.get(_head(name), ""), step["paragraph"]), value)
+        formula = renamed(step["formula"], names)
+        add(Line(step["symbol"], formula, step["unit"], step["paragraph"]), step["result"])
+    return lines
+
+
+def _alike(name: str, symbol: str) -> bool:
+    """Return whether a name can stand for a symbol: both a displacement, say. Ends of an interpolation keep theirs."""
+    return _head(name) == _head(symbol) and not name.endswith(("_1", "_2"))
+
+
+def _head(symbol: str) -> str:
+    return symbol.split("_", maxsplit=1)[0]
+
+
+def _tables(columns: Mapping[str, Column], caption: Markup, words: Words) -> Iterator[Grid]:
+    """Yield the columns side by side, so many to a table."""
+    titles = list(columns)
+    for start in range(0, len(titles), COLUMNS):
+        shown = {title: columns[title] for title in titles[start : start + COLUMNS]}
+        head = [words("column.symbol"), words("column.formula"), *map(Markup.escape, shown)]
+        yield Grid(
+            caption,
+            [*head, words("column.paragraph")],
+            [_row(line, shown.values(), words) for line in _merged(shown.values())],
+            [True, True, *[False] * len(shown), True],
+        )
+
+
+def _merged(columns: Iterable[Column]) -> list[Line]:
+    """Return the lines of all columns, each once, in an order that keeps that of every column where it can."""
+    merged: list[Line] = []
+    for column in columns:
+        place = 0
+        for line in column:
+            if line in merged:
+                place = merged.index(line) + 1
+            else:
+                merged.insert(place, line)
+                place += 1
+    return merged
+
+
+def _row(line: Line, columns: Iterable[Column], words: Words) -> list[Markup]:
+    unit = words.strings["unit"].get(line.unit, line.unit)
+    return [
+        _signs(line.symbol) + (f" [{unit}]" if unit else ""),
+        _marked(_signs(line.formula), words) or words("value.datum"),
+        *(
+            Markup.escape(_six_digits(column[line], words)) if line in column else words("value.none")
+            for column in columns
+        ),
+        _source(line.paragraph, words),
+    ]
+
+
+def _six_digits(value: float, words: Words) -> str:
+    text, mark = words.number(value, 6), words.plain("value.decimal_mark")
+    return text.rstrip("0").rstrip(mark) if mark in text and "·" not in text else text
+
+
+def _signs(formula: str) -> Markup:
+    """Write a symbol or formula with signs and subscripts."""
+    return Markup(pretty(str(Markup.escape(formula)), "<sub>{}</sub>".format).replace("_", ","))
+
+
+def _marked(formula: Markup, words: Words) -> Markup:
+    """Write the numbers of a formula with the language's decimal mark; where that is a comma, arguments stand apart."""
+    mark = words.plain("value.decimal_mark")
+    if mark == ".":
+        return formula
+    return Markup(re.sub(r"(\d)\.(\d)", rf"\1{mark}\2", formula.replace(", ", "; ")))
+
+
+def _source(paragraph: str, words: Words) -> Markup:
+    """Write where a number comes from in the language of the report; paragraphs of standards stay as they are."""
+    known = words.strings["source"]
+    text = "; ".join(
+        ": ".join(known.get(part, part) for part in phrase.split(": ")) for phrase in paragraph.split("; ")
+    )
+    return Markup(re.sub(r"\b([A-Za-zα-ω])_(\w+)", r"\1<sub>\2</sub>", str(Markup.escape(text))))

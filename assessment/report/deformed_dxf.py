@@ -1,0 +1,121 @@
+"""The deformed shapes as a DXF drawing, each on a layer of its own."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ezdxf import units
+from ezdxf._options import options
+from ezdxf.document import Drawing
+from ezdxf.filemanagement import new
+
+from assessment.report.figures.deformed import found_mechanism
+from assessment.report.text.language import slug
+from assessment.results.joint_states import joint_states, situations, thrust_lines
+from assessment.results.outlines import Array, Outlines, outlines
+from assessment.results.table import Results
+from assessment.runtime.atomic_files import write_atomically
+
+SIDES = {"+x": "PLUS_X", "-x": "MINUS_X"}
+COLOURS = (7, 1, 5, 3, 6, 30, 140, 94)  # AutoCAD's colour indices, one layer after the other
+HINGE_RADIUS = 0.008  # of the model's size
+
+
+def write_deformed(results: Results, path: Path) -> None:
+    """Write a DXF in metres: the drawing and, for every state, each deformed shape, hinges and lines of thrust.
+
+    Layers are DRAWN and NUMBER_STATE_WHAT, the state numbered and named as in the names of the figures. True scale, but
+    for mechanisms, whose virtual displacements have none. The same bytes for the same results.
+    """
+    with _reproducible():
+        drawing = _drawing(results)
+        text = io.StringIO()
+        drawing.write(text)
+    write_atomically(path, text.getvalue().encode(drawing.output_encoding))
+
+
+def _drawing(results: Results) -> Drawing:
+    drawing = new("R2010")
+    drawing.units = units.M
+    space = drawing.modelspace()
+    for number, (layer, shape) in enumerate(shapes(results)):
+        drawing.layers.add(layer, color=COLOURS[number % len(COLOURS)])
+        for ring in shape.rings(range(len(shape.centroids))):
+            space.add_lwpolyline(ring.tolist(), close=True, dxfattribs={"layer": layer})
+    size = outlines(results).size
+    for layer, points in _hinges(results):
+        drawing.layers.add(layer, color=1)
+        for point in points:
+            space.add_circle(point, HINGE_RADIUS * size, dxfattribs={"layer": layer})
+    for layer, lines in _resultants(results):
+        drawing.layers.add(layer, color=5)
+        for start, end in lines:
+            space.add_line(start, end, dxfattribs={"layer": layer})
+    for kind in sorted(drawing.entitydb.dxf_types_in_use()):  # ezdxf leaves their order to chance
+        drawing.classes.add_class(kind)
+    return drawing
+
+
+@contextmanager
+def _reproducible() -> Iterator[None]:
+    """Let ezdxf write no times and no random identifiers."""
+    before = options.write_fixed_meta_data_for_testing
+    options.write_fixed_meta_data_for_testing = True
+    try:
+        yield
+    finally:
+        options.write_fixed_meta_data_for_testing = before
+
+
+def shapes(results: Results) -> Iterator[tuple[str, Outlines]]:
+    """Yield layer and outlines of every deformed shape."""
+    drawn = outlines(results)
+    yield "DRAWN", drawn
+    for name, content in results["states"].items():
+        for what, configuration in _configurations(content):
+            if configuration is not None:
+                yield f"{_layer(results, name)}_{what}", drawn.moved(configuration)
+        for direction, pushover in (content.get("pushover") or {}).items():
+            if (pushover or {}).get("rigid", {}).get("mechanism"):
+                mechanism = found_mechanism(results, name, direction)
+                yield f"{_layer(results, name)}_MECHANISM_{SIDES[direction]}", mechanism.swept
+
+
+def _configurations(content: Any) -> Iterator[tuple[str, Any]]:
+    if content.get("settlement"):
+        yield "SETTLED", content.get("configuration")
+    for contacts, stage in (content.get("pushdown") or {}).items():
+        yield f"ULTIMATE_{contacts.upper()}", stage.get("ultimate_configuration")
+    for direction, pushover in (content.get("pushover") or {}).items():
+        for contacts, key, what in (
+            ("elastic", "peak_configuration", "PEAK"),
+            ("rigid", "final_configuration", "END"),
+        ):
+            yield f"{what}_{SIDES[direction]}", (pushover or {}).get(contacts, {}).get(key)
+    for number, entry in enumerate(content.get("history") or [], 1):
+        for what in ("peak", "final"):
+            yield f"RECORD_{number}_{what.upper()}", entry.get(f"{what}_configuration")
+
+
+def _hinges(results: Results) -> Iterator[tuple[str, list[Any]]]:
+    for name, content in results["states"].items():
+        for direction, pushover in (content.get("pushover") or {}).items():
+            points = (((pushover or {}).get("rigid") or {}).get("mechanism") or {}).get("hinge_points_m")
+            if points:
+                yield f"{_layer(results, name)}_HINGES_{SIDES[direction]}", points
+
+
+def _resultants(results: Results) -> Iterator[tuple[str, list[Array]]]:
+    for situation in situations(results):
+        lines = thrust_lines(joint_states(results, situation))
+        if lines:
+            where = "REST" if situation.direction is None else SIDES[situation.direction]
+            yield f"{_layer(results, situation.state)}_THRUST_{where}", lines
+
+
+def _layer(results: Results, state: str) -> str:
+    return slug(results, state).upper()

@@ -1,0 +1,305 @@
+"""The calculation report, as NTC 2018 ch. 10 asks: one template to HTML and PDF, from results alone."""
+
+from __future__ import annotations
+
+import base64
+import tomllib
+from collections.abc import Iterator, Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup
+
+from assessment.report.calculation_annex import traces
+from assessment.report.figures.index import pictures
+from assessment.report.joints import joint_law, pressures_told, reported_pressures
+from assessment.report.judgement import all_warnings, draft_judgement, worst_scenario
+from assessment.report.pdf import command, load_weasyprint
+from assessment.report.tables import capacity as capacity_tables
+from assessment.report.tables import index as tables
+from assessment.report.tables.convergence import convergence_tables, reported
+from assessment.report.tables.dynamic import (
+    energy,
+    histories,
+    incremental,
+    incremental_states,
+    ranges,
+    static_dynamic,
+)
+from assessment.report.tables.studies import reported_studies
+from assessment.report.text.language import Words, direction_name, words_of
+from assessment.report.text.messages import translated
+from assessment.report.text.table_format import Grid, echoed, grid, ranges_grid, summary_grids
+from assessment.report.viewer import Viewer, viewer
+from assessment.results.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check
+from assessment.results.reactions import balance, reactions
+from assessment.results.table import Row, Table
+from assessment.runtime.atomic_files import write_atomically
+
+Results = Mapping[str, Any]
+CHAPTERS = (
+    "units",
+    "analysis",
+    "software",
+    "model",
+    "settlements",
+    "pushdown",
+    "mechanisms",
+    "pushover",
+    "action",
+    "capacity",
+    "comparison",
+    "convergence",
+    "quality",
+    "hand_check",
+    "judgement",
+)
+DYNAMIC = ("history", "incremental")  # chapters before the comparison, where their stages were asked for
+STUDIES = ("scenarios", "sensitivity")  # likewise
+ONSET = 0.01  # of α_0: an onset below it by more is that of a part
+
+
+def write_page(results: Results, folder: Path, edited: Markup | None = None) -> None:
+    """Write report.html into `folder` from results and the SVG files in folder/figures.
+
+    `edited`: the judgement in the engineer's own words, in place of the draft. The file depends on nothing but the
+    arguments: no date is printed.
+    """
+    words = words_of(results)
+    page = render_html(results, folder / "figures", words, edited, viewer(results, words))
+    write_atomically(folder / "report.html", page.encode())
+
+
+def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> list[str]:
+    """Write report.pdf into `folder` as `write_page` does report.html; return warnings.
+
+    Without WeasyPrint's system libraries nothing is written, and the warning holds the command that installs them.
+    """
+    words = words_of(results)
+    try:
+        weasyprint = load_weasyprint()
+    except OSError as error:  # a shared library that cannot be loaded
+        reason = str(error).partition("\n")[0]
+        return [words.plain("warning.no_pdf", reason=reason, command=command())]
+    page = render_html(results, folder / "figures", words, edited)
+    write_atomically(folder / "report.pdf", weasyprint.HTML(string=page).write_pdf())
+    return []
+
+
+def render_html(
+    results: Results,
+    figures: Path,
+    words: Words,
+    edited: Markup | None = None,
+    interactive: Viewer | None = None,
+) -> str:
+    """Return the report as one self-contained page, with or without the part to step through on the screen."""
+    environment = jinja2.Environment(
+        loader=jinja2.FunctionLoader(lambda name: (files("templates") / name).read_text(encoding="utf-8")),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["unit_kept"] = _unit_kept
+    annexes = ["echo", "trace"] if any(traces(results, words)) else ["echo"]
+    return environment.get_template("report.html.j2").render(
+        w=words,
+        results=results,
+        style=Markup((files("templates") / "report.css").read_text(encoding="utf-8")),
+        chapters=_chapters(results),
+        annexes=annexes,
+        count=Counter(),
+        viewer=interactive,
+        figures=_embedded(results, figures, words),
+        grids=_grids(results, words),
+        summaries=list(summary_grids(capacity_tables.summary(results), results, words)),
+        traces=list(traces(results, words)),
+        contacts=_contacts(results),
+        joint_law=list(joint_law(results, words, "elastic" in _contacts(results))),
+        pressures=pressures_told(results, words),
+        missing=list(_missing(results, words)),
+        onsets=list(_onsets(results, words)),
+        judgement=draft_judgement(results, words),
+        worst=list(worst_scenario(results, words)),
+        edited=edited,
+        macro_blocks=list(_macro_blocks(results, words)),
+        too_many=list(_too_many(results, words)),
+        warnings=[translated(warning, words) for warning in all_warnings(results)],
+        local=_local_limit(results, words),
+        refused=[
+            given | {"refused": translated(given["refused"], words)}
+            for given in results.get("mechanisms") or []
+            if "refused" in given
+        ],
+    )
+
+
+def _chapters(results: Results) -> list[str]:
+    """Return the chapters of the report: those of studies and dynamic stages only where they were asked for."""
+    asked = [name for name in STUDIES if results.get(name)]
+    asked += [name for name in DYNAMIC if any(content.get(name) for content in results["states"].values())]
+    place = CHAPTERS.index("comparison")
+    return [*CHAPTERS[:place], *asked, *CHAPTERS[place:]]
+
+
+def _unit_kept(head: Markup) -> Markup:
+    """Keep the unit of a heading on one line: [kN/m³] would break at the slash."""
+    return head.replace("[", Markup("<span class='unit'>[")).replace("]", Markup("]</span>"))
+
+
+class Counter:
+    """Numbers of figures and tables, in the order in which they are printed."""
+
+    def __init__(self) -> None:
+        self._last: dict[str, int] = {}
+
+    def next(self, kind: str) -> int:
+        """Return 1, 2, 3… for each kind."""
+        self._last[kind] = self._last.get(kind, 0) + 1
+        return self._last[kind]
+
+
+def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[dict[str, object]]]:
+    """Return per chapter the caption and data address of each figure; as images, their ids cannot clash."""
+    found: dict[str, list[dict[str, object]]] = {chapter: [] for chapter in (*CHAPTERS, *STUDIES, *DYNAMIC)}
+    for picture in pictures(results):
+        svg = base64.b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()
+        caption = words(f"caption.{picture.caption}", **picture.fields)
+        found[picture.section].append({"caption": caption, "address": f"data:image/svg+xml;base64,{svg}"})
+    return found
+
+
+def _grids(results: Results, words: Words) -> dict[str, Grid]:
+    """Return the tables of the report that have rows, by name."""
+    made = [
+        _validation(words),
+        tables.layers(results),
+        tables.settlements(results),
+        tables.mechanisms(results),
+        reactions(results),
+        balance(results),
+        reported_pressures(results),
+        _without(capacity_tables.verification(results), "d_star_m", "a_star_g", "T_s"),  # in the summary
+        capacity_tables.action(results),
+        _without(capacity_tables.chosen_mechanisms(results), "refused"),
+        capacity_tables.chosen_checks(results),
+        Table("comparison", _compared(results), tables.COMPARISON),
+        *reported_studies(results),
+        histories(results),
+        ranges(results),
+        energy(results),
+        incremental(results),
+        incremental_states(results),
+        static_dynamic(results),
+        *(reported(table, words) for table in convergence_tables(results)),
+        tables.quality(results),
+        hand_check(results),
+        Table("echo", list(echoed(results["echo"], words)), ("table", "settings")),
+    ]
+    found = {
+        table.name: grid(table, words, words(f"caption.{table.name}"), 4 if table.name == "hand_check" else 3)
+        for table in made
+        if table.rows
+    }
+    scattering = tables.static_ranges(results)
+    return found | ({scattering.name: ranges_grid(scattering, words)} if scattering.rows else {})
+
+
+def _validation(words: Words) -> Table:
+    """Return the validation table of this version; tests compute every row again."""
+    cases = tomllib.loads((files("templates") / "validation.toml").read_text(encoding="utf-8"))["case"]
+    rows = [
+        {
+            **case[words.language],
+            "expected": words.comma(case["expected"]),
+            "computed": words.comma(case["computed"]),
+            "test": case["test"],
+        }
+        for case in cases
+    ]
+    return Table("validation", rows, ("case", "source", "expected", "computed", "test"))
+
+
+def _without(table: Table, *columns: str) -> Table:
+    """Return the table without some columns, and without the rows that have nothing else but what they are called."""
+    kept = tuple(column for column in table.columns if column not in columns)
+    rows = [{key: value for key, value in row.items() if key in kept} for row in table.rows]
+    return Table(table.name, [row for row in rows if len(row) > 2], kept)
+
+
+def _compared(results: Results) -> list[Row]:
+    """Return the comparison without its dynamic columns where no dynamic analysis was made."""
+    rows = list(results.get("comparison") or [])
+    static_only = all(row.get("dynamic_pga_g") is None for row in rows)
+    kept = [key for key in tables.COMPARISON if not (static_only and key.startswith("dynamic"))]
+    return [{key: row.get(key) for key in kept} for row in rows]
+
+
+def _macro_blocks(results: Results, words: Words) -> Iterator[Grid]:
+    """Yield the macro-blocks of each state's weakest direction, with the sums of the virtual work."""
+    for name, direction in governing_mechanisms(results):
+        rows = figures_of(results, name, direction)
+        if len(rows) - 1 > BY_HAND:
+            continue
+        caption = words("caption.macro_blocks", state=words.state(name), direction=direction_name(direction))
+        columns = tuple(key for key in rows[0] if key not in {"state", "direction"})
+        yield grid(Table("macro_blocks", rows, columns), words, caption, 4)
+
+
+def _too_many(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield a sentence for each mechanism of more macro-blocks than a hand works out."""
+    for name, direction in governing_mechanisms(results):
+        count = len(figures_of(results, name, direction)) - 1
+        if count > BY_HAND:
+            where = {"state": words.state(name), "direction": direction_name(direction)}
+            yield words("text.many_macro_blocks", count=count, **where)
+
+
+def _local_limit(results: Results, words: Words) -> Markup:
+    """Return where the displacement limits come from: shares of d_0, and the local limit where one is given."""
+    assessment = results["echo"].get("assessment") or {}
+    limit = assessment.get("local_displacement_limit_m")
+    if limit is None:
+        return words("text.limits")
+    reason = assessment.get("local_displacement_reason") or words.plain("value.no_reason")
+    return words("text.limits") + Markup(" ") + words("text.local_limit", limit=1000.0 * limit, reason=reason)
+
+
+def _contacts(results: Results) -> list[str]:
+    """Return the kinds of contact of which there is any curve."""
+    stages = [
+        stage
+        for content in results["states"].values()
+        for stage in [*(content.get("pushover") or {}).values(), content.get("pushdown")]
+        if stage
+    ]
+    return [contacts for contacts in ("rigid", "elastic") if any(stage.get(contacts) for stage in stages)]
+
+
+def _missing(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield a sentence for each state without the pushover that another state has."""
+    for direction in capacity_tables.directions(results):
+        for name, content in results["states"].items():
+            if not (content.get("pushover") or {}).get(direction):
+                yield words(
+                    "text.missing_pushover", state=words.state(name), direction=direction_name(direction)
+                )
+
+
+def _onsets(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield a sentence for each curve that begins, at `alpha_onset`, with a part that moves before the whole does."""
+    for direction in capacity_tables.directions(results):
+        for name, content in results["states"].items():
+            rigid = ((content.get("pushover") or {}).get(direction) or {}).get("rigid") or {}
+            onset, alpha_0 = rigid.get("alpha_onset"), rigid.get("alpha_0")
+            if onset is not None and alpha_0 is not None and onset < (1.0 - ONSET) * alpha_0:
+                yield words(
+                    "text.onset",
+                    state=words.state(name),
+                    direction=direction_name(direction),
+                    onset=words.show(onset),
+                    alpha_0=words.show(alpha_0),
+                )

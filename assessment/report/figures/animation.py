@@ -1,0 +1,83 @@
+"""A time history as a GIF: the blocks to true scale, in real time."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from concurrent.futures import Future
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.patches import PathPatch
+
+from assessment.report.figures.deformed import GHOST, INK, SUPPORT
+from assessment.report.figures.dynamic import bounds_of_views, shaken
+from assessment.report.figures.style import STYLE, sheet
+from assessment.report.text.language import slug, words_of
+from assessment.results.outlines import outlines
+from assessment.runtime.atomic_files import naming, write_atomically
+from assessment.runtime.pool import Pool
+
+DOTS_PER_INCH = 110
+
+
+def write_animations(pool: Pool, folder: Path) -> list[Future[Path]]:
+    """Begin to write `history_N_STATE.gif` into the folder for every history whose project asks for an animation."""
+    results, begun = pool.held, []
+    for index, motion in enumerate(results.get("motions") or []):
+        for state, entry in shaken(results, motion["name"]).items():
+            if entry.get("frames"):
+                path = folder / f"history_{index + 1}_{slug(results, state)}.gif"
+                begun.append(pool.apply(_write_animation, path, state, motion["name"]))
+    return begun
+
+
+def _write_animation(results: Mapping[str, Any], path: Path, state: str, record: str) -> Path:
+    with naming(path):  # the film is made elsewhere first
+        write_atomically(path, animation(results, state, shaken(results, record)[state]))
+    return path
+
+
+def animation(results: Mapping[str, Any], state: str, entry: Mapping[str, Any]) -> bytes:
+    """Draw the frames of a history over the state at rest, dashed; the same bytes for the same results."""
+    words, shape = words_of(results), outlines(results)
+    start = shape.moved(results["states"][state]["configuration"])
+    times = entry["frames"]["time_s"]
+    views = [shape.moved(configuration) for configuration in entry["frames"]["configuration"]]
+    supports = np.array([block["support"] is not None for block in results["geometry"]["blocks"]])
+    with mpl.rc_context(STYLE):  # type: ignore[arg-type]
+        page = sheet(bounds_of_views(start, views), border_mm=5.0, height_mm=115.0)
+        (axes,) = page.panels
+        axes.add_patch(PathPatch(start.path(range(len(supports))), **GHOST))
+        groups = [
+            (chosen, PathPatch(start.path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45))
+            for chosen, grey in ((np.flatnonzero(~supports), "0.92"), (np.flatnonzero(supports), SUPPORT))
+            if len(chosen)
+        ]
+        for _, patch in groups:
+            axes.add_patch(patch)
+
+        def draw(frame: int) -> list[PathPatch]:
+            for chosen, patch in groups:
+                patch.set_path(views[frame].path(chosen))
+            axes.set_title(
+                words.plain(
+                    "figure.frame", state=words.state(state), record=entry["record"], time=times[frame]
+                )
+            )
+            return [patch for _, patch in groups]
+
+        film = FuncAnimation(page.figure, draw, frames=len(views), blit=False)
+        return _gif(film, times[1] - times[0])
+
+
+def _gif(film: FuncAnimation, frame: float) -> bytes:
+    """The bytes of an animation with frames of so many seconds; matplotlib's writer wants a file of its own."""
+    rate = 1.0 / (round(frame, 2) + 1e-6)  # GIF counts hundredths of a second, and the writer rounds down
+    with tempfile.TemporaryDirectory() as scratch:
+        path = Path(scratch) / "film.gif"
+        film.save(path, writer=PillowWriter(fps=rate), dpi=DOTS_PER_INCH)  # type: ignore[arg-type]
+        return path.read_bytes()

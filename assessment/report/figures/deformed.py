@@ -1,0 +1,277 @@
+"""Drawings of an assembly: a settlement, the mechanisms, the end of capacity; all to scale, in black and white."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, PathPatch
+
+from assessment.report.figures.style import WIDTH_MM, Sheet, nice, sheet
+from assessment.report.text.language import Words, direction_name
+from assessment.results.faces import faces_of
+from assessment.results.hand_check import BY_HAND, MacroBlock, macro_blocks
+from assessment.results.outlines import Array, Outlines, field, outlines
+from assessment.results.table import sense
+from mechanics.model import end_points
+
+Results = Mapping[str, Any]
+Bounds = tuple[float, float, float, float]
+INK, FAINT, SUPPORT, MOVING = "0.0", "0.55", "0.55", "0.82"
+LETTER_MM, KEY_MM = (
+    1.4,
+    9.0,
+)  # of a legend: an average letter; the key before the words and the gap after them
+ARROW = {"arrowstyle": "-|>,head_width=0.18,head_length=0.4", "shrinkA": 0.0, "shrinkB": 0.0, "lw": 0.8}
+GHOST = {"fill": False, "edgecolor": FAINT, "linewidth": 0.5, "linestyle": (0, (4, 2))}
+
+
+def draw_settlement(results: Results, words: Words, state: str) -> Figure:
+    """Draw a settled state, magnified until it shows, and the last one before collapse where it was found."""
+    shape, content = outlines(results), results["states"][state]
+    travel = float(np.abs(shape.moved(content["configuration"]).points - shape.points).max())
+    times = nice(max(1.0, 0.06 * shape.size / travel)) if travel > 0.0 else 1.0
+    views = {words.plain("figure.settled_true"): shape.moved(content["configuration"])}
+    if times > 1.0:
+        title = words.plain("figure.settled", times=f"{times:g}")
+        views[title] = shape.moved(content["configuration"], times)
+    for contacts, stage in content.get("pushdown", {}).items():
+        if stage.get("ultimate_configuration") is not None:
+            title = words.plain(
+                "figure.ultimate",
+                contacts=words.plain(f"value.{contacts}"),
+                movement=words.millimetres(stage["ultimate_movement_m"]),
+            )
+            views[title] = shape.moved(stage["ultimate_configuration"])
+    page = sheet(union([shape, *views.values()]), len(views), border_mm=9.0)
+    for axes, (title, view) in zip(page.panels, views.items(), strict=True):
+        axes.set_title(title)
+        axes.add_patch(PathPatch(shape.path(_all(shape)), **GHOST))
+        fill_roles(axes, view, results)
+    _movement(page, shape, results, content["settlement"], words)
+    legend(page, [ghost_handle(words.plain("figure.original_outline"))])
+    return page.figure
+
+
+def draw_overturned(results: Results, words: Words, states: Sequence[str], direction: str) -> Figure:
+    """Draw each state where its capacity ends (d_0, rigid contacts), to true scale over the state's own rest."""
+    drawing = outlines(results)
+    pushed = [results["states"][name]["pushover"][direction]["rigid"] for name in states]
+    starts = [drawing.moved(results["states"][name]["configuration"]) for name in states]
+    ends = [drawing.moved(rigid["final_configuration"]) for rigid in pushed]
+    page = sheet(union([*starts, *ends]), len(states), border_mm=7.0)
+    for axes, name, start, end, rigid in zip(page.panels, states, starts, ends, pushed, strict=True):
+        axes.set_title(f"{words.state(name)}\nd₀ = {words.millimetres(rigid['d_0_m'])}")
+        axes.add_patch(PathPatch(start.path(_all(start)), **GHOST))
+        fill_roles(axes, end, results)
+        push_arrow(page, axes, end.bounds, direction)
+    legend(page, [ghost_handle(words.plain("figure.start_outline"))])
+    return page.figure
+
+
+def draw_mechanisms(results: Results, words: Words, states: Sequence[str], direction: str) -> Figure:
+    """Draw the mechanism of each state on its deformed shape at activation, hinges and sliding joints marked."""
+    views = [found_mechanism(results, name, direction) for name in states]
+    return _draw_mechanisms(words, views, direction)
+
+
+def draw_chosen(results: Results, words: Words, given: Mapping[str, Any]) -> Figure:
+    """Draw a mechanism that the user chose; its centres of rotation are marked as hinges."""
+    centres = [part["about_m"] for part in given["macro_blocks"]]
+    mechanism = {**given, "hinge_points_m": centres}
+    at = results["states"][given["state"]]["configuration"]
+    view = Mechanism(results, given["state"], mechanism, at, given["met"])
+    return _draw_mechanisms(words, [view], given["direction"])
+
+
+def _draw_mechanisms(words: Words, views: Sequence[Mechanism], direction: str) -> Figure:
+    page = sheet(
+        union([outline for view in views for outline in (view.start, view.swept)]),
+        len(views),
+        border_mm=7.0,
+        foot_mm=14.0,
+    )
+    for axes, view in zip(page.panels, views, strict=True):
+        axes.set_title(words.state(view.state))
+        view.draw(axes)
+        push_arrow(page, axes, view.swept.bounds, direction)
+    handles: list[Any] = [
+        ghost_handle(words.plain("figure.start_outline")),
+        Patch(facecolor=MOVING, edgecolor=INK, linewidth=0.5, label=words.plain("figure.moving")),
+        Line2D([], [], **HINGE, label=words.plain("figure.hinge")),
+    ]
+    if any(len(view.sliding) for view in views):
+        handles.append(Line2D([], [], **SLIDING, label=words.plain("figure.sliding")))
+    legend(page, handles)
+    return page.figure
+
+
+HINGE: dict[str, Any] = {
+    "linestyle": "none",
+    "marker": "o",
+    "markersize": 5.0,
+    "markerfacecolor": "1.0",
+    "markeredgecolor": INK,
+    "markeredgewidth": 1.2,
+}
+LABEL: dict[str, Any] = {
+    "ha": "center",
+    "va": "center",
+    "fontweight": "bold",
+    "bbox": {"facecolor": "1.0", "edgecolor": INK, "linewidth": 0.4, "pad": 1.4},
+}
+SLIDING: dict[str, Any] = {"color": INK, "linewidth": 2.4, "solid_capstyle": "butt"}
+
+
+def found_mechanism(results: Results, state: str, direction: str) -> Mechanism:
+    """Return the rigid mechanism of a state in a direction, its macro-blocks numbered where they are printed."""
+    rigid = results["states"][state]["pushover"][direction]["rigid"]
+    parts = macro_blocks(results, state, direction)
+    numbered = parts if len(parts) <= BY_HAND else ()
+    met = (rigid.get("frames") or {}).get("met", ())
+    return Mechanism(results, state, rigid["mechanism"], rigid["mechanism_configuration"], met, numbered)
+
+
+class Mechanism:
+    """A mechanism made visible: its displacements scaled to 8 % of the model's size.
+
+    `configuration` (b, 3): where the blocks are as it begins to move, from the drawing; `met`: pairs of faces, after
+    the drawn joints, that touch there and did not as drawn; `numbered`: the macro-blocks of the hand check, whose
+    numbers are written into the drawing.
+    """
+
+    def __init__(
+        self,
+        results: Results,
+        state: str,
+        mechanism: Mapping[str, Any],
+        configuration: Sequence[Sequence[float]],
+        met: Sequence[Mapping[str, Any]],
+        numbered: Sequence[MacroBlock] = (),
+    ) -> None:
+        self.state, self.macro_blocks = state, numbered
+        self.configuration = np.asarray(configuration, dtype=float)
+        self.velocity = np.asarray(mechanism["displacements"], dtype=float)
+        self.drawing = outlines(results)
+        self.start = self.drawing.moved(self.configuration)
+        speed = np.linalg.norm(self._rate(self.start.points, self.start.owner), axis=1)
+        self.amount = 0.08 * self.drawing.size / max(float(speed.max()), 1e-12)
+        self.swept = self.start.swept(self.velocity, self.amount)
+        self.moving = np.bincount(self.start.owner, speed > 1e-4 * speed.max()) > 0
+        self.hinges: list[Any] = mechanism["hinge_points_m"]
+        faces, sliding = faces_of(results, met), np.array(mechanism["sliding_joints"], dtype=np.intp)
+        self.sliding = faces.contacts.take(sliding)
+        self.slides = end_points(self.sliding, faces.positions(self.configuration))
+
+    def draw(self, axes: Axes) -> None:
+        """Draw start outline, displaced blocks, hinges and sliding joints."""
+        axes.add_patch(PathPatch(self.start.path(_all(self.start)), **GHOST))
+        fill(axes, self.swept, np.flatnonzero(~self.moving), "1.0")
+        fill(axes, self.swept, np.flatnonzero(self.moving), MOVING)
+        for owner, slide in zip(self.sliding.a, self.slides, strict=True):
+            ends = self._carried(slide, np.full(2, owner))
+            axes.plot(ends[:, 0], ends[:, 1], **SLIDING)
+        if self.hinges:
+            owner = np.array([self.start.nearest(point) for point in self.hinges])
+            points = self._carried(np.asarray(self.hinges, dtype=float), owner)
+            axes.plot(points[:, 0], points[:, 1], **HINGE)
+        self._number_macro_blocks(axes)
+
+    def _number_macro_blocks(self, axes: Axes) -> None:
+        """Write the number of each macro-block, as in the table of the hand check, at its centroid."""
+        for number, whole in enumerate(self.macro_blocks, 1):
+            nearest = min(
+                whole.members, key=lambda b: float(np.hypot(*(self.start.centroids[b] - whole.centroid)))
+            )
+            axes.annotate(str(number), self.swept.centroids[nearest], **LABEL)
+
+    def _rate(self, points: Array, owner: Any) -> Array:
+        return field(points, owner, self.start.centroids, self.velocity)
+
+    def _carried(self, points: Array, owner: Any) -> Array:
+        return points + self.amount * self._rate(points, owner)
+
+
+def fill(axes: Axes, shape: Outlines, chosen: Any, grey: str) -> None:
+    """Draw the chosen blocks in a grey."""
+    if len(chosen):
+        axes.add_patch(PathPatch(shape.path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45))
+
+
+def fill_roles(axes: Axes, shape: Outlines, results: Results) -> None:
+    """Draw movable blocks light and supports dark."""
+    supports = np.array([block["support"] is not None for block in results["geometry"]["blocks"]])
+    fill(axes, shape, np.flatnonzero(~supports), "0.92")
+    fill(axes, shape, np.flatnonzero(supports), SUPPORT)
+
+
+def _all(shape: Outlines) -> range:
+    return range(len(shape.centroids))
+
+
+def union(shapes: Sequence[Outlines]) -> Bounds:
+    """Return the bounds of all shapes, m."""
+    boxes = np.array([shape.bounds for shape in shapes])
+    low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
+    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+
+def _movement(
+    page: Sheet, shape: Outlines, results: Results, settlement: Mapping[str, Any], words: Words
+) -> None:
+    blocks = results["geometry"]["blocks"]
+    moved = [i for i, block in enumerate(blocks) if block["support"] == settlement["support"]]
+    x, z = shape.centroids[moved].mean(axis=0)
+    dx, dz = settlement["displacement_m"]
+    size = float(np.hypot(dx, dz))
+    axes = page.panels[0]
+    if size > 0.0:
+        reach = page.paper(9.0) / size
+        axes.annotate("", (x + reach * dx, z + reach * dz), (x, z), arrowprops=ARROW | {"lw": 1.4})
+    if turn := settlement["rotation_rad"]:  # a half circle over the support, anticlockwise from right to left
+        half = math.copysign(page.paper(5.0), turn)
+        bent = {"connectionstyle": f"arc3,rad={math.copysign(1.0, turn)}"}
+        axes.annotate("", (x - half, z), (x + half, z), arrowprops=ARROW | {"lw": 1.4} | bent)
+
+
+def push_arrow(page: Sheet, axes: Axes, bounds: Bounds, direction: str) -> None:
+    """Draw the arrow of the lateral loads above a model."""
+    sign = sense(direction)
+    x, z = (bounds[0] + bounds[2]) / 2.0, bounds[3] + page.paper(4.0)
+    half = page.paper(8.0) * sign
+    axes.annotate("", (x + half, z), (x - half, z), arrowprops=ARROW | {"lw": 1.2})
+    axes.annotate(
+        f"α ({direction_name(direction)})",
+        (x + half, z),
+        (4.0 * sign, 0.0),
+        textcoords="offset points",
+        ha="left" if sign > 0 else "right",
+        va="center",
+    )
+
+
+def ghost_handle(label: str) -> Line2D:
+    """Return the legend's line of an earlier outline."""
+    return Line2D([], [], color=FAINT, linewidth=0.8, linestyle=(0, (4, 2)), label=label)
+
+
+def legend_columns(labels: Sequence[str]) -> int:
+    """Return how many columns, up to three, a legend has room for."""
+    widest = max((LETTER_MM * len(label) + KEY_MM for label in labels), default=KEY_MM)
+    return max(1, min(len(labels), 3, int(WIDTH_MM / widest)))
+
+
+def legend(page: Sheet, handles: list[Any]) -> None:
+    """Put the legend of a drawing below it, in as many columns, up to three, as the sheet has room for."""
+    columns = legend_columns([str(handle.get_label()) for handle in handles])
+    labels = [
+        f" {text}" if (text := str(h.get_label())).startswith("_") else text for h in handles
+    ]  # "_": left out
+    page.figure.legend(
+        handles, labels, loc="lower center", ncols=columns, handlelength=1.8, columnspacing=1.6
+    )

@@ -1,0 +1,203 @@
+"""Which figures a set of results has, in the order of the report, and writing them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeVar
+
+from matplotlib.figure import Figure
+
+from assessment.report.figures.curves import draw_pushdown, draw_pushover, pushed
+from assessment.report.figures.deformed import draw_chosen, draw_mechanisms, draw_overturned, draw_settlement
+from assessment.report.figures.dynamic import (
+    draw_fragility,
+    draw_history,
+    draw_incremental,
+    draw_motion,
+    draw_shapes,
+    fragile,
+    shaken,
+)
+from assessment.report.figures.model import draw_model
+from assessment.report.figures.spectra import draw_demand, draw_spectra
+from assessment.report.figures.studies import draw_scenarios, draw_tornado, varied
+from assessment.report.figures.style import save_png, save_svg
+from assessment.report.figures.thrust import draw_thrust
+from assessment.report.text.language import Words, direction_name, slug, words_of
+from assessment.results.joint_states import situations
+from assessment.runtime.pool import Pool, result_of
+
+T = TypeVar("T")
+PANELS = 4  # states side by side in one figure
+SIDES = {"+x": "plus_x", "-x": "minus_x"}  # directions in file names
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure of the report: file stem, its chapter, how to draw it, key and fields of its caption."""
+
+    name: str
+    section: str
+    draw: Callable[[], Figure]
+    caption: str
+    fields: dict[str, object] = field(default_factory=dict)
+
+
+def write_figures(pool: Pool, folder: Path) -> list[Path]:
+    """Write every figure of the results that the pool holds as SVG into the folder; return paths in their order.
+
+    The same bytes for the same results.
+    """
+    drawn = [pool.apply(_write_vector, folder, number) for number in range(len(pictures(pool.held)))]
+    return [result_of(path) for path in drawn]
+
+
+def write_images(pool: Pool, folder: Path) -> list[Future[None]]:
+    """Begin to write every figure as PNG into the folder, and deformed.dxf; the same bytes for the same results."""
+    begun = [pool.apply(_write_raster, folder, number) for number in range(len(pictures(pool.held)))]
+    return [*begun, pool.apply(_write_drawing, folder / "deformed.dxf")]
+
+
+def _write_vector(results: Mapping[str, Any], folder: Path, number: int) -> Path:
+    picture = pictures(results)[number]
+    path = folder / f"{picture.name}.svg"
+    save_svg(picture.draw, path)
+    return path
+
+
+def _write_raster(results: Mapping[str, Any], folder: Path, number: int) -> None:
+    picture = pictures(results)[number]
+    save_png(picture.draw, folder / f"{picture.name}.png")
+
+
+def _write_drawing(results: Mapping[str, Any], path: Path) -> None:
+    from assessment.report.deformed_dxf import write_deformed  # late: ezdxf is needed for nothing else here
+
+    write_deformed(results, path)
+
+
+def pictures(results: Mapping[str, Any]) -> list[Picture]:
+    """List the figures that the results allow: nothing is drawn of what was not computed."""
+    words = words_of(results)
+    found = [Picture("model", "model", partial(draw_model, results, words), "model")]
+    for name, content in results["states"].items():
+        fields: dict[str, object] = {"state": words.state(name)}
+        if content.get("settlement") and content.get("configuration"):
+            draw = partial(draw_settlement, results, words, name)
+            found.append(
+                Picture(f"settlement_{slug(results, name)}", "settlements", draw, "settlement", fields)
+            )
+        if content.get("pushdown"):
+            draw = partial(draw_pushdown, results, words, name)
+            found.append(Picture(f"pushdown_{slug(results, name)}", "pushdown", draw, "pushdown", fields))
+    found += _thrusts(results, words, None)
+    for number, given in enumerate(results.get("mechanisms") or [], 1):
+        if "refused" not in given:
+            fields = {"name": given["name"], "state": words.state(given["state"])}
+            draw = partial(draw_chosen, results, words, given)
+            found.append(
+                Picture(f"chosen_mechanism_{number}", "mechanisms", draw, "chosen_mechanism", fields)
+            )
+    if results.get("spectra"):
+        found.append(Picture("spectrum", "action", partial(draw_demand, results, words), "spectrum"))
+    for direction in ("+x", "-x"):
+        found += _of_direction(results, words, direction)
+    return found + _studies(results, words) + _dynamic(results, words)
+
+
+def _studies(results: Mapping[str, Any], words: Words) -> list[Picture]:
+    found = []
+    if results.get("scenarios"):
+        draw: Callable[[], Figure] = partial(draw_scenarios, results, words)
+        found.append(Picture("scenarios", "scenarios", draw, "scenarios_curves"))
+    for number, names in enumerate(_portions(varied(results))):
+        draw = partial(draw_tornado, results, words, names)
+        fields: dict[str, object] = {"limit": results["sensitivity"]["limit_state"]}
+        found.append(Picture(_numbered("tornado", number), "sensitivity", draw, "tornado_bars", fields))
+    return found
+
+
+def _dynamic(results: Mapping[str, Any], words: Words) -> list[Picture]:
+    found = []
+    for index, motion in enumerate(results.get("motions") or []):
+        fields: dict[str, object] = {"record": motion["name"], "pga": motion["pga_g"]}
+        draw = partial(draw_motion, results, words, index)
+        found.append(Picture(f"record_{index + 1}", "history", draw, "motion", fields))
+        states = shaken(results, motion["name"])
+        if states:
+            draw = partial(draw_history, results, words, index)
+            found.append(Picture(f"history_{index + 1}", "history", draw, "control_history", fields))
+        for name in states:
+            draw = partial(draw_shapes, results, words, name, index)
+            stem = f"shapes_{index + 1}_{slug(results, name)}"
+            found.append(Picture(stem, "history", draw, "shapes", fields | {"state": words.state(name)}))
+    searched = [
+        name
+        for name, content in results["states"].items()
+        if any(record["points"] for record in (content.get("incremental") or {}).get("records") or [])
+    ]
+    for number, names in enumerate(_portions(searched)):
+        draw = partial(draw_incremental, results, words, names)
+        found.append(Picture(_numbered("incremental", number), "incremental", draw, "incremental_curves"))
+    if fragile(results):
+        draw = partial(draw_fragility, results, words)
+        found.append(Picture("fragility", "incremental", draw, "fragility"))
+    return found
+
+
+def _thrusts(results: Mapping[str, Any], words: Words, direction: str | None) -> list[Picture]:
+    known = [each for each in situations(results) if each.direction == direction]
+    stem = "thrust_at_rest" if direction is None else f"thrust_{SIDES[direction]}"
+    caption = "thrust_at_rest" if direction is None else "thrust"
+    fields: dict[str, object] = {} if direction is None else {"direction": direction_name(direction)}
+    section = "model" if direction is None else "mechanisms"
+    return [
+        Picture(
+            _numbered(stem, number), section, partial(draw_thrust, results, words, shown), caption, fields
+        )
+        for number, shown in enumerate(_portions(known))
+    ]
+
+
+def _of_direction(results: Mapping[str, Any], words: Words, direction: str) -> list[Picture]:
+    states = pushed(results, direction)
+    side = SIDES[direction]
+    fields: dict[str, object] = {"direction": direction_name(direction)}
+    found = []
+    failing = [n for n, s in states.items() if s["pushover"][direction].get("rigid", {}).get("mechanism")]
+    for number, names in enumerate(_portions(failing)):
+        draw = partial(draw_mechanisms, results, words, names, direction)
+        found.append(Picture(_numbered(f"mechanism_{side}", number), "mechanisms", draw, "mechanism", fields))
+    found += _thrusts(results, words, direction)
+    overturned = [n for n in failing if states[n]["pushover"][direction]["rigid"]["d_0_m"] is not None]
+    for number, names in enumerate(_portions(overturned)):
+        draw = partial(draw_overturned, results, words, names, direction)
+        stem = _numbered(f"overturned_{side}", number)
+        found.append(Picture(stem, "pushover", draw, "overturned", fields))
+    if states:
+        draw = partial(draw_pushover, results, words, direction)
+        found.append(Picture(f"pushover_{side}", "pushover", draw, "pushover", fields))
+    for limit in ("SLV", "SLC"):
+        able = [n for n, s in results["states"].items() if _has_curve(s, direction, limit)]
+        for number, names in enumerate(_portions(able)):
+            draw = partial(draw_spectra, results, words, names, direction, limit)
+            stem = _numbered(f"spectra_{side}_{limit}", number)
+            found.append(Picture(stem, "capacity", draw, "spectra", fields | {"limit": limit}))
+    return found
+
+
+def _has_curve(content: Mapping[str, Any], direction: str, limit: str) -> bool:
+    capacity = (content.get("capacity") or {}).get(direction) or {}
+    return bool(capacity.get("curve") and capacity["curve"]["d_star_m"] and capacity.get(limit))
+
+
+def _portions(names: Sequence[T]) -> list[Sequence[T]]:
+    return [names[start : start + PANELS] for start in range(0, len(names), PANELS)]
+
+
+def _numbered(stem: str, number: int) -> str:
+    return stem if number == 0 else f"{stem}_{number + 1}"

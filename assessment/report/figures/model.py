@@ -1,0 +1,134 @@
+"""The drawing of the model: layers, supports, loads, control points, dimensions; to scale, in black and white."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
+
+from assessment.report.figures.deformed import ARROW, INK, SUPPORT, Bounds, fill, legend, legend_columns
+from assessment.report.figures.style import Sheet, nice, sheet
+from assessment.report.text.language import Words
+from assessment.results.outlines import outlines
+
+Results = Mapping[str, Any]
+LAYER_GREYS = ("1.0", "0.88", "0.76", "0.94", "0.82", "0.70")
+LINE_MM = 4.0  # of the legend
+MOST_NAMED, LONGEST_NAME = 24, 50  # layers, and letters of one, in the legend
+DIMENSION = {
+    "arrowstyle": "<|-|>,head_width=0.12,head_length=0.35",
+    "shrinkA": 0.0,
+    "shrinkB": 0.0,
+    "lw": 0.5,
+}
+
+
+def draw_model(results: Results, words: Words) -> Figure:
+    """Draw blocks by layer, supports, vertical loads, control points, overall dimensions and the scale."""
+    shape, blocks = outlines(results), results["geometry"]["blocks"]
+    by_layer: dict[str, list[int]] = {}
+    for number, block in enumerate(blocks):
+        by_layer.setdefault(block["layer"], []).append(number)
+    named = {
+        layer: _label(layer, blocks[own[0]]["support"], words) for layer, own in sorted(by_layer.items())
+    }
+    labels = list(named.values())[:MOST_NAMED]
+    rows = math.ceil(len(labels) / legend_columns(labels))
+    page = sheet(shape.bounds, border_mm=14.0, foot_mm=max(20.0, 12.0 + LINE_MM * rows))
+    axes = page.panels[0]
+    handles: list[Any] = []
+    for index, (layer, label) in enumerate(named.items()):
+        grey = SUPPORT if blocks[by_layer[layer][0]]["support"] else LAYER_GREYS[index % len(LAYER_GREYS)]
+        fill(axes, shape, by_layer[layer], grey)
+        if index < MOST_NAMED:
+            handles.append(Patch(facecolor=grey, edgecolor=INK, linewidth=0.5, label=label))
+    if len(named) > MOST_NAMED:
+        more = words.plain("figure.more_layers", count=len(named) - MOST_NAMED)
+        handles.append(Line2D([], [], linestyle="none", label=more))
+    handles += _loads(page, axes, blocks, words)
+    handles += _controls(axes, results, words)
+    _dimensions(page, axes, shape.bounds, words)
+    legend(page, handles)
+    return page.figure
+
+
+def _label(layer: str, support: str | None, words: Words) -> str:
+    """Return what the legend says of a layer, in as many letters as it has room for."""
+    label = words.plain("figure.support_layer", layer=layer, support=support) if support else layer
+    return label if len(label) <= LONGEST_NAME else f"{label[: LONGEST_NAME - 1]}…"
+
+
+def _loads(page: Sheet, axes: Axes, blocks: Sequence[Mapping[str, Any]], words: Words) -> list[Any]:
+    loaded = [block for block in blocks if block.get("vertical_load_kN")]
+    for block in loaded:
+        x, z = block["centroid_m"]
+        axes.annotate("", (x, z), (x, z + page.paper(7.0)), arrowprops=ARROW | {"color": INK})
+    sizes = sorted({block["vertical_load_kN"] for block in loaded})
+    text = " / ".join(words.number(size) for size in sizes)
+    label = words.plain("figure.loads", count=len(loaded), loads=text)
+    return (
+        [Line2D([], [], color=INK, linestyle="none", marker="$\\downarrow$", label=label)] if loaded else []
+    )
+
+
+def _controls(axes: Axes, results: Results, words: Words) -> list[Any]:
+    controls = results["geometry"].get("controls", [])
+    mark: dict[str, Any] = {"linestyle": "none", "marker": "D", "markersize": 4.0, "color": INK}
+    middle = sum(axes.get_xlim()) / 2.0
+    for control in controls:
+        axes.plot(*control["point_m"], **mark)
+        left = control["point_m"][0] < middle  # names lie outside, away from one another
+        axes.annotate(
+            control["name"],
+            control["point_m"],
+            (-4.0 if left else 4.0, 4.0),
+            textcoords="offset points",
+            ha="right" if left else "left",
+            fontweight="bold",
+            bbox={"facecolor": "1.0", "edgecolor": "none", "pad": 0.6},
+        )
+    return [Line2D([], [], **mark, label=words.plain("figure.control"))] if controls else []
+
+
+def _dimensions(page: Sheet, axes: Axes, bounds: Bounds, words: Words) -> None:
+    x0, z0, x1, z1 = bounds
+    off, tick = page.paper(7.0), page.paper(1.5)
+    axes.annotate("", (x1, z0 - off), (x0, z0 - off), arrowprops=DIMENSION)
+    axes.annotate("", (x0 - off, z1), (x0 - off, z0), arrowprops=DIMENSION)
+    for x in (x0, x1):
+        axes.plot([x, x], [z0 - off - tick, z0 - tick], color=INK, linewidth=0.4)
+    for z in (z0, z1):
+        axes.plot([x0 - off - tick, x0 - tick], [z, z], color=INK, linewidth=0.4)
+    label = {"ha": "center", "va": "center", "bbox": {"facecolor": "1.0", "edgecolor": "none", "pad": 1.0}}
+    axes.text((x0 + x1) / 2.0, z0 - off, _metres(x1 - x0, words), **label)  # type: ignore[arg-type]
+    axes.text(x0 - off, (z0 + z1) / 2.0, _metres(z1 - z0, words), rotation=90, **label)  # type: ignore[arg-type]
+    length = nice((x1 - x0) / 3.0)
+    base = z0 - page.paper(12.5)
+    for part in range(4):
+        start = x0 + length * part / 4.0
+        axes.add_patch(
+            Rectangle(
+                (start, base),
+                length / 4.0,
+                page.paper(1.2),
+                facecolor=INK if part % 2 == 0 else "1.0",
+                edgecolor=INK,
+                linewidth=0.4,
+            )
+        )
+    scale = words.comma(f"{page.scale:g}")
+    axes.text(
+        x0 + length + page.paper(2.0),
+        base + page.paper(0.6),
+        words.plain("figure.scale", length=_metres(length, words), scale=scale),
+        va="center",
+    )
+
+
+def _metres(value: float, words: Words) -> str:
+    return f"{words.comma(f'{value:.3f}'.rstrip('0').rstrip('.'))} m"

@@ -1,0 +1,170 @@
+"""Capacity against settlement, and the tornado of the sensitivity."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from assessment.report.figures.style import DASHES, chart
+from assessment.report.tables.studies import ROUNDING, tornado
+from assessment.report.text.language import Words, direction_name
+
+Results = Mapping[str, Any]
+MARKS = {"+x": (">", "0.0"), "-x": ("<", "1.0")}  # of the directions: full to the right, empty to the left
+BARS: dict[str, dict[str, Any]] = {  # of the factors: light and hatched below, dark above
+    "low": {"facecolor": "0.9", "hatch": "////", "edgecolor": "0.0", "linewidth": 0.5},
+    "high": {"facecolor": "0.55", "edgecolor": "0.0", "linewidth": 0.5},
+}
+
+
+def draw_scenarios(results: Results, words: Words) -> Figure:
+    """Draw the capacity over the movement: dashes per scenario, a curve per direction, worst case ringed.
+
+    Ultimate movements (the smallest of the contact behaviours) are crosses on the axis: nothing is left there.
+    """
+    found = results["scenarios"]
+    by, points = found["quantity"], found["points"]
+    names = list(dict.fromkeys(point["state"] for point in points if point["movement_m"] > 0.0))
+    figure, (axes,) = chart(words, height_mm=95.0, foot_mm=9.0 + 5.0 * len(names))
+    for number, name in enumerate(names, 1):
+        dashes = DASHES[(number - 1) % len(DASHES)]
+        for direction, (marker, face) in MARKS.items():
+            own = [
+                point
+                for point in points
+                if point["direction"] == direction
+                and point[by] is not None
+                and (point["state"] == name or point["movement_m"] == 0.0)
+            ]
+            x, y = [1000.0 * point["movement_m"] for point in own], [point[by] for point in own]
+            axes.plot(
+                x, y, color="0.0", linestyle=dashes, marker=marker, markerfacecolor=face, markersize=4.5
+            )
+            if own and own[-1]["state"] == name:
+                _label(axes, str(number), x[-1], y[-1])
+        ultimate = _ultimate(results, name)
+        if ultimate is not None:
+            axes.plot(1000.0 * ultimate, 0.0, color="0.0", marker="x", markersize=6.0, clip_on=False)
+            _label(axes, str(number), 1000.0 * ultimate, 0.0)
+    _ring(axes, found["worst"], by)
+    axes.set_xlim(left=0.0)
+    axes.set_ylim(bottom=0.0)
+    label = words.plain(f"figure.capacity_{by}", limit=found["limit_state"])
+    axes.set(xlabel=words.plain("figure.movement"), ylabel=label)
+    figure.legend(handles=_scenario_legend(results, names, words), loc="lower center", ncols=2)
+    return figure
+
+
+def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figure:
+    """Draw per state a bar for each property from its low to its high factor, the widest on top."""
+    rows = tornado(results).rows
+    tallest = max(sum(row["state"] == state for row in rows) for state in states)
+    figure, panels = chart(
+        words, rows=len(states), height_mm=22.0 + 9.0 * tallest, foot_mm=10.0, left_mm=30.0
+    )
+    shown = [value for row in rows if row["state"] in states for value in _capacities(row)]
+    for axes, state in zip(panels, states, strict=True):
+        own = [row for row in rows if row["state"] == state][::-1]
+        for place, row in enumerate(own):
+            for side in ("low", "high"):
+                _draw_bar(axes, place, row, side, words)
+        axes.axvline(own[0]["a_g_base_g"], color="0.0", linewidth=0.9)
+        axes.set_yticks(range(len(own)), [words.plain(f"value.{row['property']}") for row in own])
+        axes.set_ylim(-0.7, len(own) - 0.3)
+        margin = 0.18 * (max(shown) - min(shown)) or 0.05 * max(shown)
+        axes.set_xlim(min(shown) - margin, max(shown) + margin)
+        axes.grid(visible=False, axis="y")
+        base = words.show(own[0]["a_g_base_g"])
+        axes.set_title(words.plain("figure.tornado_base", state=words.state(state), capacity=base))
+    limit = results["sensitivity"]["limit_state"]
+    panels[-1].set_xlabel(words.plain("figure.capacity_a_g_g", limit=limit))
+    handles = [Patch(**BARS[side], label=words.plain(f"figure.{side}_factor")) for side in ("low", "high")]
+    figure.legend(handles=handles, loc="lower center", ncols=2)
+    return figure
+
+
+def varied(results: Results) -> list[str]:
+    """Return the states whose tornado can be drawn: the capacity that the bars start from is known."""
+    rows = tornado(results).rows
+    return list(dict.fromkeys(row["state"] for row in rows if row["a_g_base_g"] is not None))
+
+
+def _draw_bar(axes: Axes, place: int, row: Mapping[str, Any], side: str, words: Words) -> None:
+    """Draw one half of a bar with its factor at the end, where there is room if the half has no length."""
+    base = row["a_g_base_g"]
+    end, other = (_snapped(row[f"a_g_{each}_g"], base) for each in (side, "high" if side == "low" else "low"))
+    moved, other_moved = (base if value is None else value for value in (end, other))
+    both = (moved - base) * (other_moved - base) > 0.0  # to one side: one half above the other
+    height = place + ((0.2 if side == "low" else -0.2) if both else 0.0)
+    axes.barh(height, moved - base, left=base, height=0.36 if both else 0.6, **BARS[side])
+    rightward = moved - base or base - other_moved or (1.0 if side == "high" else -1.0)
+    factor = f"×{words.comma(format(row[f'{side}_factor'], 'g'))}"
+    axes.annotate(
+        factor if end is not None else f"{factor}: {words.show(None)}",
+        (moved, height),
+        (3 if rightward > 0.0 else -3, 0),
+        textcoords="offset points",
+        ha="left" if rightward > 0.0 else "right",
+        va="center",
+        fontsize=6.5,
+    )
+
+
+def _snapped(value: float | None, base: float) -> float | None:
+    """Return the capacity, the project's own where nothing but rounding tells them apart."""
+    return base if value is not None and abs(value - base) <= ROUNDING * base else value
+
+
+def _capacities(row: Mapping[str, Any]) -> list[float]:
+    return [row[key] for key in ("a_g_low_g", "a_g_base_g", "a_g_high_g") if row[key] is not None]
+
+
+def _ultimate(results: Results, name: str) -> float | None:
+    pushdown = results["states"][name].get("pushdown") or {}
+    found = [stage["ultimate_movement_m"] for stage in pushdown.values()]
+    return min((value for value in found if value is not None), default=None)
+
+
+def _label(axes: Axes, text: str, x: float, y: float) -> None:
+    axes.annotate(text, (x, y), (6, 2), textcoords="offset points", annotation_clip=False)
+
+
+def _ring(axes: Axes, worst: Mapping[str, Any] | None, by: str) -> None:
+    """Ring the worst case; where the structure has fallen, on the axis: no capacity is left."""
+    if worst is not None:
+        ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgewidth": 1.2, "linestyle": "none"}
+        y = 0.0 if worst["collapses"] else worst[by]
+        x = 1000.0 * worst["movement_m"]
+        axes.plot(x, y, marker="o", markersize=11, color="0.0", clip_on=False, **ring)
+
+
+def _scenario_legend(results: Results, names: Sequence[str], words: Words) -> list[Line2D]:
+    found = results["scenarios"]
+    handles = [
+        Line2D([], [], color="0.0", linestyle=DASHES[(number - 1) % len(DASHES)], label=f"{number}  {name}")
+        for number, name in enumerate(names, 1)
+    ]
+    none: dict[str, Any] = {"color": "0.0", "linestyle": "none"}
+    handles += [
+        Line2D([], [], marker=marker, markerfacecolor=face, label=words.plain(
+            "figure.direction", direction=direction_name(direction)), **none)
+        for direction, (marker, face) in MARKS.items()
+        if any(point["direction"] == direction for point in found["points"])
+    ]  # fmt: skip
+    if any(_ultimate(results, name) is not None for name in names):
+        handles.append(Line2D([], [], marker="x", label=words.plain("figure.ultimate_mark"), **none))
+    worst = found["worst"]
+    if worst is not None:
+        label = words.plain(
+            "figure.worst_collapses" if worst["collapses"] else "figure.worst",
+            state=worst["state"],
+            movement=words.millimetres(worst["movement_m"]),
+            direction=direction_name(worst["direction"]),
+        )
+        handles.append(Line2D([], [], marker="o", markersize=9, markerfacecolor="none", label=label, **none))
+    return handles

@@ -1,0 +1,164 @@
+"""One style for every figure, sheets drawn to scale on A4, and SVG files that are the same at every run."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+from PIL import Image
+
+from assessment.report.figures.svg import lightened
+from assessment.report.text.language import Words
+from assessment.runtime.atomic_files import write_atomically
+
+WIDTH_MM = 168.0  # column of an A4 page with 20 mm margins, a little air included
+MM = 1.0 / 25.4  # inches
+PNG_DPI = 200  # sharp enough on paper at the column's width
+STYLE = {
+    "font.family": "DejaVu Sans",  # shipped with matplotlib; any sans-serif will do to read the figure
+    "font.size": 7.5,
+    "svg.fonttype": "none",  # words stay words: searchable, and ten times faster to set in the PDF
+    "svg.hashsalt": "assesto",
+    "mathtext.fontset": "dejavusans",
+    "text.parse_math": False,  # the dollar of a name is a dollar; what is a formula says so
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.titlesize": 8.0,
+    "patch.facecolor": "0.0",  # figures are black, white and grey, heads of arrows too
+    "axes.titley": 1.0,  # no labels above axes that a title would have to clear: measuring them all takes time
+    "axes.grid": True,
+    "grid.linewidth": 0.3,
+    "grid.color": "0.8",
+    "legend.frameon": False,
+    "legend.fontsize": 7.0,
+    "lines.linewidth": 1.0,
+}
+DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)), (0, (3, 3)), (0, (8, 2)))
+SCALES = tuple(step * 10.0**power for power in range(5) for step in (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.5))
+
+
+def save_svg(draw: Callable[[], Figure], path: Path) -> None:
+    """Draw in the common style and write an SVG whose bytes depend on nothing but the drawing."""
+    buffer = io.BytesIO()
+    with mpl.rc_context(STYLE):  # type: ignore[arg-type]
+        draw().savefig(buffer, format="svg", metadata={"Date": None})
+    write_atomically(path, lightened(buffer.getvalue()))
+
+
+def save_png(draw: Callable[[], Figure], path: Path) -> None:
+    """Draw in the common style and write a PNG in grey, whose bytes depend on nothing but the drawing."""
+    buffer = io.BytesIO()
+    with mpl.rc_context(STYLE):  # type: ignore[arg-type]
+        canvas = FigureCanvasAgg(draw())
+        canvas.figure.set_dpi(PNG_DPI)
+        canvas.draw()  # type: ignore[no-untyped-call]
+    picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("L")  # type: ignore[no-untyped-call]
+    picture.save(buffer, format="png", dpi=(PNG_DPI, PNG_DPI))
+    write_atomically(path, buffer.getvalue())
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Panels of equal bounds, drawn at 1:scale on paper."""
+
+    figure: Figure
+    panels: list[Axes]
+    scale: float
+
+    def paper(self, millimetres: float) -> float:
+        """Return the length in metres of the model that covers so many millimetres of paper."""
+        return millimetres * self.scale / 1000.0
+
+
+def sheet(
+    bounds: tuple[float, float, float, float],
+    count: int = 1,
+    border_mm: float = 3.0,
+    height_mm: float = 205.0,
+    foot_mm: float = 10.0,
+) -> Sheet:
+    """Lay out `count` panels, two in a row unless the model is wide, at the largest usual scale that fits.
+
+    bounds (x0, z0, x1, z1) in m; every panel has a free border; `foot_mm` is kept below for a legend.
+    """
+    x0, z0, x1, z1 = bounds
+    width, height = max(x1 - x0, 1e-6), max(z1 - z0, 1e-6)
+    columns = 1 if count == 1 or width > 2.0 * height else 2
+    rows = math.ceil(count / columns)
+    head_mm = 9.0
+    room_x = WIDTH_MM / columns - 2.0 * border_mm
+    most = 130.0 if count == 1 else 85.0  # of several, so that two figures stand on a page
+    room_z = min(most, (height_mm - foot_mm) / rows - head_mm) - 2.0 * border_mm
+    needed = max(width / room_x, height / room_z) * 1000.0
+    scale = next((s for s in SCALES if s >= needed - 1e-9), needed)
+    cell = (WIDTH_MM / columns, height * 1000.0 / scale + 2.0 * border_mm)
+    total = (WIDTH_MM, (cell[1] + head_mm) * rows + foot_mm)
+    figure = Figure(figsize=(total[0] * MM, total[1] * MM))
+    middle, half = (x0 + x1) / 2.0, cell[0] * scale / 2000.0
+    pad = border_mm * scale / 1000.0
+    panels = []
+    for index in range(count):
+        row, column = divmod(index, columns)
+        bottom = total[1] - (row + 1) * (cell[1] + head_mm)
+        axes = figure.add_axes(
+            (
+                column * cell[0] / total[0],
+                bottom / total[1],
+                cell[0] / total[0],
+                cell[1] / total[1],
+            )
+        )
+        axes.set(xlim=(middle - half, middle + half), ylim=(z0 - pad, z1 + pad))
+        axes.set_axis_off()
+        panels.append(axes)
+    return Sheet(figure, panels, scale)
+
+
+def chart(
+    words: Words,
+    columns: int = 1,
+    rows: int = 1,
+    height_mm: float = 75.0,
+    foot_mm: float = 16.0,
+    left_mm: float = 18.0,
+) -> tuple[Figure, list[Axes]]:
+    """Return a figure of the column's width with `rows` × `columns` axes, and a foot for the legend."""
+    left, right, head, below = left_mm, 3.0, 7.0, 11.0  # mm around each axes: labels and title
+    total = rows * height_mm + foot_mm
+    figure = Figure(figsize=(WIDTH_MM * MM, total * MM))
+    width = WIDTH_MM / columns
+    panels = []
+    for index in range(rows * columns):
+        row, column = divmod(index, columns)
+        bottom = total - (row + 1) * height_mm + below
+        box = (column * width + left, bottom, width - left - right, height_mm - below - head)
+        panels.append(figure.add_axes((box[0] / WIDTH_MM, box[1] / total, box[2] / WIDTH_MM, box[3] / total)))
+        panels[-1].yaxis.set_label_coords(-15.0 / box[2], 0.5)
+        comma_ticks(panels[-1], words)
+    return figure, panels
+
+
+def comma_ticks(axes: Axes, words: Words) -> None:
+    """Write the tick labels with the decimal mark of the language; the grid stands for tick marks."""
+    mark = FuncFormatter(lambda value, _: words.comma(f"{value:.6g}").replace("-", "−"))
+    axes.xaxis.set_major_formatter(mark)
+    axes.yaxis.set_major_formatter(mark)
+    axes.locator_params(nbins=6)
+    axes.tick_params(bottom=False, left=False)
+
+
+def nice(value: float) -> float:
+    """Return the largest of 1, 2, 5 times a power of ten that is not above `value`."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-9))

@@ -1,0 +1,100 @@
+"""Drawings of what the joints carry: resultants, the line of thrust, the state of every joint."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from assessment.report.figures.deformed import HINGE, INK, fill_roles, legend, push_arrow, union
+from assessment.report.figures.style import Sheet, sheet
+from assessment.report.text.language import Words
+from assessment.results.joint_states import JointStates, Situation, joint_states, thrust_lines
+from assessment.results.outlines import Outlines, outlines
+
+Results = Mapping[str, Any]
+LONGEST_MM = 12.0  # of a resultant on paper
+CROWD = 150  # joints: beyond them marks become finer, so that a wall stays readable
+THRUST: dict[str, Any] = {"color": INK, "linewidth": 1.3}
+RESULTANT: dict[str, Any] = {"color": "0.35", "linewidth": 0.7}
+JOINTS: dict[str, dict[str, Any]] = {  # by condition; a joint that presses as a whole is a plain outline
+    "partial": {"color": INK, "linewidth": 1.2, "linestyle": (0, (1.2, 0.8))},
+    "sliding": {"color": INK, "linewidth": 2.4},
+    "idle": {"color": "0.6", "linewidth": 1.0, "linestyle": (0, (0.8, 1.6))},
+}
+
+
+def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> Figure:
+    """Draw each situation: resultants as lines as long as they are large, joined through blocks of two joints.
+
+    Joints are marked by their condition (JointStates.condition); a hinge is a circle where the resultant crosses.
+    """
+    drawing = outlines(results)
+    shapes = [drawing.moved(situation.configuration) for situation in shown]
+    joints = [joint_states(results, situation) for situation in shown]
+    page = sheet(union(shapes), len(shown), border_mm=7.0, foot_mm=18.0)
+    largest = max(float(np.hypot(*states.force.T).max()) for states in joints)
+    for axes, situation, shape, states in zip(page.panels, shown, shapes, joints, strict=True):
+        axes.set_title(_title(situation, words))
+        _draw(page, axes, results, shape, states, largest)
+        if situation.direction:
+            push_arrow(page, axes, shape.bounds, situation.direction)
+    legend(page, _handles({c for states in joints for c in states.condition}, largest, words))
+    return page.figure
+
+
+def _draw(
+    page: Sheet,
+    axes: Axes,
+    results: Results,
+    shape: Outlines,
+    states: JointStates,
+    largest: float,
+) -> None:
+    fill_roles(axes, shape, results)
+    fine = min(1.0, (CROWD / len(states.condition)) ** 0.5)
+    for condition, style in JOINTS.items():
+        width = style["linewidth"] * fine
+        ends = states.ends[_are(states, condition)]
+        axes.add_collection(LineCollection(list(ends), **(style | {"linewidth": width})))
+    half = 0.5 * page.paper(LONGEST_MM) / largest * states.force
+    resultants = np.stack([states.point - half, states.point + half], axis=1)[~_are(states, "idle")]
+    axes.add_collection(LineCollection(list(resultants), **RESULTANT))
+    axes.add_collection(LineCollection(thrust_lines(states), **THRUST))
+    axes.plot(
+        *states.point[_are(states, "edge")].T,
+        **(HINGE | {"markersize": 3.6 * fine, "markeredgewidth": 0.9 * fine}),
+    )
+
+
+def _are(states: JointStates, condition: str) -> NDArray[np.bool_]:
+    return np.array([each == condition for each in states.condition])
+
+
+def _title(situation: Situation, words: Words) -> str:
+    name = words.state(situation.state)
+    if situation.direction is None:
+        return f"{name}\n{words.plain('figure.at_rest_forces', contacts=words.plain(f'value.{situation.contacts}'))}"
+    return f"{name}\nα = {words.show(situation.alpha)}"
+
+
+def _handles(conditions: set[str], largest: float, words: Words) -> list[Any]:
+    longest = words.plain("figure.resultant", force=largest, length=words.comma(f"{LONGEST_MM:g}"))
+    handles = [
+        Line2D([], [], **THRUST, label=words.plain("figure.thrust")),
+        Line2D([], [], **RESULTANT, label=longest),
+    ]
+    handles += [
+        Line2D([], [], **style, label=words.plain(f"figure.joint_{condition}"))
+        for condition, style in JOINTS.items()
+        if condition in conditions
+    ]
+    if "edge" in conditions:
+        handles.append(Line2D([], [], **HINGE, label=words.plain("figure.joint_edge")))
+    return handles

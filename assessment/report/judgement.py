@@ -1,0 +1,271 @@
+"""A judgement drafted in plain words from the numbers, for the engineer to edit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from markupsafe import Markup
+
+from assessment.ntc.limit_states import CHECKS
+from assessment.report.tables.capacity import capacities, chosen_checks, summary, verification
+from assessment.report.tables.index import mechanisms
+from assessment.report.tables.studies import tornado
+from assessment.report.text.language import Words, direction_name
+from assessment.report.text.table_format import ROUNDING, check_name
+from assessment.results.hand_check import hand_check
+from assessment.results.reactions import balance
+from assessment.results.table import Row, indices
+
+Results = Mapping[str, Any]
+RESIDUALS = {  # of the solutions, relative to the weight: what needs no word
+    "equilibrium_residual": 1e-6,
+    "cone_violation": 1e-6,
+    "complementarity": 1e-3,
+}
+BALANCED = 1e-3  # reactions less loads, relative to the weight
+AGREEMENT = 0.01  # of the virtual-work multiplier, as in the paper
+
+
+def draft_judgement(results: Results, words: Words) -> list[Markup]:
+    """Return sentences: governing condition, losses due to the movement, margins, trust in the numbers.
+
+    Each is drawn from a table that is printed, all rows of it compared: none may claim what a table contradicts.
+    """
+    if not results["model"]["self_weight_stable"]:
+        return [words("judgement.unstable")]
+    return [
+        *_governing(results, words),
+        *_chosen(results, words),
+        *_losses(results, words),
+        *_dynamic(results, words),
+        *worst_scenario(results, words),
+        *_sensitive(results, words),
+        *_margins(results, words),
+        *_trust(results, words),
+    ]
+
+
+def _governing(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield the least ratio of all verifications, the index, and how many are satisfied; the least α0 without any."""
+    rows = verification(results).rows
+    made = [row for row in rows if row.get("zeta_E") is not None]
+    if not made:
+        yield from _least_multiplier(results, words)
+        return
+    worst = min(made, key=lambda row: row["zeta_E"])
+    yield words(
+        "judgement.governing",
+        **_where(worst, words),
+        capacity=worst.get("a_g_g"),
+        demand=worst.get("demand_a_g_g"),
+        ratio=worst["zeta_E"],
+        outcome=words.plain("value.verified" if worst.get("verified") else "value.not_verified"),
+    )
+    found = [
+        (zeta, {"state": name, "direction": direction, "limit_state": limit})
+        for name, direction, capacity in capacities(results)
+        for limit, zeta in indices(capacity).items()
+    ]
+    if found:
+        zeta, place = min(found, key=lambda each: each[0])
+        yield words("judgement.zeta", **_where(place, words), zeta=zeta)
+    passed = sum(bool(row.get("verified")) for row in made)
+    yield words("judgement.checks", passed=passed, total=len(rows))
+    if len(made) < len(rows):
+        yield words("judgement.open_checks", count=len(rows) - len(made))
+
+
+def _least_multiplier(results: Results, words: Words) -> Iterator[Markup]:
+    found = {
+        (row["state"], row["direction"]): row["alpha_0"]
+        for row in mechanisms(results).rows
+        if row["alpha_0"] is not None
+    }
+    if found:
+        state, direction = min(found, key=lambda place: found[place])
+        place = {"state": words.state(state), "direction": direction_name(direction)}
+        yield words("judgement.governing_alpha", alpha=found[state, direction], **place)
+
+
+def _chosen(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield the least ratio of the mechanisms that the engineer chose."""
+    rows = [row for row in chosen_checks(results).rows if row.get("zeta_E") is not None]
+    if rows:
+        worst = min(rows, key=lambda row: row["zeta_E"])
+        yield words(
+            "judgement.chosen",
+            mechanism=worst["mechanism"],
+            state=words.state(worst["state"]),
+            limit=check_name(worst["limit_state"], words),
+            ratio=worst["zeta_E"],
+        )
+
+
+def _losses(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield, for each limit state, what costs most of the a_g borne; without any a_g, what costs most of α0."""
+    rows = [row for row in summary(results).rows if row["quantity"] == "a_g_g"]
+    lost: dict[tuple[str, str], list[str]] = {}
+    for check in CHECKS:
+        of_check = [row for row in rows if row["limit_state"] == check]
+        unknown = list(_not_found(results, of_check))
+        for place in unknown:
+            lost.setdefault(place, []).append(check)
+        yield from _loss(_reductions(results, of_check), check, bool(unknown), words)
+    for (state, direction), checks in lost.items():
+        yield words(
+            "judgement.lost",
+            state=words.state(state),
+            direction=direction_name(direction),
+            limits=", ".join(check_name(check, words) for check in checks),
+        )
+    if not rows:
+        yield from _multiplier_loss(results, words)
+
+
+def _reductions(results: Results, rows: Iterable[Row]) -> list[tuple[float, str, str]]:
+    """Return the reductions of a quantity, each with its state and direction."""
+    return [
+        (loss, state, row["direction"])
+        for row in rows
+        for state in results["states"]
+        if (loss := row.get(f"reduction: {state}")) is not None
+    ]
+
+
+def _not_found(results: Results, rows: Iterable[Row]) -> Iterator[tuple[str, str]]:
+    """Yield the settled states and directions without a value that the original state has."""
+    for row in rows:
+        for state in results["states"]:
+            if state != "original" and row.get("original") is not None and row.get(state) is None:
+                yield state, row["direction"]
+
+
+def _loss(
+    losses: Sequence[tuple[float, str, str]], check: str, unknown: bool, words: Words
+) -> Iterator[Markup]:
+    if not losses:
+        return
+    largest, state, direction = max(losses, key=lambda each: each[0])
+    place = _where({"state": state, "direction": direction, "limit_state": check}, words)
+    if largest > ROUNDING:
+        yield words("judgement.reduction", **place, reduction=100.0 * largest)
+    elif not unknown:
+        yield words("judgement.no_reduction", **place, increase=max(0.0, -100.0 * largest))
+
+
+def _multiplier_loss(results: Results, words: Words) -> Iterator[Markup]:
+    rows = [row for row in summary(results).rows if row["quantity"] == "alpha_0"]
+    largest, state, direction = max(_reductions(results, rows), default=(0.0, "", ""))
+    if largest > ROUNDING:
+        place = {"state": words.state(state), "direction": direction_name(direction)}
+        yield words("judgement.alpha_reduction", **place, reduction=100.0 * largest)
+
+
+def _dynamic(results: Results, words: Words) -> Iterator[Markup]:
+    for row in results.get("comparison") or []:
+        if row.get("dynamic_pga_g") is not None and row.get("static_pga_g") is not None:
+            yield words(
+                "judgement.dynamic",
+                **_where(row, words),
+                dynamic=row["dynamic_pga_g"],
+                static=row["static_pga_g"],
+            )
+
+
+def _where(row: Mapping[str, Any], words: Words) -> dict[str, str]:
+    """Return state, direction and limit state of a row in the report's words."""
+    return {
+        "state": words.state(row["state"]),
+        "direction": direction_name(row["direction"]),
+        "limit": check_name(row["limit_state"], words),
+    }
+
+
+def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield a sentence that names the worst of the scenarios, where several were set side by side."""
+    worst = (results.get("scenarios") or {}).get("worst")
+    if worst:
+        by = results["scenarios"]["quantity"]
+        key = "collapses" if worst["collapses"] else by
+        sentence = words(
+            f"judgement.worst_{key}",
+            state=words.state(worst["state"]),
+            movement=words.millimetres(worst["movement_m"]),
+            direction=direction_name(worst["direction"]),
+            capacity=worst[by],
+            limit=results["scenarios"]["limit_state"],
+        )
+        if not worst["collapses"] and worst["reduction"] is not None:
+            sentence += Markup(" ") + words("judgement.worst_reduction", reduction=100.0 * worst["reduction"])
+        yield sentence
+
+
+def _sensitive(results: Results, words: Words) -> Iterator[Markup]:
+    rows = tornado(results).rows
+    bars = [row for row in rows if row["swing_g"]]
+    if bars:
+        widest = max(bars, key=lambda row: row["swing_g"])
+        span = [widest[key] for key in ("a_g_low_g", "a_g_base_g", "a_g_high_g")]
+        yield words(
+            "judgement.sensitive",
+            limit=results["sensitivity"]["limit_state"],
+            property=words.plain(f"value.{widest['property']}"),
+            state=words.state(widest["state"]),
+            low=float(widest["low_factor"]),
+            high=float(widest["high_factor"]),
+            least=min(span),
+            most=max(span),
+        )
+    without = dict.fromkeys(row["property"] for row in rows if row["swing_g"] is None)
+    if without:
+        names = ", ".join(words.plain(f"value.{name}") for name in without)
+        yield words("judgement.sensitive_open", properties=names)
+
+
+def _margins(results: Results, words: Words) -> Iterator[Markup]:
+    for name, content in results["states"].items():
+        for contacts, stage in (content.get("pushdown") or {}).items():
+            ultimate, applied = stage.get("ultimate_movement_m"), stage["applied_movement_m"]
+            if ultimate:
+                yield words(
+                    "judgement.margin" if applied < ultimate else "judgement.no_margin",
+                    state=words.state(name),
+                    contacts=words.plain(f"value.{contacts}"),
+                    applied=1000.0 * applied,
+                    share=100.0 * applied / ultimate,
+                    ultimate=1000.0 * ultimate,
+                )
+
+
+def _trust(results: Results, words: Words) -> Iterator[Markup]:
+    found = {name: results["quality"].get(f"worst_{name}") for name in RESIDUALS}
+    known = {name: float(residual) for name, residual in found.items() if residual is not None}
+    poor = [name for name, residual in known.items() if residual > RESIDUALS[name]]
+    for name in poor:
+        yield words("judgement.poor_certificates", what=words(f"judgement.{name}"), residual=known[name])
+    if len(known) == len(RESIDUALS) and not poor:
+        yield words("judgement.certificates", **known)
+    deviations = [
+        abs(row[key]) for row in hand_check(results).rows for key in ("deviation", "hand_deviation")
+    ]
+    if deviations:
+        key = "hand_agrees" if max(deviations) <= AGREEMENT else "hand_differs"
+        yield words(f"judgement.{key}", deviation=100.0 * max(deviations))
+    unbalanced = [row["unbalanced"] for row in balance(results).rows]
+    if unbalanced:
+        good = max(unbalanced) <= BALANCED
+        yield words(f"judgement.{'balanced' if good else 'unbalanced'}", unbalanced=max(unbalanced))
+    warnings = all_warnings(results)
+    if warnings:
+        yield words("judgement.warnings", count=len(warnings))
+
+
+def all_warnings(results: Results) -> list[str]:
+    """Return the warnings of model, run and solves, each once, in order."""
+    listed = [
+        *(results["model"].get("warnings") or []),
+        *(results.get("warnings") or []),
+        *(results["quality"].get("warnings") or []),
+    ]
+    return list(dict.fromkeys(listed))

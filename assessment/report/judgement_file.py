@@ -1,0 +1,131 @@
+"""judgement.md: the drafted judgement as a file that the engineer edits, kept and printed once it was edited."""
+
+from __future__ import annotations
+
+import codecs
+import hashlib
+import re
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+
+from markupsafe import Markup, escape
+
+from assessment.report.judgement import draft_judgement
+from assessment.report.text.language import Words
+from assessment.results.table import Results
+from assessment.runtime.errors import ProjectError
+
+NAME = "judgement.md"
+MARK = re.compile(r"<!-- draft ([0-9a-f]{16})")
+BULLET, HEADING = re.compile(r"[-*] +"), re.compile(r"#+ +")
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """`content` of the file; `edited`: the engineer's own words as HTML, None while it is the draft; warnings."""
+
+    content: bytes
+    edited: Markup | None
+    warnings: tuple[str, ...] = ()
+
+
+def judgement(results: Results, words: Words, folder: Path) -> Judgement:
+    """Return the judgement to write into `folder` beside the results: the draft, or the file there where it was edited.
+
+    The first line of the file holds a digest of the draft that follows: a text that does not match it was edited. Where
+    the draft has changed since, a warning says so. Raises ProjectError for a file that cannot be read as text.
+    """
+    body = "\n".join(f"- {_plain(sentence)}" for sentence in draft_judgement(results, words)) + "\n"
+    mark = f"<!-- draft {_digest(body)}: {words.plain('judgement.file')} -->\n\n"
+    path = folder / NAME
+    if path.is_file():
+        text = read_judgement(path)
+        first, _, rest = text.partition("\n")
+        found = MARK.match(first)
+        written = rest if found else text
+        if written.strip() and not (found and found[1] == _digest(written)):
+            changed = not found or found[1] != _digest(body)
+            notes = (words.plain("warning.judgement", file=NAME),) if changed else ()
+            return Judgement(path.read_bytes(), to_html(written), notes)
+    return Judgement((mark + body).encode(), None)
+
+
+def read_judgement(path: Path) -> str:
+    """Return the text of the file: UTF-8, or what editors on Windows write, UTF-16 and the code page of the West.
+
+    Raises ProjectError where it is none of them.
+    """
+    content = path.read_bytes()
+    wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    for encoding in ("utf-16",) if wide else ("utf-8-sig", "cp1252"):
+        with suppress(UnicodeDecodeError):
+            text = content.decode(encoding)
+            if "\0" not in text:
+                return "\n".join(text.splitlines()) + "\n"
+    raise ProjectError(f"{path}: not readable as text; save it as UTF-8, or delete it to have a new draft")
+
+
+def to_html(markdown: str) -> Markup:
+    """Return paragraphs, headings, bullets, **bold** and *italic* text as HTML; everything else is plain text."""
+    return Markup("\n").join(_blocks(_without_comments(markdown).splitlines()))
+
+
+def _without_comments(text: str) -> str:
+    """Leave out what stands between <!-- and -->; one that is not closed is text."""
+    first, *others = text.split("<!--")
+    kept, open_ = [first], ""
+    for part in others:
+        open_ += f"<!--{part}"
+        _, end, after = part.partition("-->")
+        if end:
+            kept.append(after)
+            open_ = ""
+    return "".join(kept) + open_
+
+
+def _blocks(lines: Iterable[str]) -> Iterator[Markup]:
+    def kind(line: str) -> str:
+        if HEADING.match(line):
+            return "heading"
+        return "bullet" if BULLET.match(line) else "text" if line.strip() else "blank"
+
+    for name, group in groupby(_joined(lines), kind):
+        if name == "bullet":
+            items = (Markup("<li>{}</li>").format(_inline(BULLET.sub("", line, count=1))) for line in group)
+            yield Markup("<ul>{}</ul>").format(Markup("").join(items))
+        elif name == "heading":
+            for line in group:
+                yield Markup("<h3>{}</h3>").format(_inline(HEADING.sub("", line, count=1)))
+        elif name == "text":
+            yield Markup("<p>{}</p>").format(_inline(" ".join(group)))
+
+
+def _joined(lines: Iterable[str]) -> Iterator[str]:
+    """Join the indented lines that continue a bullet to it."""
+    parts: list[str] = []
+    for line in lines:
+        if parts and BULLET.match(parts[0]) and line.startswith(" ") and line.strip():
+            parts.append(line.strip())
+            continue
+        if parts:
+            yield " ".join(parts)
+        parts = [line]
+    if parts:
+        yield " ".join(parts)
+
+
+def _inline(text: str) -> Markup:
+    html = re.sub(r"\*\*(.+?)\*\*", r"<b>\1</b>", str(escape(text.strip())))
+    return Markup(re.sub(r"\*(.+?)\*", r"<i>\1</i>", html))
+
+
+def _plain(sentence: Markup) -> str:
+    """Return a sentence of the draft without HTML: subscripts after an underscore."""
+    return Markup(re.sub(r"<sub>(.*?)</sub>", r"_\1", str(sentence))).striptags()
+
+
+def _digest(body: str) -> str:
+    return hashlib.sha256(body.strip().encode()).hexdigest()[:16]

@@ -1,0 +1,142 @@
+"""The tables of the scenarios side by side and of the sensitivity."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from assessment.results.table import Results, Row, Table, static_pga, taken_to_collapse
+
+SCENARIOS = (
+    "state",
+    "movement_m",
+    "direction",
+    "collapses",
+    "alpha_0",
+    "alpha_u",
+    "d_0_m",
+    "limit_state",
+    "a_g_g",
+    "zeta_E",
+    "reduction",
+    "ultimate_rigid_m",
+    "ultimate_elastic_m",
+    "worst",
+)
+SENSITIVITY = (
+    "state",
+    "property",
+    "factor",
+    "direction",
+    "collapses",
+    "alpha_0",
+    "alpha_u",
+    "d_0_m",
+    "limit_state",
+    "a_g_g",
+    "zeta_E",
+)
+TORNADO = (
+    "state",
+    "property",
+    "low_factor",
+    "high_factor",
+    "a_g_low_g",
+    "a_g_base_g",
+    "a_g_high_g",
+    "swing_g",
+)
+
+ROUNDING = 1e-6  # of a capacity: what the solver may leave of a difference that is none
+
+
+def study_tables(results: Results) -> list[Table]:
+    """List all tables of the studies, long ones included."""
+    return [scenarios(results), sensitivity(results), tornado(results)]
+
+
+def reported_studies(results: Results) -> list[Table]:
+    """Return the tables of the report: the scenarios without what holds for all of them, and the tornado."""
+    table = scenarios(results)
+    left_out = {"limit_state", "worst"} | (
+        {"collapses"} - {key for row in table.rows for key in row if row[key]}
+    )
+    return [Table(table.name, table.rows, tuple(c for c in SCENARIOS if c not in left_out)), tornado(results)]
+
+
+def scenarios(results: Results) -> Table:
+    """List every point of every scenario; the ultimate movements stand with the whole movement.
+
+    `reduction` is that of a_g, of α0 where there is no assessment; `worst` marks the lowest of them.
+    """
+    found = results.get("scenarios") or {}
+    rows: list[Row] = []
+    for point in found.get("points") or []:
+        row = _judged(point, found) | {"worst": point == found["worst"]}
+        if point["share"] == 1.0 and point["state"] in taken_to_collapse(results):
+            pushdown = results["states"][point["state"]].get("pushdown") or {}
+            row |= {f"ultimate_{contacts}_m": s["ultimate_movement_m"] for contacts, s in pushdown.items()}
+        rows.append(row)
+    return Table("scenarios", rows, SCENARIOS)
+
+
+def sensitivity(results: Results) -> Table:
+    """List every run of the sensitivity: state, property and its factor, direction, capacity."""
+    found = results.get("sensitivity") or {}
+    return Table("sensitivity", [_judged(run, found) for run in found.get("runs") or []], SENSITIVITY)
+
+
+def tornado(results: Results) -> Table:
+    """Set the capacity a_g of each state with a property lower and higher beside that of the project.
+
+    The capacity of a state is that of its weaker direction, in each run anew; None where one of them is not known.
+    `swing_g` spans the three capacities. The properties of a state stand in the order of their swing.
+    """
+    runs = (results.get("sensitivity") or {}).get("runs") or []
+    rows: list[Row] = []
+    for state in dict.fromkeys(run["state"] for run in runs):
+        own = [run for run in runs if run["state"] == state]
+        directions = dict.fromkeys(run["direction"] for run in own)
+        checks = results["states"][state]["capacity"]
+        base = _weaker(static_pga(checks.get(direction)) for direction in directions)
+        bars = [_bar(state, name, own, base) for name in dict.fromkeys(run["property"] for run in own)]
+        rows += sorted(bars, key=lambda row: -float("inf") if row["swing_g"] is None else -row["swing_g"])
+    return Table("tornado", rows, TORNADO)
+
+
+def _bar(state: str, name: str, runs: Iterable[Mapping[str, Any]], base: float | None) -> Row:
+    of_property = [run for run in runs if run["property"] == name]
+    low, high = sorted({run["factor"] for run in of_property})
+    at = {
+        factor: _weaker(run["a_g_g"] for run in of_property if run["factor"] == factor)
+        for factor in (low, high)
+    }
+    known = [value for value in (at[low], base, at[high]) if value is not None]
+    return {
+        "state": state,
+        "property": name,
+        "low_factor": low,
+        "high_factor": high,
+        "a_g_low_g": at[low],
+        "a_g_base_g": base,
+        "a_g_high_g": at[high],
+        "swing_g": _swing(known) if len(known) == 3 else None,
+    }
+
+
+def _swing(capacities: list[float]) -> float:
+    """Return the span of the capacities, none where nothing but rounding tells them apart."""
+    span = max(capacities) - min(capacities)
+    return span if span > ROUNDING * max(capacities) else 0.0
+
+
+def _weaker(capacities: Iterable[float | None]) -> float | None:
+    values = list(capacities)
+    known = [value for value in values if value is not None]
+    return min(known) if known and len(known) == len(values) else None
+
+
+def _judged(numbers: Mapping[str, Any], found: Mapping[str, Any]) -> Row:
+    """Return a row with the limit state of its capacity, where there is an assessment."""
+    limit = found["limit_state"]
+    return {**numbers, "limit_state": limit} if limit else dict(numbers)

@@ -1,0 +1,162 @@
+"""What the interactive page steps through: the paths of the results with their frames, as data of its script."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
+from assessment.report.text.language import Words, direction_name
+from assessment.results.joint_states import EDGE, FRICTION, IDLE
+from assessment.results.table import Results
+
+
+@dataclass(frozen=True)
+class Viewer:
+    """The script of the page and its data, ready to be put between tags."""
+
+    data: Markup
+    script: Markup
+
+
+def viewer(results: Results, words: Words) -> Viewer | None:
+    """Return script and data of the page that steps through the paths; None where no path was kept."""
+    paths = [*_pushdowns(results, words), *_pushovers(results, words), *_histories(results, words)]
+    if not paths:
+        return None
+    geometry = results["geometry"]
+    data = {
+        "blocks": [
+            {
+                "vertices": block["vertices_m"],
+                "centroid": block["centroid_m"],
+                "layer": block["layer"],
+                "support": block["support"],
+                "weight": block["weight_kN"],
+            }
+            for block in geometry["blocks"]
+        ],
+        "joints": [_joint(joint) for joint in geometry["joints"]],
+        "tolerance": geometry["joint_tolerance_m"],
+        "weight": results["model"]["weight_kN"],
+        "limits": {"idle": IDLE, "friction": FRICTION, "edge": EDGE},
+        "paths": paths,
+        "words": dict(words.strings["viewer"]) | {"decimal_mark": words.plain("value.decimal_mark")},
+    }
+    text = json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
+    script = (files("templates") / "viewer.js").read_text(encoding="utf-8")
+    return Viewer(Markup(text), Markup(script))
+
+
+def _pushdowns(results: Results, words: Words) -> Iterator[dict[str, Any]]:
+    for name, content in results["states"].items():
+        for contacts, stage in (content.get("pushdown") or {}).items():
+            if "frames" in stage:
+                movement = [1000.0 * value for value in stage["movement_m"]]
+                series = [
+                    _series(label, movement, stage[key])
+                    for label, key in (("Rx", "reaction_x_kN"), ("Rz", "reaction_z_kN"))
+                ]
+                yield {
+                    "title": _title(words, "pushdown", name, words.plain(f"value.{contacts}")),
+                    "x_label": words.plain("figure.movement"),
+                    "y_label": words.plain("viewer.reactions"),
+                    "series": series,
+                    "frames": _frames(stage["frames"], series),
+                }
+
+
+def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
+    for name, content in results["states"].items():
+        for direction, pushover in (content.get("pushover") or {}).items():
+            for contacts in ("rigid", "elastic"):
+                stage = (pushover or {}).get(contacts) or {}
+                if "frames" in stage:
+                    curve = stage["curve"]
+                    along = [1000.0 * value for value in curve["displacement_m"]]
+                    series = [_series("α", along, curve["multiplier"])]
+                    where = f"{direction_name(direction)}, {words.plain(f'value.{contacts}')}"
+                    yield {
+                        "title": _title(words, "pushover", name, where),
+                        "x_label": words.plain("figure.x_displacement"),
+                        "y_label": words.plain("figure.multiplier"),
+                        "series": series,
+                        "frames": _frames(stage["frames"], series),
+                    }
+
+
+def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
+    for name, content in results["states"].items():
+        for entry in content.get("history") or []:
+            if "snapshots" in entry:
+                kept, curve = entry["snapshots"], entry["curve"]
+                displacement = [1000.0 * value for value in curve["displacement_m"]]
+                yield {
+                    "title": _title(words, "history", name, entry["record"]),
+                    "x_label": words.plain("figure.time"),
+                    "y_label": words.plain("figure.x_displacement"),
+                    "series": [_series("d", curve["time_s"], displacement)],
+                    "frames": {
+                        "x": kept["time_s"],
+                        "y": [[1000.0 * value for value in kept["displacement_m"]]],
+                        **_drawn(kept),
+                    },
+                }
+
+
+def _frames(kept: Mapping[str, Any], series: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Frames of a static path: values on its curves at each, and what the script draws."""
+    return {
+        "x": [series[0]["x"][index] for index in kept["index"]],
+        "y": [[each["y"][index] for index in kept["index"]] for each in series],
+        **_drawn(kept),
+    }
+
+
+def _drawn(kept: Mapping[str, Any]) -> dict[str, Any]:
+    """Where the blocks are and what the joints carry at each frame, NaN where that is not known."""
+    joints = max((len(each) for each in kept["centre"] if each is not None), default=0)
+    force = [np.full((joints, 2), np.nan) if each is None else each for each in kept["force_kN"]]
+    centre = [np.full(joints, np.nan) if each is None else each for each in kept["centre"]]
+    return {
+        "configuration": _floats(kept["configuration"]),
+        "force": _floats(force),
+        "centre": _floats(centre),
+        "met": [_joint(each) for each in kept["met"]],
+    }
+
+
+def _joint(joint: Mapping[str, Any]) -> dict[str, Any]:
+    """What the script needs of a pair of faces; `drawn`: whether its slip counts from the drawing."""
+    return {
+        "blocks": joint["blocks"],
+        "middle": joint["middle_m"],
+        "faces": joint["faces_m"],
+        "friction": joint["friction"],
+        "depth": joint["depth_m"],
+        "strength": joint["compressive_strength_kN_m2"],
+        "drawn": "ends_m" in joint,
+    }
+
+
+def _series(label: str, x: Sequence[float], y: Sequence[float]) -> dict[str, Any]:
+    return {"label": label, "x": _short(x), "y": _short(y)}
+
+
+def _short(values: Sequence[float]) -> list[float]:
+    return [float(f"{value:.6g}") for value in values]
+
+
+def _floats(values: Any) -> str:
+    """Return numbers as base64 of little-endian 32-bit floats, NaN for None."""
+    return base64.b64encode(np.asarray(values, dtype=float).astype("<f4").tobytes()).decode()
+
+
+def _title(words: Words, stage: str, state: str, what: str) -> str:
+    return f"{words.plain(f'viewer.{stage}')}: {words.state(state)}, {what}"

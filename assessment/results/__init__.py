@@ -1,0 +1,1 @@
+"""What analyses leave in results.json: tables, frames, outlines, joint states, reactions."""

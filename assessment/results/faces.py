@@ -1,0 +1,146 @@
+"""Joints in results.json: which faces they are made of, and where these are in a configuration."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mechanics import Assembly
+from mechanics.model import A1, A2, B1, B2, FACE, PX, PZ, QX, QZ, TAX, TAZ, TBX, TBZ, Contacts, H
+from mechanics.types import Array, Index, Mask
+
+Numbers = dict[str, Any]
+
+
+def described(model: Assembly, contacts: Contacts) -> list[Numbers]:
+    """Describe pairs of faces (m, as drawn): of either block start and end along the common direction, and a middle.
+
+    The `middle_m` of each face are the points from which slips count; of drawn joints they are one.
+    """
+    depth = np.array([block.depth for block in model.blocks])
+    centroid = model.initial.positions[:, :2]
+    found = []
+    for a, b, face, strength in zip(contacts.a, contacts.b, contacts.faces, contacts.strength, strict=True):
+        p, q = centroid[a] + face[[PX, PZ]], centroid[b] + face[[QX, QZ]]
+        along, facing = face[[TAX, TAZ]], face[[TBX, TBZ]]
+        thin = float(min(depth[a], depth[b]))
+        found.append(
+            {
+                "blocks": [int(a), int(b)],
+                "middle_m": [p.tolist(), q.tolist()],
+                "faces_m": [
+                    [(p + s * along).tolist() for s in face[[A1, A2]]],
+                    [(q + s * facing).tolist() for s in face[[B1, B2]]],
+                ],
+                "friction": friction_of(model, int(a), int(b)),
+                "depth_m": thin,
+                "compressive_strength_kN_m2": None if math.isinf(strength) else float(strength) / thin,
+            }
+        )
+    return found
+
+
+def friction_of(model: Assembly, a: int, b: int) -> float | None:
+    """Return the friction between two blocks; None where nothing slides: JSON has no infinity."""
+    friction = min(model.blocks[a].material.friction, model.blocks[b].material.friction)
+    return None if math.isinf(friction) else friction
+
+
+class Met:
+    """Pairs of faces that met on a path although they did not touch as drawn, in the order in which they did."""
+
+    def __init__(self, model: Assembly) -> None:
+        self.model, self.drawn = model, len(model.contacts)
+        self.place: dict[tuple[int, ...], int] = {}
+        self.joints: list[Numbers] = []
+
+    def numbers(self, contacts: Contacts, wanted: Mask) -> Index:
+        """Return the number (j,) of each of the contacts among drawn joints and met pairs; −1 where neither.
+
+        `wanted` (j,): which pairs count as met.
+        """
+        found = np.full(len(contacts), -1, dtype=np.intp)
+        found[: self.drawn] = np.arange(self.drawn)
+        for k in np.flatnonzero(wanted[self.drawn :]) + self.drawn:
+            pair = tuple(contacts.edges[k].tolist())
+            if pair not in self.place:
+                self.place[pair] = self.drawn + len(self.joints)
+                self.joints += described(self.model, contacts.take(np.array([k])))
+            found[k] = self.place[pair]
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Faces:
+    """Joints as results tell them, ready for their kinematics.
+
+    `contacts`: their faces and friction; `centroids` (b, 2) m as drawn; `depth` (m) and `strength` (kN/m²) (j,),
+    infinite where there is no limit. `drawn`: how many of them are joints of the drawing; slips of the others count
+    from nowhere.
+    """
+
+    contacts: Contacts
+    centroids: Array
+    depth: Array
+    strength: Array
+    drawn: int
+
+    def positions(self, configuration: Array) -> Array:
+        """Positions (b, 3) of blocks displaced by a configuration (b, 3)."""
+        return np.column_stack([self.centroids, np.zeros(len(self.centroids))]) + configuration
+
+
+def faces_of(results: Mapping[str, Any], met: Sequence[Mapping[str, Any]] = ()) -> Faces:
+    """Return the joints of the results, then those of a path's `met`."""
+    geometry = results["geometry"]
+    joints = [*geometry["joints"], *met]
+    centroids = np.array([block["centroid_m"] for block in geometry["blocks"]], dtype=float)
+    owner = np.array([joint["blocks"] for joint in joints], dtype=np.intp).reshape(-1, 2)
+    middle = np.array([joint["middle_m"] for joint in joints], dtype=float).reshape(-1, 2, 2)
+    ends = np.array([joint["faces_m"] for joint in joints], dtype=float).reshape(-1, 2, 2, 2)
+    along = ends[:, :, 1] - ends[:, :, 0]
+    along = along / np.hypot(*along.transpose(2, 0, 1))[..., None]
+    reach = np.einsum("jfei,jfi->jfe", ends - middle[:, :, None], along)
+    faces = np.zeros((len(joints), FACE))
+    for f, (point, tangent, limits) in enumerate(
+        (((PX, PZ), (TAX, TAZ), (A1, A2)), ((QX, QZ), (TBX, TBZ), (B1, B2)))
+    ):
+        faces[:, point] = middle[:, f] - centroids[owner[:, f]]
+        faces[:, tangent], faces[:, limits] = along[:, f], reach[:, f]
+    unknown = np.full(len(joints), np.nan)
+    contacts = Contacts(
+        a=owner[:, 0],
+        b=owner[:, 1],
+        faces=faces,
+        friction=_limits(joints, "friction"),
+        bed=unknown,
+        shear=unknown,
+        strength=unknown,
+        segments=np.zeros(len(joints), dtype=np.intp),
+        edges=np.zeros((len(joints), 2), dtype=np.intp),
+        tolerance=geometry["joint_tolerance_m"],
+    )
+    return Faces(
+        contacts,
+        centroids,
+        np.array([joint["depth_m"] for joint in joints], dtype=float),
+        _limits(joints, "compressive_strength_kN_m2"),
+        len(geometry["joints"]),
+    )
+
+
+def _limits(joints: Sequence[Mapping[str, Any]], key: str) -> Array:
+    return np.array([np.inf if joint[key] is None else joint[key] for joint in joints], dtype=float)
+
+
+def shares(places: Array, forces: Array) -> Array:
+    """Return where N presses (j,), as a share of the overlap from its first end; NaN where nothing does."""
+    half, normal = places[:, H], forces[:, 0]
+    presses = (normal > 0.0) & (half > 0.0)
+    found = np.full(len(forces), np.nan)
+    found[presses] = np.clip(0.5 + 0.5 * forces[presses, 1] / (normal[presses] * half[presses]), 0.0, 1.0)
+    return found

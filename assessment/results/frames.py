@@ -1,0 +1,136 @@
+"""The frames of a path: where the blocks are at some of its points, and what the joints carry there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from assessment.results.faces import Met, shares
+
+if TYPE_CHECKING:
+    from mechanics import Assembly
+    from mechanics.model import Contacts, State
+    from mechanics.procedures import Pushdown, Pushover
+    from mechanics.types import Array
+
+Numbers = dict[str, Any]
+NUMBERS = 40_000  # kept of one path: what its frames may cost in results.json and in the page
+FEWEST, MOST = 15, 60  # frames of a static path
+FEWEST_IN_TIME, MOST_IN_TIME = 24, 150
+LEAST = 1e-6  # of the model's weight: what a pair that met carries at least to be told
+DIGITS = 6  # of the model's size and weight: positions and forces are kept for pictures
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """What joints carry: forces N, P, T (j, 3), kN and kNm, of contacts, the drawn joints first."""
+
+    contacts: Contacts
+    forces: Array
+
+
+def pushover_frames(model: Assembly, path: Pushover, met: Met) -> Numbers:
+    """Frames of a capacity curve, its onset, peak and end among them; see `frames`."""
+    # a rigid curve has no step at its onset: the forces there are those of the limit analysis
+    lead: list[Carried | None] = [] if len(path.steps) == len(path.states) else [None]
+    carried = [*lead, *(Carried(step.contacts, step.forces) for step in path.steps)]
+    carried[path.formed] = Carried(path.contacts, path.forces)
+    return frames(model, path.states, carried, (path.peak, path.formed), met)
+
+
+def pushdown_frames(model: Assembly, path: Pushdown, whole: float) -> Numbers:
+    """Frames of a movement, the `whole` one (m) that was asked for among them; see `frames`."""
+    asked = int(np.argmin(abs(path.movement - whole)))
+    carried = [Carried(step.contacts, step.forces) for step in path.steps]
+    return frames(model, path.states, carried, (asked,), Met(model))
+
+
+def frames(
+    model: Assembly,
+    states: Sequence[State],
+    carried: Sequence[Carried | None],
+    wanted: Iterable[int],
+    met: Met,
+) -> Numbers:
+    """Describe some points of a path, first, last and `wanted` ones among them.
+
+    `index` (f,): which points of the path's curve; `configuration` (f, b, 3): displacements (m) and rotation (rad) of
+    the blocks from the drawing; `force_kN` (f, j, 2): N and T of each joint, `centre` (f, j): where N presses, as a
+    share of the overlap; None where not known. Joints are the drawn ones and then those in `met`, which did not touch
+    as drawn.
+    """
+    kept = chosen(len(states), max(FEWEST, min(MOST, NUMBERS // _size(model))), wanted)
+    at = [states[k].positions for k in kept]
+    return {"index": kept, **_pictured(model, at, [carried[k] for k in kept], met)}
+
+
+def _size(model: Assembly) -> int:
+    """Numbers of one frame."""
+    return 3 * (len(model.blocks) + len(model.joints.a))
+
+
+def _pictured(
+    model: Assembly, positions: Sequence[Array], carried: Sequence[Carried | None], met: Met
+) -> Numbers:
+    least = LEAST * model.weight
+    numbers = [None if c is None else met.numbers(c.contacts, c.forces[:, 0] > least) for c in carried]
+    count = met.drawn + len(met.joints)
+    force: list[Any] = []
+    centre: list[Any] = []
+    for at, c, number in zip(positions, carried, numbers, strict=True):
+        if c is None or number is None:
+            force.append(None)
+            centre.append(None)
+            continue
+        told = number >= 0
+        resultant, share = np.zeros((count, 2)), np.full(count, np.nan)
+        resultant[number[told]] = c.forces[told][:, [0, 2]]
+        share[number[told]] = shares(c.contacts.places(at), c.forces)[told]
+        share[resultant[:, 0] <= 1e-9 * model.weight] = np.nan
+        force.append(_rounded(resultant, model.weight))
+        centre.append(np.round(share, 6).tolist())
+    return {
+        "configuration": configurations(model, np.array(positions)),
+        "force_kN": force,
+        "centre": centre,
+        "met": list(met.joints),
+    }
+
+
+def snapshots(
+    model: Assembly, time: Array, displacement: Array, positions: Array, forces: Array, peak: int
+) -> Numbers:
+    """Describe some times of a motion, evenly spaced, the peak among them: `time_s`, `displacement_m` (f,) as well.
+
+    `configuration`, `force_kN` and `centre` as in `frames`, of the drawn joints: `forces` (k, j, 3) are those of the
+    step that led there.
+    """
+    kept = chosen(len(time), max(FEWEST_IN_TIME, min(MOST_IN_TIME, NUMBERS // _size(model))), (peak,))
+    carried = [Carried(model.contacts, forces[k]) if k > 0 or forces[k].any() else None for k in kept]
+    return {
+        "time_s": np.round(time[kept], 6).tolist(),
+        "displacement_m": displacement[kept].tolist(),
+        # a motion knows no forces before its first step
+        **_pictured(model, [positions[k] for k in kept], carried, Met(model)),
+    }
+
+
+def chosen(count: int, most: int, wanted: Iterable[int]) -> list[int]:
+    """Return about `most` of `count` points, evenly spaced, with the first, the last and the wanted ones."""
+    spaced = np.linspace(0, count - 1, min(count, most)).round().astype(int)
+    return sorted({*spaced.tolist(), *(int(k) for k in wanted)})
+
+
+def configurations(model: Assembly, positions: Array) -> list[list[list[float]]]:
+    """Displacements and rotation (f, b, 3) of the blocks from the drawing, rounded as pictures need them."""
+    extent = max(float(np.ptp(np.concatenate([block.polygon for block in model.blocks]), axis=0).max()), 1e-9)
+    return _rounded(positions - model.initial.positions, extent)
+
+
+def _rounded(values: Array, size: float) -> list[Any]:
+    digits = DIGITS - math.floor(math.log10(size))
+    return (np.round(values, digits) + 0.0).tolist()  # + 0.0: no −0.0

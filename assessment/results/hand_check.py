@@ -1,0 +1,227 @@
+"""The hand check: a mechanism as a few rigid macro-blocks, and its multiplier by virtual work from their figures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from assessment.results.outlines import Array, field, outlines, place
+from assessment.results.table import Results, Row, Table, sense
+
+TOGETHER = 0.01  # of the largest velocity: across a joint, what does not part two blocks
+BY_HAND = 15  # macro-blocks that are printed and numbered; more are no check by hand
+STILL = 1e-3  # of the largest velocity: a block that does not take part
+NOTHING = 1e-9  # kN, m or rad: what rounding leaves of zero
+EQUAL = 1e-6  # multipliers that differ by less are one
+FIGURES = 4  # significant figures that the reader is given, and that the check is made with
+COLUMNS = (
+    "state",
+    "direction",
+    "macro_block",
+    "blocks",
+    "weight_kN",
+    "seismic_weight_kN",
+    "x_G_m",
+    "z_G_m",
+    "omega",
+    "x_C_m",
+    "z_C_m",
+    "delta_x",
+    "delta_z",
+)
+
+
+@dataclass(frozen=True)
+class MacroBlock:
+    """Blocks that move as one: members, weight and seismic weight kN, centroid (2,) m, motion (3,) of the centroid.
+
+    The motion is δ_x, δ_z, ω, scaled so that the largest displacement of a centroid in the mechanism is 1 m.
+    """
+
+    members: tuple[int, ...]
+    weight: float
+    seismic: float
+    centroid: Array
+    motion: Array
+
+    @property
+    def centre(self) -> Array:
+        """Centre of rotation (2,) m; NaN for a translation."""
+        dx, dz, w = self.motion
+        if abs(w) < 1e-9:
+            return np.full(2, np.nan)
+        return self.centroid + np.array([-dz, dx]) / w
+
+
+def macro_blocks(results: Results, state: str, direction: str) -> list[MacroBlock]:
+    """Group the blocks of a mechanism that move as one, the largest group first."""
+    rigid = results["states"][state]["pushover"][direction]["rigid"]
+    rate = np.asarray(rigid["mechanism"]["displacements"], dtype=float)
+    drawn = outlines(results)
+    at = np.asarray(rigid["mechanism_configuration"])
+    shape = drawn.moved(at)
+    speed = np.linalg.norm(field(shape.points, shape.owner, shape.centroids, rate), axis=1)
+    fastest = float(speed.max())
+    moving = np.zeros(len(rate), dtype=bool)
+    np.maximum.at(moving, shape.owner, speed > STILL * fastest)
+    group = np.arange(len(rate))
+    for joint in results["geometry"]["joints"]:
+        i, j = joint["blocks"]
+        if moving[i] and moving[j] and _as_one(joint, drawn.centroids, at, shape.centroids, rate, fastest):
+            group[group == group[j]] = group[i]
+    weight, seismic = weights(results)
+    found = [
+        _whole(np.flatnonzero(group == g), weight, seismic, shape.centroids, rate)
+        for g in np.unique(group[moving])
+    ]
+    largest = max(float(np.hypot(*each.motion[:2])) for each in found)
+    scaled = [
+        MacroBlock(each.members, each.weight, each.seismic, each.centroid, each.motion / largest)
+        for each in found
+    ]
+    return sorted(scaled, key=lambda each: (-each.weight, each.members))
+
+
+def macro_block_table(results: Results) -> Table:
+    """List the macro-blocks of every mechanism, rounded to the figures that the check uses."""
+    rows = [
+        row
+        for name, direction, _ in mechanisms(results)
+        for row in _rows(name, direction, macro_blocks(results, name, direction))
+    ]
+    return Table("macro_blocks", rows, COLUMNS)
+
+
+def hand_check(results: Results) -> Table:
+    """Compare the program's multiplier with virtual work over all its blocks and over the macro-blocks as printed."""
+    rows = []
+    for name, direction, rigid in mechanisms(results):
+        if rigid.get("virtual_work_alpha") is not None and rigid.get("alpha_0"):
+            computed = rigid["mechanism"]["alpha"]
+            by_blocks = rigid["virtual_work_alpha"]
+            figures = figures_of(results, name, direction)
+            by_hand = multiplier(figures)
+            rows.append(
+                {
+                    "state": name,
+                    "direction": direction,
+                    "macro_blocks": len(figures) - 1,
+                    "alpha_mechanism": computed,
+                    "virtual_work_alpha": by_blocks,
+                    "deviation": by_blocks / computed - 1.0,
+                    "hand_alpha": by_hand,
+                    "hand_deviation": by_hand / computed - 1.0,
+                }
+            )
+    return Table("hand_check", rows, tuple(rows[0]) if rows else ("state", "direction"))
+
+
+def governing_mechanisms(results: Results) -> list[tuple[str, str]]:
+    """Return each state with the direction in which its multiplier is least, the first one of equals."""
+    least: dict[str, tuple[str, float]] = {}
+    for name, direction, rigid in mechanisms(results):
+        if name not in least or rigid["alpha_0"] < (1.0 - EQUAL) * least[name][1]:
+            least[name] = direction, rigid["alpha_0"]
+    return [(name, direction) for name, (direction, _) in least.items()]
+
+
+def figures_of(results: Results, state: str, direction: str) -> list[Row]:
+    """Return the rows of a mechanism with their virtual work, and the sums that give the multiplier."""
+    sign = sense(direction)
+    rows = _rows(state, direction, macro_blocks(results, state, direction))
+    for row in rows:
+        row["work_load"] = sign * row["seismic_weight_kN"] * row["delta_x"]
+        row["work_weight"] = row["weight_kN"] * row["delta_z"]
+    total = {key: sum(row[key] for row in rows) for key in ("blocks", "weight_kN", "seismic_weight_kN")}
+    works = {key: sum(row[key] for row in rows) for key in ("work_load", "work_weight")}
+    return [*rows, {"macro_block": "Σ", **total, **works}]
+
+
+def multiplier(rows: list[Row]) -> float:
+    """Return α = Σ W δ_z / Σ W_s δ_x of the figures of a mechanism, δ_x along the loads; W_s seismic weights."""
+    return float(rows[-1]["work_weight"] / rows[-1]["work_load"])
+
+
+def mechanisms(results: Results) -> Iterator[tuple[str, str, Any]]:
+    """Yield state, direction and the rigid results of every mechanism."""
+    for name, content in results["states"].items():
+        for direction, pushover in (content.get("pushover") or {}).items():
+            rigid = (pushover or {}).get("rigid") or {}
+            if rigid.get("mechanism"):
+                yield name, direction, rigid
+
+
+def _as_one(joint: Any, drawn: Array, at: Array, centroids: Array, rate: Array, fastest: float) -> bool:
+    """Whether the two blocks of a joint have the same velocity at both its ends."""
+    ends = np.asarray(joint["ends_m"], dtype=float)
+    owners = [np.full(2, block) for block in joint["blocks"]]
+    point = place(ends, owners[0], drawn, at)
+    first, second = (field(point, owner, centroids, rate) for owner in owners)
+    return bool(np.linalg.norm(first - second, axis=1).max() < TOGETHER * fastest)
+
+
+def _whole(members: Any, weight: Array, seismic: Array, centroids: Array, rate: Array) -> MacroBlock:
+    share = weight[members] / weight[members].sum()
+    motion = np.r_[share @ rate[members, :2], share @ rate[members, 2]]
+    return MacroBlock(
+        tuple(int(block) for block in members),
+        float(weight[members].sum()),
+        float(seismic[members].sum()),
+        share @ centroids[members],
+        motion,
+    )
+
+
+def weights(results: Results) -> tuple[Array, Array]:
+    """Return weights and seismic weights (b,) kN, worked out from outlines, depths and the project's own figures."""
+    echo = results["echo"]
+    weight, seismic = [], []
+    for block in results["geometry"]["blocks"]:
+        given = {**(echo.get("material") or {}), **_own(echo, block["layer"])}
+        stone = (
+            float(given.get("unit_weight_kN_m3") or 0.0)
+            * block["depth_m"]
+            * outline_area(block["vertices_m"])
+        )
+        load = float(block.get("vertical_load_kN") or 0.0)
+        weight.append(stone + load)
+        seismic.append(stone + (load if given.get("load_has_mass", True) else 0.0))
+    return np.array(weight), np.array(seismic)
+
+
+def _own(echo: Any, layer: str) -> dict[str, Any]:
+    own = (echo.get("layers") or {}).get(layer) or {}
+    return {key: value for key, value in own.items() if value is not None}
+
+
+def outline_area(vertices: Any) -> float:
+    """Return the area of a simple polygon in m² (shoelace)."""
+    x, z = np.asarray(vertices, dtype=float).T
+    return float(abs(np.dot(x, np.roll(z, -1)) - np.dot(z, np.roll(x, -1))) / 2.0)
+
+
+def _rows(state: str, direction: str, whole: list[MacroBlock]) -> list[Row]:
+    rows: list[Row] = []
+    for number, each in enumerate(whole, 1):
+        numbers = dict(
+            zip(
+                COLUMNS[4:],
+                (each.weight, each.seismic, *each.centroid, each.motion[2], *each.centre, *each.motion[:2]),
+                strict=True,
+            )
+        )
+        rounded = {key: _figures(float(value)) for key, value in numbers.items()}
+        rows.append(
+            {"state": state, "direction": direction, "macro_block": number, "blocks": len(each.members)}
+            | rounded
+        )
+    return rows
+
+
+def _figures(value: float) -> float | None:
+    if not np.isfinite(value):
+        return None
+    return 0.0 if abs(value) < NOTHING else float(f"{value:.{FIGURES - 1}e}")

@@ -1,0 +1,198 @@
+"""What the joints of a state carry, and how: resultants, where they cross, contact, pressure, opening and slip."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from assessment.results.faces import faces_of
+from assessment.results.outlines import Array
+from assessment.results.table import Results
+from mechanics.model import NX, NZ, H, V, end_gaps, end_points
+from mechanics.types import Index
+
+IDLE = 1e-6  # of the model's weight: a joint that carries less carries nothing
+EDGE = 0.02  # of the joint's length: a resultant so near its end makes a hinge
+FRICTION = 0.99  # of μN: a joint about to slide
+CONDITIONS = ("whole", "partial", "edge", "sliding", "idle")
+
+
+@dataclass(frozen=True)
+class Situation:
+    """A state in equilibrium whose joint forces are known: at rest, or at the onset of a mechanism.
+
+    `configuration` (b, 3), `force` (j, 2) kN: N and T, `centre` (j,) as a share of the overlap; `met`: the joints after
+    the drawn ones, whose faces did not touch as drawn. `direction` is None at rest; `alpha` the multiplier there;
+    `contacts`: the behaviour behind the forces.
+    """
+
+    state: str
+    direction: str | None
+    contacts: str
+    alpha: float
+    configuration: Array
+    force: Array
+    centre: Array
+    met: Sequence[Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class JointStates:
+    """The joints in a situation, the drawn ones and then those that met.
+
+    `blocks` (j, 2); `ends` (j, 2, 2) m of where the faces overlap now, midway between them; `point` (j, 2) where the
+    resultant crosses; `force` (j, 2) kN, x and z, on the first block; `normal`, `shear` (j,) kN, compression positive;
+    `eccentricity` (j,) m from the middle of the overlap; `contact` (j,) m, the length that presses, and `pressure` (j,)
+    kN/m² at its edge, of a linear bed without tension that crushes at its strength; `uncrushed` (j,): the same without
+    strength; both infinite in a hinge at the very edge. `opening` (j, 2) m at the two ends, NaN where faces have slid
+    off each other; `slip` (j,) m, NaN for those that met. `condition` (j,) of CONDITIONS: the resultant within the
+    middle third (the whole joint presses), outside it, at an edge, on the cone of friction; idle.
+    """
+
+    blocks: Index
+    ends: Array
+    point: Array
+    force: Array
+    normal: Array
+    shear: Array
+    eccentricity: Array
+    contact: Array
+    pressure: Array
+    uncrushed: Array
+    opening: Array
+    slip: Array
+    condition: list[str]
+
+
+def situations(results: Results) -> Iterator[Situation]:
+    """Yield the rest of every state and the onset of every mechanism, where the forces were kept."""
+    for name, content in results["states"].items():
+        yield from _rest(name, content)
+        for direction, pushover in (content.get("pushover") or {}).items():
+            rigid = (pushover or {}).get("rigid") or {}
+            point = (rigid.get("mechanism") or {}).get("point")
+            if point is not None and "frames" in rigid:
+                alpha = rigid["curve"]["multiplier"][point]
+                yield from _at(name, direction, "rigid", alpha, rigid["frames"], point)
+
+
+def loaded(results: Results) -> Iterator[Situation]:
+    """Yield the situations and, with elastic joints, the peak of every pushover."""
+    yield from situations(results)
+    for name, content in results["states"].items():
+        for direction, pushover in (content.get("pushover") or {}).items():
+            elastic = (pushover or {}).get("elastic") or {}
+            if "frames" in elastic:
+                yield from _at(
+                    name, direction, "elastic", elastic["alpha_u"], elastic["frames"], elastic["peak"]
+                )
+
+
+def _rest(name: str, content: Mapping[str, Any]) -> Iterator[Situation]:
+    """Yield the rest under gravity: with elastic joints if it can be, where forces are determined."""
+    for pushover in (content.get("pushover") or {}).values():
+        elastic = (pushover or {}).get("elastic") or {}
+        if "frames" in elastic:
+            yield from _at(name, None, "elastic", 0.0, elastic["frames"], 0)
+            return
+    for contacts in ("elastic", "rigid"):
+        stage = (content.get("pushdown") or {}).get(contacts) or {}
+        if "frames" in stage:
+            movement = np.asarray(stage["movement_m"])
+            asked = int(np.argmin(abs(movement - stage["applied_movement_m"])))
+            yield from _at(name, None, contacts, 0.0, stage["frames"], asked)
+            return
+
+
+def _at(
+    name: str, direction: str | None, contacts: str, alpha: float, frames: Mapping[str, Any], point: int
+) -> Iterator[Situation]:
+    kept = frames["index"].index(point)
+    if frames["force_kN"][kept] is not None:
+        yield Situation(
+            name,
+            direction,
+            contacts,
+            alpha,
+            np.asarray(frames["configuration"][kept], dtype=float),
+            np.asarray(frames["force_kN"][kept], dtype=float),
+            np.asarray(frames["centre"][kept], dtype=float),
+            frames["met"],
+        )
+
+
+def joint_states(results: Results, situation: Situation) -> JointStates:
+    """Derive what the joints do from the forces and the configuration of a situation."""
+    faces = faces_of(results, situation.met)
+    contacts, positions = faces.contacts, faces.positions(situation.configuration)
+    places = contacts.places(positions)
+    ends = end_points(contacts, positions)
+    n = places[:, [NX, NZ]]
+    t = np.stack([n[:, 1], -n[:, 0]], axis=1)
+    N, T = situation.force.T
+    share = np.where(np.isfinite(situation.centre), situation.centre, 0.5)
+    overlap = 2.0 * places[:, H]
+    idle = ~(IDLE * results["model"]["weight_kN"] < N) | (overlap <= 0.0)
+    carried = np.where(idle, 0.0, N)
+    near = np.minimum(share, 1.0 - share) * overlap
+    contact, pressure = pressed(carried / faces.depth, near, overlap, faces.strength)
+    uncrushed = pressed(carried / faces.depth, near, overlap, np.full(len(contacts), np.inf))[1]
+    condition = np.select(
+        [
+            idle,
+            abs(T) > contacts.friction * np.maximum(FRICTION * N, 1e-99),
+            abs(share - 0.5) > 0.5 - EDGE,
+            abs(share - 0.5) > 1.0 / 6.0,
+        ],
+        ["idle", "sliding", "edge", "partial"],
+        "whole",
+    )
+    return JointStates(
+        np.stack([contacts.a, contacts.b], axis=1),
+        ends,
+        ends[:, 0] + share[:, None] * (ends[:, 1] - ends[:, 0]),
+        N[:, None] * n + T[:, None] * t,
+        N,
+        T,
+        np.where(idle, np.nan, (share - 0.5) * overlap),
+        contact,
+        pressure,
+        uncrushed,
+        np.where((overlap > 0.0)[:, None], end_gaps(places), np.nan),
+        np.where(np.arange(len(contacts)) < faces.drawn, places[:, V], np.nan),
+        condition.tolist(),
+    )
+
+
+def pressed(normal: Array, near: Array, length: Array, strength: Array) -> tuple[Array, Array]:
+    """Return the length (j,), m, that presses, and the pressure (j,), kN/m², at its edge.
+
+    Of a linear bed that bears no tension and no more than its `strength` (kN/m²); `normal` (kN/m of depth) acts at the
+    distance `near` (m) from the nearer end of a joint of `length` (m). Where it crushes, the full strength presses over
+    some length and then less, linearly down to zero; a joint that carries nothing presses nowhere.
+    """
+    carries = normal > 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        partial = 3.0 * near < length
+        linear = np.where(
+            partial,
+            2.0 * normal / (3.0 * near),
+            normal / length * (1.0 + 6.0 * (0.5 - near / length)),
+        )
+        block = normal / strength  # the length that would press with the full strength
+        crushed = block + np.sqrt(np.maximum(6.0 * (near * block - 0.5 * block**2), 0.0))
+    reach = np.minimum(np.where(linear > strength, crushed, 3.0 * near), length)
+    return np.where(carries, reach, 0.0), np.where(carries, np.minimum(linear, strength), 0.0)
+
+
+def thrust_lines(states: JointStates) -> list[Array]:
+    """Return a line (2, 2) m through each block that exactly two joints load: there the line of thrust is one."""
+    loaded: dict[int, list[int]] = {}
+    for number, pair in enumerate(states.blocks.tolist()):
+        if states.condition[number] != "idle":
+            for block in pair:
+                loaded.setdefault(block, []).append(number)
+    return [states.point[pair] for pair in loaded.values() if len(pair) == 2]

@@ -1,0 +1,125 @@
+"""Reactions of the supports at rest and at the activation of every mechanism, and their balance with the loads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from assessment.results.hand_check import weights
+from assessment.results.joint_states import Situation, joint_states, loaded, situations
+from assessment.results.outlines import Array
+from assessment.results.table import Results, Row, Table, sense
+
+WHERE = ("state", "direction", "contacts", "alpha")
+REACTIONS = (*WHERE, "support", "reaction_x_kN", "reaction_z_kN")
+BALANCE = (*WHERE, "reaction_x_kN", "load_x_kN", "reaction_z_kN", "load_z_kN", "unbalanced")
+JOINTS = (
+    "state",
+    "direction",
+    "contacts",
+    "joint",
+    "block_a",
+    "block_b",
+    "normal_kN",
+    "shear_kN",
+    "eccentricity_m",
+    "contact_length_m",
+    "edge_pressure_kN_m2",
+    "uncrushed_pressure_kN_m2",
+    "opening_1_m",
+    "opening_2_m",
+    "slip_m",
+    "condition",
+)
+
+
+def reactions(results: Results) -> Table:
+    """List the force of each support on the structure in every situation whose joint forces are known."""
+    rows = [
+        _where(each)
+        | {"support": support, "reaction_x_kN": float(force[0]), "reaction_z_kN": float(force[1])}
+        for each in situations(results)
+        for support, force in _forces(results, each)
+    ]
+    return Table("reactions", rows, REACTIONS)
+
+
+def balance(results: Results) -> Table:
+    """Set the sum of the reactions against the loads, worked out from outlines, depths and unit weights.
+
+    `unbalanced` is the larger component of what is left over, per weight.
+    """
+    movable = np.array([block["support"] is None for block in results["geometry"]["blocks"]])
+    dead, seismic = (float(each[movable].sum()) for each in weights(results))
+    rows = []
+    for each in situations(results):
+        total = sum((force for _, force in _forces(results, each)), np.zeros(2))
+        along = each.alpha * seismic * sense(each.direction or "+x")
+        load = np.array([along, -dead])
+        rows.append(
+            _where(each)
+            | {
+                "reaction_x_kN": float(total[0]),
+                "load_x_kN": float(load[0]),
+                "reaction_z_kN": float(total[1]),
+                "load_z_kN": float(load[1]),
+                "unbalanced": float(abs(total + load).max() / dead),
+            }
+        )
+    return Table("balance", rows, BALANCE)
+
+
+def joint_table(results: Results) -> Table:
+    """List what every joint does at rest, in every mechanism and at every elastic peak (see JointStates).
+
+    Numbers beyond those of the drawing are pairs of faces that met as blocks moved.
+    """
+    rows: list[Row] = []
+    for each in loaded(results):
+        states = joint_states(results, each)
+        for number, (a, b) in enumerate(states.blocks.tolist()):
+            values = {
+                "normal_kN": states.normal[number],
+                "shear_kN": states.shear[number],
+                "eccentricity_m": states.eccentricity[number],
+                "contact_length_m": states.contact[number],
+                "edge_pressure_kN_m2": states.pressure[number],
+                "uncrushed_pressure_kN_m2": states.uncrushed[number],
+                "opening_1_m": states.opening[number, 0],
+                "opening_2_m": states.opening[number, 1],
+                "slip_m": states.slip[number],
+            }
+            rows.append(
+                {
+                    "state": each.state,
+                    "direction": each.direction,
+                    "contacts": each.contacts,
+                    "joint": number,
+                    "block_a": a,
+                    "block_b": b,
+                    **{key: float(value) for key, value in values.items()},
+                    "condition": states.condition[number],
+                }
+            )
+    return Table("joints", rows, JOINTS)
+
+
+def _forces(results: Results, situation: Situation) -> Iterator[tuple[str, Array]]:
+    """Yield each support and its force (2,) kN on the structure."""
+    blocks, states = results["geometry"]["blocks"], joint_states(results, situation)
+    for support in sorted({block["support"] for block in blocks if block["support"]}):
+        total = np.zeros(2)
+        for force, pair in zip(states.force, states.blocks.tolist(), strict=True):
+            first, second = (blocks[block]["support"] == support for block in pair)
+            total += float(second) * force - float(first) * force
+        yield support, total
+
+
+def _where(situation: Situation) -> Row:
+    return {
+        "state": situation.state,
+        "direction": situation.direction,
+        "contacts": situation.contacts,
+        "alpha": situation.alpha,
+    }

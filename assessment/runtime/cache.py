@@ -1,0 +1,105 @@
+"""Results of finished analyses in the output folder, found again by the fingerprint of their inputs.
+
+An entry is a file of two lines: the digest of the second, and the result as JSON. It is written whole or not at all;
+one that is damaged counts as absent. Nothing in it is executed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from contextlib import suppress
+from dataclasses import dataclass, fields, is_dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from assessment.runtime.atomic_files import write_atomically
+
+FOLDER = ".stages"  # in the output folder
+MOST_BYTES = 300_000_000  # of all entries; those not used for longest go first
+KIND, ARRAY = "·kind", "·array"
+OWN = ("assessment.", "mechanics.")  # packages whose dataclasses results are made of
+
+
+def packed(result: Any) -> str:
+    """Return a result of an analysis as JSON on one line; floats keep every bit, tuples become lists."""
+    return json.dumps(result, default=_plain, ensure_ascii=False)
+
+
+def unpacked(text: str) -> Any:
+    """Return what `packed` was given."""
+    return json.loads(text, object_hook=_restored)
+
+
+@dataclass(frozen=True)
+class Store:
+    """Entries in a folder, one file per fingerprint."""
+
+    folder: Path
+
+    def find(self, key: str) -> str | None:
+        """Return the packed result that was kept under a fingerprint; None where there is none, or it is damaged."""
+        text = self.read(key)
+        if text is not None:
+            with suppress(OSError):
+                os.utime(self.folder / key)
+        return text
+
+    def read(self, key: str) -> str | None:
+        """Return the same, and write nothing: not even that it was used."""
+        try:
+            digest, _, text = (self.folder / key).read_text(encoding="utf-8").partition("\n")
+        except (OSError, UnicodeDecodeError):
+            return None
+        return text if digest == _digest(key, text) else None
+
+    def keep(self, key: str, text: str) -> None:
+        """Keep a packed result; a disk that refuses costs the resumption, not the run."""
+        with suppress(OSError):
+            write_atomically(self.folder / key, f"{_digest(key, text)}\n{text}".encode())
+
+    def prune(self, most: int = MOST_BYTES) -> None:
+        """Remove what a killed run left half-written, and beyond `most` bytes the entries not used for longest."""
+        with suppress(OSError):
+            used = [(path.stat(), path) for path in self.folder.iterdir()]
+            room = most
+            for status, path in sorted(used, key=lambda item: -item[0].st_mtime_ns):
+                room -= status.st_size
+                if room < 0 or path.name.startswith("."):
+                    path.unlink()
+
+
+def _digest(key: str, text: str) -> str:
+    return hashlib.sha256(f"{key}\n{text}".encode()).hexdigest()
+
+
+def _plain(value: Any) -> Any:
+    """Return what JSON has no form for as an object that `_restored` knows."""
+    import numpy as np
+
+    if isinstance(value, np.ndarray):
+        return {ARRAY: value.tolist(), "shape": value.shape, "type": value.dtype.str}
+    if isinstance(value, np.generic):
+        return value.item()
+    kind = type(value)
+    if is_dataclass(value) and kind.__module__.startswith(OWN):
+        content = {field.name: getattr(value, field.name) for field in fields(value)}
+        return {KIND: f"{kind.__module__}:{kind.__name__}"} | content
+    raise TypeError(f"{type(value).__name__}: not a result of an analysis")
+
+
+def _restored(content: dict[str, Any]) -> Any:
+    if ARRAY in content:
+        import numpy as np
+
+        return np.array(content[ARRAY], dtype=content["type"]).reshape(content["shape"])
+    if KIND in content:
+        module, _, name = content.pop(KIND).partition(":")
+        # late: a run that takes over all results needs none
+        kind = getattr(import_module(module), name) if module.startswith(OWN) else None
+        if not isinstance(kind, type) or not is_dataclass(kind):
+            raise ValueError(f"{module}:{name}: not a result of an analysis")
+        return kind(**content)
+    return content

@@ -1,0 +1,87 @@
+"""One run at a time writes into an output folder; the system lifts the lock of a process that was killed."""
+
+from __future__ import annotations
+
+import os
+import platform
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from assessment.runtime.errors import ProjectError
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    import msvcrt
+
+    fcntl = None  # type: ignore[assignment]
+
+NAME = ".assesto.lock"  # in the output folder, while a run writes there
+BEYOND = 1 << 20  # byte that Windows locks, and lets nobody read: behind what is written
+
+
+class BusyError(ProjectError):
+    """Another run writes into the folder; the message names its lock and its process."""
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Keep other runs out of a folder, which is made where it is not there, and goes again where it stays empty.
+
+    Raises BusyError where another run is at work in it, OSError where nothing can be written.
+    """
+    made = not folder.exists()
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / NAME
+    descriptor = _claimed(path)
+    try:
+        os.ftruncate(descriptor, 0)
+        os.write(
+            descriptor, f"process {os.getpid()} on {platform.node()} since {time.strftime('%H:%M')}".encode()
+        )
+        yield
+    finally:
+        with suppress(OSError):  # before it is free: who waits for a file that is gone looks again
+            path.unlink()
+        os.close(descriptor)
+        with suppress(OSError):  # Windows removes none that is open
+            path.unlink()
+        if made:
+            with suppress(OSError):  # not empty
+                folder.rmdir()
+
+
+def _claimed(path: Path) -> int:
+    """Return the descriptor of a lock that is ours alone."""
+    while True:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        if not _lock(descriptor):
+            holder = os.read(descriptor, 200).decode(errors="replace") or "which has just begun"
+            os.close(descriptor)
+            raise BusyError(
+                f"{path}: another run is writing into this folder ({holder}); wait until it has ended, stop it, "
+                "or give another folder with --out DIR"
+            )
+        with suppress(FileNotFoundError):
+            if path.stat().st_ino == os.fstat(descriptor).st_ino:
+                return descriptor
+        os.close(descriptor)  # of a file that the run before has just removed
+
+
+def _lock(descriptor: int) -> bool:
+    """Lock an open file; return whether no other process has. Where the file system has no locks, none has."""
+    try:
+        if fcntl is not None:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        else:
+            os.lseek(descriptor, BEYOND, os.SEEK_SET)
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+    except (BlockingIOError, PermissionError):
+        return False
+    except OSError:  # some network drives
+        return True
+    finally:
+        os.lseek(descriptor, 0, os.SEEK_SET)
+    return True

@@ -1,0 +1,1 @@
+"""Analyses of variants of a project: convergence, scenarios, sensitivity."""

@@ -1,0 +1,252 @@
+"""How far results are from converged: increments halved until they change by less than a tolerance.
+
+Every state is analysed again with increments (of settlement and pushover together) of 1/2, 1/4… of those given; what
+is reported is the finest analysis, and beside it the error that the last differences let expect.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from assessment.analyses.accuracy import FIRST_ORDER, NOISE, SHOWN, accuracy_of
+from assessment.analyses.checks.capacity import assess
+from assessment.studies.increments import refined
+from assessment.studies.variants import Demands, capacity_numbers, curves, directions
+
+if TYPE_CHECKING:
+    from assessment.analyses.static.states import StateResult
+    from assessment.project.project import Project
+    from mechanics import Assembly
+
+Numbers = dict[str, Any]
+Measured = Mapping[str, float | None]
+QUANTITIES = ("alpha_0", "d_0_m", "alpha_u", "a_g_g")
+
+
+def estimated_error(values: Sequence[float | None]) -> float | None:
+    """Estimate |v_n − v| of values v_0 … v_n at increments h, h/2, h/4…; None: the last two are not both known.
+
+    With r = |v_n−1 − v_n−2|/|v_n − v_n−1|, Richardson's extrapolation leaves |v_n − v_n−1|/(r − 1) at most: r is cut at
+    2, the ratio of first order, and at 1.25 from below, where differences hardly shrink and no order shows. Of two
+    values the difference, which is the same at first order.
+    """
+    if len(values) < 2 or values[-1] is None or values[-2] is None:
+        return None
+    last = values[-1] - values[-2]
+    if len(values) < 3 or values[-3] is None or last == 0.0:
+        return abs(last)
+    ratio = abs((values[-2] - values[-3]) / last)
+    return abs(last) / (min(max(ratio, SHOWN), FIRST_ORDER) - 1.0)
+
+
+@dataclass(frozen=True)
+class Levels:
+    """Quantities with the increments given, halved, halved again…: what each level gave (None: not reached).
+
+    `size` (m) of the model: lengths below its NOISE are none. The result is the finest level.
+    """
+
+    size: float
+    measured: tuple[Measured, ...]
+
+    def joined(self, finer: Measured) -> Levels:
+        """Return the levels with one more."""
+        return replace(self, measured=(*self.measured, finer))
+
+    def values(self, quantity: str) -> list[float | None]:
+        """Return what the levels gave of a quantity."""
+        return [level.get(quantity) for level in self.measured]
+
+    @property
+    def reached(self) -> bool:
+        """Whether any level gave any quantity."""
+        return any(value is not None for level in self.measured for value in level.values())
+
+    @property
+    def errors(self) -> dict[str, float | None]:
+        """Estimated error of each quantity that one of the last two levels reached; None: not known."""
+        if len(self.measured) < 2:
+            return {}
+        counted = self.measured[-2:]
+        return {
+            key: estimated_error(self.values(key))
+            for key in self.measured[-1]
+            if any(level.get(key) is not None for level in counted)
+        }
+
+    @property
+    def relative(self) -> dict[str, float | None]:
+        """The errors, relative to the values of the result."""
+        return {
+            key: None if error is None else error / max(abs(self.measured[-1][key] or 0.0), self._least(key))
+            for key, error in self.errors.items()
+        }
+
+    def within(self, tolerance: float) -> bool:
+        """Whether every error is known and meets the tolerance; one level alone tells none."""
+        if not self.reached:
+            return True
+        known = self.relative.values()
+        return len(self.measured) > 1 and all(error is not None and error <= tolerance for error in known)
+
+    def missed(self, tolerance: float) -> list[str]:
+        """Say of each quantity that does not meet the tolerance by how much."""
+        return [
+            f"{key} is not known (not reached by every analysis)"
+            if error is None
+            else f"{key} is {100.0 * error:.2g} %"
+            for key, error in self.relative.items()
+            if error is None or error > tolerance
+        ]
+
+    def numbers(self, tolerance: float) -> Numbers:
+        """Return the row of results.json: errors, the largest relative one, and what each level gave."""
+        relative = self.relative.values()
+        largest = (
+            None if None in relative else max((each for each in relative if each is not None), default=None)
+        )
+        return {
+            **{_error_key(key): error for key, error in self.errors.items()},
+            "relative_error": largest,
+            "met": self.within(tolerance),
+            "levels": {key: self.values(key) for key in self.measured[-1]},
+        }
+
+    def _least(self, key: str) -> float:
+        return NOISE * (self.size if key.endswith("_m") else 1.0)
+
+
+def _error_key(quantity: str) -> str:
+    """Name the error of a quantity, its unit last: d_0_error_m."""
+    stem, _, unit = quantity.rpartition("_")
+    return f"{stem}_error_{unit}" if unit in {"m", "g"} else f"{quantity}_error"
+
+
+@dataclass
+class Convergence:
+    """The finest stages of every state, and `halvings` of its increments behind them.
+
+    `given`: the stages with the increments given. `rows` of results.json; `warnings`: where the tolerance was not met.
+    """
+
+    stages: list[StateResult]
+    given: list[StateResult]
+    halvings: dict[str, int] = field(default_factory=dict)
+    rows: list[Numbers] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+
+def converge(
+    project: Project,
+    model: Assembly,
+    demands: Demands,
+    analyse: Callable[[Project, Collection[str]], list[StateResult]],
+) -> Convergence:
+    """Analyse the states until their capacities are within the tolerance; `analyse` does some of them, by name.
+
+    A state whose finer analysis fails where the coarser one did not keeps the coarser one.
+    """
+    accuracy = accuracy_of(project)
+    given = analyse(project, project.states)
+    found = Convergence(given, given)
+    if accuracy.tolerance is None:
+        return found
+    levels = {
+        state: {way: Levels(model.size, (numbers,)) for way, numbers in measured.items()}
+        for state, measured in measure(project, model, demands, found.stages).items()
+    }
+    found.halvings = dict.fromkeys(levels, 0)
+    failed: dict[str, str] = {}
+    for halvings in range(1, accuracy.halvings + 1):
+        wanted = [
+            state
+            for state, ways in levels.items()
+            if state not in failed and not all(each.within(accuracy.tolerance) for each in ways.values())
+        ]
+        if not wanted:
+            break
+        finer = refined(project, halvings)
+        stages = analyse(finer, wanted)
+        measured = measure(finer, model, demands, stages)
+        for state in wanted:
+            if failures := _new_failures(found.stages, stages, state):
+                failed[state] = failures
+                continue
+            found.halvings[state] = halvings
+            levels[state] = {way: each.joined(measured[state][way]) for way, each in levels[state].items()}
+        found.stages = [_finest(each, stages, failed) for each in found.stages]
+    for state, ways in levels.items():
+        for way, each in ways.items():
+            if not each.reached:
+                continue
+            row = {"state": state, "direction": way, "halvings": found.halvings[state]}
+            found.rows.append(row | each.numbers(accuracy.tolerance))
+            title = f"{state}, {way}"
+            if state in failed:
+                found.warnings.append(f"{title}: finer increments fail: {failed[state]}")
+            found.warnings += not_met(title, each, accuracy.tolerance, "increments")
+    return found
+
+
+def not_met(title: str, levels: Levels, tolerance: float, what: str) -> list[str]:
+    """Return a warning where the tolerance is not met."""
+    if levels.within(tolerance):
+        return []
+    times = 2 ** (len(levels.measured) - 1)
+    if times == 1:
+        return [f"{title}: discretisation error not known"]
+    said = "; ".join(levels.missed(tolerance))
+    return [
+        f"{title}: estimated discretisation error of {said} with {what} 1/{times} of those given, "
+        f"tolerance {100.0 * tolerance:.2g} %; start from smaller {what}"
+    ]
+
+
+def measure(
+    project: Project,
+    model: Assembly,
+    demands: Demands,
+    stages: Sequence[StateResult],
+    quantities: Collection[str] = QUANTITIES,
+) -> dict[str, dict[str, Numbers]]:
+    """Return what is to converge, by state and direction."""
+    found: dict[str, dict[str, Numbers]] = {}
+    for state in dict.fromkeys(stage.state for stage in stages):
+        own = [stage for stage in stages if stage.state == state]
+        pushovers = curves(own)
+        capacities = (
+            assess(project, model, pushovers, demands.spectra, demands.hazard, [])
+            if project.assessment
+            else {}
+        )
+        found[state] = {
+            way: {key: value for key, value in numbers.items() if key in quantities}
+            for way in directions(project)
+            for numbers in [capacity_numbers(project, own, pushovers.get(way, {}), capacities.get(way))]
+        }
+    return found
+
+
+def _new_failures(coarse: Sequence[StateResult], fine: Sequence[StateResult], state: str) -> str:
+    """Return the failures of the finer stages of a state that had fewer before, else nothing."""
+    before, after = (
+        [text for stage in stages if stage.state == state for text in stage.failures]
+        for stages in (coarse, fine)
+    )
+    return "; ".join(after) if len(after) > len(before) else ""
+
+
+def _finest(coarse: StateResult, stages: Sequence[StateResult], failed: Collection[str]) -> StateResult:
+    """Return the finer stage of the same state and contacts where there is one; the time of both counts."""
+    same = (each for each in stages if (each.state, each.behaviour) == (coarse.state, coarse.behaviour))
+    fine = next(same, None)
+    if fine is None:
+        return coarse
+    kept = coarse if coarse.state in failed else fine
+    kept.seconds = {
+        name: coarse.seconds.get(name, 0.0) + fine.seconds.get(name, 0.0)
+        for name in {**coarse.seconds, **fine.seconds}
+    }
+    return kept

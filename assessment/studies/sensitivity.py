@@ -1,0 +1,134 @@
+"""What the capacity owes to each property of the masonry: one at a time, lower and higher, everywhere at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence, Set
+from itertools import product
+from math import inf, isfinite
+from typing import TYPE_CHECKING
+
+from assessment.project.model import build_model
+from assessment.project.schema import ORIGINAL, Table
+from assessment.studies.increments import finest_settlements, refined
+from assessment.studies.variants import Demands, Numbers, Study, Variant, analyse, quoted_limit_state
+
+if TYPE_CHECKING:
+    from assessment.project.project import Project
+    from assessment.project.schema import SettlementTable
+    from assessment.runtime.tasks import Workers
+
+SCATTER = 0.005  # of a_g: differences that would be seen in the third digit
+KEYS = {  # property: the keys of [material], [geometry] and [layers] that it stands for
+    "friction": ("friction",),
+    "stiffness": ("normal_stiffness_kN_m3", "tangential_stiffness_kN_m3"),
+    "unit_weight": ("unit_weight_kN_m3",),
+    "depth": ("depth_m",),
+}
+
+
+def sensitivity(
+    project: Project, halvings: Mapping[str, int], demands: Demands, workers: Workers, study: Study
+) -> Numbers:
+    """Analyse every state with each property lower and higher; return the runs, two to a property and state.
+
+    Increments are those of the state itself, halved as often (`halvings`): differences are then the property's.
+    """
+    assert project.sensitivity is not None
+    factors = [(key, factor) for key, pair in project.sensitivity.factors.items() for factor in pair]
+    varied = {each: with_factor(project, *each) for each in factors}
+    models = {each: build_model(changed).assembly for each, changed in varied.items()}
+    cases = list(product(factors, _settlements(project, halvings)))
+    variants = [
+        Variant(
+            f"{key.replace('_', ' ')} × {factor:g}",
+            refined(varied[key, factor], halvings.get(settlement.name if settlement else ORIGINAL, 0)),
+            models[key, factor],
+            settlement,
+        )
+        for (key, factor), settlement in cases
+    ]
+    runs = [
+        {
+            "state": settlement.name if settlement else ORIGINAL,
+            "property": key,
+            "factor": factor,
+            "direction": direction,
+            **numbers,
+        }
+        for ((key, factor), settlement), found in zip(
+            cases, analyse(variants, demands, workers, study, "sensitivity"), strict=True
+        )
+        for direction, numbers in found.items()
+    ]
+    study.findings += scatter(runs, without_effect(project))
+    return {"limit_state": quoted_limit_state(project), "runs": runs}
+
+
+def without_effect(project: Project) -> set[str]:
+    """Return the properties that no capacity can depend on: all forces change alike.
+
+    Those of depth do, stiffness included, unless loads are given in kN; those of weight if nothing is elastic or
+    crushes.
+    """
+    if any(layer.vertical_load_kN for layer in project.layers.values()):
+        return set()
+    strengths = [layer.compressive_strength_kN_m2 for layer in project.layers.values()]
+    crushes = any(
+        isfinite(strength or inf) for strength in (project.material.compressive_strength_kN_m2, *strengths)
+    )
+    rigid = project.pushover is not None and project.pushover.contacts == ("rigid",) and not crushes
+    return {"depth", "unit_weight"} if rigid else {"depth"}
+
+
+def scatter(runs: Sequence[Numbers], properties: Set[str]) -> list[str]:
+    """Return a finding for each state whose capacity changes with properties that it cannot depend on."""
+    found = []
+    names = " and ".join(
+        key.replace("_", " ") for key in KEYS if key in properties & {r["property"] for r in runs}
+    )
+    for state, direction in dict.fromkeys((run["state"], run["direction"]) for run in runs):
+        same = [
+            run["a_g_g"]
+            for run in runs
+            if (run["state"], run["direction"]) == (state, direction) and run["property"] in properties
+        ]
+        known = [value for value in same if value is not None]
+        spread = (
+            (max(known) - min(known)) / max(known)
+            if known and len(known) == len(same)
+            else float(bool(known))
+        )
+        if spread > SCATTER:
+            found.append(
+                f"sensitivity, {state}, {direction}: a_g scatters by {100.0 * spread:.3g} % with "
+                f"{names}, on which it cannot depend: bars of this size "
+                "mean nothing; take smaller increments, and see where paths end"
+            )
+    return found
+
+
+def with_factor(project: Project, key: str, factor: float) -> Project:
+    """Return the project with a property multiplied wherever it is given; loads stay as they are."""
+
+    def scaled(table: Table) -> Table:
+        values = {name: getattr(table, name, None) for name in KEYS[key]}
+        return table.model_copy(
+            update={name: factor * value for name, value in values.items() if value is not None}
+        )
+
+    return project.model_copy(
+        update={
+            "geometry": scaled(project.geometry),
+            "material": scaled(project.material),
+            "layers": {name: scaled(layer) for name, layer in project.layers.items()},
+        }
+    )
+
+
+def _settlements(project: Project, halvings: Mapping[str, int]) -> list[SettlementTable | None]:
+    """Return the settlements of the states to vary, None for the original one, not taken on to collapse."""
+    assert project.sensitivity is not None
+    states = project.sensitivity.states or project.states
+    finest = finest_settlements(project, halvings)
+    short = [each.model_copy(update={"to_collapse": False}) for each in finest]
+    return [None for name in states if name == ORIGINAL] + [each for each in short if each.name in states]

@@ -1,0 +1,152 @@
+"""Variants of a project analysed beside its states: what sweeps and sensitivities have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from assessment.analyses.checks.capacity import assess
+from assessment.analyses.static.states import Request, StateResult, analyse_states
+from assessment.ntc.limit_states import QUOTED
+from assessment.project.schema import ORIGINAL
+
+if TYPE_CHECKING:
+    from assessment.ntc.hazard import HazardCurve
+    from assessment.ntc.spectrum import Spectrum
+    from assessment.project.project import Project
+    from assessment.project.schema import SettlementTable
+    from assessment.runtime.tasks import Workers
+    from mechanics import Assembly
+    from mechanics.model import Behaviour, Direction
+
+Numbers = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A project and its model after a settlement (None: as drawn); `what` tells it from the state."""
+
+    what: str
+    project: Project
+    model: Assembly
+    settlement: SettlementTable | None
+
+    @property
+    def title(self) -> str:
+        """The variant and its state, for messages."""
+        return f"{self.what}: {self.settlement.name if self.settlement else ORIGINAL}"
+
+
+@dataclass(frozen=True)
+class Demands:
+    """What capacities are assessed against: the spectrum of each limit state, and the site's hazard curve."""
+
+    spectra: Mapping[str, Spectrum]
+    hazard: HazardCurve | None
+
+
+@dataclass
+class Study:
+    """What a study leaves beside its numbers.
+
+    Rows of quality, warnings of its runs, findings about all of them, analyses that failed, and the time they took.
+    """
+
+    quality: list[Numbers] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    findings: list[str] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)
+    seconds: float = 0.0
+
+    def take(self, variant: Variant, stages: Iterable[StateResult]) -> None:
+        """Take in what the stages of a variant left; their messages name the state and here also what varied."""
+        for stage in stages:
+            self.quality += stage.quality
+            self.seconds += sum(stage.seconds.values())
+            self.warnings += [f"{variant.what}: {text}" for text in stage.warnings]
+            self.failures += [f"{variant.what}: {text}" for text in stage.failures]
+
+
+def analyse(
+    variants: Sequence[Variant], demands: Demands, workers: Workers, study: Study, name: str
+) -> Iterator[dict[str, Numbers]]:
+    """Yield the capacity of each variant by direction; `name`: of the study."""
+    requests = [
+        Request(variant.project, variant.model, variant.settlement, behaviour, f"{variant.what}: ")
+        for variant in variants
+        for behaviour in behaviours(variant.project)
+    ]
+    each = len(requests) // max(1, len(variants))
+    results = iter(analyse_states(requests, workers, name))
+    for variant in variants:
+        stages = [next(results) for _ in range(each)]
+        study.take(variant, stages)
+        pushovers = curves(stages)
+        capacities: Numbers = {}
+        if variant.project.assessment:
+            notes: list[str] = []
+            capacities = assess(
+                variant.project, variant.model, pushovers, demands.spectra, demands.hazard, notes
+            )
+            study.warnings += [f"{variant.title}: {note}" for note in notes]
+        yield {
+            direction: capacity_numbers(
+                variant.project, stages, pushovers.get(direction, {}), capacities.get(direction)
+            )
+            for direction in directions(variant.project)
+        }
+
+
+def behaviours(project: Project) -> tuple[Behaviour, ...]:
+    """Return the contact behaviours of the pushover."""
+    return project.pushover.contacts if project.pushover else ()
+
+
+def directions(project: Project) -> tuple[Direction, ...]:
+    """Return the directions of the pushover."""
+    return project.pushover.directions if project.pushover else ()
+
+
+def curves(stages: Iterable[StateResult]) -> dict[str, Numbers]:
+    """Return the pushover numbers of one state by direction and behaviour."""
+    found: dict[str, Numbers] = {}
+    for stage in stages:
+        for direction, numbers in stage.pushover.items():
+            found.setdefault(direction, {})[stage.behaviour] = numbers
+    return found
+
+
+def capacity_numbers(
+    project: Project,
+    stages: Iterable[StateResult],
+    pushover: Mapping[str, Any],
+    capacity: Mapping[str, Any] | None,
+) -> Numbers:
+    """Return what a study keeps of one state in one direction, None for what was asked for and not reached.
+
+    `collapses`: under one of the contact behaviours the structure falls before the whole movement is applied;
+    a_g and ζ_E are of the farthest limit state.
+    """
+    fallen = any(stage.pushdown is not None and stage.reached is None for stage in stages)
+    numbers: Numbers = {"collapses": fallen}
+    if "rigid" in behaviours(project):
+        rigid = pushover.get("rigid") or {}
+        numbers |= {key: rigid.get(key) for key in ("alpha_0", "d_0_m")}
+    if "elastic" in behaviours(project):
+        numbers["alpha_u"] = (pushover.get("elastic") or {}).get("alpha_u")
+    if project.assessment:
+        check = (capacity or {}).get(quoted_limit_state(project) or "") or {}
+        numbers |= {key: check.get(key) for key in ("a_g_g", "zeta_E")}
+    return numbers
+
+
+def quoted_limit_state(project: Project) -> str | None:
+    """Return the limit state of the capacities a_g that are quoted: the farthest of those asked for."""
+    asked = project.assessment.limit_states if project.assessment else ()
+    return next((limit for limit in QUOTED if limit in asked), None)
+
+
+def quantity(project: Project) -> str:
+    """Return what capacities are compared by: a_g where there is an assessment, otherwise α0, or α_u without it."""
+    return "a_g_g" if project.assessment else "alpha_0" if "rigid" in behaviours(project) else "alpha_u"

@@ -1,0 +1,116 @@
+"""The dynamic stages of a run: which motions start from which states, and their place in the results."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from assessment.analyses.dynamic.errors import Estimates, collapses_again
+from assessment.analyses.dynamic.histories import histories
+from assessment.analyses.dynamic.incremental import searches, summarise
+from assessment.analyses.dynamic.inputs import Campaign, starts_of
+from assessment.analyses.dynamic.time_history import StageResult, motion_numbers
+from assessment.project.motions import BaseMotion, history_motions, incremental_motions
+
+if TYPE_CHECKING:
+    from assessment.analyses.static.states import StateResult
+    from assessment.project.project import Project
+    from assessment.runtime.tasks import Workers
+    from mechanics import Assembly
+    from mechanics.model import Behaviour
+
+Results = dict[str, Any]
+PERIODS = np.linspace(0.0, 4.0, 201)  # s
+
+
+@dataclass(frozen=True)
+class Motions:
+    """The base motions of [[history]] and [incremental], read before anything is analysed."""
+
+    history: list[BaseMotion]
+    incremental: list[BaseMotion]
+
+    @property
+    def notes(self) -> list[str]:
+        """What the user should know about the records."""
+        return [note for motion in (*self.history, *self.incremental) for note in motion.notes]
+
+
+def read_motions(project: Project) -> Motions:
+    """Read every record that the project names; ProjectError or ValueError naming file, line or key."""
+    return Motions(history_motions(project), incremental_motions(project))
+
+
+def dynamic_contacts(project: Project) -> list[Behaviour]:
+    """Contact behaviours of the dynamic stages: each needs its own settled state."""
+    tables = [*project.history, *([project.incremental] if project.incremental else [])]
+    return list(dict.fromkeys(table.contacts for table in tables))
+
+
+def add_dynamics(
+    results: Results,
+    project: Project,
+    model: Assembly,
+    motions: Motions,
+    stages: Iterable[StateResult],
+    workers: Workers,
+) -> bool:
+    """Carry out [[history]] and [incremental] from the states that `stages` reached and fill their results.
+
+    Returns whether every run was completed. A project without them costs nothing and is left as it is.
+    """
+    starts = starts_of(dynamic_contacts(project), model, stages)
+    campaign = Campaign(project, model, starts, _ultimates(results["states"]), workers)
+    warnings = results["quality"]["warnings"]
+    complete = True
+
+    def take(stage: StageResult) -> None:
+        nonlocal complete
+        warnings.extend([*stage.warnings, *stage.failures])
+        results["quality"]["by_stage"] += stage.quality
+        results["timing_s"][stage.stage] = results["timing_s"].get(stage.stage, 0.0) + stage.seconds
+        complete = complete and not stage.failures
+
+    if project.history:
+        results["motions"] = [motion_numbers(motion, PERIODS) for motion in motions.history]
+        shaken = histories(campaign, motions.history)
+        for stage in shaken:
+            take(stage)
+            results["states"][stage.state]["history"].append(stage.numbers)
+            if stage.convergence is not None:
+                results["convergence"]["rows"].append(stage.convergence)
+    if project.incremental:
+        found: dict[str, list[Results]] = {}
+        searched = searches(campaign, motions.incremental)
+        for stage in searched:
+            take(stage)
+            found.setdefault(stage.state, []).append(stage.numbers)
+        for state, records in found.items():
+            results["states"][state]["incremental"] = summarise(records, warnings, state)
+        _tell(results, "incremental", collapses_again(campaign, motions.incremental, searched))
+    return complete
+
+
+def _tell(results: Results, study: str, found: Estimates) -> None:
+    """Add the rows of a study of errors to the results; nothing where there are none."""
+    if found.rows:
+        results["convergence"].setdefault(study, []).extend(found.rows)
+        results["quality"]["warnings"] += found.warnings
+        name = f"{study} error"
+        results["timing_s"][name] = results["timing_s"].get(name, 0.0) + found.seconds
+
+
+def _ultimates(states: Mapping[str, Any]) -> dict[tuple[str, str], float]:
+    """Displacement at which the static capacity vanishes, m, by state and control point, where both sides have one."""
+    found = {}
+    for state, content in states.items():
+        curves = content["pushover"]
+        sides = [curves.get(direction, {}) for direction in ("+x", "-x")]
+        ends = [side["rigid"]["d_0_m"] for side in sides if side.get("rigid", {}).get("reached_zero")]
+        controls = {side.get("control") for side in sides}
+        if len(ends) == 2 and len(controls) == 1:
+            found[state, controls.pop()] = max(ends)
+    return found

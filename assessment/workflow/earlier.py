@@ -1,0 +1,129 @@
+"""What an earlier run left in the output folder, and what of it this run would leave just so."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from assessment.report.pdf import printable
+from assessment.runtime import fingerprint
+from assessment.runtime.atomic_files import file_digest
+from assessment.runtime.cache import FOLDER, Store
+from assessment.runtime.outcome import Outcome
+
+if TYPE_CHECKING:
+    from assessment.project.project import Project
+
+RESULTS, FIGURES, TABLES, JUDGEMENT, REPORT = PARTS = ("results", "figures", "tables", "judgement", "report")
+EVERYTHING = frozenset(PARTS)
+NO_REPORT = EVERYTHING - {REPORT}
+PLACES = {  # of the files of each part; whatever else is there is somebody else's
+    RESULTS: ("results.json",),
+    FIGURES: tuple(f"figures/*.{kind}" for kind in ("svg", "png", "dxf", "gif")),
+    TABLES: ("tables/*.csv",),
+    JUDGEMENT: ("judgement.md",),
+    REPORT: ("report.html", "report.pdf"),
+}
+ENTRY = "last"  # its name in the store
+
+
+def files_of(folder: Path, parts: Iterable[str]) -> list[str]:
+    """Return the names of the files of some parts, relative to the output folder, with slashes."""
+    found = (path for part in parts for place in PLACES[part] for path in folder.glob(place))
+    return sorted(path.relative_to(folder).as_posix() for path in found if path.is_file())
+
+
+@dataclass(frozen=True)
+class Keys:
+    """Digests of what a run depends on: its `results`, and its title `page` beside them; the `language` of both."""
+
+    results: str
+    page: str
+    language: str
+
+    def of(self, part: str) -> str:
+        """Return what a part of the products depends on; of the program, all do."""
+        beside = {TABLES: "", FIGURES: self.language, JUDGEMENT: self.language}.get(part, self.page)
+        return f"{self.results} {beside}"
+
+
+def keys_of(project: Project) -> Keys:
+    """Return the keys of a run of the project; comments in its file are a matter of the title page."""
+    content, inputs = project.content(), project.digests()
+    source = inputs.pop(project.source)
+    software = [fingerprint.program(), fingerprint.printing()]
+    settings = {key: value for key, value in content.items() if key not in {"title", "report"}}
+    results = fingerprint.digest([software, project.source, settings, inputs])
+    return keys_with(results, project, source)
+
+
+def keys_with(results: str, project: Project, source: str | None) -> Keys:
+    """Return the keys of results with the project's title page; `source`: digest of the project file they are of."""
+    content = project.content()
+    page = fingerprint.digest([content["title"], content["report"], source])
+    return Keys(results, page, project.report.language)
+
+
+@dataclass(frozen=True)
+class Earlier:
+    """What a run left: key and files of each part, digests of these, its warnings, and how its analyses ended."""
+
+    results: str
+    keys: Mapping[str, str]
+    files: Mapping[str, Mapping[str, str]]
+    complete: bool
+    analyses: int
+    warnings: list[str]
+
+    def outcome(self, folder: Path) -> Outcome:
+        """Return the results that stand in the folder, all taken over."""
+        content: dict[str, Any] = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+        return Outcome(content, self.complete, 0, self.analyses)
+
+    def intact(self, folder: Path, part: str) -> bool:
+        """Return whether the files of a part are there as they were written, and no others in their places."""
+        return part in self.files and _digests(folder, part) == self.files[part]
+
+    def standing(self, folder: Path, keys: Keys) -> frozenset[str]:
+        """Return the parts that a run of these keys would leave as they are."""
+        found = {part for part in PARTS if self.keys.get(part) == keys.of(part) and self.intact(folder, part)}
+        if REPORT in found and (
+            JUDGEMENT not in found  # which is printed in it
+            or ("report.pdf" not in self.files[REPORT] and printable())
+        ):
+            found.remove(REPORT)
+        return frozenset(found)
+
+
+def recall(folder: Path) -> Earlier | None:
+    """Return what the last run left in an output folder; None where that is not known."""
+    text = Store(folder / FOLDER).read(ENTRY)
+    try:
+        return Earlier(**json.loads(text)) if text else None
+    except TypeError:  # another version kept something else
+        return None
+
+
+def remember(folder: Path, outcome: Outcome, keys: Keys, parts: Collection[str], warnings: list[str]) -> None:
+    """Keep what was left in an output folder, for the next run."""
+    left = Earlier(
+        keys.results,
+        {part: keys.of(part) for part in parts},
+        {part: _digests(folder, part) for part in parts},
+        outcome.complete,
+        outcome.computed + outcome.taken,
+        warnings,
+    )
+    Store(folder / FOLDER).keep(ENTRY, json.dumps(asdict(left)))
+
+
+def forget(folder: Path) -> None:
+    """Let the next run make everything again."""
+    (folder / FOLDER / ENTRY).unlink(missing_ok=True)
+
+
+def _digests(folder: Path, part: str) -> dict[str, str]:
+    return {name: file_digest(folder / name) for name in files_of(folder, [part])}

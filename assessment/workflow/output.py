@@ -1,0 +1,117 @@
+"""The output folder: each set of files appears whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Collection, Mapping
+from concurrent.futures import Future
+from pathlib import Path
+from typing import Any
+
+from assessment.report.pdf import printable
+from assessment.runtime.atomic_files import write_atomically
+from assessment.runtime.pool import KilledError, Pool, processes, result_of
+from assessment.runtime.swap import SCRATCH, put_in_place
+from assessment.workflow.earlier import (
+    EVERYTHING,
+    FIGURES,
+    JUDGEMENT,
+    REPORT,
+    RESULTS,
+    TABLES,
+    files_of,
+)
+
+
+def prepare(report: bool) -> None:
+    """Import what `write` needs: nearly two seconds' work, which may be done while others compute."""
+    import pandas  # noqa: F401
+
+    import assessment.report.figures.animation
+    import assessment.report.figures.index
+
+    if report:
+        import assessment.report.document  # noqa: F401
+
+        printable()
+
+
+def write(
+    results: Mapping[str, Any],
+    folder: Path,
+    parts: Collection[str] = EVERYTHING,
+    kept: Collection[str] = (),
+    jobs: int = 1,
+) -> list[str]:
+    """Write parts of what is made of results into `folder`, all at once; each set appears whole or not at all.
+
+    Parts `kept` stand there as they are; those of earlier results that are neither go. A judgement.md that was edited
+    is kept and printed. Returns warnings (a PDF that could not be made). `jobs`: processes, 0: one per core. Raises
+    KilledError where one of them was ended from outside, OSError that names a file; nothing is changed then.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    ours = (folder / "results.json").exists()
+    with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=folder, ignore_cleanup_errors=True) as scratch:
+        new = Path(scratch)
+        try:
+            for name in files_of(folder, kept):  # the report is made with them
+                _linked(folder / name, new / name)
+            warnings = _make(results, folder, new, parts, jobs)
+            gone = files_of(folder, EVERYTHING - {*kept}) if ours else []
+            put_in_place(new, folder, files_of(new, parts), gone)
+        except KilledError as error:
+            raise KilledError(f"{', '.join(sorted(parts))}: {error}") from None
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, _at_home(error.filename, new, folder)) from error
+    return warnings
+
+
+def _make(
+    results: Mapping[str, Any], folder: Path, new: Path, parts: Collection[str], jobs: int
+) -> list[str]:
+    """Make the parts in the folder `new`; return warnings."""
+    from assessment.report.document import write_page, write_pdf
+    from assessment.report.figures.animation import write_animations
+    from assessment.report.figures.index import write_figures, write_images
+    from assessment.report.judgement_file import NAME, judgement
+    from assessment.report.tables.index import write_tables
+    from assessment.report.text.language import words_of
+    from assessment.results.file import as_bytes
+
+    opinion = judgement(results, words_of(results), folder)
+    if JUDGEMENT in parts:
+        write_atomically(new / NAME, opinion.content)
+    number = processes(jobs)
+    with Pool(number if number > 1 else 0, results) as pool:
+        begun: list[Future[Any]] = []
+        printed: Future[list[str]] | None = None
+        if FIGURES in parts:
+            write_figures(pool, new / "figures")
+        if REPORT in parts:
+            printed = pool.apply(write_pdf, new, opinion.edited)  # first: it takes longest
+            begun.append(pool.apply(write_page, new, opinion.edited))
+        if FIGURES in parts:
+            begun += [*write_animations(pool, new / "figures"), *write_images(pool, new / "figures")]
+        if TABLES in parts:
+            begun.append(pool.apply(write_tables, new / "tables"))
+        if RESULTS in parts:
+            write_atomically(new / "results.json", as_bytes(results))
+        for work in begun:
+            result_of(work)
+        return [*opinion.warnings, *(result_of(printed) if printed else [])]
+
+
+def _linked(old: Path, new: Path) -> None:
+    """Have a file in a second place as well, on the disk once where that can be."""
+    new.parent.mkdir(exist_ok=True)
+    try:
+        os.link(old, new)
+    except OSError:
+        shutil.copy2(old, new)
+
+
+def _at_home(name: Any, new: Path, folder: Path) -> Any:
+    """Return the name of a file in the place that is meant for it."""
+    return str(folder / Path(name).relative_to(new)) if name and Path(name).is_relative_to(new) else name

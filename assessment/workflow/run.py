@@ -1,0 +1,127 @@
+"""A run from the project to the output folder, and the report of stored results: what has not changed is left as it is.
+
+Imports are late: a run in which nothing has changed needs none of the analyses and of what draws.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from assessment.runtime.lock import locked
+from assessment.runtime.outcome import Outcome
+from assessment.runtime.pool import KilledError
+from assessment.runtime.swap import clear
+from assessment.workflow.earlier import (
+    EVERYTHING,
+    NO_REPORT,
+    REPORT,
+    RESULTS,
+    forget,
+    keys_of,
+    keys_with,
+    recall,
+    remember,
+)
+
+if TYPE_CHECKING:
+    from assessment.project.project import Project
+    from assessment.runtime.tasks import Show
+
+Results = dict[str, Any]
+EDITED = (
+    "results.json was changed after the run that wrote it: numbers printed from it may not be computed ones"
+)
+
+
+def carry_out(
+    project: Project, folder: Path, jobs: int, fresh: bool, report: bool, show: Show
+) -> tuple[Outcome, list[str]]:
+    """Carry out every stage that the project asks for and write what is made of the results into `folder`.
+
+    Where an earlier run left just that, nothing is computed or written; where only the title page or the language has
+    changed, nothing is computed. `jobs`: processes, 0: as many as help; `fresh`: nothing is taken over. Returns what
+    the run came to, and warnings of the writing. Raises BusyError while another run is at work in the folder.
+    """
+    parts, keys = EVERYTHING if report else NO_REPORT, keys_of(project)
+    last = None if fresh else recall(folder)
+    if last and parts <= last.standing(folder, keys):
+        return last.outcome(folder), last.warnings
+    with locked(folder):
+        clear(folder)
+        last = None if fresh else recall(folder)
+        if last and last.results == keys.results and last.intact(folder, RESULTS):
+            outcome = last.outcome(folder)
+            _retitle(outcome.results, project)
+            outcome.results["inputs"][project.source] = project.digests()[project.source]
+        else:
+            outcome = _analysed(project, folder, jobs, fresh, report, show)
+        standing = last.standing(folder, keys) if last else frozenset()
+        show.begin("report" if report else "figures and tables", 1, 0)
+        from assessment.workflow.output import write
+
+        warnings = write(outcome.results, folder, parts - standing, standing, jobs)
+        if last and REPORT in standing:
+            warnings = [*last.warnings, *warnings]
+        remember(folder, outcome, keys, parts | standing, warnings)
+        show.end()
+    return outcome, warnings
+
+
+def _analysed(project: Project, folder: Path, jobs: int, fresh: bool, report: bool, show: Show) -> Outcome:
+    from assessment.project.model import build_model
+    from assessment.report.judgement_file import NAME, read_judgement
+    from assessment.runtime.cache import FOLDER, Store
+    from assessment.workflow.output import prepare
+    from assessment.workflow.stages import run
+
+    if (folder / NAME).is_file():
+        read_judgement(folder / NAME)  # what cannot be read is told before any analysis
+    model = build_model(project)
+    return run(project, model, jobs, Store(folder / FOLDER), fresh, show, partial(prepare, report))
+
+
+def print_again(project: Project, folder: Path) -> list[str]:
+    """Render the report, figures and tables again from the results in `folder`, without any analysis.
+
+    Title page and language are those of the project. Returns warnings. Raises ValueError for results that are not
+    there, or that cannot be printed: damaged, edited, of another version. BusyError as `carry_out`.
+    """
+    from assessment.results.file import read_results
+    from assessment.workflow.output import write
+
+    stored = folder / "results.json"
+    if not stored.is_file():
+        raise ValueError(f"{stored}: no stored results; run the project first (assesto run {project.folder})")
+    with locked(folder):
+        clear(folder)
+        results, last = read_results(stored), recall(folder)
+        edited = last is not None and not last.intact(folder, RESULTS)
+        warnings = [EDITED] if edited else []
+        try:
+            results["quality"]["warnings"] += warnings
+            _retitle(results, project)
+            warnings += write(results, folder, jobs=0)
+        except (OSError, KilledError):
+            raise
+        except Exception as error:
+            if last is not None and not edited and last.results == keys_of(project).results:
+                raise  # a bug: just so they were written
+            raise ValueError(
+                f"{stored}: damaged or edited, cannot be printed; run the project again"
+            ) from error
+        if last is None or edited:
+            forget(folder)
+        else:
+            keys = keys_with(last.results, project, results["inputs"].get(project.source))
+            outcome = Outcome(results, last.complete, 0, last.analyses)
+            remember(folder, outcome, keys, EVERYTHING, warnings)
+    return warnings
+
+
+def _retitle(results: Results, project: Project) -> None:
+    """Put the project's title page and language into results."""
+    page = project.content()
+    results["title"] = results["echo"]["title"] = page["title"]
+    results["echo"]["report"] = page["report"]

@@ -1,0 +1,50 @@
+"""The stages of a project that a run is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from assessment.runtime.errors import ProjectError, nearest
+
+if TYPE_CHECKING:
+    from assessment.project.project import Project
+
+STAGES = {  # stage: table
+    "pushdown": "settlements",
+    "pushover": "pushover",
+    "history": "history",
+    "incremental": "incremental",
+    "assessment": "assessment",
+    "scenarios": "settlements",
+    "sensitivity": "sensitivity",
+}
+
+
+def select(project: Project, only: Iterable[str] | None) -> Project:
+    """The project with only some of its stages; ProjectError for a stage that does not exist.
+
+    A settled state is made where a stage needs it: settlements stay unless no other stage but the assessment is left.
+    """
+    if only is None:
+        return project
+    wanted = list(only)
+    for name in wanted:
+        if name not in STAGES:
+            raise ProjectError(f"--only: {name}: no such stage; {nearest(name, STAGES)}")
+    if "sensitivity" in wanted and "assessment" not in wanted:
+        wanted.append("assessment")
+    if {"assessment", "scenarios"} & {*wanted} and "pushover" not in wanted:
+        wanted.append("pushover")
+    by_record = project.assessment is not None and project.assessment.spectrum == "record"
+    if "assessment" in wanted and "history" not in wanted and by_record:
+        raise ProjectError('--only: assessment: spectrum = "record" needs the history stage; add history')
+    dropped: dict[str, Any] = {
+        table: () if table == "history" else None
+        for stage, table in STAGES.items()
+        if stage not in wanted and table != "settlements"
+    }
+    if "scenarios" not in wanted:
+        whole = (each.model_copy(update={"steps": None}) for each in project.settlements)
+        dropped["settlements"] = tuple(whole)
+    return project.model_copy(update=dropped)

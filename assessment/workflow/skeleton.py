@@ -1,0 +1,134 @@
+"""The part of the results that needs no analysis: inputs, model, geometry, versions."""
+
+from __future__ import annotations
+
+import math
+import platform
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from assessment.analyses.accuracy import accuracy_of
+from assessment.project.schema import ORIGINAL
+from assessment.results.faces import described
+from assessment.results.schema import FORMAT
+from assessment.runtime.fingerprint import installed
+from mechanics.faults import visible
+from mechanics.types import GRAVITY
+
+if TYPE_CHECKING:
+    from assessment.project.model import Model
+    from assessment.project.project import Project
+    from mechanics import Assembly
+
+Results = dict[str, Any]
+PACKAGES = (
+    "numpy",
+    "scipy",
+    "piqp",
+    "ezdxf",
+    "shapely",
+    "pandas",
+    "matplotlib",
+    "jinja2",
+    "weasyprint",
+    "pydantic",
+)
+
+
+def describe(project: Project, model: Model) -> Results:
+    """Return results without any analysis: every state is there, and empty."""
+    a = model.assembly
+    return {
+        "format": FORMAT,
+        "assesto": installed("assesto"),
+        "title": project.title,
+        "inputs": {visible(name): digest for name, digest in project.digests().items()},
+        "model": {
+            "blocks": len(a.blocks),
+            "movable_blocks": int(a.movable.sum()),
+            "joints": len(a.joints.a),
+            "unknowns": 3 * len(a.joints.a),  # N, P and T of each joint
+            "paper_contact_points": 4 * int(np.maximum(a.contacts.segments, 1).sum()),
+            "weight_kN": a.weight,
+            "self_weight_stable": True,
+            "warnings": list(model.warnings),
+        },
+        "geometry": _geometry(project, a),
+        "echo": _spelt(project.content()),
+        "states": {
+            name: {
+                "configuration": [[0.0, 0.0, 0.0]] * len(a.blocks),
+                "settlement": settlement,
+                "pushdown": {},
+                "pushover": {},
+                "capacity": {},
+                "history": [],
+                "incremental": {},
+            }
+            for name, settlement in _states(project)
+        },
+        "comparison": [],
+        "convergence": {"tolerance": accuracy_of(project).tolerance, "rows": []},
+        "quality": {"solves": 0, "warnings": [], "by_stage": []},
+        "timing_s": {},
+        "software": {
+            "version": installed("assesto"),
+            "python": platform.python_version(),
+            "platform": platform.system(),
+            "packages": {name: installed(name) for name in PACKAGES},
+        },
+    }
+
+
+def _spelt(value: Any) -> Any:
+    """Return what the project file says with infinity as it is written there: JSON has none."""
+    if isinstance(value, dict):
+        return {key: _spelt(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_spelt(each) for each in value]
+    return "inf" if value == math.inf else value
+
+
+def _states(project: Project) -> Iterable[tuple[str, Results | None]]:
+    if project.pushover or project.history or project.incremental or project.mechanism:
+        yield ORIGINAL, None
+    for s in project.settlements:
+        yield (
+            s.name,
+            {
+                "support": s.support,
+                "displacement_m": list(s.displacement_m),
+                "rotation_rad": s.rotation_rad,
+                "increment_m": s.increment_m,
+            },
+        )
+
+
+def _geometry(project: Project, a: Assembly) -> Results:
+    return {
+        "blocks": [
+            {
+                "vertices_m": block.polygon.tolist(),
+                "centroid_m": block.centroid.tolist(),
+                "depth_m": block.depth,
+                "layer": block.layer,
+                "handle": block.handle,
+                "support": block.support,
+                "vertical_load_kN": block.vertical_load,
+                "weight_kN": block.weight,
+            }
+            for block in a.blocks
+        ],
+        "controls": [
+            {"name": point.name, "point_m": list(point.point_m), "block": a.block_at(point.point_m)}
+            for point in project.control
+        ],
+        "joints": [
+            joint | {"ends_m": ends.tolist()}
+            for joint, ends in zip(described(a, a.contacts), a.joints.ends, strict=True)
+        ],
+        "joint_tolerance_m": a.joint_tolerance,
+        "gravity_m_s2": GRAVITY,
+    }

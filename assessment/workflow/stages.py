@@ -1,0 +1,231 @@
+"""Which stages a project needs, in what order, and what they leave behind."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import chain
+from typing import TYPE_CHECKING, Any
+
+from assessment.analyses.checks.capacity import assess, assess_chosen, governing, safety_index
+from assessment.analyses.checks.demand import demand_spectra, spectra_numbers
+from assessment.analyses.checks.ranges import Assess, with_ranges
+from assessment.analyses.static.ensemble import members
+from assessment.analyses.static.paths import stand
+from assessment.analyses.static.states import Request, StateResult, analyse_states
+from assessment.project.plausibility import implausible_hazard
+from assessment.project.schema import ORIGINAL
+from assessment.results.table import quoted_limit_state, reduction, static_pga
+from assessment.runtime.outcome import Outcome
+from assessment.runtime.tasks import SILENCE, Show, Workers, large
+from assessment.studies.convergence import converge
+from assessment.studies.increments import refined
+from assessment.studies.variants import Demands, behaviours, curves
+from assessment.workflow.dynamic import add_dynamics, dynamic_contacts, read_motions
+from assessment.workflow.skeleton import describe
+from assessment.workflow.studies import add_studies
+
+if TYPE_CHECKING:
+    from assessment.project.model import Model
+    from assessment.project.project import Project
+    from assessment.project.schema import SettlementTable
+    from assessment.runtime.cache import Store
+    from mechanics import Assembly
+    from mechanics.model import Behaviour
+
+Results = dict[str, Any]
+
+
+def run(
+    project: Project,
+    model: Model,
+    jobs: int = 0,
+    store: Store | None = None,
+    fresh: bool = False,
+    show: Show = SILENCE,
+    meanwhile: Callable[[], object] | None = None,
+) -> Outcome:
+    """Carry out every stage that the project asks for.
+
+    `jobs`: processes, 0: as many as help; `store`: where finished analyses are kept, and taken from unless `fresh`;
+    `meanwhile`: what this process does, once, while others compute.
+    """
+    with Workers(jobs, store, fresh, show, meanwhile=meanwhile) as workers:
+        results, complete = _stages(project, model, workers)
+    if store:
+        store.prune()
+    return Outcome(_without_nan(results), complete, workers.computed, workers.taken)
+
+
+def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, bool]:
+    """Return the results and whether every analysis asked for was completed."""
+    assembly = model.assembly
+    motions = read_motions(project)
+    demands, hazard = demand_spectra(project, motions.history) if project.assessment else ({}, None)
+    results = describe(project, model)
+    results["quality"]["warnings"] += [*motions.notes, *implausible_hazard(project, demands)]
+    [unstable] = workers.each("self-weight", stand, [(assembly,)], ["self-weight"], large(assembly))
+    if unstable:
+        results["model"]["self_weight_stable"] = False
+        results["quality"]["warnings"].append(unstable)
+        _sum_up(results["quality"])
+        return results, False
+    converged = converge(
+        project,
+        assembly,
+        Demands(demands, hazard),
+        lambda finer, names: analyse_states(
+            [request for request in _requests(finer, assembly) if request.state in names], workers
+        ),
+    )
+    stages = converged.stages
+    ensembles = members(
+        [
+            replace(request, project=refined(project, converged.halvings.get(request.state, 0)))
+            for request in _requests(project, assembly)
+        ],
+        stages,
+        workers,
+    )
+    warnings = results["quality"]["warnings"]
+    warnings += converged.warnings
+    results["convergence"]["rows"] += converged.rows
+    states = results["states"]
+    for stage in stages:
+        _merge(states[stage.state], stage)
+        warnings += stage.warnings + stage.failures
+        results["quality"]["by_stage"] += stage.quality
+        for name, seconds in stage.seconds.items():
+            results["timing_s"][name] = results["timing_s"].get(name, 0.0) + seconds
+    began = time.perf_counter()
+    for name, state in states.items():
+        notes: list[str] = []
+        checked: Assess = (
+            partial(assess, project, assembly, demands=demands, hazard=hazard, warnings=notes)
+            if project.assessment
+            else lambda _: {}
+        )
+        if name in ensembles:
+            capacity = with_ranges(state, [settled_and_pushed(each) for each in ensembles[name]], checked)
+            notes += [*told_of(ensembles[name]), *notes]
+        else:
+            capacity = checked(state["pushover"])
+        warnings += [f"{name}: {note}" for note in dict.fromkeys(notes)]
+        if project.assessment:
+            state["capacity"] = capacity
+            state["governing"], state["safety_index"] = governing(capacity), safety_index(capacity)
+    if project.assessment:
+        results["spectra"] = spectra_numbers(project, demands, hazard)
+        results["timing_s"]["assessment"] = time.perf_counter() - began
+    if project.mechanism:
+        results["mechanisms"] = assess_chosen(project, assembly, states, demands, hazard, warnings)
+    studied = add_studies(results, project, assembly, stages, converged.halvings, demands, hazard, workers)
+    shaken = add_dynamics(results, project, assembly, motions, stages, workers)
+    if project.assessment or project.incremental:
+        results["comparison"] = _comparison(states)
+    _sum_up(results["quality"])
+    return results, shaken and studied and not any(stage.failures for stage in stages)
+
+
+def _requests(project: Project, model: Assembly) -> list[Request]:
+    """Every state under every contact behaviour that a stage needs it under."""
+    pushed = behaviours(project)
+    settled = list(dict.fromkeys([*pushed, *dynamic_contacts(project)])) or ["rigid"]
+    states: list[tuple[SettlementTable | None, Behaviour]] = [(None, behaviour) for behaviour in pushed]
+    states += [(settlement, behaviour) for settlement in project.settlements for behaviour in settled]
+    return [Request(project, model, *state) for state in states]
+
+
+def _merge(state: Results, stage: StateResult) -> None:
+    if stage.pushdown is not None:
+        state["pushdown"][stage.behaviour] = stage.pushdown
+    if stage.configuration is not None and (
+        stage.behaviour == "rigid" or not any(map(any, state["configuration"]))
+    ):
+        state["configuration"] = stage.configuration
+    for direction, numbers in stage.pushover.items():
+        control = numbers.pop("control")
+        state["pushover"].setdefault(direction, {"control": control})[stage.behaviour] = numbers
+
+
+def settled_and_pushed(member: Sequence[StateResult]) -> tuple[Results, dict[str, Results]]:
+    """Return what a member of an ensemble found: its settlement by behaviour, its curves by direction and behaviour."""
+    settled: Results = {each.behaviour: each.pushdown for each in member if each.pushdown is not None}
+    return settled, curves(member)
+
+
+def told_of(ensemble: Sequence[Sequence[StateResult]]) -> Iterator[str]:
+    """Yield what a reader has to know of an ensemble: how large it is, and which members found no result."""
+    yield (
+        f"joints slide, or a part moves by itself: {len(ensemble) + 1} runs with other increments and corners moved "
+        "by a ten-millionth of their block give the ranges; of a capacity the lower end is used"
+    )
+    failed = [each for member in ensemble for each in member if each.failures]
+    if failed:
+        yield f"in {len(failed)} of the runs of the ensemble: {failed[0].failures[0]}"
+
+
+def _comparison(states: Mapping[str, Any]) -> list[Results]:
+    """Capacities of each settled state beside the original one's; the dynamic one is the same in every direction.
+
+    `limit_state`: the farthest one checked, of which the static capacity is.
+    """
+    rows: list[Results] = []
+    original = states.get(ORIGINAL)
+    if original is None:
+        return rows
+    for name, state in states.items():
+        if name == ORIGINAL:
+            continue
+        dynamic = state["incremental"].get("pga_collapse_g")
+        for direction in original["pushover"] or ([None] if state["incremental"] else []):
+            checked = [each["capacity"].get(direction) for each in (original, state)]
+            before, after = map(static_pga, checked)
+            rows.append(
+                {
+                    "state": name,
+                    "direction": direction,
+                    "limit_state": next(filter(None, map(quoted_limit_state, checked)), None),
+                    "static_pga_g": after,
+                    "static_reduction": reduction(before, after),
+                    "dynamic_pga_g": dynamic,
+                    "dynamic_reduction": reduction(original["incremental"].get("pga_collapse_g"), dynamic),
+                }
+            )
+    return rows
+
+
+def _sum_up(quality: Results) -> None:
+    rows = quality["by_stage"]
+    quality["solves"] = sum(row["solves"] for row in rows)
+    for key in (
+        "worst_equilibrium_residual",
+        "worst_penetration_m",
+        "worst_complementarity",
+        "worst_cone_violation",
+    ):
+        quality[key] = max((row[key] for row in rows if key in row), default=None)
+
+
+def _without_nan(value: Any) -> Any:
+    """JSON has no NaN and no infinity: null in their place."""
+    if isinstance(value, float):  # first: they are most
+        return float(value) if math.isfinite(value) else None
+    if type(value) is list and _finite(value):
+        return value
+    if isinstance(value, list | tuple):
+        return [_without_nan(item) for item in value]
+    if isinstance(value, Mapping):
+        return {key: _without_nan(item) for key, item in value.items()}
+    return value.item() if hasattr(value, "item") else value
+
+
+def _finite(values: list[Any]) -> bool:
+    """Whether lists, and lists within, hold finite floats alone: as those out of JSON do, with most of all numbers."""
+    kinds = set(map(type, values))
+    if kinds == {list}:
+        return _finite(list(chain.from_iterable(values)))
+    return kinds == {float} and math.isfinite(sum(values))

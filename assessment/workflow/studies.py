@@ -1,0 +1,62 @@
+"""The studies of a run, scenarios and sensitivity, and their place in the results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from assessment.analyses.static.states import StateResult, joined_quality
+from assessment.studies.scenarios import asks_for_scenarios, scenarios
+from assessment.studies.sensitivity import sensitivity
+from assessment.studies.variants import Demands, Numbers, Study
+
+if TYPE_CHECKING:
+    from assessment.ntc.hazard import HazardCurve
+    from assessment.ntc.spectrum import Spectrum
+    from assessment.project.project import Project
+    from assessment.runtime.tasks import Workers
+    from mechanics import Assembly
+
+FEW = 3  # warnings of a study that are repeated among those of the run
+
+
+def add_studies(
+    results: Numbers,
+    project: Project,
+    model: Assembly,
+    stages: Sequence[StateResult],
+    halvings: Mapping[str, int],
+    spectra: Mapping[str, Spectrum],
+    hazard: HazardCurve | None,
+    workers: Workers,
+) -> bool:
+    """Set the scenarios side by side and vary the properties, where asked for; return whether all was completed.
+
+    `halvings`: of each state's increments behind `stages`; the studies of a state take the same.
+    """
+    demands = Demands(spectra, hazard)
+    made: dict[str, Callable[[Study], Numbers]] = {}
+    if asks_for_scenarios(project):
+        made["scenarios"] = lambda study: scenarios(
+            project, model, results["states"], stages, halvings, demands, workers, study
+        )
+    if project.sensitivity:
+        made["sensitivity"] = lambda study: sensitivity(project, halvings, demands, workers, study)
+    complete = True
+    for name, make in made.items():
+        study = Study()
+        results[name] = make(study)
+        results["timing_s"][name] = study.seconds
+        results[name]["warnings"] = study.warnings
+        results["quality"]["warnings"] += [*_in_short(name, study.warnings), *study.findings, *study.failures]
+        if study.quality:
+            results["quality"]["by_stage"].append(joined_quality(None, name, study.quality))
+        complete = complete and not study.failures
+    return complete
+
+
+def _in_short(name: str, warnings: Sequence[str]) -> list[str]:
+    """Return warnings one by one if they are few; the runs of a study repeat those of the states they vary."""
+    if len(warnings) <= FEW:
+        return list(warnings)
+    return [f"{name}: {len(warnings)} warnings of single runs, in results.json; the first: {warnings[0]}"]

@@ -1,0 +1,269 @@
+"""An assembly of blocks and the states it can be in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mechanics.errors import ArgumentError, require
+from mechanics.kernels.bed import MOST_SEGMENTS
+from mechanics.model.block import Block
+from mechanics.model.contacts import Contacts, drawn_contacts
+from mechanics.model.joints import Joints, default_tolerance, find_joints
+from mechanics.model.proximity import Outlines
+from mechanics.types import GRAVITY, Array, Index, Mask
+
+LIGHTEST = (
+    1e-6  # of the mean block's weight: equilibrium, solved to 1e-8 of that, would not see a lighter one
+)
+
+Behaviour = Literal["rigid", "elastic"]
+Direction = Literal["+x", "-x"]
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Where the blocks are and how they move.
+
+    `positions` (b, 3): x, z (m) of each centroid and rotation (rad) from the drawing, supports included;
+    `velocities` (b, 3): their rates; `shear` (j,): tangential forces (kN) of the drawn joints, and `met` (k, 3): two
+    edges and that force, of pairs of faces that met on the way and carry; `carrying` (j,): drawn joints that carry in
+    the
+    equilibrium that led here, closed where rigid whatever gap dilatant sliding has left in them; None where no
+    equilibrium did.
+    """
+
+    positions: Array
+    velocities: Array
+    shear: Array | None = None
+    met: Array | None = None
+    carrying: Mask | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """Blocks and the dry joints between them; supports are the blocks that bear a support's name.
+
+    `segments_per_joint`: of the paper's beds of points in elastic analyses; by default the bed is exact.
+    `tolerance` (m): edges closer than this touch (default: a thousandth of the median edge). `collisions`: blocks that
+    were
+    apart as drawn may come to touch.
+    Raises ValueError where there is nothing to analyse.
+    """
+
+    blocks: Sequence[Block]
+    segments_per_joint: int | None = None
+    tolerance: float | None = None
+    collisions: bool = True
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "blocks", tuple(self.blocks))
+        require(len(self.blocks) > 0, "blocks", 0, "at least one block")
+        n = self.segments_per_joint
+        require(
+            n is None or 1 <= n <= MOST_SEGMENTS,
+            "segments_per_joint",
+            n,
+            f"from 1 to {MOST_SEGMENTS}, or None",
+        )
+        if self.tolerance is None:
+            object.__setattr__(self, "tolerance", default_tolerance(self.blocks))
+        require(0.0 < self.joint_tolerance < np.inf, "tolerance", self.tolerance, "positive, in m")
+        require(bool(self.movable.any()), "blocks", "all supports", "an assembly with a movable block")
+        self._check_weights()
+
+    def _check_weights(self) -> None:
+        weights = np.where(self.movable, [abs(b.weight) for b in self.blocks], np.inf)
+        lightest = int(np.argmin(weights))
+        share = float(weights[lightest]) / float(np.mean(weights[self.movable]))
+        require(
+            share >= LIGHTEST,
+            "blocks",
+            f"block {lightest} weighs {share:.2g} of the mean block",
+            f"at least {LIGHTEST:g} of it (less is lost in the accuracy of equilibrium): leave the block out",
+        )
+
+    @property
+    def joint_tolerance(self) -> float:
+        """Tolerance in use, m."""
+        assert self.tolerance is not None
+        return self.tolerance
+
+    @cached_property
+    def joints(self) -> Joints:
+        """Joints between the blocks."""
+        return find_joints(self.blocks, self.joint_tolerance)
+
+    @cached_property
+    def contacts(self) -> Contacts:
+        """The contacts of the joints as drawn."""
+        return drawn_contacts(self.blocks, self.joints, self.segments_per_joint or 0, self.joint_tolerance)
+
+    @cached_property
+    def outlines(self) -> Outlines:
+        """Edges and corners of the blocks."""
+        return Outlines.of(self.blocks)
+
+    @cached_property
+    def radius(self) -> Array:
+        """Distance (b,) of each block's farthest corner from its centroid, m."""
+        return np.array([np.hypot(*(b.polygon - b.centroid).T).max() for b in self.blocks])
+
+    @cached_property
+    def block_size(self) -> Array:
+        """Root of the area of each block (b,), m."""
+        return np.array([np.sqrt(b.area) for b in self.blocks])
+
+    def farthest(self, one: Array, other: Array) -> float:
+        """The longest way (m) that a corner can have gone from positions (b, 3) to others."""
+        moved = abs(other - one)
+        return float((np.hypot(moved[:, 0], moved[:, 1]) + self.radius * moved[:, 2]).max())
+
+    def check_behaviour(self, behaviour: Behaviour) -> None:
+        """Raise ValueError where it is none, or where elastic joints lack a stiffness."""
+        require(behaviour in {"rigid", "elastic"}, "contacts", behaviour, '"rigid" or "elastic"')
+        if behaviour == "elastic" and np.isnan(self.contacts.bed).any():
+            raise ArgumentError("normal_stiffness: elastic contacts need it for the material of every block")
+
+    @cached_property
+    def joints_in_a_row(self) -> int:
+        """The most joints between a block and the support nearest to it."""
+        near, count = ~self.movable, 0
+        while True:
+            touched = near.copy()
+            touched[self.joints.a[near[self.joints.b]]] = True
+            touched[self.joints.b[near[self.joints.a]]] = True
+            if (touched == near).all():
+                return count
+            near, count = touched, count + 1
+
+    @cached_property
+    def movable(self) -> Mask:
+        """Which blocks (b,) are no supports."""
+        return np.array([b.support is None for b in self.blocks])
+
+    @cached_property
+    def dof(self) -> Index:
+        """Degree of freedom (b, 3) of x, z, ω of each block; −1 for supports."""
+        index = np.full((len(self.blocks), 3), -1, dtype=np.intp)
+        index[self.movable] = np.arange(3 * self.movable.sum()).reshape(-1, 3)
+        return index
+
+    @cached_property
+    def initial(self) -> State:
+        """The state as drawn, at rest."""
+        centroid = np.array([b.centroid for b in self.blocks])
+        return State(np.column_stack([centroid, np.zeros(len(centroid))]), np.zeros((len(centroid), 3)))
+
+    @cached_property
+    def mass(self) -> Array:
+        """Mass (b, 3): Mg, Mg, Mg·m² of each block."""
+        return np.array([(b.mass, b.mass, b.inertia) for b in self.blocks])
+
+    @cached_property
+    def dead_load(self) -> Array:
+        """f_D (b, 3): weights and vertical loads, kN."""
+        load = np.zeros((len(self.blocks), 3))
+        load[:, 1] = [-b.weight for b in self.blocks]
+        return load
+
+    def lateral_load(self, direction: Direction) -> Array:
+        """f_L (b, 3), kN: the weight of every seismic mass, laid over in the direction."""
+        require(direction in {"+x", "-x"}, "direction", direction, '"+x" or "-x"')
+        load = np.zeros((len(self.blocks), 3))
+        load[:, 0] = (1.0 if direction == "+x" else -1.0) * GRAVITY * self.mass[:, 0]
+        return load
+
+    @cached_property
+    def weight(self) -> float:
+        """Weight of the movable blocks with their loads, kN."""
+        return -float(self.dead_load[self.movable, 1].sum())
+
+    @cached_property
+    def size(self) -> float:
+        """A block's size, m: the root of the mean area of the movable blocks (the program's unit of length)."""
+        return float(np.sqrt(np.mean([b.area for b in self.blocks if b.support is None])))
+
+    def support(self, name: str) -> Index:
+        """Blocks of a support; ValueError naming the known ones."""
+        index = np.array([i for i, b in enumerate(self.blocks) if b.support == name], dtype=np.intp)
+        known = sorted({b.support for b in self.blocks if b.support})
+        require(len(index) > 0, "support", name, f"one of {', '.join(known) or '(the model has no support)'}")
+        return index
+
+    def support_centre(self, name: str) -> Array:
+        """Centroid (2,) of a support's blocks as drawn, m."""
+        index = self.support(name)
+        area = np.array([self.blocks[i].area for i in index])
+        centre: Array = area @ self.initial.positions[index, :2] / area.sum()
+        return centre
+
+    def moved_support(self, positions: Array, name: str, displacement: Array, rotation: float) -> Array:
+        """Positions after the rigid movement of a support: a translation and a turn about its drawn centroid."""
+        index, centre = self.support(name), self.support_centre(name)
+        arm = self.initial.positions[index, :2] - centre
+        cos, sin = np.cos(rotation), np.sin(rotation)
+        moved = positions.copy()
+        moved[index, 0] = centre[0] + displacement[0] + cos * arm[:, 0] - sin * arm[:, 1]
+        moved[index, 1] = centre[1] + displacement[1] + sin * arm[:, 0] + cos * arm[:, 1]
+        moved[index, 2] = rotation
+        return moved
+
+    def rotated(self, block: int, about: ArrayLike, rotation: float) -> State:
+        """The drawn state with one block turned by `rotation` (rad) about a point (m): an initial position."""
+        require(0 <= block < len(self.blocks), "block", block, f"from 0 to {len(self.blocks) - 1}")
+        pivot = np.asarray(about, dtype=float)
+        require(pivot.shape == (2,), "about", about, "a point (x, z) in m")
+        positions = self.initial.positions.copy()
+        arm = positions[block, :2] - pivot
+        cos, sin = np.cos(rotation), np.sin(rotation)
+        positions[block] = (
+            pivot[0] + cos * arm[0] - sin * arm[1],
+            pivot[1] + sin * arm[0] + cos * arm[1],
+            rotation,
+        )
+        return State(positions, np.zeros_like(positions))
+
+    def starting(self, state: State | None) -> State:
+        """The state an analysis starts from (None: as drawn); ValueError where it is none of this assembly."""
+        if state is None:
+            return self.initial
+        require(
+            isinstance(state, State), "state", type(state).__name__, "a State, such as .final of a pushdown"
+        )
+        shape = self.initial.positions.shape
+        require(state.positions.shape == shape, "state", state.positions.shape, f"of this assembly: {shape}")
+        require(bool(np.isfinite(state.positions).all()), "state", "positions", "finite")
+        return state
+
+    def block_at(self, point: ArrayLike) -> int:
+        """The block that holds a point (m) as drawn, edges included; ValueError where none does."""
+        import shapely
+
+        at = np.asarray(point, dtype=float)
+        require(at.shape == (2,) and bool(np.isfinite(at).all()), "control", point, "a point (x, z) in m")
+        distance = shapely.distance([shapely.Polygon(b.polygon) for b in self.blocks], shapely.Point(at))
+        distance = distance + np.where(
+            self.movable, 0.0, 0.5 * self.joint_tolerance
+        )  # a shared edge: the movable one
+        nearest = int(np.argmin(distance))
+        require(
+            distance[nearest] <= self.joint_tolerance,
+            "control",
+            tuple(at.tolist()),
+            f"in or on a block (the nearest one is {distance[nearest]:.4g} m away)",
+        )
+        return nearest
+
+    def point_displacement(self, point: ArrayLike, block: int, positions: Array) -> Array:
+        """Displacement (2,), m, of a drawn point of a block in the given positions."""
+        arm = np.asarray(point, dtype=float) - self.initial.positions[block, :2]
+        cos, sin = np.cos(positions[block, 2]), np.sin(positions[block, 2])
+        turned = np.array([cos * arm[0] - sin * arm[1], sin * arm[0] + cos * arm[1]])
+        moved: Array = positions[block, :2] + turned - np.asarray(point, dtype=float)
+        return moved

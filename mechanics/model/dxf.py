@@ -1,0 +1,319 @@
+"""A DXF drawing to blocks: every closed polyline of model space is a block, its layer says what it is of."""
+
+from __future__ import annotations
+
+import logging
+import re
+import struct
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from difflib import get_close_matches
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from ezdxf import recover, units
+from ezdxf.audit import AuditError
+from ezdxf.document import Drawing as Document
+from ezdxf.entities.dxfentity import DXFTagStorage
+from ezdxf.entities.insert import Insert
+from ezdxf.filemanagement import readfile
+from ezdxf.lldxf.const import DXFError, DXFStructureError
+from ezdxf.math import Matrix44
+
+from mechanics.errors import DrawingError, require
+from mechanics.faults import Fault, FaultyDrawingError, Outline, listed, visible
+from mechanics.model.block import Block, Material
+from mechanics.model.polylines import (
+    MOST_POINTS,
+    Placed,
+    PlacedOutline,
+    fault_of,
+    has_direction,
+    is_polyline,
+    placed_outline,
+)
+
+METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
+INSUNITS = {"mm": "Millimeters", "cm": "Centimeters", "m": "Meters"}  # as ezdxf names them
+MOST_BYTES = 200_000_000  # of a file: some 20 000 blocks take ten
+MOST_ENTITIES = 100_000  # of model space, those of INSERTs as often as they are inserted
+DEEPEST = 30  # INSERTs within INSERTs
+LONGEST_NAME = 255  # of a layer, as in DXF itself
+LONGEST_REASON = 300  # letters of what ezdxf says
+SHAPES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "MLINE", "SOLID", "TRACE", "3DFACE", "REGION", "BODY"}
+SHAPES |= {"3DSOLID", "SURFACE", "MESH", "POLYLINE", "INSERT"}  # here: a mesh, an external reference
+_key = str.lower  # DXF does not heed the case of layer names
+ENTITIES = re.compile(rb"[2\x02][\s\x00]*ENTITIES[\s\x00]")
+END = re.compile(rb"ENDSEC|SECTION|EOF")
+UNPARSED = (DXFError, OSError, struct.error, AssertionError, StopIteration, ArithmeticError, RecursionError)
+MISLEADING = {AuditError.INVALID_FLOATING_POINT_VALUE, AuditError.INVALID_BLOCK_REFERENCE_CYCLE}
+
+logging.getLogger("ezdxf").addHandler(logging.NullHandler())  # what it found is told here, in our own words
+
+
+@dataclass(frozen=True, slots=True)
+class Layer:
+    """What the blocks of one drawing layer are; the fields are those of Block."""
+
+    material: Material
+    depth: float
+    support: str | None = None
+    vertical_load: float = 0.0
+    load_has_mass: bool = True
+    segments: int | None = None
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """Blocks of a drawing, warnings about it, and the largest distance (m) of an arc from its chords.
+
+    `faults`: what keeps outlines from being blocks, and layers that are not there; `outlines`: all of them, to draw.
+    """
+
+    blocks: tuple[Block, ...]
+    warnings: tuple[str, ...]
+    sagitta: float = 0.0
+    faults: tuple[Fault, ...] = ()
+    outlines: tuple[Outline, ...] = ()
+
+
+def read_drawing(
+    path: str | Path,
+    unit: str,
+    default: Layer,
+    layers: Mapping[str, Layer] = {},
+    sagitta: float | None = None,
+) -> Drawing:
+    """Read the blocks of a DXF drawing (text or binary, R12 and later); their vertices are in m.
+
+    Each closed LWPOLYLINE, 2D or plane 3D POLYLINE of model space is a block, also inside INSERTs
+    (nested, scaled, mirrored, arrays; there layer 0 stands for the INSERT's layer). A polyline that ends
+    where it starts is closed. `unit` ("mm", "cm", "m") is the drawing's. `layers` replaces `default` by
+    layer name, in any case of letters. What is frozen, off or invisible is left out with a warning: the
+    place for closed outlines that are no blocks. An open polyline is an error, but left out with a
+    warning where `layers` names other layers and not its own, and no closed one is there. Other shapes
+    (lines, arcs, circles, …) are left out with a warning, annotation without.
+
+    Arcs become chords that are nowhere further than `sagitta` (m) from the arc; by default a thousandth
+    of the arc's width (its chord; beyond half a circle, its diameter). An arc is divided evenly, so that
+    one shared by two blocks gives both the same vertices.
+
+    Raises DrawingError listing all that is wrong, with file, layer, handle and coordinates in drawing
+    units: the file cannot be read or is cut off; an outline is open, self-crossing, without area or out
+    of the drawing's plane; a layer of `layers` is not in the drawing, or hidden; nothing closed is in
+    model space. Raises ValueError for an unknown `unit` or a `sagitta` that is not positive.
+    """
+    drawing = survey_drawing(path, unit, default, layers, sagitta)
+    if drawing.faults:
+        raise FaultyDrawingError(str(path), drawing.faults, drawing.outlines)
+    return drawing
+
+
+def survey_drawing(
+    path: str | Path,
+    unit: str,
+    default: Layer,
+    layers: Mapping[str, Layer] = {},
+    sagitta: float | None = None,
+) -> Drawing:
+    """Return what `read_drawing` does, and its faults in place of raising them; `blocks` are then those without.
+
+    Raises DrawingError where the file cannot be read.
+    """
+    require(unit in METRES, "unit", unit, '"mm", "cm" or "m"')
+    require(sagitta is None or 0.0 < sagitta < np.inf, "sagitta", sagitta, "positive, in m, or None")
+    path, scale = Path(path), METRES[unit]
+    document, warnings = _open(path)
+    placed = _model_space(document, path)
+    outlines = _outlines(placed, scale, sagitta, path)
+    closed = [o for o in outlines if o.closed]
+    holding = {_key(o.source.layer) for o in closed}
+    named = {_key(name): layer for name, layer in layers.items()}
+    needed = [
+        o for o in outlines if not named or not closed or _key(o.source.layer) in holding | named.keys()
+    ]
+
+    wrong = {id(o): fault for o in needed if (fault := fault_of(o, scale)) is not None}
+    faults = [*_layer_faults(document, placed, layers), *wrong.values()]
+    if not closed and not faults:
+        faults = [Fault("layer", _nothing(document, placed))]
+    used = [o for o in closed if id(o) not in wrong]
+
+    idle = [name for name in layers if _key(name) not in holding]
+    if (own := units.unit_name(document.units)) not in {"Unitless", "unitless", INSUNITS[unit]}:
+        warnings.append(f"$INSUNITS says {own}, the project {unit}, which is used; check the sizes")
+    warnings += [f'layer "{name}" holds no block: what the project says of it has no effect' for name in idle]
+    warnings += _left_out(placed, [o for o in outlines if not o.closed])
+
+    def layer_of(outline: PlacedOutline) -> Layer:
+        return named.get(_key(outline.source.layer), default)
+
+    return Drawing(
+        tuple(_block(o, layer_of(o), scale) for o in used),
+        tuple(f"{path.name}: {w}" for w in warnings),
+        scale * max((o.sagitta for o in used), default=0.0),
+        tuple(faults),
+        tuple(
+            Outline(scale * o.points[:, :2], o.source.layer, o.closed, layer_of(o).support is not None)
+            for o in needed
+            if not o.broken and len(o.points) > 1
+        ),
+    )
+
+
+def _open(path: Path) -> tuple[Document, list[str]]:
+    """Read the document, repaired where that loses nothing; warn of repairs."""
+    try:
+        size = path.stat().st_size
+        data = path.read_bytes() if 0 < size <= MOST_BYTES else b""  # what has no size may have no end
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", error)
+        raise DrawingError(f"{path}: cannot be read ({why}); give the path of a DXF file") from None
+    if size > MOST_BYTES:
+        raise DrawingError(
+            f"{path}: {size:.3g} bytes, at most {MOST_BYTES:.3g}; keep only what is to be analysed"
+        )
+    if data.startswith(b"AC10"):
+        raise DrawingError(f"{path}: this is a DWG drawing; save it as DXF")
+    if b"SECTION" not in data:
+        raise DrawingError(f"{path}: this is no DXF drawing; export the drawing as DXF")
+    begin = ENTITIES.search(data)
+    if begin is None or END.search(data, begin.end()) is None:
+        raise DrawingError(f"{path}: the file is cut off before the end of its entities; export it again")
+    try:
+        if data.startswith(b"AutoCAD Binary DXF"):
+            document = readfile(path)  # recover mode is for text only
+            auditor = document.audit()
+        else:
+            document, auditor = recover.read(BytesIO(data))
+    except (*UNPARSED, ValueError, LookupError, TypeError, AttributeError) as error:
+        why = f" ({visible(str(error))[:LONGEST_REASON]})" if isinstance(error, DXFStructureError) else ""
+        raise DrawingError(f"{path}: the file is damaged{why}; export it again") from error
+    faults = [*auditor.errors, *auditor.fixes]
+    if fatal := [visible(fault.message)[:LONGEST_REASON] for fault in faults if fault.code in MISLEADING]:
+        raise DrawingError(f"{path}: the file is damaged: {'; '.join(fatal[:3])}; export it again")
+    if not faults:
+        return document, []
+    what = f"{len(faults)} faults, first: {visible(faults[0].message)[:LONGEST_REASON]}"
+    return document, [
+        f"the file was damaged and has been repaired ({what}); compare the model with the drawing"
+    ]
+
+
+def _model_space(document: Document, path: Path) -> list[Placed]:
+    """Return all entities of model space, those inside INSERTs where these put them."""
+    off = {_key(layer.dxf.name) for layer in document.layers if layer.is_off()}
+    frozen = {_key(layer.dxf.name) for layer in document.layers if layer.is_frozen()}
+    count = 0
+
+    def place(
+        space: Iterable[Any], to_model: Matrix44, outer: str, above: str, hidden: bool
+    ) -> Iterator[Placed]:
+        nonlocal count
+        for entity in space:
+            own = entity.graphic_properties().get("layer", "0")
+            layer = outer if own == "0" else visible(own)[:LONGEST_NAME]
+            handle = f"{above}{entity.dxf.handle}"
+            invisible = entity.dxf.hasattr("invisible") and entity.dxf.invisible
+            gone = hidden or bool(invisible) or _key(layer) in frozen
+            block = entity.block() if isinstance(entity, Insert) else None
+            if block is None or block.block is None or block.block.is_xref:
+                count += 1
+                yield Placed(entity, to_model, layer, handle, gone or _key(layer) in off)
+                continue
+            if not has_direction(entity):
+                raise DrawingError(f"{path}: INSERT {handle}: its extrusion is no direction; insert it again")
+            if handle.count("/") >= DEEPEST:
+                raise DrawingError(
+                    f"{path}: INSERT {handle}: more than {DEEPEST} one in another; explode them"
+                )
+            count += max(1, entity.mcount)
+            if count > MOST_ENTITIES:
+                raise DrawingError(
+                    f"{path}: INSERT {handle} ({entity.mcount} copies): more than {MOST_ENTITIES} entities "
+                    "in model space, those of INSERTs as often as they are inserted; leave out what is no block"
+                )
+            for single in entity.multi_insert() if entity.mcount > 1 else [entity]:
+                yield from place(block, single.matrix44() * to_model, layer, f"{handle}/", gone)
+
+    return list(place(document.modelspace(), Matrix44(), "0", "", hidden=False))
+
+
+def _outlines(
+    placed: Sequence[Placed], scale: float, sagitta: float | None, path: Path
+) -> list[PlacedOutline]:
+    """Return the outlines of the polylines that are shown; DrawingError where they have too many vertices."""
+    outlines, count = [], 0
+    for source in placed:
+        if source.hidden or not is_polyline(source.entity):
+            continue
+        outlines.append(placed_outline(source, scale, sagitta))
+        count += len(outlines[-1].points)
+        if count > MOST_POINTS:
+            raise DrawingError(
+                f"{path}: more than {MOST_POINTS} vertices, those of arcs included; simplify the outlines, "
+                "or write a larger geometry.sagitta_m"
+            )
+    return outlines
+
+
+def _layer_faults(
+    document: Document, placed: Sequence[Placed], layers: Mapping[str, Layer]
+) -> Iterator[Fault]:
+    """Name the layers of the project that the drawing does not have or does not show."""
+    names = [*(visible(layer.dxf.name) for layer in document.layers), *(p.layer for p in placed)]
+    drawn = {_key(name): name for name in names}
+    hidden = Counter(_key(p.layer) for p in placed if p.hidden and is_polyline(p.entity))
+    for name in layers:
+        if _key(name) not in drawn:
+            nearest = [drawn[key] for key in get_close_matches(_key(name), drawn, n=1)]
+            has = ", ".join(listed(sorted(drawn.values())))
+            hint = f'did you mean "{nearest[0]}"?' if nearest else f"it has {has}"
+            yield Fault("layer", f'layer "{name}" is not in the drawing; {hint}')
+        elif n := hidden[_key(name)]:
+            remedy = "show them, or take the layer out of the project"
+            text = f'layer "{name}" has {n} polylines that are frozen, off or invisible; {remedy}'
+            yield Fault("layer", text)
+
+
+def _nothing(document: Document, placed: Sequence[Placed]) -> str:
+    """Say what a drawing without polylines in model space has instead."""
+    paper = [
+        f'layer "{visible(e.dxf.layer)}", {e.dxftype()} {e.dxf.handle} of layout "{layout.name}"'
+        for layout in document.layouts
+        for e in layout
+        if not layout.is_modelspace and is_polyline(e)
+    ]
+    if paper:
+        return f"the polylines are in paper space ({paper[0]}, {len(paper)} in all); move them to model space"
+    counts = Counter(("hidden " if p.hidden else "") + p.entity.dxftype() for p in placed)
+    found = (
+        ", ".join(listed([f"{n} {visible(kind)}" for kind, n in counts.most_common()])) or "nothing at all"
+    )
+    return f"nothing closed is in model space, but {found}; draw each block as one closed polyline"
+
+
+def _left_out(placed: Sequence[Placed], open_: Sequence[PlacedOutline]) -> list[str]:
+    """Warn of what looks like a block and is none."""
+    hidden = Counter(p.layer for p in placed if p.hidden and is_polyline(p.entity))
+    warnings = [f'layer "{k}": {n} frozen, off or invisible polylines left out' for k, n in hidden.items()]
+    if open_:
+        first = open_[0].source.at(*open_[0].points[[0, -1]])
+        warnings.append(f"{len(open_)} open polylines on layers without blocks left out, first: {first}")
+    rest = [p for p in placed if not (p.hidden or is_polyline(p.entity))]
+    shapes = [p for p in rest if p.entity.dxftype() in SHAPES or isinstance(p.entity, DXFTagStorage)]
+    if shapes:
+        kinds = Counter(p.entity.dxftype() for p in shapes)
+        found = ", ".join(listed([f"{n} {visible(kind)}" for kind, n in kinds.most_common()]))
+        on = ", ".join(listed(sorted({p.layer for p in shapes})))
+        warnings.append(f"left out, being no closed polylines: {found}, on layers {on}")
+    return warnings
+
+
+def _block(outline: PlacedOutline, layer: Layer, scale: float) -> Block:
+    of_layer = {field.name: getattr(layer, field.name) for field in fields(layer)}
+    source = outline.source
+    return Block(scale * outline.points[:, :2], **of_layer, layer=source.layer, handle=source.handle)

@@ -1,0 +1,279 @@
+"""Whether blocks make a layout that can be analysed: no overlaps, nothing floating, no gaps by mistake."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from mechanics.faults import Fault, FaultyDrawingError, Outline, listed
+from mechanics.model.block import Block
+from mechanics.model.joints import Joints, find_joints
+from mechanics.model.overlaps import Polygons, eroded, name_of, overlaps_of, place_of
+from mechanics.types import Array, Index
+
+NEAR = 20.0  # edges that face each other within so many tolerances were likely meant to touch
+MOST_NEIGHBOURS = 2e7  # pairs of edges within NEAR tolerances of each other, as many as memory holds
+ROOM = 1.5  # a tolerance that is proposed is at least so many times the widest gap
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """What a survey of blocks found: `faults`, `warnings`, and the `remedy` that would mend every gap ("": none)."""
+
+    faults: tuple[Fault, ...]
+    warnings: tuple[str, ...]
+    remedy: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class _Gaps:
+    """Pairs of blocks (g, 2) that face each other across `width` (g, 2: least, most) m.
+
+    `places` (g, 2): the middle of the widest stretch; `stretches`: the ends (s, 2, 2) of all of them.
+    """
+
+    pair: Index
+    width: Array
+    places: Array
+    stretches: tuple[Array, ...]
+
+    def take(self, chosen: Flags) -> _Gaps:
+        stretches = tuple(s for s, taken in zip(self.stretches, chosen, strict=True) if taken)
+        return _Gaps(self.pair[chosen], self.width[chosen], self.places[chosen], stretches)
+
+
+def check_layout(blocks: Sequence[Block], tolerance: float) -> tuple[str, ...]:
+    """Check that blocks make an assembly, with the `tolerance` (m) with which its joints are found.
+
+    Returns warnings: edges that face each other at more than the tolerance but less than `NEAR`
+    tolerances with nothing between them, and supports that touch nothing. Raises one FaultyDrawingError, a
+    DrawingError, that lists, with number, layer, handle and coordinates in m: blocks nowhere wider than the tolerance;
+    blocks drawn twice; blocks that overlap by more than the tolerance (a circle of that diameter fits
+    into the common area, or a vertex lies that deep inside); movable blocks that no chain of joints
+    connects to a support.
+    """
+    layout = survey_layout(blocks, tolerance)
+    if layout.faults:
+        raise FaultyDrawingError("", layout.faults, outlines_of(blocks), layout.remedy)
+    return layout.warnings
+
+
+def survey_layout(blocks: Sequence[Block], tolerance: float, whole: bool = True) -> Layout:
+    """Return what `check_layout` does, and the faults in place of raising them.
+
+    A fault is told once: blocks that overlap are taken to touch, those that only a gap parts from a support are told
+    by their gap, and a copy or a frame around others is left out of what follows. `whole`: whether the blocks are all
+    that there are; else nothing is said of gaps and of what floats.
+    """
+    polygons = shapely.polygons([shapely.linearrings(b.polygon) for b in blocks])
+    faults = [*_too_thin(blocks, polygons, tolerance), *_too_short(blocks, tolerance)]
+    overlaps = overlaps_of(blocks, polygons, tolerance)
+    if overlaps.cut_short or not whole or any(fault.kind == "short" for fault in faults):
+        return Layout((*faults, *overlaps.faults), ())
+    kept = np.flatnonzero(~overlaps.surplus)
+    gaps = _gaps(blocks, polygons, kept, tolerance)
+    joints = _joints(blocks, kept, tolerance)
+    held = np.concatenate([np.stack([joints.a, joints.b], axis=1), overlaps.pairs])
+    held = held[~overlaps.surplus[held].any(axis=1)]
+    fixed = np.array([block.support is not None for block in blocks])
+    body, floating = _bodies(held, fixed)
+    if floating[body[kept]].all():
+        text = "no block is a support; name one in the table of a layer: support = …"
+        return Layout((*faults, *overlaps.faults, Fault("floating", text)), ())
+    parting = np.logical_or(*floating[body[gaps.pair]].T)
+    apart, adrift = _bodies(np.concatenate([held, gaps.pair[parting]]), fixed)
+    floats = _floating(blocks, kept[adrift[apart[kept]]], apart)
+    falls = _gap_faults(blocks, gaps.take(parting), body, floating, tolerance)
+    warnings = _gap_warnings(blocks, gaps.take(~parting), tolerance)
+    remedies = [
+        _remedy(blocks, polygons, kept, gaps.take(chosen), tolerance) for chosen in (parting, ~parting)
+    ]
+    return Layout(
+        (*faults, *overlaps.faults, *floats, *falls),
+        (*warnings, *filter(None, remedies[1:]), *_idle_supports(blocks, polygons, tolerance)),
+        remedies[0],
+    )
+
+
+def outlines_of(blocks: Sequence[Block]) -> list[Outline]:
+    """Return the outlines of blocks, for a picture."""
+    return [Outline(b.polygon, b.layer, support=b.support is not None) for b in blocks]
+
+
+def _too_thin(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> list[Fault]:
+    return [
+        Fault(
+            "thin",
+            f"{name_of(blocks, i)} at {place_of(blocks[i].centroid)} is nowhere wider than the joint tolerance of "
+            f"{tolerance:.3g} m; remove it, or lower the tolerance",
+            blocks[i].centroid[None],
+            (blocks[i].polygon,),
+        )
+        for i in np.flatnonzero(shapely.is_empty(eroded(polygons, tolerance))).tolist()
+    ]
+
+
+def _too_short(blocks: Sequence[Block], tolerance: float) -> list[Fault]:
+    """Refuse edges so short beside the tolerance that most pairs of them would be within it."""
+    edges = np.concatenate([np.hypot(*(np.roll(b.polygon, -1, axis=0) - b.polygon).T) for b in blocks])
+    near = float((2.0 * NEAR * tolerance / edges).sum())
+    if near <= MOST_NEIGHBOURS:
+        return []
+    text = (
+        f"with a joint tolerance of {tolerance:.3g} m some {near:.2g} pairs of edges are near each other, at most "
+        f"{MOST_NEIGHBOURS:.2g}: it is too large for edges of {np.median(edges):.3g} m; write a smaller "
+        "geometry.tolerance_m, or draw curves with fewer vertices"
+    )
+    return [Fault("short", text)]
+
+
+def _joints(blocks: Sequence[Block], kept: Index, tolerance: float) -> Joints:
+    """Return the joints between the blocks `kept`, which are called by their numbers among all."""
+    joints = find_joints([blocks[i] for i in kept], tolerance)
+    return replace(joints, a=kept[joints.a], b=kept[joints.b])
+
+
+def _bodies(pairs: Index, fixed: Flags) -> tuple[Index, Flags]:
+    """Return the body (b,) of connected blocks each block belongs to, and which bodies have no support."""
+    n = len(fixed)
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
+    count, body = connected_components(graph, directed=False)
+    floating = np.ones(count, dtype=bool)
+    floating[body[fixed]] = False
+    return np.asarray(body, dtype=np.intp), floating
+
+
+def _floating(blocks: Sequence[Block], adrift: Index, body: Index) -> list[Fault]:
+    """Tell each body of which `adrift` are the blocks."""
+    faults = []
+    order = adrift[np.argsort(body[adrift], kind="stable")]
+    for members in np.split(order, np.flatnonzero(np.diff(body[order])) + 1):
+        if not len(members):
+            continue
+        first = blocks[members[0]]
+        block = f"{name_of(blocks, members[0])} at {place_of(first.centroid)}"
+        text = (
+            f"{block} touches nothing; move it to the block it should rest on, or delete it"
+            if len(members) == 1
+            else f"{block} and {len(members) - 1} more touch one another but nothing that leads to a support; "
+            "move them to what they should rest on"
+        )
+        rings = tuple(blocks[i].polygon for i in members)
+        faults.append(Fault("floating", text, first.centroid[None], rings))
+    return faults
+
+
+def _gaps(blocks: Sequence[Block], polygons: Polygons, kept: Index, tolerance: float) -> _Gaps:
+    """Return the gaps that were likely meant to be joints, those between the same blocks as one."""
+    facing = _joints(blocks, kept, NEAR * tolerance)
+    pair = np.stack([facing.a, facing.b], axis=1)
+    apart = _apart(blocks, polygons, facing, 0.51 * NEAR * tolerance)
+    middle = facing.ends.mean(axis=1)
+    midway = shapely.STRtree(shapely.points(middle))
+    k, at = midway.query(polygons[kept], predicate="dwithin", distance=tolerance)
+    between = at[(kept[k] != pair[at, 0]) & (kept[k] != pair[at, 1])]
+    open_ = apart.max(axis=1, initial=0.0) > 1.001 * tolerance
+    open_[between] = False
+    stretches = np.flatnonzero(open_)
+    stretches = stretches[np.lexsort((-apart[stretches].max(axis=1, initial=0.0), *pair[stretches].T[::-1]))]
+    pairs, first = np.unique(pair[stretches], axis=0, return_index=True)
+    groups = np.split(stretches, first[1:]) if len(first) else []
+    return _Gaps(
+        pairs,
+        np.array([(apart[group].min(), apart[group].max()) for group in groups]).reshape(-1, 2),
+        middle[stretches[first]],
+        tuple(facing.ends[group] for group in groups),
+    )
+
+
+def _apart(blocks: Sequence[Block], polygons: Polygons, facing: Joints, reach: float) -> Array:
+    """Return how far blocks that face each other are apart (f, 2) m at either end of the stretch along which they do.
+
+    An end lies midway: `reach` (m) holds both blocks. The distance to a block is that to the nearest of its edges.
+    """
+    side = np.stack([facing.a, facing.b], axis=1)  # (f, 2), beside (f, 2) ends
+    place = np.repeat(facing.ends.reshape(-1, 2), 2, axis=0)  # of each end twice: (f · end · side, 2)
+    of = np.repeat(side[:, None, :], 2, axis=1).ravel()
+    points = shapely.points(place)
+    start = np.concatenate([b.polygon for b in blocks])
+    end = np.concatenate([np.roll(b.polygon, -1, axis=0) for b in blocks])
+    owner = np.repeat(np.arange(len(blocks)), [len(b.polygon) for b in blocks])
+    edges = shapely.STRtree(shapely.linestrings(np.stack([start, end], axis=1)))
+    i, e = edges.query(points, predicate="dwithin", distance=reach)
+    i, e = i[owner[e] == of[i]], e[owner[e] == of[i]]
+    along = end[e] - start[e]
+    share = np.clip(((place[i] - start[e]) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
+    distance = np.full(len(place), reach)
+    np.minimum.at(distance, i, np.hypot(*(place[i] - start[e] - share[:, None] * along).T))
+    k, inside = shapely.STRtree(points).query(polygons, predicate="contains")
+    distance[inside[of[inside] == k]] = 0.0
+    return distance.reshape(-1, 2, 2).sum(axis=2)
+
+
+def _gap_faults(
+    blocks: Sequence[Block], gaps: _Gaps, body: Index, floating: Flags, tolerance: float
+) -> list[Fault]:
+    """Tell the gaps that part blocks from every support."""
+    sizes = np.bincount(body)
+    faults = []
+    for k, text in enumerate(_gap_texts(blocks, gaps, tolerance)):
+        pair = gaps.pair[k]
+        hanging = pair[floating[body[pair]]][0]
+        more = sizes[body[hanging]] - 1
+        hangs = f"block {hanging} and {more} more hang" if more else f"block {hanging} hangs"
+        full = f"{text}, and {hangs} in the air; draw them so that they touch"
+        faults.append(Fault("gap", full, gaps.places[k][None], tuple(gaps.stretches[k])))
+    return faults
+
+
+def _gap_warnings(blocks: Sequence[Block], gaps: _Gaps, tolerance: float) -> list[str]:
+    texts = _gap_texts(blocks, gaps, tolerance)
+    return listed([f"{text}; if they should touch, draw them so" for text in texts])
+
+
+def _gap_texts(blocks: Sequence[Block], gaps: _Gaps, tolerance: float) -> list[str]:
+    return [
+        f"{name_of(blocks, a)} and {name_of(blocks, b)} face each other at {place_of(place)} across "
+        f"{_width(low, high)} m, more than the joint tolerance of {tolerance:.3g} m: no joint"
+        for (a, b), (low, high), place in zip(gaps.pair.tolist(), gaps.width, gaps.places, strict=True)
+    ]
+
+
+def _remedy(blocks: Sequence[Block], polygons: Polygons, kept: Index, gaps: _Gaps, tolerance: float) -> str:
+    """Return the tolerance with which every gap is a joint and no block too thin; "" where there is none, or no gap."""
+    if not len(gaps.pair):
+        return ""
+    widest = float(gaps.width.max())
+    unit = 10.0 ** math.floor(math.log10(ROOM * widest))
+    wider = math.ceil(ROOM * widest / unit - 1e-9) * unit
+    joints = _joints(blocks, kept, wider)
+    joined = {*map(tuple, np.sort(np.stack([joints.a, joints.b], axis=1)).tolist())}
+    if shapely.is_empty(eroded(polygons[kept], wider)).any() or not joined.issuperset(
+        map(tuple, np.sort(gaps.pair).tolist())
+    ):
+        return ""
+    return f"gaps of up to {1e3 * widest:.3g} mm: geometry.tolerance_m = {wider:g} closes all of them"
+
+
+def _idle_supports(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> list[str]:
+    i, j = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=tolerance)
+    alone = np.setdiff1d(np.flatnonzero([b.support is not None for b in blocks]), i[i != j]).tolist()
+    return listed(
+        [
+            f"{name_of(blocks, k)} at {place_of(blocks[k].centroid)} is a support and touches nothing"
+            for k in alone
+        ]
+    )
+
+
+def _width(low: float, high: float) -> str:
+    return f"{high:.3g}" if high - low < 0.01 * high else f"{low:.3g} to {high:.3g}"

@@ -1,0 +1,416 @@
+"""The dynamic stages of a project, on the template's rocking block."""
+
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from assessment.analyses.dynamic import response
+from assessment.analyses.dynamic import time_history as dynamics
+from assessment.analyses.dynamic.ensemble import sustained_peak
+from assessment.analyses.dynamic.response import TAIL as FREE
+from assessment.analyses.dynamic.response import Setting, respond
+from assessment.analyses.dynamic.time_history import history, thinned
+from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
+from assessment.project.catalogue.new_project import new_project
+from assessment.project.catalogue.record import write_artificial_record
+from assessment.project.model import build_model
+from assessment.project.motions import BaseMotion, history_motions
+from assessment.project.project import load_project
+from assessment.project.schema import ControlTable, HistoryTable
+from assessment.report.document import render_html
+from assessment.report.figures.animation import write_animations
+from assessment.report.figures.index import pictures, write_figures
+from assessment.report.tables.index import tables
+from assessment.report.text.language import words_of
+from assessment.runtime.errors import ProjectError
+from assessment.runtime.pool import Pool
+from assessment.workflow.dynamic import read_motions
+from assessment.workflow.stages import run
+from mechanics import ConvergenceError
+from mechanics.records.record import Record, read_record
+from mechanics.records.response_spectrum import response_spectrum
+from tests.support.structures import block_on_base
+
+STEP = 0.02
+TIME = STEP * np.arange(101)
+WAVE = np.sin(2.0 * np.pi * TIME) * np.exp(-((TIME - 1.0) ** 2))  # g; 2 s, about 1 Hz
+
+TAIL = """
+[[history]]
+record = "wave.csv"
+scale = {scale}
+contacts = "rigid"
+integrator = "second-order"
+"""
+INCREMENTAL = """
+[incremental]
+records = ["*.csv"]
+contacts = "rigid"
+integrator = "second-order"
+tolerance_g = 0.1
+"""
+
+
+def _project(folder, *tables, assessment=""):
+    """A block template without its static stages, with a wave for a record and the tables given."""
+    new_project(folder, "block", {"width_m": 0.6, "height_m": 2.4})
+    text = (folder / "project.toml").read_text(encoding="utf-8")
+    start, end = text.index("[pushover]"), text.index("[report]")
+    text = text[:start] + assessment + text[end:] + "".join(tables)
+    (folder / "project.toml").write_text(text, encoding="utf-8")
+    np.savetxt(folder / "wave.csv", np.column_stack([TIME, 0.5 * WAVE]), delimiter=",", fmt="%.8f")
+    return load_project(folder)
+
+
+def _edited(folder, old, new):
+    path = folder / "project.toml"
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    return load_project(folder)
+
+
+@pytest.fixture(scope="module")
+def outcome(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("dynamic") / "block"
+    project = _project(folder, TAIL.format(scale=0.58), TAIL.format(scale=6.0), INCREMENTAL)
+    return run(project, build_model(project), jobs=1)
+
+
+class Told:
+    """What was told of the analyses under way."""
+
+    def __init__(self):
+        self.lines = []
+
+    def begin(self, stage, total, taken):
+        self.lines.append(("begin", stage, total, taken))
+
+    def under_way(self, title):
+        self.lines.append(("under way", title))
+
+    def advance(self):
+        self.lines.append(("advance",))
+
+    def end(self):
+        self.lines.append(("end",))
+
+
+def test_incremental_analysis_tells_its_progress_and_is_the_same_on_several_processes(tmp_path):
+    project = _project(tmp_path / "block", INCREMENTAL.replace("0.1", "0.4"))
+    np.savetxt(project.folder / "later.csv", np.column_stack([TIME, 0.3 * WAVE]), delimiter=",", fmt="%.8f")
+    found, told = [], []
+    for jobs in (1, 2):
+        show = Told()
+        states = run(project, build_model(project), jobs, show=show).results["states"]
+        found.append([states[name]["incremental"] for name in project.states])
+        told.append(show.lines[show.lines.index(("begin", "incremental", 4, 0)) :])
+    for state in (state for states in found for state in states):
+        assert len(state["records"]) == 2
+        assert all(record.pop("seconds") > 0.0 for record in state["records"])
+    assert found[0] == found[1]
+    under_way = [(name, record) for name in project.states for record in ("later", "wave")]
+    one_by_one = [
+        event for name, record in under_way for event in (("under way", f"{name}, {record}"), ("advance",))
+    ]
+    assert told[0] == [("begin", "incremental", 4, 0), *one_by_one, ("end",)]
+    assert told[1] == [("begin", "incremental", 4, 0), *[("advance",)] * 4, ("end",)]
+
+
+def test_histories_of_both_states_and_records(outcome):
+    assert outcome.complete
+    assert list(outcome.results["states"]) == ["original", "base turned 20 mrad"]
+    peak = 0.5 * abs(WAVE).max()
+    for state in outcome.results["states"].values():
+        weak, strong = state["history"]
+        assert weak["record"] == "wave × 0.58"
+        assert weak["pga_g"] == pytest.approx(0.58 * peak, rel=1e-6)
+        assert (weak["collapsed"], weak["time_of_collapse_s"]) == (False, None)
+        assert strong["collapsed"]
+        assert strong["residual_displacement_m"] is None
+        assert 0.0 < strong["time_of_collapse_s"] <= TIME[-1] + FREE + 2 * STEP
+        assert "turned" in strong["reason"]
+        curve = np.array(weak["curve"]["displacement_m"])
+        assert curve[0] == 0.0
+        assert weak["peak_displacement_m"] == abs(curve).max() > 0.01
+        assert weak["residual_displacement_m"] == curve[-1]
+        at = weak["curve"]["time_s"].index(weak["time_of_peak_s"])
+        assert abs(curve[at]) == weak["peak_displacement_m"]
+
+
+def test_displacements_start_from_the_states_own_rest(outcome):
+    """The settled block leans: its control point is moved, and the history does not count that."""
+    settled = outcome.results["states"]["base turned 20 mrad"]
+    assert settled["configuration"][1][0] > 0.02
+    assert settled["history"][0]["curve"]["displacement_m"][0] == 0.0
+
+
+def test_energy_balance_closes(outcome):
+    """What is left over is little, and the weights gained what they were lifted by, from the shapes alone."""
+    weights = np.array([block["weight_kN"] for block in outcome.results["geometry"]["blocks"]])
+    for state in outcome.results["states"].values():
+        for entry in state["history"]:
+            energy = entry["energy"]
+            assert abs(energy["residual_kNm"]) < 0.01 * energy["input_kNm"]
+            start, end = (
+                np.array(each)[:, 1] for each in (state["configuration"], entry["final_configuration"])
+            )
+            assert energy["potential_kNm"] == pytest.approx(weights @ (end - start), rel=1e-6, abs=1e-9)
+
+
+def test_incremental_analysis_and_comparison(outcome):
+    found = {name: state["incremental"] for name, state in outcome.results["states"].items()}
+    for each in found.values():
+        (record,) = each["records"]
+        assert 0.0 < record["pga_collapse_g"] - record["pga_safe_g"] <= 0.1
+        assert each["pga_collapse_g"] == each["mean_pga_collapse_g"] == record["pga_collapse_g"]
+    (row,) = outcome.results["comparison"]
+    before, after = found["original"]["pga_collapse_g"], found["base turned 20 mrad"]["pga_collapse_g"]
+    assert row["dynamic_pga_g"] == after
+    assert row["dynamic_reduction"] == pytest.approx(1.0 - after / before)
+    assert row["static_pga_g"] is None
+
+
+def test_a_history_at_the_bracket_agrees_with_the_search(outcome):
+    """The strong history is far above the PGA at collapse, the weak one below."""
+    weak, strong = outcome.results["states"]["original"]["history"]
+    found = outcome.results["states"]["original"]["incremental"]
+    assert weak["pga_g"] < found["pga_collapse_g"] < strong["pga_g"]
+
+
+def test_results_are_json_and_every_solve_counts(outcome):
+    json.dumps(outcome.results, allow_nan=False)
+    stages = {row["stage"] for row in outcome.results["quality"]["by_stage"]}
+    assert {"history, wave × 0.58", "incremental, wave"} <= stages
+    assert outcome.results["quality"]["worst_equilibrium_residual"] < 1e-6
+    assert "wave.csv" in outcome.results["inputs"]
+
+
+@pytest.mark.parametrize("language", ["it", "en"])
+def test_figures_tables_and_report(outcome, tmp_path, language):
+    results = json.loads(json.dumps(outcome.results))
+    results["echo"]["report"]["language"] = language
+    names = {picture.name for picture in pictures(results)}
+    assert {"record_1", "history_1", "history_2", "incremental"} <= names
+    assert {"shapes_1_0_original", "shapes_2_1_base_turned_20_mrad"} <= names
+    assert "fragility" not in names  # one record has no scatter
+    write_figures(Pool(0, results), tmp_path)
+    filled = {table.name: table for table in tables(results) if table.rows}
+    assert len(filled["history"].rows) == 4
+    assert {"history_energy", "history_curves", "record_spectra"} <= filled.keys()
+    assert {"incremental", "incremental_states", "incremental_curves", "static_dynamic"} <= filled.keys()
+    html = render_html(results, tmp_path, words_of(results))
+    for chapter in ('id="history"', 'id="incremental"'):
+        assert chapter in html
+
+
+def test_without_dynamic_tables_nothing_changes(tmp_path):
+    project = _project(tmp_path / "block")
+    outcome = run(project, build_model(project), jobs=1)
+    assert outcome.complete
+    assert "motions" not in outcome.results
+    assert list(outcome.results["states"]) == ["base turned 20 mrad"]
+    assert outcome.results["timing_s"].keys() == {"pushdown"}
+    assert {picture.section for picture in pictures(outcome.results)} == {"model", "settlements", "pushdown"}
+
+
+def test_a_state_that_collapses_under_its_settlement(tmp_path):
+    _project(tmp_path / "block", TAIL.format(scale=1.0), INCREMENTAL)
+    project = _edited(tmp_path / "block", "rotation_rad = -0.02 ", "rotation_rad = -0.40 ")
+    project = _edited(tmp_path / "block", "increment_rad = 0.001", "increment_rad = 0.02")
+    outcome = run(project, build_model(project), jobs=1)
+    assert not outcome.complete
+    name = project.states[1]
+    state = outcome.results["states"][name]
+    (entry,) = state["history"]
+    assert entry["peak_displacement_m"] is entry["collapsed"] is entry["time_of_collapse_s"] is None
+    assert entry["reason"]
+    assert state["incremental"]["pga_collapse_g"] is None
+    assert any(name in warning and "history" in warning for warning in outcome.results["quality"]["warnings"])
+    assert outcome.results["states"]["original"]["history"][0]["peak_displacement_m"] > 0.0
+
+
+def test_the_window_scale_and_step_of_a_motion(tmp_path):
+    window = "window_s = [1.5, 2.0]\ntime_step_s = 0.01\n"
+    project = _project(tmp_path / "block", TAIL.format(scale=-2.0), window)
+    (motion,) = history_motions(project)
+    whole = read_record(tmp_path / "block" / "wave.csv").acceleration
+    inside = -2.0 * whole[75:101]
+    assert motion.pga == abs(inside).max() < motion.original.pga
+    np.testing.assert_allclose(motion.record.acceleration[::2], inside, atol=1e-15)
+    assert (motion.start, motion.record.time_step, motion.record.duration) == (1.5, 0.01, pytest.approx(0.5))
+    assert "leaves out the peak" in motion.notes[0]
+    project = _edited(
+        tmp_path / "block", "window_s = [1.5, 2.0]", 'window_s = "arias"\nvertical_record = "wave.csv"'
+    )
+    (motion,) = history_motions(project)
+    begin = read_record(tmp_path / "block" / "wave.csv").arias_window()[0]
+    assert 0.0 <= motion.start - begin < STEP
+    np.testing.assert_allclose(motion.vertical, motion.record.acceleration, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("extra", "named"),
+    [
+        ("window_s = [0.5, 9.0]\n", r"history\[1\].*wave.csv.*window"),
+        ("damping_ratio = 0.05\n", r"history\[1\]\.damping_ratio"),
+        ('vertical_record = "short.csv"\n', r"history\[1\]\.vertical_record.*short.csv"),
+    ],
+)
+def test_motions_that_do_not_fit_are_refused_by_key(tmp_path, extra, named):
+    _project(tmp_path / "block")
+    np.savetxt(tmp_path / "block" / "short.csv", np.column_stack([TIME, WAVE])[:50], delimiter=",")
+    path = tmp_path / "block" / "project.toml"
+    path.write_text(path.read_text(encoding="utf-8") + TAIL.format(scale=1.0) + extra, encoding="utf-8")
+    with pytest.raises(ProjectError, match=named):
+        read_motions(load_project(tmp_path / "block"))
+
+
+def _motion(record):
+    return BaseMotion(record, record, record.pga, 1.0)
+
+
+@pytest.fixture
+def setting():
+    table = HistoryTable(record="r", contacts="rigid", integrator="second-order")
+    return Setting(table, ControlTable(name="top", point_m=(0.6, 2.4)))
+
+
+def test_a_motion_that_ends_in_mid_swing_goes_on_freely(setting):
+    """The parts join: time goes on evenly, displacement without a jump; a record that ends at rest has one part."""
+    model = block_on_base(0.6, 2.4)
+    response = respond(model, _motion(Record(0.6 * WAVE[:60], STEP, "cut")), setting, model.initial)
+    assert len(response.parts) == 2
+    np.testing.assert_allclose(np.diff(response.time), STEP)
+    jumps = abs(np.diff(response.displacement))
+    assert jumps[59] < 2.0 * jumps[[58, 60]].max()
+    assert response.positions.shape == (response.time.size, 2, 3)
+    gentle = respond(model, _motion(Record(0.2 * WAVE, STEP, "gentle")), setting, model.initial)
+    assert len(gentle.parts) == 1
+
+
+def test_a_step_that_is_not_solved_is_a_failure(setting, monkeypatch):
+    def refuse(*_, **__):
+        raise ConvergenceError("step 3: no solution")
+
+    monkeypatch.setattr(response, "time_history", refuse)
+    model = block_on_base(0.6, 2.4)
+    result = history(model, _motion(Record(WAVE, STEP, "wave")), setting, "original", model.initial)
+    assert result.failures == ["original, history of wave: step 3: no solution"]
+    assert result.numbers["collapsed"] is None
+
+
+@pytest.mark.parametrize("language", ["it", "en"])
+def test_an_animation_is_written_where_it_is_asked_for(tmp_path, language, monkeypatch):
+    """A GIF per state, of at most FRAMES frames in real time, the same bytes at every writing; none else."""
+    project = _project(
+        tmp_path / "block", TAIL.format(scale=0.58), TAIL.format(scale=0.5), "animation = true\n"
+    )
+    project = project.model_copy(update={"report": project.report.model_copy(update={"language": language})})
+    results = run(project, build_model(project), jobs=1).results
+    weak, strong = results["states"]["original"]["history"]
+    assert "frames" not in weak
+    times, configurations = strong["frames"]["time_s"], strong["frames"]["configuration"]
+    assert len(times) == len(configurations) <= dynamics.FRAMES
+    assert np.array(configurations).shape == (len(times), 2, 3)
+    paths = [film.result() for film in write_animations(Pool(0, results), tmp_path)]
+    assert [path.name for path in paths] == [
+        "history_2_0_original.gif",
+        "history_2_1_base_turned_20_mrad.gif",
+    ]
+    with Image.open(paths[0]) as film:
+        assert 5 <= film.n_frames <= len(times)
+        assert sum(_duration(film, n) for n in range(film.n_frames)) == pytest.approx(
+            len(times) * times[1], rel=0.05
+        )
+    again = write_animations(Pool(0, results), tmp_path / "again")[0].result()
+    assert paths[0].read_bytes() == again.read_bytes()
+
+
+def _duration(film, number):
+    film.seek(number)
+    return film.info["duration"] / 1000.0
+
+
+def test_thinned_curves_keep_their_shape():
+    noise = np.random.default_rng(3).normal(size=30_011)
+    kept = thinned(noise)
+    assert kept.size <= 2000
+    assert {0, noise.size - 1, int(noise.argmax()), int(noise.argmin())} <= set(kept.tolist())
+    assert (np.diff(kept) > 0).all()
+    np.testing.assert_array_equal(thinned(noise[:1500]), np.arange(1500))
+
+
+def test_the_peak_of_a_collapse_is_the_largest_before_the_last_turn():
+    displacement = np.array([0.0, 1.0, -2.0, 1.5, 3.0, 9.0])
+    assert sustained_peak(displacement, collapsed=True) == 2
+    assert sustained_peak(displacement, collapsed=False) == 5
+    assert sustained_peak(np.array([0.0, 1.0, 2.0]), collapsed=True) == 0
+
+
+PUSHOVER = """
+[pushover]
+contacts = ["rigid"]
+directions = ["+x"]
+increment_m = 0.05
+control = "top right"
+
+[assessment]
+limit_states = ["SLC"]
+confidence_factor = 1.0
+model = "none"
+spectrum = "record"
+
+"""
+
+
+def test_the_records_own_spectrum_as_demand(tmp_path):
+    """a_g,NC = PGA · S_e(T_NC)/S_e,record(T_NC) with S_e(T) = 4π²d/T² (paper §7.1), at the damping of SLC (10 %)."""
+    project = _project(tmp_path / "block", TAIL.format(scale=1.0), assessment=PUSHOVER)
+    outcome = run(project, build_model(project), jobs=1)
+    check = outcome.results["states"]["original"]["capacity"]["+x"]["SLC"]
+    record = read_record(tmp_path / "block" / "wave.csv")
+    spectrum = RecordSpectrum(record.acceleration, record.time_step, 0.10)
+    assert check["demand_a_g_g"] == pytest.approx(record.pga)
+    needed = 4.0 * np.pi**2 * check["d_star_m"] / check["T_s"] ** 2 / 9.80665
+    assert check["a_g_g"] == pytest.approx(
+        record.pga * needed / spectrum.acceleration(check["T_s"]), rel=1e-9
+    )
+    assert check["zeta_E"] == pytest.approx(check["a_g_g"] / record.pga)
+    assert outcome.results["spectra"]["SLC"]["damping"] == 0.10
+    assert any("the maximum over [T_0, T]" in note for note in check["notes"])
+
+
+def test_an_artificial_record_follows_its_spectrum(tmp_path):
+    spectrum = ElasticSpectrum(0.334, 2.40, 0.36, "B")
+    path = write_artificial_record(tmp_path, spectrum)
+    assert path == tmp_path / "records" / "artificial.csv"
+    record = read_record(path)
+    assert (record.time_step, record.duration) == (pytest.approx(0.01), pytest.approx(15.0))
+    periods = np.linspace(0.15, 2.0, 60)
+    ratio = response_spectrum(record.acceleration, record.time_step, periods)[0] / spectrum.acceleration(
+        periods
+    )
+    assert ratio == pytest.approx(1.0, abs=0.11)
+
+
+def test_a_failed_history_makes_the_run_incomplete_and_keeps_the_rest(tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise ConvergenceError("step 3: no solution")
+
+    monkeypatch.setattr(response, "time_history", refuse)
+    project = _project(tmp_path / "block", TAIL.format(scale=1.0), INCREMENTAL)
+    outcome = run(project, build_model(project), jobs=1)
+    assert not outcome.complete
+    assert outcome.results["states"]["original"]["history"][0]["reason"] == "step 3: no solution"
+    assert outcome.results["states"]["original"]["incremental"]["pga_collapse_g"] is None
+    assert outcome.results["states"][project.states[1]]["pushdown"]["rigid"]["movement_m"]
+
+
+def test_a_record_is_not_followed_along_the_grid(tmp_path):
+    project = _project(tmp_path / "block", TAIL.format(scale=1.0), assessment=PUSHOVER)
+    gridded = project.assessment.model_copy(update={"method": "grid"})
+    with pytest.raises(ProjectError, match=r"assessment\.method"):
+        run(project.model_copy(update={"assessment": gridded}), build_model(project), jobs=1)

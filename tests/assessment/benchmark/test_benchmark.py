@@ -1,0 +1,262 @@
+"""The benchmark command; that skipping changes no answer; and what does not depend on the clock."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+from functools import partial
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from assessment.benchmark import command, ensembles, skips, statics, steps, table, walls
+from assessment.benchmark.command import BENCHMARKS, Benchmark
+from assessment.benchmark.dynamics import Case, certified_to, pulse, sine, stack
+from assessment.benchmark.measure import history_programs, path_programs
+from assessment.cli import main as cli
+from mechanics import ConvergenceError, pushover, time_history
+from mechanics.procedures import time_history as histories
+from mechanics.program import certify
+from mechanics.solvers import qp_piqp
+from mechanics.steps.dynamic_system import DynamicSystem
+from tests.support.structures import block_on_base
+
+EXACT = [skip for skip in skips.all_skips() if np.isfinite(skip.tolerance)]
+
+
+@pytest.mark.parametrize("skip", EXACT, ids=lambda skip: skip.name)
+def test_the_answer_is_the_same_with_and_without(skip):
+    if skip.name == "a stage whose inputs have not changed":
+        skip.done()
+    answer, count = skip.done()
+    whole, count_without = skip.without()
+    assert skips.difference(answer, whole) <= skip.tolerance
+    assert count < count_without
+
+
+def test_a_window_of_a_rocking_block_is_no_exact_skip():
+    """Nothing cuts a record unasked: what rocks is sensitive to its weak parts too."""
+    (skip,) = (skip for skip in skips.all_skips() if not np.isfinite(skip.tolerance))
+    assert skips.difference(skip.done()[0], skip.without()[0]) > 0.01
+
+
+def test_a_looser_tolerance_solves_less():
+    """The tolerance that the benchmark varies is the one that the solver keeps."""
+    record = 0.3 * pulse(1.0, 0.2)(0.005 * np.arange(60))
+    worst = []
+    for tolerance in (1e-3, 1e-7):
+        with certified_to(tolerance):
+            worst.append(time_history(block_on_base(0.6, 4.2), record, 0.005, "elastic").worst)
+    assert worst[1] <= 1e-7 < worst[0] <= 1e-3
+
+
+def test_a_step_is_timed_in_blocks_without_the_state_at_rest(monkeypatch):
+    """By a clock that only these parts of a history move: 100 s for its state at rest, 1 s for each of 46 steps."""
+    clock = SimpleNamespace(now=0.0)
+    settled, march = histories._settled, DynamicSystem.march
+
+    def slowly(*arguments):
+        clock.now += 100.0
+        return settled(*arguments)
+
+    def step_by_step(system, motion, base, step):
+        clock.now += len(base) - 1.0
+        return march(system, motion, base, step)
+
+    monkeypatch.setattr(histories, "_settled", slowly)
+    monkeypatch.setattr(DynamicSystem, "march", step_by_step)
+    monkeypatch.setattr(steps, "time", SimpleNamespace(perf_counter=lambda: clock.now))
+    model = block_on_base(0.6, 4.2, stiffness=1e6)
+    blocks = steps._blocks(partial(time_history, model, np.zeros(47), 0.005, "elastic"))
+    assert blocks[:, 0].tolist() == [20.0, 20.0, 6.0, 0.0] and not blocks[:, 1].any()
+
+
+def test_the_baseline_solves_the_steps_of_the_motion():
+    """From its states implicit Euler's program leads to its next states, by another solver."""
+    record = 0.3 * pulse(1.0, 0.2)(0.005 * np.arange(61))
+    model = block_on_base(0.6, 4.2, friction=0.1)  # it slides
+    motion = time_history(model, record, 0.005, "elastic", integrator="implicit-euler")
+    programs = history_programs(model, "elastic", motion, record, 10)
+    assert len(programs) == 6
+    for k, program in enumerate(programs):
+        forces, alpha, moved = qp_piqp.solve(program, 1e-11)
+        assert certify(program, forces, alpha, moved).equilibrium < 1e-6
+        expected = (motion.positions[10 * k + 1] - motion.positions[10 * k])[1]
+        assert moved == pytest.approx(
+            expected, abs=1e-2 * abs(motion.positions[-1] - motion.positions[0]).max()
+        )
+
+
+def test_the_baseline_solves_the_steps_of_a_curve():
+    curve = pushover(block_on_base(), (0.2, 1.0), increment=0.02)
+    for program, step in zip(path_programs(curve), curve.steps[1:], strict=True):
+        _, alpha, _ = qp_piqp.solve(program, 1e-10)
+        assert alpha == pytest.approx(
+            step.alpha, abs=0.03
+        )  # of a step's length, in the geometry that it begins in
+
+
+def test_peak_memory_of_limit_analysis():
+    """Python and its libraries take 190 MB of it; dense matrices of this wall would take 500 MB more."""
+    row = walls.apart(*walls.WALLS[300])
+    assert row["memory_MB"] < 260.0
+    assert row["error"] < 1e-8
+
+
+def test_errors_of_the_rocking_block_are_those_of_closed_forms():
+    case = statics.rocking_rigid()
+    curve = case.run(4.0)
+    found = case.measure(curve)
+    assert found == pytest.approx(case.exact, rel=1e-5)
+    curve.multiplier[3] += 0.002
+    assert case.measure(curve)["α"] == pytest.approx(1.01, abs=1e-4)
+
+
+def test_the_elastic_block_comes_nearer_to_the_winkler_bed_with_every_segment():
+    case = statics.rocking_elastic()
+    true = case.exact["α_u"]
+    one, four, exact = (abs(case.measure(case.run(value))["α_u"] / true - 1.0) for value in (1, 4, np.inf))
+    assert exact < 0.005 < four < one
+
+
+def test_an_elastic_column_has_its_strength():
+    case = statics.column(*statics.COLUMNS[2])
+    assert case.measure(case.run(np.inf))["α_u"] == pytest.approx(case.exact["α_u"], rel=3e-3)
+
+
+@pytest.fixture
+def overturning():
+    """A block that overturns where its pulse is a little stronger."""
+    return Case("block", block_on_base(), "rigid", (0.2, 1.0), 1.0, pulse(0.3, 0.5))
+
+
+def test_the_stack_is_followed_until_it_lies():
+    """At 0.62 g, where a second and a half of motion does not yet tell; it stands 0.55 g."""
+    fallen = [
+        replace(stack(), record=sine(size)).run(0.01, "second-order").collapsed for size in (0.55, 0.62)
+    ]
+    assert fallen == [False, True]
+
+
+def test_members_of_an_ensemble_are_scaled_and_halved(overturning, monkeypatch):
+    seen = []
+
+    def noted(model, acceleration, *arguments, **more):
+        seen.append((float(acceleration.max()), histories.RESOLVED.levels))
+        return time_history(model, acceleration, *arguments, **more)
+
+    monkeypatch.setattr("assessment.benchmark.dynamics.time_history", noted)
+    way = ensembles.Way("moreau-jean", 2)
+    row = ensembles.measured(overturning, way, 0.01, np.array([0.5, 1.0, 1.2]), 0.2)
+    assert [levels for _, levels in seen] == [2, 2, 2]
+    assert [size for size, _ in seen] == pytest.approx([0.15, 0.3, 0.36])
+    assert row["least_m"] <= row["median_m"] <= row["most_m"] and row["not_solved"] == 0
+    assert row["error"] == pytest.approx(abs(row["median_m"] / 0.2 - 1.0))
+    assert histories.RESOLVED.levels == ensembles.DEFAULT.levels
+
+
+def test_an_ensemble_counts_members_that_are_not_solved(overturning, monkeypatch):
+    def fails(model, acceleration, *arguments, **more):
+        if acceleration.max() > limit:
+            raise ConvergenceError("not solved")
+        return time_history(model, acceleration, *arguments, **more)
+
+    monkeypatch.setattr("assessment.benchmark.dynamics.time_history", fails)
+    factors = np.array([0.5, 0.6, 1.0])
+    limit = 0.29
+    row = ensembles.measured(overturning, ensembles.DEFAULT, 0.01, factors, 0.2)
+    assert (row["members"], row["not_solved"]) == (2, 1)
+    assert "1 not solved" in ensembles.millimetres([row])
+    limit = 0.17
+    row = ensembles.measured(overturning, ensembles.DEFAULT, 0.01, factors, 0.2)
+    assert "fails" in ensembles.millimetres([row]) and "median_m" not in row
+
+
+def test_a_case_that_fails_says_so_in_its_rows():
+    def fails(value):
+        if value < 1.0:
+            raise ConvergenceError("not solved")
+        return case.run(value)
+
+    case = statics.rocking_rigid()
+    rows = list(
+        statics.precision(statics.Case("block", "increment", (4.0, 0.5), fails, case.measure, case.exact))
+    )
+    assert [row.get("failed") for row in rows] == [None, None, "not solved", "not solved"]
+    assert "| block | α |" in command.by_parameter(("case", "quantity"))(rows)
+    assert "fails" in command.by_parameter(("case", "quantity"))(rows)
+
+
+def test_the_command_line_knows_every_benchmark():
+    assert tuple(BENCHMARKS) == cli.BENCHMARKS
+
+
+@pytest.fixture
+def measured(monkeypatch):
+    """One benchmark of rows made up."""
+    rows = [
+        {
+            "case": f"arch, {name}",
+            "parameter": "increment",
+            "quantity": "α",
+            "value": value,
+            "default": value == 1.0,
+            "error": 1e-3 * value,
+            "seconds": 0.1 / value,
+            "ratio": 2.0,
+        }
+        for name in ("rigid", "elastic")
+        for value in (2.0, 1.0, 0.5)
+    ]
+    made = Benchmark("made up.", lambda _: iter(rows), command.by_parameter(("case", "quantity")), "quantity")
+    monkeypatch.setattr(command, "BENCHMARKS", {"made": made})
+    return rows
+
+
+def test_tables_plots_and_summary_are_written(measured, tmp_path, capsys):
+    assert cli.main(["benchmark", "--quick", "--out", str(tmp_path / "out")]) == cli.DONE
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "made.csv",
+        "made-increment.svg",
+        "made-increment.png",
+        "summary.md",
+    }
+    with (tmp_path / "out" / "made.csv").open(encoding="utf-8") as file:
+        assert [float(row["error"]) for row in csv.DictReader(file)] == [row["error"] for row in measured]
+    summary = (tmp_path / "out" / "summary.md").read_text(encoding="utf-8")
+    assert "| arch, elastic | α | 0.20 %; 2.0 | 0.10 %; 2.0 | 0.050 %; 2.0 |" in summary
+    assert "| case | quantity | × 2 | **× 1** | × 0.5 |" in summary
+    assert "piqp" in summary.splitlines()[0] and "commit" in summary.splitlines()[0]
+    assert "arch, elastic" in capsys.readouterr().out
+
+
+def test_a_benchmark_that_there_is_none_of(tmp_path, capsys):
+    assert cli.main(["benchmark", "wals", "--out", str(tmp_path / "out")]) == cli.WRONG_INPUT
+    assert 'wals: no such benchmark; did you mean "walls"?' in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_numbers_of_the_tables():
+    shown = [table.number(value) for value in (0.0, 0.0123, 1.26, 152.0, 3.3e-9)]
+    assert shown == ["0", "0.012", "1.3", "152", "3e-09"]
+    assert [table.percent(share) for share in (0.0, 1e-9, 0.0162)] == ["0 %", "< 1e-5 %", "1.6 %"]
+
+
+def test_a_value_that_a_row_lacks_is_empty():
+    rows = [{"case": "a", "x": 1.0}, {"case": "b", "y": 2.0}]
+    assert table.as_csv(rows).decode().splitlines() == ["case,x,y", "a,1.0,", "b,,2.0"]
+    columns = (("case", "case", str), ("y", "y", table.number))
+    assert table.listed(rows, columns).splitlines()[2:] == ["| a |  |", "| b | 2.0 |"]
+
+
+def test_the_table_of_the_chain_shows_what_is_whole():
+    rows = [
+        {"case": "arch, pushdown, rigid", "steps": 28, "seconds": 0.1, "ratio": 3.7},
+        {"case": "arch, static chain", "whole": True, "steps": 497, "seconds": 5.8, "ratio": 4.3},
+        {"case": "assesto --help", "whole": True, "seconds": 0.06, "elapsed_s": 0.07},
+    ]
+    text = BENCHMARKS["chain"].show(rows)
+    assert "static chain" in text
+    assert "--help" in text
+    assert "pushdown" not in text

@@ -1,0 +1,194 @@
+"""The program as users run it: commands, what they say and what they write."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+
+import pytest
+
+from assessment.cli.main import main
+from assessment.runtime.cache import FOLDER
+from tests.support.block_project import ASSESSMENT, PROJECT, command, edit, read_results, run
+
+pytestmark = pytest.mark.usefixtures("quick")
+
+
+def test_a_run_writes_everything_and_says_where(project, capsys, drawn):
+    assert main(["run", str(project)]) == 0
+    out, err = capsys.readouterr()
+    assert str(project / "output") in out
+    assert err == ""  # silent: no terminal
+    found = {path.name for path in (project / "output").iterdir() if path.name != FOLDER}
+    assert found == {"results.json", "report.html", "report.pdf", "judgement.md", "tables", "figures"}
+    assert {p.suffix for p in (project / "output" / "figures").iterdir()} == {".svg", ".png", ".dxf"}
+    assert {p.suffix for p in (project / "output" / "tables").iterdir()} == {".csv"}
+    assert (project / "output" / "figures" / "model.svg").is_file()
+    before = (project / "output" / "results.json").read_bytes()
+    (project / "output" / "report.html").unlink()
+    assert main(["report", str(project)]) == 0
+    assert (project / "output" / "report.html").is_file()
+    assert json.loads(before) == read_results(project / "output")
+
+
+def test_results_have_the_keys_of_the_contract(project):
+    edit(project, "increment_m = 0.2\n", "increment_m = 0.2\n" + ASSESSMENT)
+    edit(project, 'contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]')
+    assert run(project) == 0
+    found = read_results(project / "output")
+    assert found.keys() >= {
+        "assesto",
+        "title",
+        "inputs",
+        "model",
+        "states",
+        "comparison",
+        "quality",
+        "timing_s",
+    }
+    drawing = (project / "geometry.dxf").read_bytes()
+    assert found["inputs"]["geometry.dxf"] == hashlib.sha256(drawing).hexdigest()
+    assert found["inputs"].keys() == {"project.toml", "geometry.dxf"}
+    model = found["model"]
+    assert model.keys() >= {
+        "blocks",
+        "movable_blocks",
+        "joints",
+        "unknowns",
+        "paper_contact_points",
+        "weight_kN",
+        "self_weight_stable",
+        "warnings",
+    }
+    counts = ("blocks", "movable_blocks", "joints", "unknowns", "paper_contact_points")
+    assert [model[key] for key in counts] == [2, 1, 1, 3, 4]
+    assert model["weight_kN"] == pytest.approx(0.6 * 4.2 * 18.0)
+    assert model["self_weight_stable"] is True
+    assert list(found["states"]) == ["original", "base turned"]
+    for name, state in found["states"].items():
+        assert state.keys() >= {"pushover", "capacity", "history", "incremental"}
+        assert state["history"] == []
+        rigid, elastic = state["pushover"]["+x"]["rigid"], state["pushover"]["+x"]["elastic"]
+        assert rigid.keys() >= {"alpha_0", "d_0_m", "curve", "mechanism"}
+        assert rigid["mechanism"].keys() >= {"hinges", "e_star", "gamma_star"}
+        assert elastic.keys() >= {"alpha_u", "alpha_y", "d_y_m", "curve"}
+        for curve in (rigid["curve"], elastic["curve"]):
+            assert curve["displacement_m"][0] == 0.0
+            assert len(curve["displacement_m"]) == len(curve["multiplier"]) > 2
+        capacity = state["capacity"]["+x"]
+        assert capacity.keys() >= {"e_star", "gamma_star", "T_0_s", "SLV"}
+        assert capacity["SLV"].keys() >= {
+            "d_star_m", "a_star_g", "T_s", "a_g_g", "demand_a_g_g", "zeta_E", "verified"
+        }  # fmt: skip
+        assert capacity["SLV"]["a_g_g"] is not None, name
+    path = found["states"]["base turned"]["pushdown"]["rigid"]
+    assert path.keys() >= {"movement_m", "reaction_x_kN", "reaction_z_kN", "ultimate_movement_m"}
+    assert path["movement_m"][0] == 0.0
+    assert path["ultimate_movement_m"] is None  # not sought
+    assert found["comparison"][0].keys() >= {
+        "state", "direction", "static_pga_g", "static_reduction", "dynamic_pga_g", "dynamic_reduction"
+    }  # fmt: skip
+    assert found["comparison"][0]["static_reduction"] > 0.0
+    quality = found["quality"]
+    assert quality.keys() >= {
+        "solves",
+        "worst_equilibrium_residual",
+        "worst_penetration_m",
+        "worst_complementarity",
+        "warnings",
+    }
+    assert 0.0 <= quality["worst_equilibrium_residual"] < 1e-8
+    assert quality["solves"] > 10
+    assert found["timing_s"].keys() >= {"pushdown", "pushover"}
+
+
+def test_results_are_right_for_a_block(project):
+    # α = tan(arctan(B/H) − θ), d_0 where the centroid stands over the corner
+    edit(project, "increment_m = 0.2", "increment_m = 0.02")
+    assert run(project) == 0
+    states = read_results(project / "output")["states"]
+    for name, turn in (("original", 0.0), ("base turned", 0.02)):
+        rigid = states[name]["pushover"]["+x"]["rigid"]
+        angle = 0.14189705460416394 - turn  # arctan(0.6/4.2)
+        assert rigid["alpha_0"] == pytest.approx(angle, rel=0.01)
+        assert rigid["d_0_m"] == pytest.approx(4.2 * angle, rel=0.01)
+        assert rigid["curve"]["multiplier"][-1] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_the_same_project_gives_the_same_numbers(project):
+    found = []
+    for name in ("one", "two"):
+        assert run(project, "--out", str(project / name)) == 0
+        found.append(read_results(project / name))
+        del found[-1]["timing_s"]
+    assert found[0] == found[1]
+
+
+def test_several_processes_give_what_one_gives(project):
+    edit(project, 'contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]')
+    states = []
+    for jobs in ("1", "2"):
+        assert run(project, "--jobs", jobs, "--out", str(project / jobs)) == 0
+        states.append(read_results(project / jobs)["states"])
+    assert states[0] == states[1]
+
+
+def test_only_the_stages_asked_for(project):
+    edit(project, "increment_m = 0.2\n", "increment_m = 0.2\n" + ASSESSMENT)
+    assert run(project, "--only", "pushover") == 0
+    state = read_results(project / "output")["states"]["base turned"]
+    assert state["capacity"] == {}
+    assert set(state["pushover"]) == {"+x"}
+    assert run(project, "--only", "pushdown") == 0
+    states = read_results(project / "output")["states"]
+    assert "rigid" in states["base turned"]["pushdown"]
+    assert all(state["pushover"] == {} for state in states.values())
+
+
+def test_a_table_that_is_absent_switches_its_stage_off(project):
+    (project / "project.toml").write_text(PROJECT.partition("[pushover]")[0], encoding="utf-8")
+    assert run(project) == 0
+    found = read_results(project / "output")
+    assert list(found["states"]) == ["base turned"]
+    assert found["states"]["base turned"]["pushover"] == {}
+    assert found["comparison"] == []
+
+
+def test_check_draws_the_model_and_runs_nothing(project, capsys):
+    assert main(["check", str(project)]) == 0
+    out = capsys.readouterr().out
+    assert "blocks 2 (1 movable)" in out
+    assert "own weight: yes" in out
+    assert (project / "output" / "model.svg").read_text(encoding="utf-8").lstrip().startswith("<?xml")
+    assert not (project / "output" / "results.json").exists()
+
+
+def test_new_writes_a_project_that_checks(tmp_path, capsys):
+    assert (
+        main(["new", str(tmp_path / "w"), "--template", "wall", "--set", "courses=3", "--set", "blocks=3"])
+        == 0
+    )
+    assert main(["check", str(tmp_path / "w")]) == 0
+    assert "own weight: yes" in capsys.readouterr().out
+
+
+def test_new_lists_the_dimensions(tmp_path, capsys):
+    assert main(["new", str(tmp_path / "n"), "--template", "block", "--list"]) == 0
+    assert "width_m" in capsys.readouterr().out
+    assert main(["new", "--list"]) == 0
+    assert "beam_side_m" in capsys.readouterr().out
+    assert not list(tmp_path.iterdir())
+
+
+def test_help_as_a_command():
+    done = command("--help")
+    assert done.returncode == 0
+    assert all(verb in done.stdout for verb in ("run", "check", "new", "report"))
+
+
+def test_e_star_and_gamma_star_without_an_assessment(project):
+    """One block: its centroid moves as the whole does, and half as far as the control point at its top."""
+    assert run(project) == 0
+    mechanism = read_results(project / "output")["states"]["original"]["pushover"]["+x"]["rigid"]["mechanism"]
+    assert mechanism["e_star"] == pytest.approx(1.0)
+    assert mechanism["gamma_star"] == pytest.approx(0.5)

@@ -1,0 +1,369 @@
+"""Checks of the limit states: a closed form by hand, properties, floor spectra, and the trace recomputed."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from assessment.ntc.calculation import pretty, rows, substituted
+from assessment.ntc.capacity import capacity_curve, participation
+from assessment.ntc.curve_fit import CurveFit, fit_curve, fit_rigid
+from assessment.ntc.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
+from assessment.ntc.hazard import HazardCurve, return_period, return_period_steps, site_curve
+from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
+from assessment.ntc.verification import Method, check_nonlinear, verify
+from mechanics.types import GRAVITY
+from tests import ROOT
+from tests.support.trace_check import from_csv, recomputed
+
+GRID_FILE = ROOT / ".." / "shared" / "data" / "allegato_b.txt"
+
+SOIL_A = ElasticSpectrum(0.25, 2.4, 0.30)
+STATES = ("SLO", "SLD", "SLV", "SLC")
+T = np.arange(0.0, 10.0, 0.01)
+RECORD = RecordSpectrum(
+    0.02 * np.sin(2.2 * T) * np.exp(-0.2 * T) + 0.3 * np.sin(9.0 * T) * np.exp(-0.5 * T), 0.01
+)
+
+
+def _block(alpha_0=1 / 7, d_0=0.6, F_C=1.0, model="none", e_star=1.0, gamma_star=0.5, size=None):
+    """A rigid branch from α0 straight to d_0; the elastic branch is that of a block of d_0 = size."""
+    size = size or d_0
+    d = np.linspace(0.0, d_0, 21)
+    elastic = np.linspace(0.0, 0.2 * size, 201)
+    peak = 0.8 * alpha_0 * (1.0 - np.exp(-elastic / (0.02 * size)))
+    fit = fit_curve(model, (d, alpha_0 * (1.0 - d / d_0)), (elastic, peak))
+    return capacity_curve(fit, e_star, gamma_star, F_C)
+
+
+@pytest.fixture
+def hazard():
+    """A site whose a_g grows tenfold over the nine return periods, F0 = 2.4 to 2.5, T_C* = 0.27 to 0.35 s."""
+    values = np.column_stack(
+        [np.geomspace(0.05, 0.5, 9), np.linspace(2.4, 2.5, 9), np.linspace(0.27, 0.35, 9)]
+    )
+    return HazardCurve("hand-made", values, values[None], np.zeros(1))
+
+
+def test_single_rigid_block_by_hand():
+    """Block 0.6 × 4.2 m, rigid base, control point at its top; soil A, a_g = 0.25 g, F0 = 2.4, T_C* = 0.3 s.
+
+    α0 = 0.6/4.2 = 0.142857; d_0 = 0.6 m, α = α0 (1 − d/d_0); one block: e* = 1, Γ* = δ_G/δ_C = 0.5; F_C = 1.
+    a_0* = 0.142857 g, d_0* = 0.300 m. S = 1, T_C = 0.3 s, T_D = 4·0.25 + 1.6 = 2.6 s.
+
+    SLD  a_g S = a_0*: a_g = 0.142857 g.                          SLV linear, q = 2: a_g = 0.285714 g
+    SLV  d = 0.4·0.3 = 0.12 m, a = 0.6·0.142857 = 0.0857143 g = 0.840570 m/s²,
+         T = 1.68 π √(0.12/0.840570) = 5.277876·0.377836 = 1.994173 s (below T_D), η = √(10/13) = 0.877058,
+         S_e = 0.25·0.877058·2.4·0.3/1.994173 = 0.0791659 g,
+         S_De = 0.0791659·9.80665·(1.994173/2π)² = 0.0782032 m, a_g = 0.25·0.12/0.0782032 = 0.383616 g
+    SLC  d = 0.6·0.3 = 0.18 m, a = 0.4·0.142857 = 0.0571429 g = 0.560380 m/s²,
+         T = 1.56 π √(0.18/0.560380) = 4.900885·0.566754 = 2.777598 s (> T_D), η = √(10/15) = 0.816497,
+         S_e = 0.25·0.816497·2.4·0.3·2.6/2.777598² = 0.0495292 g,
+         S_De = 0.0495292·9.80665·(2.777598/2π)² = 0.0949208 m, a_g = 0.25·0.18/0.0949208 = 0.474080 g
+    """
+    block = participation([7.0], [0.5], 1.0)
+    assert (block.e_star, block.gamma_star) == (1.0, 0.5)
+    checks = verify(_block(), dict.fromkeys(STATES, SOIL_A))
+    assert checks["SLD"].a_g == pytest.approx(0.142857, abs=1e-6)
+    assert checks["SLV linear"].a_g == pytest.approx(0.285714, abs=1e-6)
+    expected = {
+        "SLV": (0.12, 0.0857143, 1.994173, 0.0791659, 0.0782032, 0.383616),
+        "SLC": (0.18, 0.0571429, 2.777598, 0.0495292, 0.0949208, 0.474080),
+    }
+    for state, (d, a, period, S_e, S_De, a_g) in expected.items():
+        check = checks[state]
+        found = {line.symbol: line.result for line in check.trace[: len(check.trace) // 2 + 8]}
+        first = next(line for line in check.trace if line.symbol == "S_De")
+        assert check.d_star == pytest.approx(d, rel=1e-6)
+        assert check.a_star == pytest.approx(a, rel=1e-6)
+        np.testing.assert_allclose(check.T, period, rtol=1e-6)
+        assert first.inputs["S_e"] == pytest.approx(S_e, rel=1e-6)
+        assert first.result == pytest.approx(S_De, rel=1e-6)
+        assert check.a_g == pytest.approx(a_g, rel=2e-6)
+        assert check.zeta_E == pytest.approx(a_g / 0.25, rel=2e-6)
+        assert check.verified
+        assert check.governing.endswith("d_0")
+        assert found["a_0_star"] == pytest.approx(1 / 7)
+    assert not checks["SLD"].verified
+
+
+def test_circular_of_2009_by_hand():
+    """Same block: d_u* = 0.4·0.3 = 0.12 m; d_s = 0.4·0.12 = 0.048 m, a_s = 0.84·0.142857 = 0.12 g.
+
+    T_s = 2π √(0.048/(0.12·9.80665)) = 2π·0.201962 = 1.268965 s; S_e = 0.25·2.4·0.3/1.268965 = 0.141848 g,
+    S_De = 0.141848·9.80665·(1.268965/2π)² = 0.0567392 m, a_g = 0.25·0.12/0.0567392 = 0.528735 g.
+    """
+    checks = verify(_block(), {"SLV": SOIL_A, "SLC": SOIL_A}, Method(circular="2009"))
+    np.testing.assert_allclose(checks["SLV"].T, 1.268965, rtol=1e-6)
+    assert checks["SLV"].a_g == pytest.approx(0.528735, rel=2e-6)
+    assert checks["SLV"].damping == 0.05
+    assert checks["SLC"].a_g is None
+    assert "2009" in checks["SLC"].notes[0]
+
+
+def test_activation_with_an_elastic_branch():
+    """S_e(T_0, 5 %) = a_y*: the demand spectrum scaled to a_g passes through (T_0, a_y*)."""
+    capacity = _block(model="trilinear")
+    check = verify(capacity, {"SLD": SOIL_A})["SLD"]
+    assert check.T == capacity.T_0
+    assert check.a_g / 0.25 * SOIL_A.acceleration(capacity.T_0) == pytest.approx(capacity.a_y_star, rel=1e-12)
+
+
+def test_activation_is_the_least():
+    """A small block on soft ground, all periods short of T_C: S_De > d, yet a_g is not below activation."""
+    capacity = _block(d_0=0.02)
+    check = verify(capacity, {"SLV": ElasticSpectrum(0.25, 2.4, 0.5, "D")})["SLV"]
+    assert check.governing == "activation"
+    assert check.a_g * ElasticSpectrum(0.25, 2.4, 0.5, "D").S == pytest.approx(capacity.a_0_star)
+
+
+def test_collapse_before_life_safety_on_the_plateau():
+    """d_0* = 0.02 m, α0* = 0.1 g, elastic branch to (0.0002 m, 0.05 g), plateau to 0.01 m; soil D, T_C = 0.88388 s.
+
+    F0 a_g = 0.6: S = 1.5, T_C = 1.25·√0.5 = 0.88388 s, plateau 0.25·1.5·2.4 η = 0.9 η g.
+    SLV d = 0.008 m, a = 0.05 g: T = 5.277876 √(0.008/0.490333) = 0.674154 s < T_C, η = 0.877058:
+        S_De = 0.789352·9.80665·(0.674154/2π)² = 0.0891147 m, a_g = 0.25·0.008/0.0891147 = 0.0224430 g
+    SLC d = 0.012 m, a = 0.04 g: T = 4.900885 √(0.012/0.392266) = 0.857185 s < T_C, η = 0.816497:
+        S_De = 0.734847·9.80665·(0.857185/2π)² = 0.134124 m, a_g = 0.25·0.012/0.134124 = 0.0223673 g: it counts for SLV.
+    """
+    d, alpha = np.array([0.0, 0.0002, 0.01, 0.02]), np.array([0.0, 0.05, 0.05, 0.0])
+    capacity = capacity_curve(CurveFit("trilinear", 0.1, 0.02, 0.05 / 0.9, 0.05, 0.0002, d, alpha), 1.0, 1.0)
+    checks = verify(capacity, dict.fromkeys(("SLV", "SLC"), ElasticSpectrum(0.25, 2.4, 0.5, "D")))
+    life, collapse = checks["SLV"], checks["SLC"]
+    np.testing.assert_allclose([life.a_g, collapse.a_g], 0.0223673, rtol=1e-5)
+    assert (life.d_star, life.governing) == (pytest.approx(0.012), "SLC reached first: 0.60 d_0")
+    assert any("d_SLC is reached" in note for note in life.notes)
+    steps = {line.symbol: line.result for line in life.trace}
+    np.testing.assert_allclose([steps["a_g_life"], steps["a_g_collapse"]], [0.0224430, 0.0223673], rtol=1e-5)
+    assert steps["a_g_SLV"] == life.a_g
+
+
+def test_local_limit():
+    """A beam unseats at 0.2 m of the control point: d = 0.2·0.5 = 0.1 m < 0.18 m; at 0.5 m it does not."""
+    near = verify(_block(), {"SLC": SOIL_A}, Method(local_limits={"SLC": 0.2}))["SLC"]
+    assert (near.d_star, near.governing) == (pytest.approx(0.1), "local limit")
+    far = verify(_block(), {"SLC": SOIL_A}, Method(local_limits={"SLC": 0.5}))["SLC"]
+    assert (far.d_star, far.governing) == (pytest.approx(0.18), "0.60 d_0")
+
+
+def test_capacity_that_is_not_defined():
+    fit = fit_rigid(([0.0, 0.1], [0.1, 0.08]))
+    checks = verify(capacity_curve(fit, 1.0, 0.5), dict.fromkeys(("SLD", "SLV", "SLC"), SOIL_A))
+    assert checks["SLD"].a_g == pytest.approx(0.1)
+    assert checks["SLV linear"].a_g == pytest.approx(0.2)
+    assert checks["SLC"].a_g is None
+    assert checks["SLC"].zeta_E is None
+    assert "d_0 is not reached" in checks["SLC"].notes[0]
+
+
+@given(
+    alpha_0=st.floats(0.03, 0.4),
+    d_0=st.floats(0.02, 2.0),
+    model=st.sampled_from(["none", "trilinear", "bilinear"]),
+    soil=st.sampled_from("ABCDE"),
+    less=st.floats(0.5, 0.99),
+)
+@settings(max_examples=60, deadline=None)
+def test_capacity_falls_with_d_0_and_with_the_confidence_factor(alpha_0, d_0, model, soil, less):
+    spectrum = ElasticSpectrum(0.25, 2.4, 0.30, soil)
+    demands = dict.fromkeys(STATES, spectrum)
+    base = verify(_block(alpha_0, d_0, model=model), demands)
+    smaller = verify(_block(alpha_0, less * d_0, model=model, size=d_0), demands)
+    doubted = verify(_block(alpha_0, d_0, 1.0 / less, model), demands)
+    for state, check in base.items():
+        assert doubted[state].a_g <= check.a_g * (1 + 1e-9)
+        assert smaller[state].a_g <= check.a_g * (1 + 1e-9)
+    assert base["SLC"].a_g >= base["SLV"].a_g * (1 - 1e-9)
+    assert base["SLV"].a_g >= base["SLD"].a_g * (1 - 1e-9)
+    assert base["SLO"].a_g == base["SLD"].a_g
+
+
+@given(alpha_0=st.floats(0.03, 0.4), d_0=st.floats(0.02, 2.0), less=st.floats(0.5, 0.99))
+@settings(deadline=None)
+def test_capacity_falls_with_the_onset_multiplier(alpha_0, d_0, less):
+    demands = dict.fromkeys(STATES, SOIL_A)
+    base, weaker = verify(_block(alpha_0, d_0), demands), verify(_block(less * alpha_0, d_0), demands)
+    for state, check in base.items():
+        assert weaker[state].a_g <= check.a_g * (1 + 1e-9)
+
+
+@given(factor=st.floats(0.01, 100.0), alpha_0=st.floats(0.03, 0.4), d_0=st.floats(0.02, 2.0))
+@settings(deadline=None)
+def test_zeta_needs_no_units(factor, alpha_0, d_0):
+    """Control point and weights in other units: displacements × factor, Γ* / factor; e*, d*, ζ_E the same."""
+    base = verify(_block(alpha_0, d_0), {"SLC": SOIL_A})["SLC"]
+    other = verify(_block(alpha_0, factor * d_0, gamma_star=0.5 / factor), {"SLC": SOIL_A})["SLC"]
+    assert other.zeta_E == pytest.approx(base.zeta_E, rel=1e-9)
+
+
+def test_return_period_scaling_solves_its_own_equation(hazard):
+    """The spectrum of the capacity's return period, S_S, F0, T_C*, T_D with it, meets d* to 1e-10."""
+    spectrum = ElasticSpectrum(0.15, 2.4, 0.30, "C")
+    method = Method(scaling="return_period", hazard=hazard)
+    for d_0 in (0.2, 0.4, 0.6):
+        check = verify(_block(d_0=d_0), {"SLC": spectrum}, method)["SLC"]
+        assert check.governing == "0.60 d_0"
+        there = hazard.at(check.return_period)
+        found = ElasticSpectrum(there.ag, there.F0, there.Tc_star, "C", damping=0.10)
+        assert check.a_g == pytest.approx(there.ag, rel=1e-9)
+        assert found.displacement(check.T) == pytest.approx(check.d_star, rel=1e-10)
+        assert check.zeta_E == pytest.approx(check.a_g * found.S / (0.15 * spectrum.S), rel=1e-9)
+    huge = verify(_block(d_0=20.0), {"SLC": spectrum}, method)["SLC"]
+    assert any("2475" in note for note in huge.notes)
+    assert huge.return_period == pytest.approx(2475.0)
+
+
+def test_zeta_is_one_where_the_capacity_is_the_demand(hazard):
+    for method in (Method(hazard=hazard), Method(scaling="return_period", hazard=hazard)):
+        there = hazard.at(475.0)
+        demand = ElasticSpectrum(there.ag, there.F0, there.Tc_star, "B")
+        d_star = float(demand.with_damping(0.10).displacement(2.2))
+        # rigid curve through (d*, a*) at 0.6 d_0 with a secant period of 2.2 s
+        alpha_0 = d_star * (1.56 * math.pi / 2.2) ** 2 / GRAVITY / 0.4
+        check = verify(_block(alpha_0, d_star / 0.3), {"SLC": demand}, method)["SLC"]
+        assert check.governing == "0.60 d_0"
+        assert check.zeta_E == pytest.approx(1.0, rel=1e-9)
+        assert check.return_period == pytest.approx(475.0, rel=1e-6)
+
+
+def test_record_against_the_demand_of_the_site():
+    check = verify(_block(), {"SLC": RECORD}, Method(site_acceleration={"SLC": 0.3}))["SLC"]
+    assert check.demand_a_g == 0.3
+    assert check.zeta_E == pytest.approx(check.a_g / 0.3)
+    assert check.return_period is None
+    with pytest.raises(ValueError, match="return_period"):
+        hazard = HazardCurve("h", np.ones((9, 3)), np.ones((1, 9, 3)), np.zeros(1))
+        verify(_block(), {"SLC": RECORD}, Method(scaling="return_period", hazard=hazard))
+
+
+def test_floor_spectrum_by_hand():
+    """One mode T_1 = 0.5 s, γ ψ = 1.2·0.5 = 0.6, ξ_1 = 5 %; ground: soil A, a_g = 0.25 g: S_e(0.5) = 0.36 g.
+
+    a_Z = 0.36·0.6·√(1 + 0.0004·25) = 0.217077 g; ξ = 8 %: η = 0.877058, A = 1.1·0.877058/√0.05 = 4.314555.
+    T = 0: a_Z; 0.4 ≤ T < 0.55: A a_Z = 0.936592 g; T = 0.2: A a_Z/(1 + 3.314555·0.5^1.6) = 0.447403 g;
+    T = 1.1: A a_Z/(1 + 3.314555) = 0.217077 g, above S_e(1.1, 8 %) = 0.25·2.4·0.877058·0.3/1.1 = 0.143519 g.
+    The ground governs at T = 0 (a_g S = 0.25 g) and T = 0.2 (0.25·2.4·0.877058 = 0.526235 g); at twice the height the
+    modes do, with twice as much.
+    """
+    floor = FloorSpectrum(SOIL_A.with_damping(0.08), (Mode(0.5, 1.2, 0.5),))
+    a_Z = 0.36 * 0.6 * 1.01**0.5
+    A = 1.1 * (10 / 13) ** 0.5 / 0.05**0.5
+    assert a_Z == pytest.approx(0.217077, abs=1e-6)
+    np.testing.assert_allclose(A, 4.314555, atol=1e-6)
+    T, modes = [0.0, 0.2, 0.4, 0.54, 1.1], np.array([0.217077, 0.447403, 0.936592, 0.936592, 0.217077])
+    np.testing.assert_allclose(floor.acceleration(T), [0.25, 0.526235, *modes[2:]], atol=1e-6)
+    top = FloorSpectrum(SOIL_A.with_damping(0.08), (Mode(0.5, 1.2, 1.0),))
+    np.testing.assert_allclose(top.acceleration(T), 2.0 * modes, atol=2e-6)
+    low = FloorSpectrum(SOIL_A, (Mode(0.5, 1.2, 0.05),))  # near the ground: nowhere below S_e
+    assert low.acceleration(0.8) == SOIL_A.acceleration(0.8)
+    assert low.acceleration(0.2) == SOIL_A.acceleration(0.2)
+    plateau_end = A * a_Z * GRAVITY * (0.55 / (2 * np.pi)) ** 2
+    assert floor.largest_displacement(0.0, 0.7) == (pytest.approx(plateau_end), 0.55)
+    assert first_mode(0.5, 3, 4.0, 10.0).gamma == pytest.approx(9 / 7)
+
+
+def test_mechanism_at_height():
+    """Activation: a_Z(z) = a_0*; the nonlinear check solves S_DeZ = d with the floor spectrum."""
+    floor = FloorSpectrum(SOIL_A, (first_mode(0.4, 3, 7.0, 10.0), Mode(0.13, -0.4, 0.6)))
+    checks = verify(_block(), {"SLD": floor, "SLC": floor})
+    assert checks["SLD"].a_g / 0.25 * floor.acceleration(0.0) == pytest.approx(1 / 7)
+    damped = floor.with_damping(0.10)
+    demand, _ = damped.largest_displacement(0.0, checks["SLC"].T)
+    assert checks["SLC"].a_g / 0.25 * demand == pytest.approx(checks["SLC"].d_star, rel=1e-10)
+
+
+def test_mechanism_at_height_2009():
+    """ψ = 0.5, γ = 1.2, T_1 = 0.5: S_e(T_1) ψ γ = 0.216 g < a_g S = 0.25 g, so the ground governs."""
+    floor = FloorSpectrum2009(SOIL_A, Mode(0.5, 1.2, 0.5))
+    assert floor.acceleration(0.0) == pytest.approx(0.25)
+    assert FloorSpectrum2009(SOIL_A, Mode(0.5, 1.2, 1.0)).acceleration(0.0) == pytest.approx(0.432)
+    ratio = 1.268965 / 0.5
+    amplified = 0.6 * ratio**2 / np.sqrt((1 - ratio) ** 2 + 0.02 * ratio) * SOIL_A.displacement(0.5)
+    assert floor.displacement(1.268965) == pytest.approx(max(amplified, SOIL_A.displacement(1.268965)))
+
+
+def test_unknown_keys_are_named():
+    with pytest.raises(ValueError, match="limit state"):
+        verify(_block(), {"SLU": SOIL_A})
+    for arguments, named in (
+        ({"behaviour_factor": 0.5}, "behaviour_factor"),
+        ({"circular": "2020"}, "circular"),
+        ({"scaling": "return_period"}, "scaling"),
+        ({"scaling": "guess"}, "scaling"),
+        ({"displacement_demand": "mean"}, "displacement_demand"),
+        ({"local_limits": {"SLC": -0.1}}, "local_limits.SLC"),
+    ):
+        with pytest.raises(ValueError, match=named):
+            Method(**arguments)
+
+
+def _recomputed(line):
+    """Evaluate the printed formula with the printed inputs."""
+    return recomputed(line["formula"], from_csv(line["inputs"].replace(" = ", "=")))
+
+
+def _traces(hazard):
+    floor = FloorSpectrum(SOIL_A, (first_mode(0.4, 3, 7.0, 10.0), Mode(0.13, -0.4, 0.6)))
+    cases = [
+        ("none", ElasticSpectrum(0.25, 2.4, 0.3, "C", "T2"), Method(hazard=hazard)),
+        ("trilinear", ElasticSpectrum(0.25, 2.4, 0.3, "D"), Method(scaling="return_period", hazard=hazard)),
+        ("bilinear", RECORD, Method(local_limits={"SLC": 0.3, "SLV": 0.9})),
+        ("trilinear", RECORD, Method(displacement_demand="at_period", site_acceleration={"SLV": 0.3})),
+        ("none", floor, Method()),
+        ("trilinear", floor, Method()),
+        ("none", SOIL_A, Method(circular="2009")),
+        ("none", FloorSpectrum2009(SOIL_A, Mode(0.5, 1.2, 0.5)), Method(circular="2009")),
+    ]
+    for model, spectrum, method in cases:
+        for d_0 in (0.02, 0.3, 3.0):
+            yield from verify(
+                _block(0.2, d_0, 1.35, model, 0.8), dict.fromkeys(STATES, spectrum), method
+            ).values()
+
+
+def test_every_number_of_the_trace_follows_from_its_printed_inputs(hazard):
+    """To the six printed digits; and every name in a formula is an input."""
+    steps = 0
+    for check in _traces(hazard):
+        for line in rows(check.trace):
+            assert line["paragraph"]
+            if line["formula"]:
+                steps += 1
+                result = _recomputed(line)
+                assert result == pytest.approx(float(line["result"]), rel=1e-4, abs=1e-9), line
+    assert steps > 500
+
+
+def test_the_trace_ends_in_the_numbers_of_the_check(hazard):
+    for check in _traces(hazard):
+        if check.a_g is None:
+            continue
+        results = {line.symbol: line.result for line in check.trace}
+        last = {"activation": "a_g_act", "linear": "a_g_linear", "nonlinear": f"a_g_{check.limit_state}"}
+        symbol = last[check.method] if last[check.method] in results else "a_g_nonlinear"
+        assert results[symbol] == check.a_g
+        indexed = check.limit_state in {"SLV", "SLC"}  # §8.3: the ratio at SLO and SLD is no index
+        assert results["zeta_E" if indexed else f"r_{check.limit_state}"] == check.zeta_E
+        assert ("zeta_E" in results) == indexed
+        assert results["a_g_demand"] == check.demand_a_g
+
+
+def test_trace_of_participation_hazard_and_return_period():
+    lines = [*participation([10.0, 19.1], [0.5, 1.0], 1.0).steps(), *return_period_steps("SLV", 50, "III")]
+    if GRID_FILE.exists():
+        lines += site_curve(GRID_FILE, 42.35, 13.40).steps(return_period("SLV"))
+    for line in rows(lines):
+        if line["formula"]:
+            assert _recomputed(line) == pytest.approx(float(line["result"]), rel=1e-4)
+
+
+def test_printed_form():
+    line = check_nonlinear(_block(), "SLC", SOIL_A).trace
+    period = next(step for step in line if step.symbol == "T_SLC")
+    assert pretty(period.formula) == "1.56·π·√(d/(a·g))"
+    assert substituted(period) == "1.56·π·√(0.18/(0.0571429·9.80665))"
+    assert pretty("a_0_star") == "a*_0"
+    assert pretty("Gamma_star") == "Γ*"
+    assert pretty("alpha_0**2") == "α_0^2"

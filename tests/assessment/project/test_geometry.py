@@ -1,0 +1,275 @@
+"""Built-in templates: masonry without gaps or overlaps, and projects that load, are explained and stand."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from shapely.geometry import Polygon
+from shapely.ops import unary_union
+
+from assessment.project.catalogue import new_project as module
+from assessment.project.catalogue.geometry import THINNEST, Layout, Ring
+from assessment.project.catalogue.new_project import new_project, template_layout, template_options
+from assessment.project.catalogue.templates import TEMPLATES
+from assessment.project.project import load_project
+from assessment.project.schema_index import keys_at
+from assessment.runtime.errors import ProjectError
+from mechanics import Assembly, Block, Material, limit_analysis, read_drawing
+from mechanics.model.dxf import Layer
+from tests import ROOT
+
+PROJECTS = ROOT / "projects"
+STONE = Material(unit_weight=16.0, friction=0.65)
+templates = pytest.mark.parametrize("template", TEMPLATES)
+
+
+def polygons(layout: Layout) -> list[Polygon]:
+    return [Polygon(each) for layer in layout.values() for each in layer]
+
+
+def assembly(template: str, tolerance: float | None = None) -> Assembly:
+    """The default layout as blocks of the template's own stone, depths and loads."""
+    layout, options = template_layout(template), template_options(template)
+    content = TEMPLATES[template].content({name: default for name, (default, _, _) in options.items()})
+    stone = Material(content["material"]["unit_weight_kN_m3"], content["material"]["friction"])
+    of = {layer: content["layers"].get(layer, {}) for layer in layout}
+    blocks = [
+        Block(
+            each,
+            of[layer].get("depth_m", content["geometry"]["depth_m"]),
+            stone,
+            support=of[layer].get("support"),
+            vertical_load=of[layer].get("vertical_load_kN", 0.0),
+        )
+        for layer, shapes in layout.items()
+        for each in shapes
+    ]
+    return Assembly(blocks, tolerance=tolerance)
+
+
+def corners(layout: Layout, sign: float = 1.0) -> set[frozenset[tuple[float, float]]]:
+    """Blocks as sets of vertices, mirrored for sign = -1."""
+    return {
+        frozenset((round(sign * x, 9) + 0.0, round(z, 9) + 0.0) for x, z in each)
+        for layer in layout.values()
+        for each in layer
+    }
+
+
+def assert_tiled(layout: Layout) -> None:
+    """Simple blocks, no overlaps, and no gaps inside the masonry."""
+    shapes = polygons(layout)
+    assert all(shape.is_valid for shape in shapes)
+    whole = unary_union(shapes)
+    assert sum(shape.area for shape in shapes) == pytest.approx(whole.area, rel=1e-10)
+    parts = getattr(whole, "geoms", [whole])
+    assert not [ring for part in parts for ring in part.interiors if Polygon(ring).area > 1e-9]
+
+
+@templates
+def test_default_masonry_is_tiled_without_gaps_or_overlaps(template: str) -> None:
+    assert_tiled(template_layout(template))
+
+
+@pytest.mark.parametrize("template", ["block", "arch", "buttressed-arch", "triumphal-arch"])
+def test_layout_is_symmetric(template: str) -> None:
+    layout = template_layout(template)
+    assert corners(layout) == corners(layout, sign=-1.0)
+
+
+@templates
+def test_joints_are_exact_and_long_enough_to_carry(template: str) -> None:
+    """Shared boundaries agree to 1e-9 m: a tighter tolerance finds the same joints as the default one."""
+    exact, usual = assembly(template, tolerance=1e-9).joints, assembly(template).joints
+    assert len(exact.a) == len(usual.a) > 0
+    assert exact.length.min() > 0.005
+
+
+@templates
+def test_template_stands_and_can_be_pushed_over(template: str) -> None:
+    assert 0.02 < limit_analysis(assembly(template)).alpha < 1.0
+
+
+def test_triumphal_arch_has_the_size_of_the_papers() -> None:
+    """Paper §7, Table 1: 362 blocks (here movable blocks and two bases), 3996 contact points, eight beams."""
+    layout = template_layout("triumphal-arch")
+    model = assembly("triumphal-arch")
+    assert len(model.blocks) == pytest.approx(362, abs=5)
+    assert 4 * len(model.joints.a) == pytest.approx(3996, rel=0.10)
+    assert len(layout["ROOF"]) == 8
+    assert not any(Polygon(each).buffer(-0.025).is_empty for each in layout["ARCH"] + layout["NAVE"])
+
+
+@given(
+    span=st.floats(0.4, 12.0),
+    ratio=st.floats(0.1, 0.5),
+    slenderness=st.floats(0.05, 0.2),
+    voussoirs=st.integers(3, 40),
+)
+def test_ring_has_the_asked_span_rise_and_thickness(
+    span: float, ratio: float, slenderness: float, voussoirs: int
+) -> None:
+    """Area of an annular polygon: N/2 sin(2β/N) ((R+t)² − R²)."""
+    ring = Ring(span, ratio * span, slenderness * span, voussoirs, springing=1.0)
+    inner, outer = ring.joints(0.0), ring.joints(ring.thickness)
+    assert inner[[0, -1]] == pytest.approx(np.array([(-span / 2, 1.0), (span / 2, 1.0)]), abs=1e-9)
+    assert ring.radius - (ring.radius * np.cos(ring.half_angle)) == pytest.approx(ring.rise)
+    assert np.hypot(*(outer - inner).T) == pytest.approx(ring.thickness)
+    area = sum(Polygon(each).area for each in ring.blocks())
+    annulus = (ring.radius + ring.thickness) ** 2 - ring.radius**2
+    assert area == pytest.approx(0.5 * voussoirs * np.sin(2.0 * ring.half_angle / voussoirs) * annulus)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    span=st.floats(4.0, 8.0),
+    ratio=st.floats(0.1, 0.5),
+    thickness=st.floats(0.25, 0.7),
+    cover=st.floats(0.1, 2.5),
+    springing=st.floats(1.0, 5.0),
+    voussoirs=st.integers(9, 35),
+    wall_blocks=st.integers(1, 4),
+    spandrel_blocks=st.integers(8, 20),
+)
+def test_triumphal_arch_of_any_dimensions_is_tiled_by_stout_blocks(
+    span: float,
+    ratio: float,
+    thickness: float,
+    cover: float,
+    springing: float,
+    voussoirs: int,
+    wall_blocks: int,
+    spandrel_blocks: int,
+) -> None:
+    layout = template_layout(
+        "triumphal-arch",
+        {
+            "span_m": span,
+            "rise_m": ratio * span,
+            "thickness_m": thickness,
+            "springing_m": springing,
+            "height_m": springing + ratio * span + thickness + cover,
+            "wall_thickness_m": 1.3,
+            "voussoirs": voussoirs,
+            "wall_blocks": wall_blocks,
+            "spandrel_blocks": spandrel_blocks,
+            "beams": 4,
+        },
+    )
+    assert_tiled(layout)
+    assert not any(Polygon(each).buffer(-0.499 * THINNEST).is_empty for each in layout["ARCH"])
+
+
+@templates
+def test_new_project_loads_and_its_drawing_holds_the_layout(template: str, tmp_path: Path) -> None:
+    new_project(tmp_path / "deep" / "new", template, {})
+    project = load_project(tmp_path / "deep" / "new")
+    assert project.supports
+    assert project.pushover
+    assert project.assessment
+    assert {file.name for file in project.folder.iterdir()} == {"geometry.dxf", "project.toml", "records"}
+    import ezdxf
+
+    drawing = ezdxf.readfile(project.path("geometry.dxf"))
+    assert drawing.units == 6
+    drawn: Layout = {}
+    for entity in drawing.modelspace():
+        assert entity.closed
+        drawn.setdefault(entity.dxf.layer, []).append(np.array(entity.get_points("xy")))
+    assert corners(drawn) == corners(template_layout(template))
+    assert set(project.layers) <= set(drawn)
+
+
+@templates
+def test_every_key_of_a_new_project_is_explained(template: str, tmp_path: Path) -> None:
+    new_project(tmp_path / "new", template, {})
+    text = (tmp_path / "new" / "project.toml").read_text(encoding="utf-8")
+    for line in text.splitlines():
+        key = line.partition(" = ")[0]
+        if " = " in line and key.strip('"') not in {"+x", "-x"}:  # explained beside their table's name
+            assert " # " in line, line
+    assert keys_at(("pushover",))["control"] in text or 'control = "' in text
+    assert tomllib.loads(text)["title"]
+
+
+def test_options_change_the_dimensions(tmp_path: Path) -> None:
+    new_project(tmp_path / "new", "block", {"width_m": 0.5, "height_m": 3.5})
+    project = load_project(tmp_path / "new")
+    assert project.control[0].point_m == (0.25, 3.5)
+    assert template_options("block")["width_m"] == (0.6, "m", "width of the block")
+
+
+@pytest.mark.parametrize(
+    ("template", "options", "message"),
+    [
+        ("archh", {}, '--template: archh: .*did you mean "arch"'),
+        ("arch", {"spam_m": 3.0}, 'arch: spam_m: .*did you mean "span_m"'),
+        ("arch", {"span_m": -1.0}, "span_m: is -1; must be a number, in m, from 0.001 to 1000"),
+        ("arch", {"span_m": float("nan")}, "span_m: is nan; must be a number"),
+        ("arch", {"voussoirs": 7.5}, "voussoirs: is 7.5; must be a whole number"),
+        ("arch", {"rise_m": 2.0}, "rise_m: 2 is more than half of span_m"),
+        ("wall", {"moving_blocks": 6}, "moving_blocks: must be fewer than blocks"),
+        ("buttressed-arch", {"pier_width_m": 0.03}, "the ring's foot is"),
+        ("triumphal-arch", {"height_m": 5.0}, "height_m: must be above the ring's crown"),
+        ("triumphal-arch", {"beams": 80}, "beams: 80 beams of 0.2 m do not fit"),
+    ],
+)
+def test_wrong_options_are_named_and_nothing_is_written(
+    template: str, options: dict[str, float], message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(ProjectError, match=message):
+        new_project(tmp_path / "new", template, options)
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_existing_project_is_not_overwritten(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(ProjectError, match="exists and is not empty"):
+        new_project(tmp_path, "block", {})
+    assert [file.name for file in tmp_path.iterdir()] == ["notes.txt"]
+
+
+def test_an_empty_folder_is_used(tmp_path: Path) -> None:
+    new_project(tmp_path, "block", {})
+    load_project(tmp_path)
+
+
+def test_a_failure_while_writing_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise OSError("disk full")
+
+    monkeypatch.setattr(module, "source_bytes", fail)
+    with pytest.raises(OSError, match="disk full"):
+        new_project(tmp_path / "new", "block", {})
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("folder", "template"),
+    [
+        ("rocking_block", "block"),
+        ("buttressed_arch", "buttressed-arch"),
+        ("triumphal_arch", "triumphal-arch"),
+        ("tuff_panel", None),
+    ],
+)
+def test_example_project_is_sound(folder: str, template: str | None) -> None:
+    """The worked examples load; those made from a template are its defaults, with analyses beside them."""
+    project = load_project(PROJECTS / folder)
+    unread = Layer(STONE, 1.0)
+    blocks = read_drawing(project.path("geometry.dxf"), project.geometry.unit, unread).blocks
+    assert {block.layer for block in blocks} >= set(project.layers)
+    if template:
+        drawn: Layout = {}
+        for each in blocks:
+            drawn.setdefault(each.layer, []).append(each.polygon)
+        assert corners(drawn) == corners(template_layout(template))
+        defaults = {name: default for name, (default, _, _) in template_options(template).items()}
+        content = TEMPLATES[template].content(defaults)
+        said = tomllib.loads((PROJECTS / folder / "project.toml").read_text(encoding="utf-8"))
+        assert {key: said[key] for key in content} == content

@@ -1,0 +1,107 @@
+"""Hostile inputs are refused in one message with file, key and remedy, or complete; see tests/support/hostile."""
+
+from __future__ import annotations
+
+import csv
+import json
+import zipfile
+from html.parser import HTMLParser
+from xml.etree import ElementTree
+
+import pytest
+
+from assessment.analyses.checks.demand import demand_spectra
+from assessment.cli.main import main
+from assessment.project.formats.xlsx import to_xlsx
+from assessment.project.project import load_project
+from tests.support.block_project import ASSESSMENT, PROJECT, PUSHED, block, command, write_block
+from tests.support.hostile.corpus import KINDS, SHEETS, tried
+from tests.support.hostile.judge import COMPLETED, REFUSED
+from tests.support.hostile.named import COMPLETE, FLOOR, REFUSALS
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_inputs_of_a_kind(kind):
+    counts = tried(KINDS[kind])
+    assert counts["tried"] == counts[REFUSED] + counts[COMPLETED] >= KINDS[kind].count
+
+
+@pytest.mark.parametrize("case", REFUSALS)
+def test_what_is_refused_by_name(tmp_path, case):
+    assert REFUSALS[case](tmp_path) == REFUSED
+
+
+@pytest.mark.parametrize("case", COMPLETE)
+def test_what_completes_by_name(tmp_path, case):
+    assert COMPLETE[case](tmp_path) == COMPLETED
+
+
+def test_a_floor_at_height_zero_is_the_ground(tmp_path):
+    """It divided by zero."""
+    folder = write_block(tmp_path / "block", PROJECT + ASSESSMENT)
+    ground, _ = demand_spectra(load_project(folder))
+    write_block(folder, PROJECT + ASSESSMENT + FLOOR)
+    floor, _ = demand_spectra(load_project(folder))
+    assert floor == ground
+
+
+STATE, CONTROL = "a, b contacts: c; =cmd|'/c calc'!A0", "=<script>alert(1)</script> $x^{$"
+NAMED = (
+    block().replace('"Block"', '"{state} %s $\\\\frac$ </svg>"').replace('"right"', json.dumps(CONTROL))
+    + f'[[settlements]]\nname = {json.dumps(STATE)}\nsupport = "base"\nrotation_rad = -0.02\nincrement_rad = 0.01\n'
+    + PUSHED
+    + '[report]\nengineer = "<b>&amp;{{ 7*7 }}"\n'
+)
+
+
+class _Tags(HTMLParser):
+    """Counts the tags of a page."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.scripts: list[dict[str, str | None]] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag == "script":
+            self.scripts.append(dict(attrs))
+
+
+@pytest.mark.usefixtures("quick", "drawn")
+def test_hostile_names_reach_every_product_and_do_nothing_there(tmp_path, capsys):
+    folder = write_block(tmp_path / "block", NAMED)
+    drawing = (folder / "geometry.dxf").read_text(encoding="utf-8")
+    (folder / "geometry.dxf").write_text(drawing.replace("BLOCK", "_$x^{$ \\frac|@"), encoding="utf-8")
+    assert main(["run", str(folder), "--jobs", "1"]) == 0
+    assert STATE in capsys.readouterr().out
+    output = folder / "output"
+    for picture in (output / "figures").glob("*.svg"):
+        ElementTree.parse(picture)
+    page = (output / "report.html").read_text(encoding="utf-8")
+    tags = _Tags()
+    tags.feed(page)
+    assert len(tags.scripts) == 2 and "<script>alert" not in page and "{{ 7*7 }}" in page
+    for table in (output / "tables").iterdir():
+        with table.open(encoding="utf-8", newline="") as file:
+            cells = {cell for row in csv.reader(file) for cell in row}
+        assert not any(cell.startswith(("=", "@", "+")) for cell in cells)
+
+
+def test_libraries_say_nothing(tmp_path):
+    """Neither what openpyxl warns of nor what ezdxf and matplotlib log, with the user's names, reaches the terminal."""
+    folder = write_block(tmp_path / "block")
+    drawing = (folder / "geometry.dxf").read_text(encoding="utf-8")
+    (folder / "geometry.dxf").write_text(drawing.replace("BLOCK", "中\x1b[31m"), encoding="utf-8")
+    (folder / "project.toml").unlink()
+    extension = b'<extLst><ext uri="{CCE6A557-97BC-4b89-ADB6-D9C93CAAB3DF}"/></extLst></worksheet>'
+    (folder / "book.xlsx").write_bytes(to_xlsx(SHEETS | {"layers": {"BASE": {"support": "base"}}}))
+    with zipfile.ZipFile(folder / "book.xlsx") as good, zipfile.ZipFile(folder / "project.xlsx", "w") as own:
+        for name in good.namelist():
+            own.writestr(name, good.read(name).replace(b"</worksheet>", extension))
+    checked = command("check", str(folder))
+    assert checked.returncode == 0, checked.stderr
+    assert checked.stderr == ""
+    assert "\x1b" not in checked.stdout
+    (folder / "geometry.dxf").write_text(drawing.replace("AcDbPolyline", "AcDb\x1b[31m"), encoding="utf-8")
+    damaged = command("check", str(folder))
+    assert all(line.startswith(("error: ", "drawing with")) for line in damaged.stderr.splitlines())
+    assert "\x1b" not in damaged.stdout + damaged.stderr

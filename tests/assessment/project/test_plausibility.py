@@ -1,0 +1,169 @@
+"""Values that are allowed and hardly meant: the warning names the key and what was probably meant."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from assessment.cli.main import main
+from assessment.project.catalogue.new_project import new_project
+from assessment.project.catalogue.templates import TEMPLATES
+from assessment.project.model import build_model
+from assessment.project.plausibility import implausible, implausible_hazard
+from assessment.project.project import load_project
+from assessment.report.tables.index import layers
+from assessment.report.text.language import Words
+from assessment.report.text.table_format import cell
+from assessment.workflow.skeleton import describe
+from tests import ROOT
+from tests.support.block_project import ASSESSMENT, HAZARD, PROJECT, PUSHED, block, edit, write_block
+
+MOVED = '[[settlements]]\nname = "down"\nsupport = "base"\ndisplacement_m = [0.0, -0.01]\n'
+SITE = PROJECT + ASSESSMENT
+
+CASES = {  # what is meant: text of the project, its replacement, the warning
+    "friction in degrees": (
+        PROJECT, "friction = 0.7", "friction = 35",
+        "material.friction: 35 is the tangent of 88.4°; write 0.7 if an angle of 35° was meant",
+    ),
+    "friction of no stone": (
+        PROJECT, "friction = 0.7", "friction = 1.6",
+        "material.friction: 1.6 is the tangent of 58°; stone on stone has 0.4 to 0.8; write inf",
+    ),
+    "friction of a layer": (
+        PROJECT, "[layers.BASE]", "[layers.BASE]\nfriction = 40",
+        "layers.BASE.friction: 40 is the tangent",
+    ),
+    "unit weight in kg/m³": (
+        PROJECT, "= 18.0", "= 1800.0",
+        "material.unit_weight_kN_m3: 1800 kN/m³ is no masonry's; write 17.7 if kg/m³ were meant",
+    ),
+    "unit weight in N/m³": (PROJECT, "= 18.0", "= 18000.0", "write 18 if N/m³ were meant"),
+    "unit weight in t/m³": (PROJECT, "= 18.0", "= 1.8", "write 17.7 if t/m³ were meant"),
+    "unit weight of nothing": (PROJECT, "= 18.0", "= 90.0", "masonry has 5 to 40"),
+    "stiffness in N/mm³": (
+        PROJECT.replace('["rigid"]', '["rigid", "elastic"]'), "= 1e6", "= 1.0",
+        "material.normal_stiffness_kN_m3: with 1 kN/m³ the weight alone presses block 1 into its bed by 18 of",
+    ),
+    "stiffness that sinks a block by 1.1 hundredths": (
+        PROJECT.replace('["rigid"]', '["rigid", "elastic"]'), "= 1e6", "= 1636.0", "bed by 0.011 of its height",
+    ),
+    "movement in mm": (
+        block() + MOVED + PUSHED, "[0.0, -0.01]", "[0.0, -10.0]",
+        "settlements[1].displacement_m: 10 m is more than the whole structure (4.5 m); write 0.01 if mm were meant",
+    ),
+    "rotation in degrees": (
+        PROJECT, "rotation_rad = -0.02", "rotation_rad = -2.0",
+        "settlements[1].rotation_rad: 2 rad are 115°; write 0.0349 if degrees were meant, 0.002 if mrad",
+    ),
+    "depth in mm": (
+        PROJECT, "depth_m = 1.0", "depth_m = 500.0", "geometry.depth_m: 500 m out of plane; write 0.5 if mm were",
+    ),
+    "unit of the drawing": (
+        block() + PUSHED.replace("0.2", "0.0002"), 'unit = "m"', 'unit = "mm"',
+        'geometry.unit: with "mm" the structure is 0.0045 m large; write the unit of the drawing',
+    ),
+    "a_g in m/s²": (
+        SITE, "ag_g = 0.261", "ag_g = 2.56",
+        "assessment.site.SLV.ag_g: 2.56 g is more than any site has; write 0.261 if m/s² were meant, 0.256 if g/10",
+    ),
+    "T_C* in ms": (
+        SITE, "Tc_star_s = 0.35", "Tc_star_s = 350.0",
+        "assessment.site.SLV.Tc_star_s: 350 s is longer than any site's; write 0.35 if ms were meant",
+    ),
+    "SLV below SLD": (
+        SITE, "SLD = {ag_g = 0.104", "SLD = {ag_g = 0.304",
+        "assessment.site.SLV.ag_g: 0.261 g at SLV is below the 0.304 g of SLD, which comes more often",
+    ),
+    "confidence factor without crushing": (
+        SITE, 'model = "none"', 'model = "none"\nconfidence_factor = 1.2',
+        "assessment.confidence_factor: 1.2 is below 1.35, which Circolare 7/2019, C8.7.1.2, asks for",
+    ),
+}  # fmt: skip
+
+
+def warned(folder: Path) -> list[str]:
+    project = load_project(folder)
+    return [
+        w for w in (*build_model(project).warnings, *implausible_hazard(project, {})) if "project.toml" in w
+    ]
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_what_was_probably_meant_is_said(tmp_path, case):
+    text, old, new, said = CASES[case]
+    folder = write_block(tmp_path / "block", text)
+    if case == "unit of the drawing":
+        edit(folder, "[0.3, 4.2]", "[0.0003, 0.0042]")
+        edit(folder, "[-0.3, 4.2]", "[-0.0003, 0.0042]")
+    else:
+        assert warned(folder) == []
+    edit(folder, old, new)
+    warning, *others = warned(folder)
+    assert warning.startswith("project.toml: ") and said in warning
+    assert len(others) == (case == "a_g in m/s²")  # SLC is then below SLV
+
+
+def test_a_check_and_a_run_say_it(tmp_path, capsys):
+    folder = write_block(tmp_path / "block", SITE.replace("ag_g = 0.261", "ag_g = 2.61"))
+    for verb in (["check"], ["run", "--no-report"]):
+        assert main([verb[0], str(folder), *verb[1:]]) == 0
+        assert (
+            "warning: project.toml: assessment.site.SLV.ag_g: 2.61 g is more than" in capsys.readouterr().out
+        )
+
+
+@pytest.mark.parametrize("friction", ["inf", "1e7", "1e9", "1e300"])
+def test_friction_without_sliding_is_accepted(tmp_path, friction):
+    folder = write_block(tmp_path / "block")
+    edit(folder, "friction = 0.7", f"friction = {friction}")
+    edit(folder, "[layers.BASE]", f"[layers.BASE]\nfriction = {friction}")
+    project = load_project(folder)
+    assert project.material.friction == project.layers["BASE"].friction == float(friction)
+
+
+def test_infinite_inputs_are_echoed_as_they_are_written(project):
+    """JSON has no infinity, and null means that a result was not reached."""
+    described = describe(load_project(project), build_model(load_project(project)))
+    assert described["echo"]["material"]["tangential_stiffness_kN_m3"] == "inf"
+    assert "tangential_stiffness_kN_m3" in layers(described).rows[0]
+    row = layers(described).rows[0]
+    assert cell("tangential_stiffness_kN_m3", row, Words.of("en")) == "∞"
+
+
+def test_no_sliding_is_not_implausible_and_a_large_number_for_it_is_told_of_inf(tmp_path):
+    folder = write_block(tmp_path / "block")
+    project = load_project(folder)
+    for friction, count in ((math.inf, 0), (1e9, 1)):
+        table = project.material.model_copy(update={"friction": friction})
+        changed = project.model_copy(update={"material": table})
+        found = implausible(changed, build_model(project).assembly)
+        assert len(found) == count
+        assert all("write inf where joints do not slide" in text for text in found)
+
+
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_a_new_project_has_nothing_implausible(tmp_path, template):
+    new_project(tmp_path / "new", template, {})
+    assert warned(tmp_path / "new") == []
+
+
+@pytest.mark.parametrize("example", sorted(path.name for path in (ROOT / "projects").iterdir()))
+def test_the_examples_have_nothing_implausible(example):
+    assert warned(ROOT / "projects" / example) == []
+
+
+def test_swapped_coordinates_are_told_before_and_with_the_grid(tmp_path, capsys):
+    folder = write_block(
+        tmp_path / "block", SITE.replace(HAZARD, 'latitude = 13.4\nlongitude = 42.35\ngrid = "grid.txt"\n')
+    )
+    (folder / "grid.txt").touch()
+    (warning,) = implausible_hazard(load_project(folder), {})
+    assert "write latitude = 42.35, longitude = 13.4" in warning
+    values = "\t".join(f"{0.5 + k}\t2.4\t0.3" for k in range(9))
+    nodes = [(13.3 + 0.06 * i, 42.25 + 0.06 * j) for i in range(4) for j in range(4)]
+    (folder / "grid.txt").write_text("\n".join(f"{x}\t{y}\t{values}" for x, y in nodes), encoding="utf-8")
+    assert main(["check", str(folder)]) == 2
+    assert "They are swapped: write latitude = 42.35, longitude = 13.4." in capsys.readouterr().err

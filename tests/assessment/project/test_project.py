@@ -1,0 +1,195 @@
+"""The project file: what is read."""
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from assessment.project import consistency as project_checks
+from assessment.project.consistency import matches
+from assessment.project.formats.toml import to_toml
+from assessment.project.project import json_schema, load_project
+from tests.support.contract_project import CONTRACT, HAZARD, MINIMAL, load, message, write_named_files
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return write_named_files(tmp_path)
+
+
+def test_the_contract_s_own_example_is_read(folder):
+    project = load(folder, CONTRACT)
+    assert (project.folder, project.source, project.title) == (folder, "project.toml", "Buttressed arch")
+    assert project.geometry.depth_m == 0.1 and project.geometry.unit == "mm"
+    assert project.material.normal_stiffness_kN_m3 == 1.2e5
+    assert project.material.tangential_stiffness_kN_m3 == math.inf
+    assert project.layers["PIERS"].depth_m == 5.5 and project.layers["ROOF"].vertical_load_kN == 9.1
+    assert project.supports == ("right",)
+    assert project.states == ("original", "right support 20 mm")
+    assert project.control[1].point_m == (1.0, 3.0)
+    assert project.settlements[0].displacement_m == (0.02, -0.02) and project.settlements[0].increments == 20
+    assert project.pushover.contacts == ("rigid", "elastic") and project.pushover.directions == ("+x", "-x")
+    assert project.history[0].window_s == (15.0, 22.0) and project.incremental.max_scale == 5.0
+    assert [file.name for file in project.incremental_records()] == ["aqv_ns.acc", "aqv_up.acc"]
+    assert project.assessment.site.latitude == 42.35 and project.report.engineer == "Ing. Rossi"
+    assert project.path("records/b.csv").is_file()
+
+
+def test_absent_tables_switch_their_stage_off(folder):
+    project = load(folder, MINIMAL)
+    assert project.pushover is project.incremental is project.assessment is None
+    assert project.history == project.settlements == project.control == ()
+    assert project.report.language == "it" and project.material.friction == 0.6
+
+
+def test_a_project_cannot_be_changed(folder):
+    project = load(folder, MINIMAL)
+    with pytest.raises(ValidationError):
+        project.title = "other"
+    with pytest.raises(ValidationError):
+        project.geometry.depth_m = 2.0
+
+
+def test_control_points_by_default_name_and_direction(folder):
+    project = load(folder, CONTRACT.replace('control = "C1"', 'control = {"-x" = "C2"}', 1))
+    assert project.control_point().name == "C1" and project.control_point("C2").name == "C2"
+    assert project.pushover_control("-x").name == "C2" and project.pushover_control("+x").name == "C1"
+
+
+def test_steps_keep_within_both_increments(folder):
+    text = CONTRACT.replace("rotation_rad = 0.0", "rotation_rad = -0.05\nincrement_rad = 0.002")
+    assert load(folder, text).settlements[0].increments == 25
+    turned = load(
+        folder, text.replace("displacement_m = [0.020, -0.020]", "").replace("increment_m = 0.001\nto", "to")
+    )
+    assert turned.settlements[0].displacement_m == (0.0, 0.0)
+
+
+def test_free_text_loses_the_blanks_around_it(folder):
+    text = CONTRACT.replace('"Comune"', '"""\nVia Roma\nL\'Aquila\n"""')
+    assert load(folder, text).report.client == "Via Roma\nL'Aquila"
+
+
+def test_typed_in_hazard_replaces_coordinates_and_grid(folder):
+    place = 'latitude = 42.35\nlongitude = 13.40\ngrid = "allegato_b.txt"'
+    typed = "\n".join(f"{state} = {HAZARD}" for state in ("SLD", "SLV", "SLC"))
+    assert load(folder, CONTRACT.replace(place, typed)).assessment.site.SLV.Tc_star_s == 0.35
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("window_s = [15.0, 22.0]", 'window_s = "arias"'),
+        ('control = "C1"\nvertical', 'states = ["original"]\ndamping_ratio = 0.05\nname = "H1"\nvertical'),
+        ("max_scale = 5.0", 'max_scale = 5\nwindow_s = [0, 3]\nstates = ["right support 20 mm"]'),
+        (
+            'spectrum = "ntc"',
+            'spectrum = "ntc"\ncircular = 2009\nmethod = "grid"\nlocal_displacement_limit_m = 0.1',
+        ),
+        ("depth_m = 0.10", "depth_m = 0.10\ntolerance_m = 0.001\nsagitta_m = 0.001"),
+        ("friction = 0.6", "friction = 0\ntangential_stiffness_kN_m3 = inf"),
+        ("vertical_load_kN = 9.1\nload_has_mass = true", "vertical_load_kN = -9.1\nload_has_mass = false"),
+        ("depth_m = 5.5", "depth_m = 5.5\nsegments_per_joint = 2\nfriction = 0.4"),
+    ],
+)
+def test_what_may_be_written_too(folder, old, new):
+    assert old in CONTRACT
+    load(folder, CONTRACT.replace(old, new))
+
+
+def test_a_byte_order_mark_is_no_error(folder):
+    (folder / "project.toml").write_bytes(b"\xef\xbb\xbf" + MINIMAL.replace("\n", "\r\n").encode())
+    assert load_project(folder).title == "Wall"
+
+
+def test_content_is_what_the_file_says_and_can_be_written_again(folder, tmp_path):
+    project = load(folder, CONTRACT)
+    content = project.content()
+    assert content["settlements"][0]["displacement_m"] == [0.02, -0.02]
+    assert content["pushover"]["contacts"] == ["rigid", "elastic"] and "folder" not in content
+    assert load(folder, to_toml(content)).content() == content
+
+
+def test_json_schema_describes_every_key():
+    schema = json_schema()
+    json.dumps(schema, allow_nan=False)
+    tables = [schema, *schema["$defs"].values()]
+    for table in tables:
+        assert table["additionalProperties"] is False
+        assert all(key["description"] for key in table["properties"].values())
+    assert set(schema["required"]) == {"title", "geometry", "material"}
+    assert schema["$defs"]["GeometryTable"]["properties"]["unit"]["enum"] == ["mm", "cm", "m"]
+
+
+def test_every_number_has_bounds():
+    """Only friction and stiffness may be infinite; nothing else is so large or small that arithmetic fails."""
+    unbounded = set()
+
+    def look(node, key):
+        if isinstance(node, dict):
+            if node.get("type") in {"number", "integer"} and "enum" not in node:
+                low, high = (
+                    node.keys() & {f"{end}imum", f"exclusive{end.title()}imum"} for end in ("min", "max")
+                )
+                if not (low and high):
+                    unbounded.add(key)
+            if node.get("type") == "array" and "prefixItems" not in node and "uniqueItems" not in node:
+                assert node["maxItems"] <= 10_000, key
+            for name, each in node.items():
+                look(each, key if name in {"anyOf", "items", "prefixItems"} else name)
+        elif isinstance(node, list):
+            for each in node:
+                look(each, key)
+
+    look(json_schema(), "")
+    assert unbounded == {"friction", "tangential_stiffness_kN_m3", "compressive_strength_kN_m2"}
+
+
+@pytest.mark.parametrize(
+    ("pattern", "found"),
+    [
+        ("records/*.acc", ["aqv_ns.acc", "aqv_up.acc"]),
+        ("rec*/aqv_[nu]?.acc", ["aqv_ns.acc", "aqv_up.acc"]),
+        ("./records/../records/*.csv", ["b.csv"]),
+        ("*/b.csv", ["b.csv"]),
+        ("*/*", ["aqv_ns.acc", "aqv_up.acc", "b.csv"]),
+        ("*/.*", [".hidden.acc"]),
+        ("records/*/*", []),
+        ("nowhere/*", []),
+        ("records/b.csv/*", []),
+    ],
+)
+def test_patterns_of_records(folder, pattern, found):
+    (folder / "records" / ".hidden.acc").touch()
+    (folder / "records" / "deep").mkdir()
+    for each in (pattern, str(folder / pattern)):
+        assert [file.name for file in matches(folder, each)] == found
+
+
+@pytest.mark.parametrize(
+    ("limit", "pattern", "said"),
+    [
+        ("MOST_LOOKED_AT", "*/*", "more than 2 names to look at; name the folders"),
+        ("MOST_ENTRIES", "records/*", "3 files, at most 2; choose among them"),
+        ("", "/**/*", "is not understood; name the folders"),
+    ],
+)
+def test_patterns_have_limits(folder, monkeypatch, limit, pattern, said):
+    if limit:
+        monkeypatch.setattr(project_checks, limit, 2)
+    text = CONTRACT.replace('"records/*.acc"', f'"{pattern}"')
+    (line,) = message(folder, text).splitlines()
+    assert line.startswith(f'project.toml: incremental.records[1]: "{pattern}": ') and said in line
+
+
+def test_importing_stays_cheap():
+    code = (
+        "import sys, assessment.project\n"
+        "sys.exit(bool({'pandas', 'matplotlib', 'openpyxl'} & sys.modules.keys()))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -1,0 +1,279 @@
+"""The spreadsheet form of the project file: the same content, and messages that name sheet and cell."""
+
+import math
+import re
+import tempfile
+import tomllib
+from pathlib import Path
+from zipfile import ZipFile
+
+import pytest
+from hypothesis import Phase, example, given, settings
+from openpyxl import Workbook, load_workbook
+
+from assessment.project.formats.comments import commented_toml
+from assessment.project.formats.toml import to_toml
+from assessment.project.formats.xlsx import read_xlsx, to_xlsx
+from assessment.project.project import ProjectError, load_project
+from assessment.project.schema import ProjectContent
+from tests.support.project_strategy import project_contents
+
+HAZARD = {"ag_g": 0.26, "F0": 2.4, "Tc_star_s": 0.35}
+CONTENT = {
+    "title": "Arch; settled",
+    "geometry": {"drawing": "geometry.dxf", "unit": "mm", "depth_m": 0.1},
+    "material": {"unit_weight_kN_m3": 11.5, "friction": 0.6, "normal_stiffness_kN_m3": 1.2e5},
+    "layers": {"0": {"depth_m": 5.5}, "BASE": {"support": "right"}, "ROOF": {}},
+    "control": [{"name": "C1", "point_m": [0.0, 3.2]}, {"name": "C2", "point_m": [1, 3]}],
+    "settlements": [{"name": "down", "support": "right", "displacement_m": [0.02, -0.02]}],
+    "pushover": {"contacts": ["rigid", "elastic"], "control": {"+x": "C1", "-x": "C2"}},
+    "history": [{"record": "a.acc", "window_s": "arias"}, {"record": "a.acc", "window_s": [1.5, 3]}],
+    "incremental": {"records": ["*.acc", '"b"; c.acc'], "max_scale": 2},
+    "assessment": {"circular": 2009, "site": {"soil": "B", "SLD": HAZARD, "SLV": HAZARD, "SLC": HAZARD}},
+    "report": {"client": "=not a formula", "location": "C:\\temp"},
+}
+
+
+FILES = ["geometry.dxf", "a.acc", '"b"; c.acc']
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name in FILES:
+        (tmp_path / name).touch()
+    return tmp_path
+
+
+def changed(folder: Path, *cells: tuple[str, str, object]):
+    """The project of CONTENT with some cells of its spreadsheet overwritten."""
+    file = folder / "project.xlsx"
+    file.write_bytes(to_xlsx(CONTENT))
+    book = load_workbook(file)
+    for sheet, cell, value in cells:
+        book[sheet][cell] = value
+    book.save(file)
+    return load_project(folder)
+
+
+def message(folder: Path, *cells: tuple[str, str, object]) -> str:
+    with pytest.raises(ProjectError) as caught:
+        changed(folder, *cells)
+    return str(caught.value)
+
+
+def from_toml(folder: Path, content: dict) -> dict:
+    (folder / "project.xlsx").unlink(missing_ok=True)
+    (folder / "project.toml").write_text(to_toml(content), encoding="utf-8")
+    return load_project(folder).content()
+
+
+def from_xlsx(folder: Path, content: dict) -> dict:
+    (folder / "project.toml").unlink(missing_ok=True)
+    (folder / "project.xlsx").write_bytes(to_xlsx(content))
+    return load_project(folder).content()
+
+
+def test_both_forms_say_the_same(folder):
+    assert from_xlsx(folder, CONTENT) == from_toml(folder, CONTENT)
+    assert load_project(folder).source == "project.toml"
+
+
+def test_no_sliding_is_said_in_both_forms(folder):
+    friction = {"friction": math.inf}
+    content = CONTENT | {
+        "material": CONTENT["material"] | friction,
+        "layers": CONTENT["layers"] | {"ROOF": friction},
+    }
+    for form in (from_toml, from_xlsx):
+        found = form(folder, content)
+        assert found["material"]["friction"] == found["layers"]["ROOF"]["friction"] == math.inf
+
+
+@pytest.mark.parametrize("typed", ["inf", "INF", "1e9", 1e9, "Infinity"])
+def test_no_sliding_is_read_as_it_is_typed(folder, typed):
+    assert changed(folder, ("material", "B3", typed)).material.friction in {math.inf, 1e9}
+
+
+def test_a_sheet_explains_its_keys(folder):
+    changed(folder)
+    sheet = load_workbook(folder / "project.xlsx")["geometry"]
+    assert [cell.value for cell in sheet[1]] == ["key", "value", "comment"]
+    assert "out-of-plane depth, m" in [row[0].value for row in sheet["C2:C4"]][2]
+
+
+def test_lists_and_decimal_commas(folder):
+    project = changed(
+        folder,
+        ("settlements", "C2", "0,020; -0,035"),
+        ("geometry", "B4", "0,25"),
+        ("pushover", "B2", "elastic ;rigid;"),
+        ("incremental", "B2", "a.acc\n*.acc"),
+        ("material", "A5", "tangential_stiffness_kN_m3"),
+        ("material", "B5", "inf"),
+    )
+    assert project.settlements[0].displacement_m == (0.02, -0.035)
+    assert project.geometry.depth_m == 0.25
+    assert project.pushover.contacts == ("elastic", "rigid")
+    assert project.incremental.records == ("a.acc", "*.acc")
+    assert project.material.tangential_stiffness_kN_m3 == math.inf
+
+
+@pytest.mark.parametrize(
+    "text", ["0.02; -0.035", "0,02; -0,035", "0.02, -0.035", "0,02 -0,035", "[0.02, -0.035]"]
+)
+def test_numbers_of_a_list_are_told_apart_however_they_are_written(folder, text):
+    assert changed(folder, ("settlements", "C2", text)).settlements[0].displacement_m == (0.02, -0.035)
+
+
+def test_a_formula_without_a_stored_value_is_no_empty_cell(folder):
+    said = message(folder, ("material", "B3", "=0.3+0.4"))
+    assert 'sheet "material", cell B3: a formula whose value is not stored' in said
+
+
+def test_cells_are_read_as_their_keys_ask(folder):
+    project = changed(
+        folder,
+        ("layers", "A2", 0),
+        ("project", "B2", 1854),
+        ("geometry", "A5", "segments_per_joint"),
+        ("geometry", "B5", "2"),
+        ("assessment", "B2", 2019.0),
+        ("settlements", "D1", "to_collapse"),
+        ("settlements", "D2", "TRUE"),
+        ("incremental", "B2", "a.acc"),
+    )
+    assert "0" in project.layers and project.title == "1854"
+    assert project.geometry.segments_per_joint == 2 and project.assessment.circular == 2019
+    assert project.settlements[0].to_collapse is True
+
+
+def test_blank_rows_comments_and_a_blank_sheet_are_no_content(folder):
+    (folder / "project.xlsx").write_bytes(to_xlsx(CONTENT))
+    before = load_project(folder).content()
+    book = load_workbook(folder / "project.xlsx")
+    book.create_sheet("Sheet1")
+    book["geometry"].insert_rows(3, 2)
+    book["material"].insert_rows(1, 2)
+    book["geometry"]["C3"] = "a comment"
+    book["settlements"].insert_rows(2)
+    book["settlements"]["A9"] = "  "
+    book.save(folder / "project.xlsx")
+    assert load_project(folder).content() == before
+
+
+def test_a_wrong_size_stored_in_a_sheet_hides_nothing(folder):
+    (folder / "right.xlsx").write_bytes(to_xlsx(CONTENT))
+    with ZipFile(folder / "right.xlsx") as right, ZipFile(folder / "project.xlsx", "w") as wrong:
+        for name in right.namelist():
+            wrong.writestr(name, re.sub(rb'<dimension ref="[^"]*"', b'<dimension ref="A1"', right.read(name)))
+    assert load_project(folder).content() == from_toml(folder, CONTENT)
+
+
+def test_an_empty_sheet_switches_its_stage_on_and_a_missing_one_off(folder):
+    content = {key: CONTENT[key] for key in ("title", "geometry", "material", "control")} | {"pushover": {}}
+    assert from_xlsx(folder, content)["pushover"]["contacts"] == ["rigid"]
+    assert load_project(folder).assessment is None
+
+
+@pytest.mark.parametrize(
+    ("sheet", "cell", "value", "key", "said"),
+    [
+        ("geometry", "B3", "ft", "geometry.unit", '"ft" is wrong; write "mm", "cm" or "m"'),
+        ("report", "A2", "clint", "report.clint", 'unknown key; did you mean "client"?'),
+        ("material", "B2", -1, "material.unit_weight_kN_m3", "-1 is wrong; write a number greater than 0"),
+        ("material", "B2", "heavy", "material.unit_weight_kN_m3", '"heavy" is wrong; write a number'),
+        ("settlements", "B2", "rigth", "settlements[1].support", 'no support "rigth"; did you mean "right"?'),
+        ("settlements", "C2", "0.1", "settlements[1].displacement_m", "[0.1] is wrong; write two numbers"),
+        ("settlements", "C2", "0;x", "settlements[1].displacement_m[2]", '"x" is wrong; write a number'),
+        ("control", "A3", "C1", "control[2].name", '"C1" is the name of an earlier entry'),
+        ("layers", "G2", 0, "layers.0.depth_m", "0 is wrong; write a number greater than 0"),
+        ("pushover", "B3", "C7", "pushover.control.+x", 'no control point "C7"; did you mean'),
+        (
+            "history",
+            "A3",
+            "b.acc",
+            "history[2].record",
+            'no file "b.acc" in the project folder; did you',
+        ),
+        ("site", "B2", "S", "assessment.site.soil", '"S" is wrong; write "A", "B"'),
+        ("incremental", "B2", "a.acc; *.AT2", "incremental.records[2]", 'no file "*.AT2"'),
+    ],
+)
+def test_messages_name_sheet_and_cell(folder, sheet, cell, value, key, said):
+    first, *_ = message(folder, (sheet, cell, value)).splitlines()
+    place = cell.replace("A2", "B2")  # of the value where the key is wrong
+    assert first.startswith(f'project.xlsx: {key} (sheet "{sheet}", cell {place}): {said}')
+
+
+@pytest.mark.parametrize(
+    ("sheet", "cell", "value", "said"),
+    [
+        ("geometry", "B3", None, 'geometry.unit (sheet "geometry"): missing; add it'),
+        ("site", "B3", None, 'assessment.site.SLD.ag_g (sheet "site"): missing; add it'),
+        ("control", "A3", None, 'control[2].name (sheet "control", row 3): missing; add it'),
+        ("layers", "A3", None, 'sheet "layers", row 3: has no key or name; write it'),
+        ("layers", "A3", "ROOF", 'sheet "layers", row 4: "ROOF" appears twice; write it once'),
+        ("layers", "Z3", 3, 'sheet "layers", cell Z3: has no key or name; write it'),
+        ("geometry", "A3", None, 'sheet "geometry", cell B3: has no key or name; write it'),
+        ("geometry", "A3", "drawing", 'sheet "geometry", cell B3: "drawing" appears twice; write it once'),
+        ("pushover", "A3", "control", 'sheet "pushover", cell B4: is a value and a table at once; write one'),
+    ],
+)
+def test_messages_about_what_stands_nowhere(folder, sheet, cell, value, said):
+    first, *_ = message(folder, (sheet, cell, value)).splitlines()
+    assert first.startswith(f"project.xlsx: {said}")
+
+
+def test_a_list_written_as_a_value_is_told(folder):
+    content = {key: CONTENT[key] for key in ("title", "geometry", "material")}
+    (folder / "project.xlsx").write_bytes(to_xlsx(content))
+    book = load_workbook(folder / "project.xlsx")
+    book["project"].append(["control", 7])
+    book.save(folder / "project.xlsx")
+    with pytest.raises(
+        ProjectError, match=r'control\[1\] \(sheet "project", cell B5\): 7 is wrong; write a table'
+    ):
+        load_project(folder)
+
+
+def test_an_unknown_sheet_is_named_with_the_nearest(folder):
+    (folder / "project.xlsx").write_bytes(to_xlsx(CONTENT))
+    book = load_workbook(folder / "project.xlsx")
+    book["settlements"].title = "Settlement"
+    book.save(folder / "project.xlsx")
+    with pytest.raises(
+        ProjectError, match=r'project.xlsx: sheet "Settlement": unknown sheet; did you mean "settlem'
+    ):
+        load_project(folder)
+
+
+@pytest.mark.parametrize("raw", [b"", b"title = 1", b"PK\x03\x04broken"])
+def test_what_is_no_workbook(folder, raw):
+    (folder / "project.xlsx").write_bytes(raw)
+    with pytest.raises(
+        ProjectError, match=r"^project.xlsx: file: not an XLSX workbook, or a damaged one; save it as .xlsx$"
+    ):
+        load_project(folder)
+
+
+def test_an_empty_workbook_lacks_its_keys(folder):
+    Workbook().save(folder / "project.xlsx")
+    with pytest.raises(ProjectError, match=r"^project.xlsx: title: missing; add it \(title of the project\)"):
+        load_project(folder)
+
+
+# Any valid project ------------------------------------------------------------------------------------
+
+
+@settings(max_examples=30, deadline=None, phases=[Phase.explicit, Phase.generate])
+@given(project_contents())
+@example(CONTENT)
+def test_any_project_survives_toml_to_xlsx_to_toml(content):
+    first = ProjectContent.model_validate(tomllib.loads(to_toml(content)))
+    said = first.model_dump(mode="json", exclude_none=True, exclude_unset=True)
+    with tempfile.TemporaryDirectory() as name:
+        file = Path(name) / "project.xlsx"
+        file.write_bytes(to_xlsx(said))
+        sheets, _ = read_xlsx(file)
+    second = ProjectContent.model_validate(tomllib.loads(commented_toml(sheets)))
+    assert second.model_dump() == first.model_dump() == ProjectContent.model_validate(content).model_dump()

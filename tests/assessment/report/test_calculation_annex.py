@@ -1,0 +1,251 @@
+"""Every number of the annex, of whole projects: recomputed from what tables/trace.csv and the report print."""
+
+import re
+from copy import deepcopy
+
+import ezdxf
+import numpy as np
+import pytest
+from ezdxf.math import Matrix44
+
+from assessment.analyses.checks.capacity import assess, assess_chosen, governing
+from assessment.analyses.checks.demand import demand_spectra, spectra_numbers
+from assessment.cli.main import main
+from assessment.ntc.hazard import RETURN_PERIODS
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.report.calculation_annex import traces
+from assessment.report.tables.capacity import trace, verification
+from assessment.report.text.language import words_of
+from assessment.workflow.dynamic import read_motions
+from assessment.workflow.stages import run
+from tests.support.block_project import HAZARD, TURNED, block
+from tests.support.trace_check import from_csv, from_report, printed, recomputed
+
+PUSHED = """[pushover]
+contacts = ["rigid", "elastic"]
+increment_m = 0.05
+control = {"+x" = "right", "-x" = "left"}
+[report]
+language = "en"
+"""
+PROJECT = block(stiffness="1e5") + TURNED + PUSHED
+TYPED = f"""[assessment.site]
+soil = "C"
+topography = "T2"
+{HAZARD}"""
+SITE = '[assessment.site]\nsoil = "D"\nuse_class = "III"\ngrid = "site.csv"\n'
+GRID = SITE.replace("site.csv", "grid.txt") + "latitude = 42.01\nlongitude = 13.02\n"
+FLOOR = """[assessment.floor]
+height_m = 7.0
+building_height_m = 10.0
+storeys = 3
+period_s = 0.4
+higher_periods_s = [0.13]
+higher_participations = [-0.24]
+"""
+RECORD = (
+    '[[history]]\nrecord = "wave.csv"\nwindow_s = [0.0, 0.02]\ncontacts = "rigid"\nstates = ["original"]\n'
+)
+MECHANISM = '[[mechanism]]\nname = "corner"\nabout_m = [0.3, 0.0]\nblocks = [1]\n'
+VARIANTS = {
+    "typed hazard, trilinear, local limit": "[assessment]\nlocal_displacement_limit_m = 0.15\n"
+    'local_displacement_reason = "the beam unseats"\n' + TYPED + MECHANISM,
+    "site table, bilinear": '[assessment]\nmodel = "bilinear"\n' + SITE,
+    "grid, rigid, along the return period": '[assessment]\nmodel = "none"\nmethod = "grid"\n' + GRID,
+    "floor": "[assessment]\n" + TYPED + FLOOR,
+    "2009": "[assessment]\ncircular = 2009\n" + TYPED,
+    "floor, 2009": "[assessment]\ncircular = 2009\n" + TYPED + FLOOR.partition("higher")[0],
+    "record": '[assessment]\nspectrum = "record"\n' + RECORD,
+    "record, maximum, site": '[assessment]\nspectrum = "record"\nrecord_demand = "maximum"\n'
+    + TYPED
+    + RECORD,
+}
+
+
+def hazard_files(folder):
+    """A site's nine lines, a grid of 3 × 3 nodes at 0.05° about (42, 13), a record of two pulses."""
+    rows = [(T_R, 0.05 * (k + 1), 2.4 + 0.01 * k, 0.28 + 0.01 * k) for k, T_R in enumerate(RETURN_PERIODS)]
+    lines = ["T_R;a_g [g];F0;T_C*", *(";".join(f"{v:.6g}" for v in row) for row in rows)]
+    (folder / "site.csv").write_text("\n".join(lines))
+    nodes = []
+    for i in range(3):
+        for j in range(3):
+            values = [v for _, a, F, T in rows for v in (10.0 * a * (1.0 + 0.05 * i + 0.02 * j), F, T)]
+            nodes.append("\t".join(f"{v:.6f}" for v in (13.0 + 0.067 * i, 42.0 + 0.05 * j, *values)))
+    (folder / "grid.txt").write_text("% header\n" + "\n".join(nodes))
+    t = np.arange(0.0, 8.0, 0.02)
+    wave = 0.02 * np.sin(2.2 * t) * np.exp(-0.2 * t) + 0.3 * np.sin(9.0 * t) * np.exp(-0.5 * t)
+    np.savetxt(folder / "wave.csv", np.column_stack([t, wave]), delimiter=",", header="s,g", comments="")
+
+
+@pytest.fixture(scope="module")
+def outcomes(tmp_path_factory):
+    """The results of every variant: both states, both directions. The pushovers are the same for all."""
+    folder = tmp_path_factory.mktemp("annex") / "block"
+    assert main(["new", str(folder), "--template", "block"]) == 0
+    hazard_files(folder)
+    (folder / "project.toml").write_text(PROJECT, encoding="utf-8")
+    project = load_project(folder)
+    pushed = run(project, build_model(project), jobs=1).results
+    found = {}
+    for name, text in VARIANTS.items():
+        (folder / "project.toml").write_text(PROJECT + text, encoding="utf-8")
+        found[name] = assessed(load_project(folder), deepcopy(pushed))
+    return found
+
+
+def assessed(project, results):
+    """Add to pushovers what the assessment of the project makes of them."""
+    model, states, notes = build_model(project).assembly, results["states"], results["quality"]["warnings"]
+    demands, hazard = demand_spectra(project, read_motions(project).history)
+    for state in states.values():
+        state["capacity"] = assess(project, model, state["pushover"], demands, hazard, notes)
+        state["governing"] = governing(state["capacity"])
+    results["spectra"] = spectra_numbers(project, demands, hazard)
+    results["mechanisms"] = assess_chosen(project, model, states, demands, hazard, notes)
+    return results
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_every_line_of_the_trace_table_follows_from_its_inputs(outcomes, name):
+    lines = trace(outcomes[name]).rows
+    parts = {(row["state"], row["direction"], row["part"]) for row in lines}
+    checks = verification(outcomes[name]).rows
+    numbered = [row for row in checks if row["a_g_g"] is not None]
+    assert len({(row["state"], row["direction"]) for row in numbered}) == 4
+    assert {"SLD", "SLV linear", "SLV"} <= {row["limit_state"] for row in numbered}
+    for row in numbered:
+        assert (row["state"], row["direction"], row["limit_state"]) in parts
+        assert (row["state"], row["direction"], "capacity") in parts
+    computed = [row for row in lines if row["formula"]]
+    assert len(computed) > 100
+    for row in computed:
+        value = recomputed(row["formula"], from_csv(row["inputs"]))
+        assert value == pytest.approx(row["result"], rel=1e-9, abs=1e-12), row
+        assert row["paragraph"]
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_every_line_of_the_printed_annex_follows_from_its_printed_inputs(outcomes, name):
+    computed = 0
+    known = {}  # per column of a table what it printed last: the seismic action, the capacity curve, then each check
+    action, curve = {}, {}
+    for grid in traces(outcomes[name], words_of(outcomes[name])):
+        titles = [str(head) for head in grid.head[2:-1]]
+        part = str(grid.caption).removeprefix("Steps: ").split(", chosen")[0].rstrip(".").split(",")[0]
+        for column, title in enumerate(titles, 2):
+            known = {"g": 9.80665} | action.get(part, {}) | curve.get(title, {})
+            for row in grid.rows:
+                symbol = str(row[0]).split(" [")[0]
+                if row[column] == "–":
+                    continue
+                value = printed(str(row[column]))
+                if row[1] != "given":
+                    computed += 1
+                    assert from_report(str(row[1]), known) == pytest.approx(value, rel=1e-3, abs=1e-9), row
+                known[symbol] = value
+                assert row[-1]
+            if part == "seismic action":
+                action[title] = known
+            elif part in {"capacity curve", "virtual work"}:
+                curve[title] = known
+    assert computed > 60
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_the_checks_are_the_last_numbers_of_their_traces(outcomes, name):
+    results = {}
+    for row in trace(outcomes[name]).rows:
+        results[row["state"], row["direction"], row["part"], row["symbol"]] = row["result"]
+    for row in verification(outcomes[name]).rows:
+        if row["zeta_E"] is not None:
+            key = (row["state"], row["direction"], row["limit_state"])
+            symbol = "r_SLD" if row["limit_state"] == "SLD" else "zeta_E"  # §8.3: at SLD no index
+            assert results[*key, symbol] == row["zeta_E"]
+            assert results[*key, "a_g_demand"] == row["demand_a_g_g"]
+
+
+def test_what_is_no_paragraph_of_a_standard_is_written_in_the_language_of_the_report(outcomes):
+    standard = re.compile(
+        r"NTC|Circolare|D\.M\.|Portioli|eq\.|T_R = |α = 0|site\.csv|grid\.txt|the beam unseats"
+    )
+    said = {
+        part
+        for results in outcomes.values()
+        for row in trace(results).rows
+        for phrase in row["paragraph"].split("; ")
+        for part in phrase.split(": ")
+        if not standard.match(part)
+    }
+    english = {"assesto": "0", "echo": {"report": {"language": "it"}}}
+    assert said <= set(words_of(english).strings["source"])
+
+
+def test_the_demand_is_that_of_the_project(outcomes):
+    """T_R of class III: V_R = 75 years; floor and record stand in the place of the ground's spectrum."""
+    table = outcomes["site table, bilinear"]["spectra"]["SLV"]
+    assert table["return_period_years"] == pytest.approx(711.842, rel=1e-5)
+    assert [outcomes[name]["spectra"]["SLC"]["kind"] for name in ("floor", "record", "2009")] == [
+        "floor",
+        "record",
+        "ground",
+    ]
+    at_ground, at_height = (
+        outcomes[name]["states"]["original"]["capacity"]["+x"] for name in ("2009", "floor, 2009")
+    )
+    assert at_height["SLD"]["a_g_g"] < at_ground["SLD"]["a_g_g"]
+    whole, at_period = (
+        outcomes[name]["states"]["original"]["capacity"]["+x"]["SLC"]
+        for name in ("record, maximum, site", "record")
+    )
+    assert whole["a_g_g"] <= at_period["a_g_g"]
+    assert whole["demand_a_g_g"] == pytest.approx(0.334 * 1.2 * (1.7 - 0.6 * 2.40 * 0.334))
+
+
+def test_the_local_limit_is_printed_with_its_source(outcomes):
+    results = outcomes["typed hazard, trilinear, local limit"]
+    line = next(row for row in trace(results).rows if row["symbol"] == "d_SLC")
+    assert line["result"] == pytest.approx(0.075)  # 0.15 m of the top, Γ* = 1/2
+    assert line["paragraph"].endswith("local limit: the beam unseats")
+    governing = {row["limit_state"]: row["governing"] for row in verification(results).rows}
+    assert governing["SLC"] == "local limit"
+
+
+def test_the_return_period_of_the_capacity_is_on_the_hazard_curve(outcomes):
+    """a_g of a whole column of the table gives its return period: here between two columns, log-log."""
+    rows = verification(outcomes["site table, bilinear"]).rows
+    periods = np.log(RETURN_PERIODS)
+    for row in rows:
+        expected = np.exp(np.interp(np.log(row["a_g_g"]), np.log(0.05 * np.arange(1, 10)), periods))
+        assert row["return_period_years"] == pytest.approx(expected)
+    governs = outcomes["site table, bilinear"]["states"]["base turned"]["governing"]
+    least = min((row for row in rows if row["state"] == "base turned"), key=lambda row: row["zeta_E"])
+    assert (governs["direction"], governs["limit_state"]) == (least["direction"], least["limit_state"])
+    assert governs["ratio"] == least["zeta_E"]
+
+
+def test_zeta_does_not_know_the_unit_of_the_drawing(tmp_path):
+    """The same block drawn in m and in mm: displacements, capacities and indices agree."""
+    found = {}
+    for unit, factor in (("m", 1.0), ("mm", 1000.0)):
+        folder = tmp_path / unit
+        assert main(["new", str(folder), "--template", "block"]) == 0
+        drawing = ezdxf.readfile(folder / "geometry.dxf")
+        for outline in drawing.modelspace():
+            outline.transform(Matrix44.scale(factor))
+        drawing.header["$INSUNITS"] = {"m": 6, "mm": 4}[unit]
+        drawing.saveas(folder / "geometry.dxf")
+        text = PROJECT.replace('unit = "m"', f'unit = "{unit}"').replace('["rigid", "elastic"]', '["rigid"]')
+        (folder / "project.toml").write_text(
+            text + '[assessment]\nmodel = "none"\n' + TYPED, encoding="utf-8"
+        )
+        project = load_project(folder)
+        found[unit] = run(project, build_model(project), jobs=1).results
+    rows = [verification(found[unit]).rows for unit in ("m", "mm")]
+    assert len(rows[0]) == 16
+    for one, other in zip(*rows, strict=True):
+        numbers = [
+            [row[key] or 0.0 for key in ("d_star_m", "a_star_g", "a_g_g", "zeta_E")] for row in (one, other)
+        ]
+        assert numbers[0] == pytest.approx(numbers[1], rel=1e-6)

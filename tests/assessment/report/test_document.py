@@ -1,0 +1,332 @@
+"""The report: what NTC 2018 chapter 10 asks is in the PDF, in both languages, and so are the numbers."""
+
+import re
+import sys
+import tomllib
+from importlib.resources import files
+from string import Formatter
+
+import pypdf
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from assessment.report.document import CHAPTERS, render_html, write_page, write_pdf
+from assessment.report.figures.index import write_figures
+from assessment.report.joints import joint_law
+from assessment.report.pdf import APT_COMMAND, COMMANDS
+from assessment.report.text.language import LANGUAGES, words_of
+from assessment.runtime.pool import Pool
+from tests.support.results_example import SETTLED, results_example
+
+TEMPLATES = files("templates")
+
+
+def strings(language):
+    return tomllib.loads((TEMPLATES / f"strings_{language}.toml").read_text(encoding="utf-8"))
+
+
+def leaves(node, key=""):
+    if isinstance(node, dict):
+        for name, inner in node.items():
+            yield from leaves(inner, f"{key}.{name}" if key else name)
+    elif isinstance(node, list):
+        for number, inner in enumerate(node):
+            yield from leaves(inner, f"{key}[{number}]")
+    else:
+        yield key, node
+
+
+@pytest.fixture(scope="module", params=LANGUAGES)
+def report(request, tmp_path_factory):
+    pytest.importorskip("weasyprint", exc_type=OSError)
+    folder = tmp_path_factory.mktemp(request.param)
+    results = results_example(request.param)
+    if request.param == "en":
+        one_direction(results)  # half the time, and a form of its own
+    write_figures(Pool(0, results), folder / "figures")
+    write_page(results, folder)
+    assert write_pdf(results, folder) == []
+    pages = [page.extract_text() for page in pypdf.PdfReader(folder / "report.pdf").pages]
+    return request.param, results, folder, pages
+
+
+def squeezed(text):
+    return re.sub(r"\s+", "", text)
+
+
+def test_both_languages_have_the_same_keys_and_fields():
+    italian, english = (dict(leaves(strings(language))) for language in LANGUAGES)
+    assert italian.keys() == english.keys()
+    for key, text in italian.items():
+        assert text.strip()
+        fields = [
+            {name for _, name, _, _ in Formatter().parse(each) if name} for each in (text, english[key])
+        ]
+        assert fields[0] == fields[1], key
+
+
+def test_expected_sections_stand_in_order_with_page_numbers(report):
+    language, _, _, pages = report
+    contents, body = squeezed(pages[1]), squeezed("".join(pages[2:]))
+    places = []
+    for number, chapter in enumerate(CHAPTERS, 1):
+        heading = squeezed(f"{number}. {strings(language)['section'][chapter]}")
+        assert heading in contents
+        places.append(body.index(heading))
+    assert places == sorted(places)
+    assert squeezed(f"{len(pages)} {strings(language)['page']['of']} {len(pages)}") in squeezed(pages[-1])
+
+
+def test_numbers_of_the_results_are_in_the_document(report):
+    language, results, made, pages = report
+    words, text = words_of(results), squeezed("".join(pages))
+    for content in results["states"].values():
+        for direction, pushover in content["pushover"].items():
+            capacity = content["capacity"][direction]
+            assert words.number(pushover["rigid"]["alpha_0"]) in text
+            assert words.number(1000 * pushover["rigid"]["d_0_m"]) in text
+            assert words.number(pushover["elastic"]["alpha_y"]) in text
+            for limit in ("SLD", "SLV", "SLC"):
+                assert words.number(capacity[limit]["a_g_g"]) in text
+                assert words.number(capacity[limit]["zeta_E"]) in text
+    assert words.number(100 * results["comparison"][0]["static_reduction"]) in text
+    assert ("0,153" if language == "it" else "0.153") in text
+    assert results["model"]["warnings"][0].replace(" ", "") in text
+    assert "Comune<A&B>" in squeezed(pages[0])
+    assert f"<td>{words.number(1000 * 0.192)}</td>" in (made / "report.html").read_text()
+
+
+def test_figures_and_tables_are_numbered_without_gaps(report):
+    language, _, made, pages = report
+    text = "".join(pages)
+    for kind in ("figure", "table"):
+        word = strings(language)["page"][kind]
+        numbers = [int(found) for found in re.findall(rf"{word}\s+(\d+)\.", text)]
+        assert numbers == list(range(1, len(numbers) + 1))
+        assert len(numbers) > 6
+    assert (made / "report.html").read_text().count("<figure>") == (made / "report.html").read_text().count(
+        "<figcaption>"
+    )
+
+
+def test_no_page_is_empty_and_nothing_is_left_unfilled(report):
+    _, _, made, pages = report
+    assert min(len(page) for page in pages) > 100
+    html = (made / "report.html").read_text()
+    assert not re.search(
+        r"\bNone\b|\bnan\b|\{\w+\}|http", re.sub(r"base64,[^\"]*|<style>.*?</style>", "", html, flags=re.S)
+    )
+
+
+@pytest.mark.parametrize("report", LANGUAGES[:1], indirect=True, scope="module")
+def test_same_inputs_same_bytes(report, tmp_path):
+    language, _, made, _ = report
+    results = results_example(language)
+    (tmp_path / "figures").symlink_to(made / "figures")
+    write_page(results, tmp_path)
+    write_pdf(results, tmp_path)
+    for name in ("report.html", "report.pdf"):
+        assert (tmp_path / name).read_bytes() == (made / name).read_bytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["figures", "report.html", "report.pdf"]
+
+
+def without_settlement(results):
+    del results["states"][SETTLED]
+    results["comparison"] = []
+    results["echo"]["settlements"] = []
+
+
+def without_elastic(results):
+    for content in results["states"].values():
+        content.get("pushdown", {}).pop("elastic", None)
+        for pushover in content["pushover"].values():
+            del pushover["elastic"]
+        for capacity in content["capacity"].values():
+            del capacity["T_0_s"]
+
+
+def without_rigid(results):
+    for content in results["states"].values():
+        for pushover in content["pushover"].values():
+            del pushover["rigid"]
+
+
+def without_assessment(results):
+    for content in results["states"].values():
+        del content["capacity"]
+    results["comparison"], results["spectra"] = [], {}
+    results["echo"]["assessment"] = None
+
+
+def test_the_report_explains_a_curve_that_begins_below_its_largest_multiplier(tmp_path):
+    """One sentence for the settled state pushed towards +x, none for the others."""
+    results = results_example("en")
+    rigid = [content["pushover"]["+x"]["rigid"] for content in results["states"].values()]
+    for curve, share in zip(rigid, (1.0, 0.3), strict=True):
+        curve["alpha_onset"] = share * curve["alpha_0"]
+    write_figures(Pool(0, results), tmp_path)
+    text = render_html(results, tmp_path, words_of(results))
+    assert text.count("only a part moves, which closes a hinge of the settlement") == 1
+    assert f"State “{SETTLED}”, direction +x: from α = " in text
+
+
+def one_direction(results):
+    for content in results["states"].values():
+        content["pushover"].pop("-x", None)
+        content["capacity"].pop("-x", None)
+
+
+def unstable_state(results):
+    content = results["states"][SETTLED]
+    content["pushover"], content["capacity"], content["configuration"] = {}, {}, None
+    for stage in content["pushdown"].values():
+        stage["ultimate_configuration"] = None
+    results["model"]["warnings"].append("the settled state cannot stand")
+
+
+def unstable_model(results):
+    results["model"]["self_weight_stable"] = False
+    for content in results["states"].values():
+        content.update(pushover={}, capacity={}, pushdown={})
+    results["comparison"], results["spectra"], results["quality"]["by_stage"] = [], {}, []
+
+
+def nothing_reached(results):
+    for content in results["states"].values():
+        for stage in content.get("pushdown", {}).values():
+            stage["ultimate_movement_m"] = stage["ultimate_configuration"] = None
+        for pushover in content["pushover"].values():
+            pushover["rigid"]["d_0_m"] = pushover["rigid"]["virtual_work_alpha"] = None
+            pushover["elastic"].update(alpha_y=None, d_y_m=None)
+        for capacity in content["capacity"].values():
+            capacity["T_0_s"] = None
+            for limit in ("SLV", "SLC"):
+                keys = ("d_star_m", "a_star_g", "T_s", "a_g_g", "zeta_E", "verified")
+                capacity[limit].update(dict.fromkeys(keys))
+    for row in results["comparison"]:
+        row.update(static_pga_g=None, static_reduction=None)
+
+
+def only_the_model(results):
+    results["states"] = {"original": {"configuration": [[0.0] * 3] * 7, "settlement": None}}
+    results["comparison"], results["quality"]["by_stage"] = [], []
+    results["echo"] = {"report": results["echo"]["report"]}
+    del results["spectra"], results["software"], results["inputs"]
+
+
+def many_states(results):
+    for number in range(3):
+        results["states"][f"copy {number}"] = results["states"][SETTLED]
+
+
+FORMS = [
+    without_settlement,
+    without_elastic,
+    without_rigid,
+    without_assessment,
+    one_direction,
+    unstable_state,
+    unstable_model,
+    nothing_reached,
+    only_the_model,
+    many_states,
+]
+
+
+@pytest.mark.parametrize("form", FORMS, ids=lambda form: form.__name__)
+def test_degraded_forms_render(form, tmp_path):
+    results = results_example("en")
+    one_direction(results)
+    form(results)
+    write_figures(Pool(0, results), tmp_path)
+    html = render_html(results, tmp_path, words_of(results))
+    for chapter in CHAPTERS:
+        assert f'<h2 id="{chapter}">' in html
+    assert ("not reached" in re.sub(r"“[^”]*”", "", html)) == (form is nothing_reached)
+    if form is nothing_reached:
+        comparison = html[html.index('<h2 id="comparison">') : html.index('<h2 id="convergence">')]
+        assert comparison.count("<td>not reached</td>") == 2 * len(results["comparison"])
+    if form is unstable_state:
+        assert "the pushover in direction +x is not available" in html
+    if form is unstable_model:
+        assert "NO equilibrium" in html
+        assert "must be reviewed" in html
+
+
+def laws_told(results):
+    return " ".join(joint_law(results, words_of(results), elastic=True))
+
+
+def test_the_bed_of_elastic_joints_is_told():
+    """Exact, or points: segments of layers beside those of the drawing, of which the greater decides."""
+    results = results_example("en")
+    assert "integrated in closed form" in laws_told(results)
+    results["echo"]["geometry"]["segments_per_joint"] = 4
+    results["echo"]["layers"]["BASE_LEFT"]["segments_per_joint"] = 16
+    told = laws_told(results)
+    assert "the one that asks for more decides: 4, 16." in told and "closed form" not in told
+    assert "All joints are rigid." in " ".join(joint_law(results, words_of(results), elastic=False))
+
+
+def test_crushing_friction_and_collisions_are_told():
+    results = results_example("en")
+    joints = results["geometry"]["joints"]
+    assert "No limit of compressive strength was given" in laws_told(results)
+    joints[0]["compressive_strength_kN_m2"] = 829.0
+    assert "Some joints crush at a compressive strength of 829 kN/m²; the others" in laws_told(results)
+    for joint in joints:
+        joint["compressive_strength_kN_m2"] = 829.0
+    told = laws_told(results)
+    assert "Joints crush at a compressive strength of 829 kN/m²." in told and "No limit" not in told
+    assert "associative" in told and "come to touch" in told
+    results["echo"]["contacts"]["collisions"] = False
+    assert "pass through each other" in laws_told(results)
+
+
+def test_without_system_libraries_the_html_is_written_and_the_command_given(tmp_path, monkeypatch, capsys):
+    class Broken:
+        def find_spec(self, name, path=None, target=None):
+            if name.partition(".")[0] == "weasyprint":
+                print("WeasyPrint could not import some external libraries.")  # as it does
+                raise OSError("cannot load library 'libpango-1.0-0': not found")
+
+    for name in [name for name in sys.modules if name.partition(".")[0] == "weasyprint"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setattr(sys, "meta_path", [Broken(), *sys.meta_path])
+    results = results_example("en")
+    only_the_model(results)
+    for system, command in {"Linux": APT_COMMAND, **COMMANDS}.items():
+        monkeypatch.setattr("platform.system", lambda system=system: system)
+        [warning] = write_pdf(results, tmp_path)
+        assert command in warning
+        assert "(cannot load library 'libpango-1.0-0': not found)" in warning
+        assert "print report.html from a browser" in warning
+    assert capsys.readouterr().out == ""
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_unknown_language_is_refused():
+    results = results_example()
+    results["echo"]["report"]["language"] = "fr"
+    with pytest.raises(ValueError, match=r"report\.language = 'fr'"):
+        words_of(results)
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False, min_value=-1e12, max_value=1e12))
+def test_written_numbers_keep_three_digits(value):
+    text = words_of(results_example("en")).number(value)
+    superscripts = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻−", "0123456789--")
+    back = float(text.translate(superscripts).replace("·10", "e"))
+    assert back == pytest.approx(value, rel=5.1e-3)
+
+
+def test_italian_numbers_have_a_comma():
+    words = words_of(results_example("it"))
+    assert [words.number(x) for x in (0.1532, 12345.6, -0.5, 0.0, 3.2e-10)] == [
+        "0,153",
+        "12346",
+        "−0,500",
+        "0",
+        "3,20·10⁻¹⁰",
+    ]

@@ -1,0 +1,141 @@
+"""Figures are drawn from results alone, the same bytes each time, at the scale and places they claim."""
+
+import math
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from assessment.report.figures.curves import draw_pushdown
+from assessment.report.figures.index import pictures, write_figures
+from assessment.report.figures.style import MM, SCALES, nice, save_svg, sheet
+from assessment.report.text.language import slug, words_of
+from assessment.results.outlines import Outlines, outlines
+from assessment.runtime.pool import Pool
+from tests.support.results_example import SETTLED, results_example
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("figures")
+    return write_figures(Pool(0, results_example()), folder)
+
+
+def test_every_figure_of_the_results_is_written(drawn):
+    names = {path.stem for path in drawn}
+    stem = slug(results_example(), SETTLED)
+    assert {"model", f"settlement_{stem}", f"pushdown_{stem}"} <= names
+    for side in ("plus_x", "minus_x"):
+        wanted = {f"mechanism_{side}", f"pushover_{side}", f"spectra_{side}_SLV", f"spectra_{side}_SLC"}
+        assert wanted <= names
+    for path in drawn:
+        assert ElementTree.parse(path).getroot().tag.endswith("svg")
+
+
+def test_bytes_depend_on_the_results_only(drawn, tmp_path):
+    write_figures(Pool(0, results_example()), tmp_path)
+    for first in drawn[0].parent.iterdir():
+        assert first.read_bytes() == (tmp_path / first.name).read_bytes()
+
+
+def test_no_temporary_file_is_left(drawn):
+    assert {path.name for path in drawn[0].parent.iterdir()} == {path.name for path in drawn}
+
+
+def test_figures_speak_the_language_of_the_report(drawn, tmp_path):
+    for picture in pictures(results_example("en")):
+        if picture.name == "pushover_plus_x":
+            save_svg(picture.draw, tmp_path / "pushover_plus_x.svg")
+    english = {path.name: path.read_text() for path in tmp_path.iterdir()}
+    italian = {path.name: path.read_text() for path in drawn}
+    assert "spostamento del punto di controllo verso +x [mm]" in italian["pushover_plus_x.svg"]
+    assert "displacement of the control point towards +x [mm]" in english["pushover_plus_x.svg"]
+    assert "d₀ = 192 mm" in english["pushover_plus_x.svg"]
+    assert "α_y = 0,118" in italian["pushover_plus_x.svg"]
+    assert "scala 1:20" in italian["model.svg"]
+
+
+def test_only_what_was_computed_is_drawn():
+    results = results_example()
+    del results["spectra"]
+    for content in results["states"].values():
+        del content["capacity"], content["pushover"]
+        content.pop("pushdown", None)
+    assert [p.name for p in pictures(results)] == ["model", f"settlement_{slug(results, SETTLED)}"]
+
+
+def test_slugs_are_file_names_and_differ():
+    results = {"states": {"à / b": {}, "a b": {}, "«»": {}}}
+    assert [slug(results, name) for name in results["states"]] == ["0_a_b", "1_a_b", "2"]
+
+
+def test_sheet_is_to_scale():
+    for count in (1, 2, 4):
+        page = sheet((0.0, 0.0, 2.7, 1.6), count, border_mm=14.0)
+        assert page.scale in SCALES
+        for axes in page.panels:
+            paper_mm = axes.get_position().size * page.figure.get_size_inches() / MM
+            model_mm = 1000.0 * np.ptp([axes.get_xlim(), axes.get_ylim()], axis=1)
+            assert paper_mm == pytest.approx(model_mm / page.scale)
+            assert paper_mm[1] == pytest.approx(1.6e3 / page.scale + 28.0)
+
+
+def test_panels_of_slender_models_leave_room_for_their_titles():
+    page = sheet((0.0, 0.0, 0.5, 8.0), 2)
+    assert [axes.get_position().width for axes in page.panels] == pytest.approx([0.5, 0.5])
+
+
+def test_a_constant_reaction_is_a_level_line():
+    results = results_example()
+    stage = results["states"][SETTLED]["pushdown"]["rigid"]
+    count = len(stage["movement_m"])
+    stage["reaction_x_kN"] = [1e-9 * (-1) ** k for k in range(count)]
+    stage["reaction_z_kN"] = [45.0 + k for k in range(count)]
+    results["states"][SETTLED]["pushdown"] = {"rigid": stage}
+    level, rising = draw_pushdown(results, words_of(results), SETTLED).axes
+    assert np.ptp(level.get_ylim()) > 1.0
+    assert np.ptp(rising.get_ylim()) < 1.2 * count
+
+
+def test_panels_stay_on_the_page():
+    for bounds in ((0, 0, 1, 1), (0, 0, 12, 2), (0, 0, 1, 9)):
+        for count in (1, 2, 3, 4):
+            width, height = sheet(bounds, count).figure.get_size_inches() / MM
+            assert width <= 170.0 + 1e-6
+            assert height <= 216.0
+
+
+@given(st.floats(1e-6, 1e6))
+def test_nice_numbers_are_just_below(value):
+    found = nice(value)
+    assert found <= value * (1 + 1e-6) < 2.5 * found * (1 + 1e-6)
+
+
+@given(st.floats(-3.0, 3.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
+def test_a_rigid_motion_keeps_lengths_and_turns_by_the_angle(angle, dx, dz):
+    shape = outlines(results_example())
+    moved = shape.moved(np.tile([dx, dz, angle], (7, 1)))
+    for block in range(7):
+        before, after = (each.points[each.owner == block] for each in (shape, moved))
+        side = after[1] - after[0]
+        assert np.linalg.norm(side) == pytest.approx(np.linalg.norm(before[1] - before[0]))
+        turn = math.atan2(*side[::-1]) - math.atan2(*(before[1] - before[0])[::-1])
+        assert math.cos(turn - angle) == pytest.approx(1.0)
+    assert moved.centroids == pytest.approx(shape.centroids + np.array([dx, dz]))
+
+
+def test_the_nearest_block_of_a_hinge():
+    points = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [2, 0], [3, 0], [3, 1], [2, 1]], dtype=float)
+    shape = Outlines(points, np.repeat([0, 1], 4), np.array([[0.5, 0.5], [2.5, 0.5]]))
+    assert shape.nearest([0.0, 0.6]) == 0  # on the closing edge of the ring
+    assert shape.nearest([1.4, 0.5]) == 0
+    assert shape.nearest([1.6, 0.5]) == 1
+
+
+def test_mechanism_and_finite_motion_agree_to_first_order():
+    shape = outlines(results_example())
+    rate = np.random.default_rng(1).normal(size=(7, 3))
+    difference = shape.swept(rate, 1e-4).points - shape.moved(1e-4 * rate).points
+    assert np.abs(difference).max() < 1e-7

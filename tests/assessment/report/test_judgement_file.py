@@ -1,0 +1,118 @@
+"""judgement.md: drafted, edited, kept, printed; and told when its numbers have changed."""
+
+import pytest
+
+from assessment.cli.main import main
+from assessment.report.figures.index import write_figures
+from assessment.report.judgement_file import NAME, judgement, to_html
+from assessment.report.text.language import words_of
+from assessment.runtime.pool import Pool
+from assessment.workflow.earlier import EVERYTHING, NO_REPORT, RESULTS
+from assessment.workflow.output import write
+from tests.support.results_example import results_example
+
+
+@pytest.fixture
+def results():
+    return results_example("en")
+
+
+def test_the_draft_is_replaced_by_the_next_one_while_nobody_edits_it(results, tmp_path):
+    first = judgement(results, words_of(results), tmp_path)
+    assert first.edited is None
+    assert "- Of the verifications by state, direction and limit state" in first.content.decode()
+    assert "ζ_E" in first.content.decode()
+    assert "<sub>" not in first.content.decode()
+    (tmp_path / NAME).write_bytes(first.content)
+    results["states"]["original"]["capacity"]["+x"]["SLC"]["zeta_E"] = 0.01
+    second = judgement(results, words_of(results), tmp_path)
+    assert second.content.decode() != first.content.decode()
+    assert second.edited is None
+    assert not second.warnings
+
+
+def test_an_edited_text_is_kept_and_a_change_of_the_numbers_is_said(results, tmp_path):
+    words = words_of(results)
+    draft = judgement(results, words, tmp_path).content.decode()
+    edited = draft + "\nThe **pier** must be tied <at once>.\n"
+    (tmp_path / NAME).write_text(edited, encoding="utf-8")
+    kept = judgement(results, words, tmp_path)
+    assert kept.content.decode() == edited
+    assert "<p>The <b>pier</b> must be tied &lt;at once&gt;.</p>" in str(kept.edited)
+    assert not kept.warnings
+    results["states"]["original"]["capacity"]["+x"]["SLC"]["zeta_E"] = 0.01
+    later = judgement(results, words, tmp_path)
+    assert later.content.decode() == edited
+    assert "changed" in later.warnings[0]
+
+
+def test_a_text_of_ones_own_without_the_mark_is_kept(results, tmp_path):
+    (tmp_path / NAME).write_text("Mine.\n", encoding="utf-8")
+    kept = judgement(results, words_of(results), tmp_path)
+    assert kept.content.decode() == "Mine.\n"
+    assert kept.warnings
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"])
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_the_encodings_of_windows_editors_are_read_and_left(results, tmp_path, encoding, newline):
+    text = newline.join(["Più sicuro: “legare” il piè.", "", "- così", ""])
+    mark = "\ufeff" if encoding in {"utf-16-le", "utf-16-be"} else ""
+    (tmp_path / NAME).write_bytes((mark + text).encode(encoding))
+    kept = judgement(results, words_of(results), tmp_path)
+    assert kept.content == (mark + text).encode(encoding)
+    assert kept.edited == "<p>Più sicuro: “legare” il piè.</p>\n<ul><li>così</li></ul>"
+
+
+def test_a_draft_that_an_editor_saved_in_its_own_way_is_still_the_draft(results, tmp_path):
+    words = words_of(results)
+    draft = judgement(results, words, tmp_path).content.decode()
+    for saved in (draft.encode("utf-16"), draft.replace("\n", "\r\n").encode("utf-8-sig")):
+        (tmp_path / NAME).write_bytes(saved)
+        assert judgement(results, words, tmp_path).edited is None
+
+
+@pytest.mark.parametrize("content", [b"PK\x03\x04\x00\x00", b"\xff\xfe\x00", b"\x81\x8d"])
+def test_what_is_no_text_is_told_before_any_analysis(project, capsys, monkeypatch, content):
+    monkeypatch.setattr("assessment.workflow.stages.run", lambda *_: pytest.fail("an analysis ran"))
+    path = project / "output" / NAME
+    path.parent.mkdir()
+    path.write_bytes(content)
+    assert main(["run", str(project)]) == 2
+    assert capsys.readouterr().err == (
+        f"error: {path}: not readable as text; save it as UTF-8, or delete it to have a new draft\n"
+    )
+    assert path.read_bytes() == content
+
+
+def test_markdown_of_a_judgement():
+    text = "# Opinion\n\nA line\nand *more*.\n\n- one\n  goes on\n- two & three\n"
+    assert to_html(text).replace("\n", "") == (
+        "<h3>Opinion</h3><p>A line and <i>more</i>.</p><ul><li>one goes on</li><li>two &amp; three</li></ul>"
+    )
+
+
+def test_a_run_prints_the_edited_judgement_and_leaves_the_file(results, tmp_path, monkeypatch):
+    monkeypatch.setattr("assessment.report.figures.index.pictures", lambda _: [])
+    monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
+    monkeypatch.setattr("assessment.report.deformed_dxf.write_deformed", lambda *_: None)
+    write_figures(Pool(0, results), tmp_path / "figures")
+    write(results, tmp_path, NO_REPORT - {RESULTS})
+    path = tmp_path / NAME
+    path.write_text(path.read_text(encoding="utf-8") + "\nStrut the right pier.\n", encoding="utf-8")
+    before = path.read_bytes()
+    monkeypatch.setitem(__import__("sys").modules, "weasyprint", _Printer)
+    write(results, tmp_path, EVERYTHING - {RESULTS})
+    assert path.read_bytes() == before
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "<p>Strut the right pier.</p>" in page
+    assert "A draft written from the numbers" not in page
+
+
+class _Printer:
+    class HTML:
+        def __init__(self, string):
+            self.string = string
+
+        def write_pdf(self):
+            return b"%PDF-"

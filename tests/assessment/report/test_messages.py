@@ -1,0 +1,135 @@
+"""No message of the analyses stands in English in an Italian report: every one that the code can make is known."""
+
+import ast
+
+import pytest
+
+from assessment.report.judgement import all_warnings
+from assessment.report.text.language import words_of
+from assessment.report.text.messages import _entries, _translated, translated
+from tests import ROOT
+from tests.support.analysed import analysed
+
+RAISED = {"UnstableError", "NoEquilibriumError", "CollapseError", "ConvergenceError", "ControlError"}
+RAISED |= {"CapacityError", "MechanismError"}
+LISTS = {"warnings", "notes", "failures", "findings"}
+ELSEWHERE = {"mechanics/records/synthetic.py", "assessment/benchmark/dynamics.py"}  # no part of a run
+NAMED = {"_SHAPES", "_COLLAPSE_FIRST", "end"}
+SAYING = {"not_met", "missed", "collapse", "overruns", "passing_through", "_notes", "scatter"}
+SAYING |= {"_gap_texts", "_gap_warnings", "_remedy", "_scattered", "_spread"}
+MESSAGE = "the whole movement is applied"  # in the place of a message within a message
+WITHIN = {"error", "collapse", "stop", "fall", "refusal", "note", "text", "why", "start", "end", "said"}
+WITHIN |= {"self.end", "unstable", "path.end", "last.collapse_reason", "failed[state]", "warnings[0]"}
+WITHIN |= {"what", "names"}
+ITALIAN = {"echo": {"report": {"language": "it"}}}
+
+
+def messages():
+    """Yield where each message stands in the code, and an example of it."""
+    for package in ("assessment", "mechanics"):
+        for path in sorted((ROOT / package).rglob("*.py")):
+            name = str(path.relative_to(ROOT))
+            if name not in ELSEWHERE:
+                for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                    for text in texts(node):
+                        yield f"{name}:{text.lineno}:{text.col_offset}", example(text)
+
+
+def texts(node):
+    """Return the texts (strings, with or without fields) that a statement adds to warnings or raises.
+
+    Of some functions, whose answer is a message, all.
+    """
+    if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and called(node.exc) in RAISED:
+        parts = node.exc.args[:1]
+    elif isinstance(node, ast.AugAssign) and last(node.target) in LISTS:
+        parts = getattr(node.value, "elts", [getattr(node.value, "elt", None)])
+    elif isinstance(node, ast.Call) and called(node) == "append" and last(node.func.value) in LISTS:
+        parts = node.args
+    elif isinstance(node, ast.Assign) and last(node.targets[0]) in LISTS | NAMED:
+        parts = getattr(node.value, "elts", [node.value])
+    elif isinstance(node, ast.FunctionDef) and node.name in SAYING:
+        everything = [each for statement in node.body[1:] for each in ast.walk(statement)]
+        outer = [each for each in everything if isinstance(each, ast.JoinedStr)]
+        inner = {part for each in outer for part in ast.walk(each) if part is not each}
+        parts = [each for each in everything if each not in inner and (each in outer or is_sentence(each))]
+    else:
+        parts = []
+    return [part for part in parts if isinstance(part, ast.JoinedStr | ast.Constant)]
+
+
+def is_sentence(node):
+    return isinstance(node, ast.Constant) and isinstance(node.value, str) and len(node.value.split()) > 2
+
+
+def called(call):
+    return last(call.func)
+
+
+def last(node):
+    return node.attr if isinstance(node, ast.Attribute) else getattr(node, "id", "")
+
+
+def example(text):
+    if isinstance(text, ast.Constant):
+        return text.value
+    return "".join(
+        part.value if isinstance(part, ast.Constant) else value(ast.unparse(part.value))
+        for part in text.values
+    )
+
+
+def value(expression):
+    if expression in WITHIN:
+        return "increments" if expression == "what" else "depth" if expression == "names" else MESSAGE
+    if expression in {"title", "name", "state"}:
+        return "original, rigid contacts" if expression == "title" else "original"
+    if expression.startswith("name_of("):
+        return 'block 3 (layer "WALL", handle 2F)'
+    return {"direction": "+x", "limit_state": "SLV"}.get(expression, "1.5")
+
+
+FOUND = dict(messages())
+
+
+def test_the_code_is_looked_through():
+    assert len(FOUND) > 80
+
+
+@pytest.mark.parametrize("where", FOUND)
+def test_every_message_is_known_in_italian(where):
+    words = words_of(ITALIAN)
+    text = _translated(FOUND[where], words, _entries("it"))
+    assert text is not None, FOUND[where]
+    assert MESSAGE not in text
+
+
+@pytest.mark.parametrize(
+    ("english", "italian"),
+    [
+        (
+            "right support 20 mm, pushover -x, rigid contacts: ends at d = 0.0123 m, α = 0.05: the structure falls: "
+            "a step of 0.001 m moves it by 0.2 m",
+            "right support 20 mm, pushover −x, contatti rigidi: termina a d = 0,0123 m, α = 0,05: la struttura cade: "
+            "un passo di 0,001 m la sposta di 0,2 m",
+        ),
+        (
+            "original: +x: SLC: no acceleration capacity is left at d* = 0.1 m",
+            "originale: +x: SLC: nessuna capacità in accelerazione resta a d* = 0,1 m",
+        ),
+        (
+            'geometry.dxf: layer "A.1": 3 frozen, off or invisible polylines left out',
+            "geometry.dxf: layer «A.1»: 3 polilinee congelate, spente o invisibili tralasciate",
+        ),
+        ("something new", "something new"),
+    ],
+)
+def test_messages_within_messages_numbers_and_names(english, italian):
+    assert translated(english, words_of(ITALIAN)) == italian
+    assert translated(english, words_of({"echo": {"report": {"language": "en"}}})) == english
+
+
+def test_the_warnings_of_a_run_are_known():
+    words = words_of(ITALIAN)
+    for warning in all_warnings(analysed("it")):
+        assert _translated(warning, words, _entries("it")) is not None, warning

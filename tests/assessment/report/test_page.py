@@ -1,0 +1,234 @@
+"""report.html in a real browser: slider, keys and curve step shape and marker together; tooltips; no network."""
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+
+from assessment.report.document import render_html
+from assessment.report.figures.index import pictures, write_figures
+from assessment.report.text.language import words_of
+from assessment.report.viewer import viewer
+from assessment.results.outlines import outlines
+from assessment.runtime.pool import Pool
+from tests.support import browser
+from tests.support.analysed import analysed
+
+needs_browser = pytest.mark.skipif(browser.chromium() is None, reason="no Chromium: apt-get install chromium")
+
+
+@pytest.fixture(scope="module")
+def html(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("page")
+    results = analysed("it")
+    words = words_of(results)
+    some = pictures(results)[:4]  # the rest would take most of the time
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("assessment.report.figures.index.pictures", lambda _: some)
+        patch.setattr("assessment.report.document.pictures", lambda _: some)
+        write_figures(Pool(0, results), folder / "figures")
+        page = render_html(results, folder / "figures", words, interactive=viewer(results, words))
+    path = folder / "report.html"
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def browsing(html):
+    with browser.page() as page:
+        page.open(html)
+        yield page
+        assert page.messages == []
+
+
+@pytest.fixture
+def page(browsing):
+    select(browsing, 0)
+    browsing.ask("document.getElementById('viewer').scrollIntoView()")
+    return browsing
+
+
+def select(page, index):
+    page.ask(
+        f"(() => {{ const c = document.getElementById('viewer-path'); c.value = {index};"
+        "c.dispatchEvent(new Event('change')); document.getElementById('viewer-frame').focus() })()"
+    )
+
+
+def titles(page):
+    return page.ask("[...document.getElementById('viewer-path').options].map((o) => o.text)")
+
+
+def marker(page, number=0):
+    return page.ask(
+        f"['cx', 'cy'].map((k) => +document.getElementById('viewer-marker-{number}').getAttribute(k))"
+    )
+
+
+def ring(page, block):
+    text = page.ask(
+        f"document.querySelector('#viewer-shape [data-block=\"{block}\"]').getAttribute('points')"
+    )
+    return np.array([[float(x), -float(y)] for x, y in (pair.split(",") for pair in text.split())])
+
+
+def middle(page, selector):
+    return page.ask(
+        f"(() => {{ const b = document.querySelector('{selector}').getBoundingClientRect();"
+        "return [b.x + b.width / 2, b.y + b.height / 2] })()"
+    )
+
+
+def test_the_page_is_one_file_and_small(html):
+    text = html.read_text(encoding="utf-8")
+    assert not re.search(r"https?:|//cdn|src=\"(?!data:)|href=\"(?!#)|@import|url\(", text)
+    assert len(text) < 3e6
+
+
+def test_the_pdfs_page_has_no_script(tmp_path, monkeypatch):
+    monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
+    results = analysed("it")
+    assert "<script" not in render_html(results, tmp_path, words_of(results))
+
+
+def test_data_cannot_close_the_script():
+    results = analysed("it")
+    results["geometry"]["blocks"][0]["layer"] = "</script><b>"
+    assert "</script" not in viewer(results, words_of(results)).data
+
+
+def test_results_without_frames_have_no_viewer():
+    results = analysed()
+    for content in results["states"].values():
+        content["pushdown"], content["pushover"], content["history"] = {}, {}, []
+    assert viewer(results, words_of(results)) is None
+
+
+@needs_browser
+def test_every_path_is_offered_in_the_language_of_the_report(page):
+    found = titles(page)
+    assert len(found) == 2 + 8 + 2
+    assert found[0].startswith("Pushdown: right support 60 mm")
+    assert any(title.startswith("Analisi dinamica: originale") for title in found)
+
+
+@needs_browser
+def test_the_page_asks_for_nothing_from_the_network(page, html):
+    assert {url.partition(":")[0] for url in page.requests} <= {"file", "data"}
+    assert sum(url.startswith("file") for url in page.requests) == 1
+
+
+@needs_browser
+def test_keys_step_the_shape_and_the_marker_together(page):
+    results = analysed()
+    frames = results["states"]["right support 60 mm"]["pushdown"]["rigid"]["frames"]
+    right = next(i for i, b in enumerate(results["geometry"]["blocks"]) if b["support"] == "right")
+    seen = []
+    for _ in range(3):
+        number = page.ask("+document.getElementById('viewer-frame').value")
+        expected = outlines(results).moved(frames["configuration"][number])
+        assert ring(page, right) == pytest.approx(expected.points[expected.owner == right], abs=2e-5)
+        seen.append(marker(page))
+        page.key("ArrowRight", 2)
+    assert seen[0][0] < seen[1][0] < seen[2][0]
+    page.key("End")
+    last = page.ask("+document.getElementById('viewer-frame').value")
+    assert last == len(frames["index"]) - 1
+
+
+@needs_browser
+def test_the_marker_lies_on_the_curve_at_every_step_of_every_path(page):
+    for index in range(len(titles(page))):
+        select(page, index)
+        count = page.ask("+document.getElementById('viewer-frame').max")
+        line = page.ask("document.querySelector('#viewer-curve .s0').getAttribute('points')")
+        points = np.array([[float(v) for v in pair.split(",")] for pair in line.split()])
+        for number in {0, count // 2, count}:
+            page.ask(
+                f"(() => {{ const s = document.getElementById('viewer-frame'); s.value = {number};"
+                "s.dispatchEvent(new Event('input')) })()"
+            )
+            x, y = marker(page)
+            assert np.hypot(*(points - [x, y]).T).min() < 0.6
+
+
+@needs_browser
+def test_a_press_on_the_curve_goes_to_the_nearest_step(page):
+    page.ask("document.getElementById('viewer-curve').scrollIntoView({block: 'center'})")
+    box = page.ask(
+        "(() => { const b = document.getElementById('viewer-curve').getBoundingClientRect();"
+        "return [b.x, b.y, b.width, b.height] })()"
+    )
+    for kind in ("mousePressed", "mouseReleased"):
+        page.mouse(kind, box[0] + box[2] - 2, box[1] + box[3] / 2)
+    assert page.ask(
+        "document.getElementById('viewer-frame').value === document.getElementById('viewer-frame').max"
+    )
+
+
+@needs_browser
+def test_a_block_and_a_joint_tell_their_figures(page):
+    results = analysed()
+    index = next(k for k, title in enumerate(titles(page)) if "+x, contatti rigidi" in title)
+    select(page, index)
+    page.mouse("mouseMoved", *middle(page, '#viewer-shape [data-joint="5"]'))
+    tip = page.ask("document.getElementById('viewer-tip').innerText")
+    force = results["states"]["original"]["pushover"]["+x"]["rigid"]["frames"]["force_kN"][0][5]
+    normal, shear = (
+        float(found.replace(",", ".").replace("−", "-")) for found in re.findall(r"[NT] = (−?\d+,?\d*)", tip)
+    )
+    assert math.hypot(normal, shear) == pytest.approx(math.hypot(*force), rel=1e-2)
+    page.mouse("mouseMoved", *middle(page, "#viewer-shape .support"))
+    tip = page.ask("document.getElementById('viewer-tip').innerText")
+    assert "Blocco 0" in tip
+    assert "BASE_LEFT" in tip
+    page.mouse("mouseMoved", 2, 2)
+    assert page.ask("document.getElementById('viewer-tip').hidden")
+
+
+@needs_browser
+def test_magnified_displacements_and_hidden_thrust(page):
+    select(page, 0)
+    page.key("End")
+    true = ring(page, 6)
+    page.ask(
+        "(() => { const t = document.getElementById('viewer-times'); t.value = '5';"
+        "t.dispatchEvent(new Event('change')) })()"
+    )
+    drawn = outlines(analysed())
+    start = drawn.points[drawn.owner == 6]
+    assert ring(page, 6) - start == pytest.approx(5 * (true - start), abs=1e-4)
+    assert page.ask("document.querySelectorAll('#viewer-shape .thrust').length") == 11
+    page.ask("document.getElementById('viewer-forces').click()")
+    assert page.ask("document.querySelectorAll('#viewer-shape .thrust').length") == 0
+    page.ask("document.getElementById('viewer-forces').click()")
+    page.ask(
+        "(() => { const t = document.getElementById('viewer-times'); t.value = '1';"
+        "t.dispatchEvent(new Event('change')) })()"
+    )
+
+
+@needs_browser
+def test_play_runs_to_the_end_and_stops(page):
+    page.ask("document.getElementById('viewer-play').click()")
+    page.wait("document.getElementById('viewer-frame').value === document.getElementById('viewer-frame').max")
+    page.wait("document.getElementById('viewer-play').textContent === '▶'")
+
+
+@needs_browser
+def test_a_photograph_shows_a_drawing(page, tmp_path):
+    from matplotlib.image import imread
+
+    page.photograph(tmp_path / "page.png")
+    image = imread(tmp_path / "page.png")
+    dark = (image[..., :3].mean(axis=2) < 0.5).mean()
+    assert 0.001 < dark < 0.3
+
+
+def test_words_of_the_viewer_reach_the_script():
+    results = analysed("it")
+    data = json.loads(viewer(results, words_of(results)).data)
+    assert data["words"]["edge"] == words_of(results).plain("viewer.edge")
+    assert data["words"]["decimal_mark"] == ","

@@ -1,0 +1,126 @@
+"""What a run leaves behind, from a real analysis: the PDF holds its figures and numbers, and all is the same again."""
+
+import re
+
+import pypdf
+import pytest
+from PIL import Image
+
+from assessment.report.figures.style import PNG_DPI
+from assessment.report.judgement import draft_judgement
+from assessment.report.text.language import words_of
+from assessment.report.text.table_format import cell
+from assessment.results.hand_check import figures_of, governing_mechanisms, hand_check
+from assessment.results.reactions import balance, reactions
+from assessment.workflow.output import write
+from tests.support.analysed import SETTLED, analysed
+from tests.validation.test_printed_table import CASES
+
+
+@pytest.fixture(scope="module")
+def products(tmp_path_factory):
+    pytest.importorskip("weasyprint", exc_type=OSError)
+    folder = tmp_path_factory.mktemp("products")
+    assert write(analysed("it"), folder) == []
+    return folder
+
+
+@pytest.fixture(scope="module")
+def text(products):
+    return squeezed("".join(page.extract_text() for page in pypdf.PdfReader(products / "report.pdf").pages))
+
+
+def squeezed(words):
+    return re.sub(r"\s+", "", words)
+
+
+def printed(rows, columns, words, significant=3):
+    """Rows as the PDF has them, cell after cell: a number by itself would be found in some other place."""
+    kept = [column for column in columns if any(column in row for row in rows)]
+    return [
+        squeezed("".join(cell(column, row, words, significant).striptags() for column in kept))
+        for row in rows
+    ]
+
+
+def test_reactions_and_their_balance_are_printed(text):
+    results = analysed("it")
+    for table in (reactions(results), balance(results)):
+        rows = printed(table.rows, table.columns, words_of(results))
+        assert len(rows) >= 6
+        assert [row for row in rows if row not in text] == []
+
+
+def test_the_hand_check_is_printed_with_all_its_figures(text):
+    results = analysed("it")
+    words, table = words_of(results), hand_check(results)
+    rows = printed(table.rows, table.columns, words, 4)
+    for state, direction in governing_mechanisms(results):
+        figures = figures_of(results, state, direction)
+        rows += printed(figures, [key for key in figures[0] if key not in {"state", "direction"}], words, 4)
+    assert len(rows) >= 8
+    assert [row for row in rows if row not in text] == []
+
+
+def test_the_validation_of_this_version_is_printed(text):
+    for case in CASES:
+        numbers = (case[key].replace(".", ",") for key in ("expected", "computed"))
+        assert squeezed("".join([case["it"]["case"], case["it"]["source"], *numbers])) in text, case["id"]
+
+
+def test_the_judgement_is_printed_and_drafted_as_a_file(text, products):
+    results = analysed("it")
+    written = (products / "judgement.md").read_text(encoding="utf-8")
+    for sentence in draft_judgement(results, words_of(results)):
+        assert squeezed(sentence.striptags().replace("ζE", "")) in text.replace("ζE", "")
+        assert sentence.striptags().split("ζ")[0] in written
+
+
+def test_figures_of_joints_and_of_the_end_of_capacity_are_there(products, text):
+    names = {path.stem for path in (products / "figures").glob("*.svg")}
+    assert {"thrust_at_rest", "thrust_plus_x", "overturned_minus_x", "history_1"} <= names
+    assert names == {path.stem for path in (products / "figures").glob("*.png")}
+    assert squeezed("linea delle pressioni") in text
+    for path in (products / "figures").glob("*.svg"):
+        words = re.findall(r">([^<>]+)</text>", path.read_text(encoding="utf-8"))
+        assert words, path.name
+
+
+def test_figures_are_black_white_and_grey(products):
+    for path in (products / "figures").glob("*.svg"):
+        colours = re.findall(r"#([0-9a-f]{2})([0-9a-f]{2})([0-9a-f]{2})\b", path.read_text(encoding="utf-8"))
+        assert colours, path.name
+        assert all(red == green == blue for red, green, blue in colours), path.name
+        with Image.open(path.with_suffix(".png")) as image:
+            assert (image.mode, round(image.info["dpi"][0])) == ("L", PNG_DPI)
+            assert image.getextrema() == (0, 255), path.name
+
+
+def test_drawings_are_vectors_in_the_pdf(products):
+    assert not any(page.images for page in pypdf.PdfReader(products / "report.pdf").pages)
+
+
+def test_long_tables_are_files(products):
+    names = {path.stem for path in (products / "tables").iterdir()}
+    assert {"joints", "reactions", "balance", "macro_blocks", "hand_check", "pushover"} <= names
+
+
+def test_the_same_results_leave_the_same_bytes(products, tmp_path):
+    write(analysed("it"), tmp_path, jobs=2)  # in two processes what was made in one
+    before, after = (
+        {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+        for folder in (products, tmp_path)
+    )
+    assert before.keys() == after.keys()
+    assert [name for name in before if before[name] != after[name]] == []
+
+
+def test_the_english_page_has_english_words_only(tmp_path, monkeypatch):
+    results = analysed("en")
+    monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
+    from assessment.report.document import render_html
+
+    html = re.sub(r"<style>.*?</style>", "", render_html(results, tmp_path, words_of(results)), flags=re.S)
+    italian = ("cerniera", "giunto", "Tabella", "Macroblocc", "appoggio", "pesi", "Reazioni")
+    assert [word for word in italian if word in html] == []
+    assert f"state “{SETTLED}”" in html

@@ -1,0 +1,168 @@
+"""Tables, figures and chapters of scenarios and sensitivity: from hand-made results, in both languages."""
+
+from __future__ import annotations
+
+import re
+from xml.etree import ElementTree
+
+import pytest
+from markupsafe import Markup
+
+from assessment.report.document import render_html
+from assessment.report.figures.index import pictures, write_figures
+from assessment.report.judgement import draft_judgement
+from assessment.report.tables.studies import reported_studies, scenarios, sensitivity, tornado
+from assessment.report.text.language import LANGUAGES, words_of
+from assessment.runtime.pool import Pool
+from tests.support.results_example import SETTLED, results_example
+
+CAPACITY = {"original": (1.0, 1.1), SETTLED: (0.8, 0.6)}  # a_g at SLC towards +x and −x, g
+FACTORS = {  # property: factor: what becomes of both capacities
+    "friction": {0.8: 0.95, 1.2: 1.0},
+    "stiffness": {0.5: 0.7, 2.0: 1.2},
+    "depth": {0.9: 1.0, 1.1: 1.0},
+    "unit_weight": {0.9: None, 1.1: 0.9},
+}
+
+
+def point(state: str, share: float, direction: str, capacity: float | None) -> dict:
+    return {
+        "state": state,
+        "share": share,
+        "movement_m": 0.02 * share,
+        "direction": direction,
+        "collapses": False,
+        "alpha_0": 0.1,
+        "d_0_m": 0.2,
+        "a_g_g": capacity,
+        "zeta_E": None if capacity is None else capacity / 0.334,
+        "reduction": None if capacity is None else 0.25,
+    }
+
+
+def results_with_studies(language: str = "it") -> dict:
+    """Results with a sweep in two steps and a sensitivity of every property."""
+    results = results_example(language)
+    sides = ("+x", "-x")
+    for state, values in CAPACITY.items():
+        for direction, value in zip(sides, values, strict=True):
+            results["states"][state]["capacity"][direction]["SLC"]["a_g_g"] = value
+    points = [point("original", 0.0, d, a) for d, a in zip(sides, CAPACITY["original"], strict=True)]
+    points += [point(SETTLED, 0.5, "+x", 0.9), point(SETTLED, 0.5, "-x", 0.7)]
+    points += [point(SETTLED, 1.0, d, a) for d, a in zip(sides, CAPACITY[SETTLED], strict=True)]
+    results["scenarios"] = {"quantity": "a_g_g", "limit_state": "SLC", "points": points, "worst": points[-1]}
+    runs = [
+        {"state": state, "property": name, "factor": factor, "direction": direction, "collapses": False}
+        | {"alpha_0": 0.1, "d_0_m": 0.2, "a_g_g": share and share * value, "zeta_E": 1.0}
+        for state, values in CAPACITY.items()
+        for name, shares in FACTORS.items()
+        for factor, share in shares.items()
+        for direction, value in zip(sides, values, strict=True)
+    ]
+    results["sensitivity"] = {"limit_state": "SLC", "runs": runs}
+    return results
+
+
+def test_the_tornado_takes_the_weaker_direction_and_the_widest_swing_first():
+    rows = {(row["state"], row["property"]): row for row in tornado(results_with_studies()).rows}
+    assert [name for state, name in rows if state == SETTLED] == [
+        "unit_weight",
+        "stiffness",
+        "friction",
+        "depth",
+    ]
+    row = rows[SETTLED, "stiffness"]
+    assert (row["low_factor"], row["high_factor"]) == (0.5, 2.0)
+    assert row["a_g_low_g"] == pytest.approx(0.42) and row["a_g_high_g"] == pytest.approx(0.72)
+    assert row["a_g_base_g"] == 0.6 and row["swing_g"] == pytest.approx(0.30)
+    assert rows["original", "stiffness"]["a_g_base_g"] == 1.0
+    assert rows[SETTLED, "friction"]["swing_g"] == pytest.approx(
+        0.03
+    )  # low and as given, the high one being equal
+
+
+def test_what_was_not_reached_has_no_swing():
+    results = results_with_studies()
+    row = next(row for row in tornado(results).rows if row["property"] == "unit_weight")
+    assert row["a_g_low_g"] is None and row["swing_g"] is None and row["a_g_high_g"] == pytest.approx(0.9)
+    results["sensitivity"]["runs"][0]["a_g_g"] = None  # one direction of two: the weaker one is not known
+    row = next(row for row in tornado(results).rows if row["property"] == "friction")
+    assert row["a_g_low_g"] is None
+
+
+def test_scenarios_have_the_worst_marked_and_the_ultimate_movement_where_it_was_sought():
+    results = results_with_studies()
+    rows = scenarios(results).rows
+    assert [row["worst"] for row in rows] == [False] * 5 + [True]
+    ultimate = results["states"][SETTLED]["pushdown"]["rigid"]["ultimate_movement_m"]
+    assert [row.get("ultimate_rigid_m") for row in rows] == [None] * 4 + [ultimate] * 2
+    assert "ultimate_rigid_m" not in rows[0] and rows[0]["limit_state"] == "SLC"
+    results["echo"]["settlements"][0]["to_collapse"] = False
+    assert not any("ultimate_rigid_m" in row for row in scenarios(results).rows)
+
+
+def test_without_assessment_there_are_multipliers_only():
+    results = results_with_studies()
+    results["scenarios"] |= {"quantity": "alpha_0", "limit_state": None}
+    for each in results["scenarios"]["points"]:
+        del each["a_g_g"], each["zeta_E"]
+    assert draft_judgement(results, words_of(results))
+    assert not any({"a_g_g", "zeta_E", "limit_state"} & set(row) for row in scenarios(results).rows)
+
+
+def test_results_without_studies_have_none_of_it():
+    results = results_example()
+    assert not any(table.rows for table in (scenarios(results), sensitivity(results), tornado(results)))
+    assert not {"scenarios", "sensitivity"} & {picture.section for picture in pictures(results)}
+
+
+def test_collapse_is_a_column_only_where_there_is_one():
+    results = results_with_studies()
+    assert "collapses" not in reported_studies(results)[0].columns
+    results["scenarios"]["points"][-1]["collapses"] = True
+    assert "collapses" in reported_studies(results)[0].columns
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("fallen", [False, True])
+def test_chapters_name_the_worst_case_and_show_tables_and_figures(language, fallen, tmp_path):
+    results = results_with_studies(language)
+    if fallen:
+        last = results["scenarios"]["points"][-1]
+        last |= {"collapses": True, "alpha_0": None, "a_g_g": None, "zeta_E": None, "reduction": None}
+    words = words_of(results)
+    write_figures(Pool(0, results), tmp_path)
+    html = render_html(results, tmp_path, words)
+    for chapter in ("scenarios", "sensitivity"):
+        start = html.index(f'<h2 id="{chapter}"')
+        text = html[start : html.index("<h2", start + 4)]
+        assert text.count("<figure>") == 1 and text.count("<caption>") == 1
+        assert words(f"section.{chapter}") in text
+    key = "collapses" if fallen else "a_g_g"
+    sentence = words(f"judgement.worst_{key}", state=SETTLED, movement=words.millimetres(0.02), direction="−x",
+                     capacity=0.6, limit="SLC")  # fmt: skip
+    if not fallen:
+        sentence += Markup(" ") + words("judgement.worst_reduction", reduction=25.0)
+    assert sentence in html and sentence in draft_judgement(results, words)
+    widest = words("judgement.sensitive", property=words.plain("value.stiffness"), state=words.state("original"),
+                   low=0.5, high=2.0, least=0.7, most=1.2, limit="SLC")  # fmt: skip
+    assert widest in draft_judgement(results, words)
+
+
+def texts(path) -> list[str]:
+    tag = "{http://www.w3.org/2000/svg}text"
+    return ["".join(node.itertext()).strip() for node in ElementTree.parse(path).getroot().iter(tag)]
+
+
+def test_the_plots_name_scenarios_worst_case_and_factors(tmp_path):
+    write_figures(Pool(0, results_with_studies("en")), tmp_path)
+    shown = texts(tmp_path / "scenarios.svg")
+    assert f"1  {SETTLED}" in shown and f"worst: {SETTLED}, 20.0 mm, −x" in shown
+    assert "capacity a_g at SLC [g]" in shown and "ultimate movement (the smaller)" in shown
+    bars = texts(tmp_path / "tornado.svg")
+    assert bars.count("×0.5") == bars.count("×2") == 2  # a panel for each state
+    assert bars.count("×0.9: not reached") == 2
+    assert (
+        bars.index("depth") < bars.index("friction") < bars.index("joint stiffness")
+    )  # from the axis upwards
+    assert any(re.fullmatch(r".*a_g = 0\.600 g", text) for text in bars)

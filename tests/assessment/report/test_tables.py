@@ -1,0 +1,150 @@
+"""The tables hold the numbers of the results; reductions compare settled states with the original."""
+
+import csv
+import io
+
+import pandas as pd
+import pytest
+
+from assessment.report.tables.capacity import summary, trace, verification
+from assessment.report.tables.index import blocks, layers, write_tables
+from assessment.results.hand_check import hand_check
+from tests.support.results_example import SETTLED, results_example
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("tables")
+    write_tables(results_example(), folder)
+    return {path.stem: path for path in folder.iterdir()}
+
+
+def test_all_tables_are_written(written):
+    names = {"blocks", "layers", "settlements", "pushdown", "mechanisms", "pushover", "capacity", "summary"}
+    assert set(written) == names | {
+        "verification",
+        "comparison",
+        "convergence",
+        "hand_check",
+        "incremental_convergence",
+        "macro_blocks",
+        "quality",
+        "spectrum",
+        "action",
+        "trace",
+    }
+
+
+def test_curves_come_back_as_they_were(written):
+    frame = pd.read_csv(written["pushover"])
+    chosen = frame[(frame.state == SETTLED) & (frame.direction == "'-x") & (frame.contacts == "elastic")]
+    curve = results_example()["states"][SETTLED]["pushover"]["-x"]["elastic"]["curve"]
+    assert chosen.displacement_m.to_list() == pytest.approx(curve["displacement_m"], rel=1e-14)
+    assert chosen.multiplier.to_list() == pytest.approx(curve["multiplier"], rel=1e-14)
+
+
+def test_summary_has_the_reductions_of_the_papers_table():
+    rows = {(r["direction"], r["quantity"], r["limit_state"]): r for r in summary(results_example()).rows}
+    row = rows["+x", "alpha_0", ""]
+    assert row["original"] == 0.153
+    assert row[f"reduction: {SETTLED}"] == pytest.approx(1.0 - 0.131 / 0.153)
+    results = results_example()
+    pga = results["comparison"][0]["static_reduction"]
+    assert rows["+x", "a_g_g", "SLC"][f"reduction: {SETTLED}"] == pytest.approx(pga)
+
+
+def test_null_is_kept_apart_from_not_asked_for():
+    results = results_example()
+    results["states"]["original"]["pushover"]["+x"]["rigid"]["d_0_m"] = None
+    del results["states"][SETTLED]["pushover"]["+x"]["elastic"]
+    rows = {(r["direction"], r["quantity"], r["limit_state"]): r for r in summary(results).rows}
+    assert rows["+x", "d_0_m", ""]["original"] is None
+    assert rows["+x", "d_0_m", ""][f"reduction: {SETTLED}"] is None
+    assert SETTLED not in rows["+x", "alpha_y", ""]
+
+
+def test_layers_add_up_to_the_model():
+    results = results_example()
+    rows = layers(results).rows
+    assert sum(row["blocks"] for row in rows) == results["model"]["blocks"]
+    weight = sum(
+        row["area_m2"] * row["depth_m"] * row["unit_weight_kN_m3"] + row["vertical_load_kN"]
+        for row in rows
+        if row["support"] is None
+    )
+    assert weight == pytest.approx(results["model"]["weight_kN"])
+
+
+def test_a_layer_overrides_the_default_material():
+    results = results_example()
+    results["echo"]["layers"]["PIERS"] = {"friction": 0.4}
+    found = {row["layer"]: row["friction"] for row in layers(results).rows}
+    assert (found["PIERS"], found["ARCH"]) == (0.4, 0.6)
+
+
+def test_area_does_not_depend_on_the_sense_of_the_polygon():
+    results = results_example()
+    before = [row["area_m2"] for row in blocks(results).rows]
+    for block in results["geometry"]["blocks"]:
+        block["vertices_m"].reverse()
+    assert [row["area_m2"] for row in blocks(results).rows] == pytest.approx(before)
+
+
+def test_one_check_per_state_direction_and_limit_state():
+    rows = verification(results_example()).rows
+    assert len(rows) == 2 * 2 * 3
+    for row in rows:
+        assert row["zeta_E"] == pytest.approx(row["a_g_g"] / row["demand_a_g_g"])
+
+
+def test_deviation_of_the_hand_check():
+    assert hand_check(results_example()).rows[0]["deviation"] == pytest.approx(4e-4)
+
+
+def test_no_cell_begins_like_a_formula(tmp_path):
+    results = results_example()
+    for name in ("=1+1", "+SUM(A1)", "-2", "@A1", "=cmd|'/c calc'!A0"):
+        results["states"][name] = results["states"][SETTLED]
+    results["geometry"]["blocks"][0]["layer"] = "=HYPERLINK(0)"
+    write_tables(results, tmp_path)
+    words = 0
+    for path in tmp_path.iterdir():
+        with path.open(encoding="utf-8", newline="") as file:
+            for cell in (cell for row in csv.reader(file) for cell in row):
+                try:
+                    float(cell)
+                except ValueError:
+                    words += 1
+                    assert not cell.startswith(("=", "+", "-", "@", "\t", "\r"))
+    assert words > 100
+
+
+def test_same_bytes_and_plain_csv(written, tmp_path):
+    write_tables(results_example("en"), tmp_path)
+    for path in tmp_path.iterdir():
+        assert path.read_bytes() == written[path.stem].read_bytes()
+        assert b"\r" not in path.read_bytes()
+        assert len(pd.read_csv(io.BytesIO(path.read_bytes()))) > 0
+
+
+def test_the_trace_holds_every_direction_and_limit_state():
+    steps = [
+        {
+            "symbol": "a",
+            "formula": "b*c",
+            "inputs": {"b": 2.0, "c": 0.5},
+            "result": 1.0,
+            "unit": "m",
+            "paragraph": "§",
+        }
+    ]
+    results = results_example()
+    for state in results["states"].values():
+        for capacity in state["capacity"].values():
+            capacity["trace"] = steps
+            for limit in ("SLD", "SLV", "SLC"):
+                capacity[limit]["trace"] = steps
+    rows = trace(results).rows
+    assert len(rows) == 2 * 2 * 4
+    assert {row["part"] for row in rows} == {"capacity", "SLD", "SLV", "SLC"}
+    assert rows[0]["inputs"] == "b=2.0; c=0.5"

@@ -1,0 +1,118 @@
+"""Consoles that know few letters, streams that are closed, readers that go away: a finished run ends well."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from assessment.runtime.console import say, tell
+from tests.support.block_project import PROJECT, ROOT, run, write_block
+
+TITLE = 'title = "Block"'
+GREEK = 'title = "Tuff, −5 µm … Ξ, città"'
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
+    """A project that was run: to run it again takes no time, and says the same."""
+    folder = write_block(tmp_path_factory.mktemp("console") / "block", PROJECT.replace(TITLE, GREEK))
+    assert run(folder) == 0
+    return folder
+
+
+def start(*arguments, encoding="utf-8", **streams):
+    command = [sys.executable, "-m", "assessment.cli", *map(str, arguments)]
+    environment = os.environ | {"PYTHONIOENCODING": encoding}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | streams
+    return subprocess.run(command, cwd=ROOT, env=environment, check=False, **pipes)
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
+def test_letters_that_the_console_lacks_are_spelt_out(project, encoding):
+    done = start("run", project, "--no-report", encoding=encoding)
+    assert (done.returncode, done.stderr) == (0, b"")
+    out = done.stdout.decode(encoding)
+    assert "alpha0" in out
+    assert ("Tuff, -5 mum ... Xi, citta" if encoding == "ascii" else "Tuff, -5 µm … Xi, città") in out
+
+
+def test_help_and_errors_are_for_every_console(tmp_path):
+    assert b"STAGE,..." in start("run", "--help", encoding="ascii").stdout
+    wrong = start("check", tmp_path / "città", encoding="ascii")
+    assert wrong.returncode == 2
+    assert wrong.stderr.startswith(b"error: ") and b"citta: project: no such folder" in wrong.stderr
+
+
+def test_json_keeps_every_letter(project):
+    done = start("run", project, "--no-report", "--json", encoding="ascii")
+    assert json.loads(done.stdout)["title"] == GREEK.split('"')[1]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="closes the numbers of the streams")
+@pytest.mark.parametrize("closed", ["1", "0 1 2"])
+def test_a_closed_stream_ends_no_run(project, closed):
+    """And nothing that anybody prints goes into a file that has got its number."""
+    stored = project / "output" / "results.json"
+    if closed == "0 1 2":
+        stored.unlink()
+    closing = " ".join(f"{number}>&-" for number in closed.split())
+    script = f'exec "$0" -m assessment.cli "$@" {closing}'
+    command = ["sh", "-c", script, sys.executable, "run", str(project), "--no-report"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+    json.loads(stored.read_text(encoding="utf-8"))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="closes the numbers of the streams")
+def test_no_file_gets_the_number_of_a_stream():
+    """What libraries print to it would go into that file."""
+    code = (
+        "import os, sys\nfrom assessment.runtime.console import prepare\n"
+        "prepare()\nsys.exit(open(os.devnull).fileno())"
+    )
+    command = ["sh", "-c", 'exec "$0" -c "$1" 0>&- 1>&- 2>&-', sys.executable, code]
+    assert subprocess.run(command, cwd=ROOT, check=False).returncode > 2
+
+
+def test_what_a_terminal_would_obey_is_shown(capsys):
+    say("a\x1b[31m\tb\nc\x9b2J")
+    tell("d\x07\ne")
+    assert capsys.readouterr() == ("a\\x1b[31m\\tb\nc\\x9b2J\n", "d\\x07\\ne\n")
+
+
+def gone() -> int:
+    """A pipe whose reader has gone away."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    return writing
+
+
+@pytest.mark.parametrize("command", [("run", "--no-report"), ("--help",)])
+def test_a_reader_that_has_seen_enough_is_no_error(project, command):
+    where = [project] if command[0] == "run" else []
+    writing = gone()
+    done = start(*command, *where, stdout=writing)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_the_code_tells_of_the_run_whoever_reads(tmp_path):
+    text = PROJECT.replace("rotation_rad = -0.02", "rotation_rad = -0.3")
+    folder, writing = write_block(tmp_path / "falls", text), gone()
+    assert run(folder) == 3
+    assert start("run", folder, "--no-report", stdout=writing).returncode == 3
+    assert start("run", tmp_path / "nothing", stderr=writing).returncode == 2
+    os.close(writing)
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device of Linux")  # noqa: PTH110
+def test_a_full_disk_behind_standard_output_is_told():
+    with open("/dev/full", "wb") as full:  # noqa: PTH123
+        done = start("schema", stdout=full)
+    assert done.returncode == 2
+    assert done.stderr.startswith(b"error: standard output: No space left on device")
+    assert done.stderr.count(b"\n") == 1

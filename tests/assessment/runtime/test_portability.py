@@ -1,0 +1,78 @@
+"""Nothing that only Linux has: a whole run where processes are spawned and what Windows lacks is taken away."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from assessment.runtime.cache import FOLDER
+from tests.support.block_project import (
+    PROJECT,
+    ROOT,
+    command,
+    contents,
+    read_results,
+    run,
+    timeless,
+    write_block,
+)
+
+ELSEWHERE = """
+import ctypes, multiprocessing, os, signal, subprocess, sys, types
+
+multiprocessing.set_start_method("spawn")
+sys.modules |= {"fcntl": None, "resource": None, "pwd": None, "grp": None}
+sys.modules["msvcrt"] = types.SimpleNamespace(LK_NBLCK=2, locking=lambda *_: None)
+for name in ("fork", "set_blocking", "sched_getaffinity", "getloadavg", "sysconf", "killpg", "geteuid"):
+    delattr(os, name)
+for name in ("SIGHUP", "SIGQUIT", "SIGALRM", "SIGUSR1", "SIGCHLD"):
+    delattr(signal, name)
+
+class CDLL(ctypes.CDLL):
+    def __init__(self, name, *rest, **more):
+        if name is None:
+            raise TypeError("bad argument type for built-in operation")
+        super().__init__(name, *rest, **more)
+
+ctypes.CDLL = CDLL
+"""
+
+
+@pytest.fixture
+def elsewhere(tmp_path):
+    """The environment of a Python that is much like one on Windows, that of its child processes too."""
+    (tmp_path / "site").mkdir()
+    (tmp_path / "site" / "sitecustomize.py").write_text(ELSEWHERE, encoding="utf-8")
+    paths = os.pathsep.join([str(tmp_path / "site"), str(ROOT)])
+    return os.environ | {"PYTHONPATH": paths, "PYTHONIOENCODING": "cp1252"}
+
+
+def test_a_run_gives_what_it_gives_on_linux(tmp_path, elsewhere):
+    folder = write_block(tmp_path / "block", PROJECT)
+    assert run(folder, "--jobs", "1", "--out", str(tmp_path / "here")) == 0
+    for jobs in "21":  # the second time, files are replaced
+        options = ("--no-report", "--fresh", "--jobs", jobs)
+        done = command("run", str(folder), *options, env=elsewhere, encoding="cp1252")
+        assert (done.returncode, done.stderr) == (0, "")
+        assert "alpha0" in done.stdout
+        found, expected = read_results(folder / "output"), read_results(tmp_path / "here")
+        assert timeless(found) == timeless(expected)
+        assert contents(folder / "output").keys() == contents(tmp_path / "here").keys()
+    assert {path.name for path in (folder / "output").iterdir()} >= {FOLDER, "results.json"}
+
+
+def test_every_module_can_be_imported(elsewhere):
+    code = (
+        "import importlib, pkgutil, assessment, mechanics\n"
+        "for package in (assessment, mechanics):\n"
+        "    for module in pkgutil.walk_packages(package.__path__, package.__name__ + '.'):\n"
+        "        importlib.import_module(module.name)\n"
+        "from assessment.benchmark.machine import machine\n"
+        "from assessment.benchmark.measure import peak_memory\n"
+        "from assessment.benchmark.chain import _children\n"
+        "print(ascii(machine()), peak_memory(), _children())"
+    )
+    done = command(code=code, env=elsewhere)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "load unknown at the start" in done.stdout

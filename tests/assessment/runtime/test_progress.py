@@ -1,0 +1,141 @@
+"""What the terminal shows: one table or JSON on standard output, bars on standard error."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from io import StringIO
+from types import SimpleNamespace
+
+import pytest
+
+from assessment.report.figures import index as figures
+from assessment.runtime import progress as terminal
+from assessment.runtime.progress import Bars, _table, capacities
+from tests.support.block_project import edit, read_results
+from tests.support.every_stage import assesto, write_every_stage
+
+
+@pytest.fixture(autouse=True)
+def _no_figures(monkeypatch):
+    monkeypatch.setattr(figures, "write_figures", lambda _, folder: folder.mkdir())
+
+
+@pytest.fixture
+def project(tmp_path):
+    return write_every_stage(tmp_path / "block")
+
+
+def test_the_summary_as_json_is_all_there_is_on_standard_output(project, capsys):
+    assert assesto(project) == 0
+    out, err = capsys.readouterr()
+    found = json.loads(out)
+    results = read_results(project / "output")
+    rigid = results["states"]["base turned"]["pushover"]["+x"]["rigid"]
+    check = results["states"]["base turned"]["capacity"]["+x"]["SLV"]
+    assert err == ""
+    assert found["complete"] is True
+    assert found["capacities"][1] == {
+        "state": "base turned",
+        "direction": "+x",
+        "alpha_0": rigid["alpha_0"],
+        "d_0_m": rigid["d_0_m"],
+        "limit_state": "SLV",
+        "a_g_g": check["a_g_g"],
+        "zeta_E": check["zeta_E"],
+        "checks": {
+            name: {"a_g_g": found_check["a_g_g"], "zeta_E": found_check["zeta_E"]}
+            for name, found_check in results["states"]["base turned"]["capacity"]["+x"].items()
+            if name in {"SLV linear", "SLV"}
+        },
+    }
+    assert found["warnings"] == results["model"]["warnings"] + results["quality"]["warnings"]
+
+
+def test_bars_on_a_terminal(project, capsys, monkeypatch):
+    """A line per stage, saying what was taken over; nothing of it on standard output."""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    assert assesto(project) == 0
+    first = capsys.readouterr()
+    edit(project, "increment_m = 0.2", "increment_m = 0.1")
+    assert assesto(project) == 0
+    second = capsys.readouterr()
+    json.loads(second.out)
+    for stage in ("self-weight: 1", "pushdown: 1", "pushover: 2", "history: 4", "incremental: 2"):
+        assert f"· {stage}, " in first.err
+    assert "· pushdown: 1, 1 taken over, inputs unchanged, " in second.err
+    assert "· pushover: 2, 0." in second.err
+
+
+def test_the_bar_moves_with_the_analyses():
+    from rich.console import Console
+
+    bars = Bars(Console(file=StringIO(), force_terminal=True))
+    bars.begin("history", 4, 1)
+    bars.under_way("original, history of [wave]")
+    bars.advance()
+    [task] = bars.progress.tasks
+    assert (task.completed, task.total) == (2, 4)
+    assert task.description == "history: original, history of [wave]"
+    bars.end()
+    assert not bars.progress.tasks
+
+
+def test_the_time_left_is_known_once_one_analysis_is_finished(monkeypatch):
+    """Two of four were taken over; one has taken 90 s: as much is left, and counts down. It needed a second one."""
+    from rich.console import Console
+
+    clock = SimpleNamespace(now=1000.0)
+    monkeypatch.setattr(terminal, "time", SimpleNamespace(perf_counter=lambda: clock.now))
+    bars = Bars(Console(file=StringIO(), force_terminal=True, width=120))
+
+    def shown() -> str:
+        with bars.progress.console.capture() as capture:
+            bars.progress.console.print(bars.progress.get_renderable())
+        return capture.get()
+
+    bars.begin("pushover", 4, 2)
+    assert "left -:--:--" in without_colours(shown())
+    clock.now += 90.0
+    bars.advance()
+    assert "left 0:01:30" in without_colours(shown())
+    clock.now += 30.0
+    assert "left 0:01:00" in without_colours(shown())
+    bars.advance()
+    assert "left 0:00:00" in without_colours(shown())
+
+
+def without_colours(text: str) -> str:
+    return re.sub(r"\x1b\[[0-9;]*m", "", text)
+
+
+def row(state: str, direction: str, **checks: float | None) -> dict:
+    """Results of a state in a direction: a_g of each check against a demand of 0.2 g."""
+    found = {
+        name.replace("_", " "): {"a_g_g": a_g, "zeta_E": None if a_g is None else a_g / 0.2}
+        for name, a_g in checks.items()
+    }
+    return {
+        "pushover": {direction: {"rigid": {"alpha_0": 0.1, "d_0_m": 0.2}}},
+        "capacity": {direction: found},
+    }
+
+
+def test_the_summary_shows_slv_beside_slc():
+    states = {
+        "original": row("original", "+x", SLD=0.05, SLV_linear=0.1, SLV=0.15, SLC=0.3),
+        "settled": row("settled", "+x", SLD=0.05, SLV_linear=0.1, SLV=None, SLC=0.25),
+    }
+    above, head, first, second = _table(capacities({"states": states}))
+    assert above.split() == ["SLV", "SLC"] and head.split().count("ζ_E") == 2
+    assert above.index("SLV") == head.index("a_g [g]") and above.index("SLC") == head.rindex("a_g [g]")
+    assert first.split() == ["original", "+x", "0.1000", "0.2000", "0.150", "0.75", "0.300", "1.50"]
+    assert second.split() == ["settled", "+x", "0.1000", "0.2000", "–", "–", "0.250", "1.25"]
+
+
+def test_the_ratio_at_sld_is_not_called_an_index():
+    lines = _table(capacities({"states": {"original": row("original", "+x", SLD=0.05)}}))
+    assert "SLD" in lines[0] and "ratio" in lines[1] and not any("ζ" in line for line in lines)
+    bare = _table(capacities({"states": {"original": row("original", "+x")}}))
+    assert len(bare) == 2 and "a_g" not in bare[0]

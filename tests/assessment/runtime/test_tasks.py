@@ -1,0 +1,52 @@
+"""Analyses on several processes."""
+
+from __future__ import annotations
+
+import gc
+import multiprocessing
+import os
+import time
+from pathlib import Path
+
+import pytest
+
+from assessment.runtime.tasks import Workers
+
+
+def test_as_many_processes_as_asked_for(tmp_path):
+    """The first analysis waits for another process to have begun one: the second process, however late it starts."""
+    with Workers(jobs=2) as workers:
+        tasks = [(str(tmp_path), 2)] * 6
+        pids = workers.each("wait", _pid, tasks, [""] * 6, worthwhile=False)
+    assert len({*pids} - {os.getpid()}) == 2
+    with Workers(jobs=1) as workers:
+        tasks = [(str(tmp_path), 1)] * 2
+        assert workers.each("wait", _pid, tasks, ["", ""], worthwhile=False) == [os.getpid()] * 2
+
+
+def _pid(folder: str, processes: int) -> int:
+    Path(folder, str(os.getpid())).touch()
+    while len(list(Path(folder).iterdir())) < processes:
+        time.sleep(0.01)
+    return os.getpid()
+
+
+def test_an_error_in_another_process_is_the_error():
+    with pytest.raises(ZeroDivisionError), Workers(jobs=2) as workers:
+        workers.each("divide", _inverse, [(1,), (0,)], ["", ""], worthwhile=True)
+
+
+def _inverse(number: int) -> float:
+    return 1.0 / number
+
+
+@pytest.mark.skipif(multiprocessing.get_start_method() != "fork", reason="nothing is shared")
+def test_what_processes_share_is_looked_through_for_garbage_by_none():
+    with Workers(jobs=2) as workers:
+        [shared] = workers.each("count", _left_alone, [(0,)], [""], worthwhile=True)
+    assert shared > 0
+    assert gc.get_freeze_count() == 0
+
+
+def _left_alone(_: int) -> int:
+    return gc.get_freeze_count()

@@ -1,0 +1,310 @@
+"""Halved increments and the error they let expect: against closed forms, finer references, and by themselves."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Collection
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from assessment.analyses.accuracy import Accuracy, accuracy_of
+from assessment.analyses.static.states import Request, StateResult, analyse_states
+from assessment.project.catalogue.new_project import new_project, template_layout, write_drawing
+from assessment.project.formats.convert import convert
+from assessment.project.model import build_model
+from assessment.project.project import Project, load_project
+from assessment.project.schema import PushoverTable, SettlementTable
+from assessment.report.document import render_html
+from assessment.report.figures.index import write_figures
+from assessment.report.text.language import words_of
+from assessment.runtime.errors import ProjectError
+from assessment.runtime.pool import Pool
+from assessment.runtime.tasks import Workers
+from assessment.studies.convergence import Levels, converge, estimated_error
+from assessment.studies.increments import refined
+from assessment.studies.variants import Demands
+from assessment.workflow.stages import run
+from tests.assessment.studies.test_studies import ASSESSMENT, BLOCK, HEIGHT, PUSHOVER, SLENDERNESS, TURNS
+from tests.support.results_example import results_example
+
+SOLVER = 1e-6  # relative: what programs leave, whatever the increments
+
+
+@pytest.fixture
+def block(tmp_path):
+    """Write a project of one block, its first lines and then its tables; return it loaded."""
+    write_drawing(tmp_path / "geometry.dxf", template_layout("block"))
+
+    def written(accuracy: str, *tables: str):
+        text = BLOCK.replace("\n", f"\naccuracy = {accuracy}\n", 1) if accuracy else BLOCK
+        (tmp_path / "project.toml").write_text(text + "".join(tables), encoding="utf-8")
+        return load_project(tmp_path)
+
+    return written
+
+
+def results_of(project) -> dict:
+    return run(project, build_model(project), jobs=1).results
+
+
+# The estimate
+
+
+@given(
+    exact=st.floats(-10.0, 10.0),
+    factor=st.floats(1e-3, 10.0),
+    sign=st.sampled_from([-1.0, 1.0]),
+    order=st.floats(0.35, 4.0),
+    levels=st.integers(3, 6),
+)
+def test_the_estimate_bounds_the_error_of_any_order_that_shows(exact, factor, sign, order, levels):
+    """v_k = v + C 2^(−pk): exact up to first order, on the safe side above."""
+    values = [exact + sign * factor * 2.0 ** (-order * k) for k in range(levels)]
+    error, estimate = abs(values[-1] - exact), estimated_error(values)
+    assert estimate >= error * (1.0 - 1e-6) - 1e-12
+    if order <= 1.0:
+        assert estimate == pytest.approx(error, rel=1e-6, abs=1e-12)
+
+
+def test_the_estimate_without_an_order():
+    assert estimated_error([1.0]) is None
+    assert estimated_error([1.0, None]) is None
+    assert estimated_error([None, 1.0]) is None
+    assert estimated_error([None, 1.0, 1.25]) == 0.25
+    assert estimated_error([1.0, 1.5]) == 0.5  # as at first order
+    assert estimated_error([1.0, 1.5, 1.0]) == 4 * 0.5  # scatter
+    assert estimated_error([1.0, 1.5, 1.25]) == 0.25  # alternating, and shrinking
+    assert estimated_error([1.0, 1.5, 2.0]) == 4 * 0.5  # drifting on
+    assert estimated_error([1.0, 2.0, 2.0]) == 0.0
+
+
+def test_a_quantity_that_only_one_level_reaches_has_no_error():
+    levels = Levels(1.0, ({"alpha_0": 0.1, "d_0_m": None}, {"alpha_0": 0.1, "d_0_m": 0.2}))
+    assert levels.errors == {"alpha_0": 0.0, "d_0_m": None}
+    assert not levels.within(0.5)
+    assert levels.numbers(0.5)["relative_error"] is None
+    neither = Levels(1.0, ({"alpha_0": 0.1, "d_0_m": None},) * 2)
+    assert neither.errors == {"alpha_0": 0.0} and neither.within(0.5)
+
+
+def test_one_level_tells_no_error():
+    levels = Levels(1.0, ({"alpha_0": 0.1},))
+    assert not levels.within(0.5) and levels.numbers(0.5)["met"] is False
+
+
+def test_values_of_rounding_size_are_none():
+    """A block that does not move has a peak of 1e-13 m: no error is relative to that."""
+    assert Levels(5.0, ({"peak_displacement_m": 3e-13}, {"peak_displacement_m": 1e-13})).within(0.01)
+
+
+# The increments
+
+
+@given(
+    x=st.just(0.0) | st.floats(1e-6, 0.1),
+    rotation=st.just(0.0) | st.floats(-0.1, -1e-6),
+    increment=st.floats(1e-4, 0.2),
+    halvings=st.integers(0, 4),
+)
+def test_increments_are_doubled_exactly(x, rotation, increment, halvings):
+    """Also where the movement is no multiple of the increment, or shorter than it."""
+    assume(x or rotation)
+    settlement = SettlementTable(
+        name="s", support="b", displacement_m=(x, 0.0), rotation_rad=rotation, increment_m=increment
+    )
+    project = project_of_one_settlement(settlement)
+    finer = refined(project, halvings)
+    assert finer.settlements[0].increments == 2**halvings * settlement.increments
+    assert finer.pushover.increment_m == project.pushover.increment_m / 2**halvings
+
+
+def project_of_one_settlement(settlement: SettlementTable) -> Project:
+    """A project that need not be on disk."""
+    return Project.model_construct(settlements=(settlement,), pushover=PushoverTable(increment_m=0.01))
+
+
+# States
+
+
+def test_fast_is_what_the_increments_give_and_says_so(block, tmp_path):
+    """The key left out, "fast", and the first level of any accuracy are the same numbers."""
+    plain = results_of(block("", TURNS, PUSHOVER, ASSESSMENT))
+    fast = results_of(block('"fast"', TURNS, PUSHOVER, ASSESSMENT))
+    assert fast["states"] == plain["states"]
+    assert fast["convergence"] == {"tolerance": None, "rows": []}
+    rows = results_of(block('"standard"', TURNS, PUSHOVER, ASSESSMENT))["convergence"]["rows"]
+    assert len(rows) == 6
+    for row in rows:
+        state = fast["states"][row["state"]]
+        assert row["levels"]["d_0_m"][0] == state["pushover"][row["direction"]]["rigid"]["d_0_m"]
+        assert row["levels"]["a_g_g"][0] == state["capacity"][row["direction"]]["SLC"]["a_g_g"]
+
+
+def test_the_error_of_a_block_is_bounded_by_the_estimate(block):
+    """Leaning by θ from the start: α0 = tan(arctan(B/H) − θ), d_0 = H (sin arctan(B/H) − sin θ) above the hinge."""
+    results = results_of(block("0.001", TURNS, PUSHOVER))
+    rows = {(row["state"], row["direction"]): row for row in results["convergence"]["rows"]}
+    turned = {"original": 0.0, "turned": -0.04, "turned back": 0.02}
+    for (state, way), row in rows.items():
+        lean = -turned[state] if way == "+x" else turned[state]
+        rigid = results["states"][state]["pushover"][way]["rigid"]
+        exact = {
+            "alpha_0": math.tan(SLENDERNESS - lean),
+            "d_0_m": HEIGHT * (math.sin(SLENDERNESS) - math.sin(lean)),
+        }
+        for key, error in (("alpha_0", row["alpha_0_error"]), ("d_0_m", row["d_0_error_m"])):
+            assert row["levels"][key][-1] == rigid[key]
+            assert abs(rigid[key] - exact[key]) <= error + SOLVER * exact[key], (state, way, key)
+        assert row["met"] and row["relative_error"] <= 0.001
+
+
+@pytest.fixture(scope="module")
+def arch(tmp_path_factory):
+    """A semicircular arch of 21 voussoirs, of which a part moves by itself at 25.7 mm of the 46 mm of its d_0."""
+    folder = tmp_path_factory.mktemp("convergence") / "arch"
+    new_project(folder, "arch", {})
+    project = load_project(folder)
+    assert project.pushover is not None
+    rigid = project.pushover.model_copy(update={"contacts": ("rigid",)})
+    return project.model_copy(update={"pushover": rigid, "settlements": (), "assessment": None})
+
+
+def test_the_error_of_an_arch_is_bounded_by_the_estimate(arch):
+    assembly = build_model(arch).assembly
+    with Workers(1) as workers:
+        [stage] = analyse_states([Request(refined(arch, 5), assembly, None, "rigid")], workers)
+    fine = stage.pushover["+x"]
+    found = results_of(arch.model_copy(update={"accuracy": 0.01}))
+    right, left = found["convergence"]["rows"]
+    values = right["levels"]["d_0_m"]
+    assert max(values) < 1.02 * min(values)  # small increments reach across that part too
+    assert abs(values[-1] - fine["d_0_m"]) <= right["d_0_error_m"] + SOLVER * values[-1]
+    assert right["d_0_error_m"] <= 0.01 * values[-1]
+    assert found["states"]["original"]["pushover"]["+x"]["rigid"]["d_0_m"] == values[-1]
+    assert right["alpha_0_error"] == 0.0  # the onset knows no increment
+    assert left["halvings"] == right["halvings"] >= 1
+    assert left["levels"]["d_0_m"] == pytest.approx(values, rel=1e-6)  # the mirror image
+
+
+def test_where_the_tolerance_is_not_met_a_warning_says_so(arch):
+    found = results_of(arch.model_copy(update={"accuracy": 1e-7}))
+    rows = found["convergence"]["rows"]
+    assert [row["halvings"] for row in rows] == [4, 4]
+    assert not any(row["met"] for row in rows)
+    said = [text for text in found["quality"]["warnings"] if "discretisation" in text]
+    assert [text.partition(":")[0] for text in said] == ["original, +x", "original, -x"]
+    assert "d_0_m is" in said[0] and "1/16" in said[0] and "alpha_0" not in said[0]
+
+
+def test_studies_take_the_increments_of_their_states(block):
+    """A property times one, and the whole of a sweep, are the state itself."""
+    table = "\n[sensitivity]\nfriction = [1.0, 1.2]\n"
+    results = results_of(block("0.001", TURNS.replace("steps = 4", "steps = 2"), PUSHOVER, ASSESSMENT, table))
+    assert {row["halvings"] for row in results["convergence"]["rows"]} == {1}
+    for each in results["sensitivity"]["runs"]:
+        if each["factor"] == 1.0:
+            rigid = results["states"][each["state"]]["pushover"][each["direction"]]["rigid"]
+            assert each["d_0_m"] == rigid["d_0_m"]
+
+
+def _stage(state: str, alpha_0: float, *failures: str) -> StateResult:
+    numbers = {"alpha_0": alpha_0, "d_0_m": None, "control": "C"}
+    return StateResult(
+        state, "rigid", pushover={"+x": numbers}, failures=list(failures), seconds={"pushover": 1.0}
+    )
+
+
+def _converged(arch, *levels: dict[str, StateResult]):
+    """Converge states that are made up, one dictionary by name for each level."""
+    asked: list[tuple[float, list[str]]] = []
+
+    def analyse(project: Project, states: Collection[str]) -> list[StateResult]:
+        asked.append((project.pushover.increment_m, list(states)))
+        return [levels[len(asked) - 1][name] for name in states if name in levels[len(asked) - 1]]
+
+    settled = SettlementTable(name="settled", support="right", displacement_m=(0.01, 0.0))
+    push = arch.pushover.model_copy(update={"directions": ("+x",), "increment_m": 1.0})
+    project = arch.model_copy(update={"settlements": (settled,), "pushover": push, "accuracy": "standard"})
+    return converge(project, build_model(arch).assembly, Demands({}, None), analyse), asked
+
+
+def test_only_states_that_need_it_are_analysed_again(arch):
+    found, asked = _converged(
+        arch,
+        {"original": _stage("original", 0.2), "settled": _stage("settled", 0.2)},
+        {"original": _stage("original", 0.2), "settled": _stage("settled", 0.15)},
+        {"settled": _stage("settled", 0.125)},
+    )
+    assert asked == [
+        (1.0, ["original", "settled"]), (0.5, ["original", "settled"]), (0.25, ["settled"])
+    ]  # fmt: skip
+    assert found.halvings == {"original": 1, "settled": 2}
+    assert [stage.pushover["+x"]["alpha_0"] for stage in found.stages] == [0.2, 0.125]
+    assert [stage.seconds["pushover"] for stage in found.stages] == [2.0, 3.0]
+    original, settled = found.rows
+    assert original["met"] and not settled["met"]
+    assert settled["alpha_0_error"] == pytest.approx(0.025)  # first order: 0.1 is where it goes
+    (warning,) = found.warnings
+    assert "settled, +x" in warning and "alpha_0 is 20 %" in warning and "1/4" in warning
+
+
+def test_a_finer_analysis_that_fails_leaves_the_coarser_one(arch):
+    found, asked = _converged(
+        arch,
+        {"original": _stage("original", 0.2)},
+        {"original": _stage("original", 0.1)},
+        {"original": _stage("original", 0.0, "no equilibrium")},
+    )
+    assert len(asked) == 3
+    assert found.stages[0].pushover["+x"]["alpha_0"] == 0.1 and not found.stages[0].failures
+    assert found.halvings["original"] == 1
+    assert "original, +x: finer increments fail: no equilibrium" in found.warnings
+
+
+# The key
+
+
+def test_the_key_survives_both_forms(block, tmp_path):
+    for written, accuracy in (('"fine"', Accuracy(0.01, 4)), ("0.02", Accuracy(0.02, 4))):
+        project = block(written, PUSHOVER)
+        assert accuracy_of(project) == accuracy
+        convert(project)
+        assert (tmp_path / "project.xlsx").is_file()
+        again = load_project(tmp_path)
+        assert again.accuracy == project.accuracy and type(again.accuracy) is type(project.accuracy)
+        (tmp_path / "project.xlsx").unlink()
+        (tmp_path / "project.toml.old").unlink()
+
+
+@pytest.mark.parametrize("written", ['"finest"', "0.0", "1.0", "-0.1", "true"])
+def test_what_is_no_accuracy_is_told(block, written):
+    with pytest.raises(ProjectError, match=r"project\.toml: accuracy: .* is wrong; write"):
+        block(written, PUSHOVER)
+
+
+@pytest.mark.parametrize("language", ["it", "en"])
+def test_the_report_states_the_error_or_that_there_is_no_estimate(language, tmp_path):
+    results = results_example(language)
+    write_figures(Pool(0, results), tmp_path)
+    words = words_of(results)
+
+    def chapter(content: dict) -> str:
+        html = render_html(json.loads(json.dumps(content)), tmp_path, words)
+        return html[html.index('<h2 id="convergence">') : html.index('<h2 id="quality">')]
+
+    said = chapter(results)
+    for text in (
+        words.number(2.3),
+        words.number(1.2),
+        words.plain("value.not_known"),
+        words.plain("value.no"),
+        words.number(0.043),
+        words.number(19.0),
+    ):
+        assert f"<td>{text}</td>" in said
+    results["convergence"] = {"tolerance": None, "rows": []}
+    assert chapter(results) == chapter({key: results[key] for key in results if key != "convergence"})
+    assert words("text.no_convergence") in chapter(results)

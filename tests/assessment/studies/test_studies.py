@@ -1,0 +1,322 @@
+"""Scenarios side by side and the sensitivity of the capacity: against closed forms, invariants, and by themselves."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from assessment.cli.main import main
+from assessment.project.catalogue.new_project import template_layout, write_drawing
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.studies.scenarios import part, worst
+from assessment.studies.sensitivity import scatter, with_factor, without_effect
+from assessment.workflow import studies as study_stages
+from assessment.workflow.selection import select
+from assessment.workflow.stages import run
+from mechanics import limit_analysis
+from tests.support.block_project import block
+
+WIDTH, HEIGHT = 0.6, 4.2
+SLENDERNESS = math.atan(WIDTH / HEIGHT)
+BLOCK = block(stiffness="2e4")
+TURNS = """
+[[settlements]]
+name = "turned"
+support = "base"
+rotation_rad = -0.04
+increment_rad = 0.01
+steps = 4
+[[settlements]]
+name = "turned back"
+support = "base"
+rotation_rad = 0.02
+increment_rad = 0.01
+"""
+PUSHOVER = """
+[pushover]
+contacts = ["rigid"]
+increment_m = 0.1
+control = {"+x" = "right", "-x" = "left"}
+"""
+ASSESSMENT = """
+[assessment]
+limit_states = ["SLV", "SLC"]
+model = "none"
+[assessment.site]
+soil = "B"
+SLV = {ag_g = 0.261, F0 = 2.36, Tc_star_s = 0.35}
+SLC = {ag_g = 0.334, F0 = 2.40, Tc_star_s = 0.36}
+"""
+# SLD looks at the elastic branch: S_e(T_0) = a_y*.
+ELASTIC = """
+[pushover]
+contacts = ["rigid", "elastic"]
+increment_m = 0.02
+control = {"+x" = "right", "-x" = "left"}
+[assessment]
+limit_states = ["SLD"]
+[assessment.site]
+soil = "B"
+SLD = {ag_g = 0.104, F0 = 2.33, Tc_star_s = 0.28}
+"""
+
+
+@pytest.fixture
+def project(tmp_path: Path):
+    """Write a project of one block on a base and load it; one folder for all its variants."""
+    write_drawing(tmp_path / "geometry.dxf", template_layout("block"))
+
+    def written(text: str):
+        (tmp_path / "project.toml").write_text(text, encoding="utf-8")
+        return load_project(tmp_path)
+
+    return written
+
+
+def results_of(project, jobs: int = 1) -> dict:
+    outcome = run(project, build_model(project), jobs)
+    return outcome.results | {"complete": outcome.complete}
+
+
+def test_a_sweep_follows_the_closed_form(project):
+    """A base turned by θ leaves tan(arctan(B/H) ∓ θ): the block leans the way it turns."""
+    found = results_of(project(BLOCK + TURNS + PUSHOVER))["scenarios"]
+    assert found["quantity"] == "alpha_0" and found["limit_state"] is None
+    points = found["points"]
+    assert [p["share"] for p in points if p["state"] == "turned" and p["direction"] == "+x"] == [
+        0.25,
+        0.5,
+        0.75,
+        1,
+    ]
+    for point in points:
+        turn = {"original": 0.0, "turned": 0.04, "turned back": -0.02}[point["state"]] * point["share"]
+        lean = turn if point["direction"] == "+x" else -turn
+        assert point["alpha_0"] == pytest.approx(math.tan(SLENDERNESS - lean), rel=1e-6)
+        assert point["reduction"] == pytest.approx(1 - point["alpha_0"] / math.tan(SLENDERNESS), abs=1e-6)
+        assert point["movement_m"] == pytest.approx(abs(turn) * math.hypot(0.6, 0.15), abs=1e-12)
+    assert (found["worst"]["state"], found["worst"]["direction"], found["worst"]["share"]) == (
+        "turned",
+        "+x",
+        1,
+    )
+
+
+def test_a_point_of_a_sweep_is_a_scenario_of_its_own(project):
+    swept = results_of(project(BLOCK + TURNS + PUSHOVER + ASSESSMENT))["scenarios"]["points"]
+    half = TURNS.replace("-0.04", "-0.02").replace("steps = 4", "")
+    alone = results_of(project(BLOCK + half + PUSHOVER + ASSESSMENT))
+    halves = [point for point in swept if point["state"] == "turned" and point["share"] == 0.5]
+    assert len(halves) == 2
+    for point in halves:
+        state = alone["states"]["turned"]
+        rigid, check = (
+            state["pushover"][point["direction"]]["rigid"],
+            state["capacity"][point["direction"]]["SLC"],
+        )
+        assert point["alpha_0"] == rigid["alpha_0"] and point["d_0_m"] == rigid["d_0_m"]
+        assert point["a_g_g"] == check["a_g_g"] and point["zeta_E"] == check["zeta_E"]
+        assert not point["collapses"]
+
+
+def test_several_processes_give_what_one_gives(project):
+    text = BLOCK + TURNS + PUSHOVER + ASSESSMENT + "[sensitivity]\nfriction = [0.5, 1.5]\n"
+    one, two = results_of(project(text)), results_of(project(text), jobs=2)
+    assert one["scenarios"] == two["scenarios"] and one["sensitivity"] == two["sensitivity"]
+
+
+def test_a_sweep_past_the_collapse_names_where_it_falls(project):
+    """The block overturns at θ = arctan(B/H) = 0.142 rad: of 0.05, 0.10, 0.15 and 0.20 rad it stands the first two."""
+    turned = TURNS.replace("-0.04", "-0.20").replace('"turned back"', '"turned on"')
+    results = results_of(project(BLOCK + turned + PUSHOVER))
+    right = [p for p in results["scenarios"]["points"] if p["state"] == "turned" and p["direction"] == "+x"]
+    assert [point["collapses"] for point in right] == [False, False, True, True]
+    assert [point["alpha_0"] is None for point in right] == [False, False, True, True]
+    found = results["scenarios"]["worst"]
+    assert found["collapses"] and found["share"] == 0.75
+    assert not results["complete"]
+    assert any(text.startswith("part 3 of 4: turned, rigid") for text in results["quality"]["warnings"])
+
+
+@pytest.mark.parametrize(("contacts", "by"), [('["rigid"]', "alpha_0"), ('["elastic"]', "alpha_u")])
+def test_only_what_was_asked_for_is_compared(project, contacts, by):
+    pushover = PUSHOVER.replace('["rigid"]', contacts).replace("0.1", "0.02")
+    found = results_of(project(BLOCK + TURNS.replace("steps = 4", "") + pushover))["scenarios"]
+    assert found["quantity"] == by and found["worst"][by] == min(p[by] for p in found["points"][2:])
+    assert {"alpha_0", "alpha_u", "a_g_g"} & set(found["worst"]) == {by}
+
+
+def test_the_worst_point():
+    def at(state, movement, capacity, collapses=False):
+        return {"state": state, "movement_m": movement, "a_g_g": capacity, "collapses": collapses}
+
+    points = [at("original", 0, 0.1), at("a", 1, 0.3), at("b", 2, 0.2), at("b", 3, None)]
+    assert worst(points, "a_g_g") == at("b", 2, 0.2)
+    assert worst([*points, at("b", 5, None, True), at("b", 4, None, True)], "a_g_g")["movement_m"] == 4
+    assert worst(points[:1], "a_g_g") is None
+
+
+def test_parts_of_a_movement(project):
+    moved = TURNS.replace("rotation_rad = -0.04", "displacement_m = [0.02, -0.04]\nto_collapse = true")
+    third = part(project(BLOCK + moved + PUSHOVER).settlements[0], 3)
+    assert third.displacement_m == pytest.approx((0.015, -0.03)) and third.steps is None
+    assert not third.to_collapse  # the ultimate movement is the whole one's business
+
+
+def test_a_property_that_lets_the_structure_fall_is_a_result_that_is_missing(project):
+    """On a base turned by 0.04 rad, μ = 0.035 does not hold the block, with 0.7 it stands."""
+    text = BLOCK + TURNS.replace("steps = 4", "") + PUSHOVER + ASSESSMENT
+    results = results_of(project(text + '[sensitivity]\nfriction = [0.05, 1.0]\nstates = ["turned"]\n'))
+    runs = {(run["factor"], run["direction"]): run for run in results["sensitivity"]["runs"]}
+    for direction in ("+x", "-x"):
+        assert runs[0.05, direction]["collapses"] and runs[0.05, direction]["a_g_g"] is None
+        base = results["states"]["turned"]["capacity"][direction]["SLC"]["a_g_g"]
+        assert runs[1.0, direction]["a_g_g"] == base and not runs[1.0, direction]["collapses"]
+    assert not results["complete"]
+    assert any(text.startswith("friction × 0.05: turned, rigid") for text in results["quality"]["warnings"])
+
+
+SENSITIVITY = """
+[sensitivity]
+friction = [0.5, 1.5]
+stiffness = [0.5, 2.0]
+unit_weight = [0.5, 2.0]
+depth = [0.5, 2.0]
+states = ["original"]
+"""
+
+
+@pytest.fixture(scope="module")
+def varied(tmp_path_factory):
+    """Runs of the sensitivity of one elastic block by property, factor and direction; and all results."""
+    folder = tmp_path_factory.mktemp("varied")
+    write_drawing(folder / "geometry.dxf", template_layout("block"))
+    (folder / "project.toml").write_text(BLOCK + ELASTIC + SENSITIVITY, encoding="utf-8")
+    results = results_of(load_project(folder))
+    runs = {(r["property"], r["factor"], r["direction"]): r for r in results["sensitivity"]["runs"]}
+    assert len(runs) == len(results["sensitivity"]["runs"]) == 16
+    return results, runs
+
+
+def test_friction_governs_where_it_is_low(project, varied):
+    """μ = 0.07 < B/H: the block slides, α0 = μ; from 0.35 up it turns, α0 = B/H."""
+    low = build_model(with_factor(project(BLOCK), "friction", 0.1)).assembly
+    _, runs = varied
+    for direction in ("+x", "-x"):
+        assert limit_analysis(low, direction).alpha == pytest.approx(0.07, rel=1e-7)
+        for factor in (0.5, 1.5):
+            assert runs["friction", factor, direction]["alpha_0"] == pytest.approx(WIDTH / HEIGHT, rel=1e-6)
+
+
+def test_depth_alone_changes_nothing(varied):
+    results, runs = varied
+    for direction in ("+x", "-x"):
+        base = results["states"]["original"]["capacity"][direction]["SLD"]["a_g_g"]
+        for factor in (0.5, 2.0):
+            assert runs["depth", factor, direction]["a_g_g"] == pytest.approx(base, rel=1e-6)
+
+
+def test_weight_counts_as_the_inverse_of_stiffness(varied):
+    """All forces by λ, weights and elastic, leave accelerations as they are: only weight/stiffness matters."""
+    _, runs = varied
+    for direction in ("+x", "-x"):
+        for factor in (0.5, 2.0):
+            light, stiff = runs["unit_weight", factor, direction], runs["stiffness", 1 / factor, direction]
+            assert light["a_g_g"] == pytest.approx(stiff["a_g_g"], rel=1e-6)
+    assert runs["stiffness", 0.5, "+x"]["a_g_g"] != pytest.approx(
+        runs["stiffness", 2.0, "+x"]["a_g_g"], rel=1e-3
+    )
+
+
+def test_what_has_no_effect(project):
+    loaded = BLOCK.replace("[layers.BASE]", "[layers.BLOCK]\nvertical_load_kN = 5.0\n[layers.BASE]")
+    assert without_effect(project(BLOCK + PUSHOVER)) == {"depth", "unit_weight"}
+    assert without_effect(project(BLOCK + ELASTIC)) == {"depth"}
+    assert without_effect(project(loaded + PUSHOVER)) == set()
+
+
+def test_scatter_is_told_where_a_capacity_depends_on_what_it_cannot(varied):
+    def at(name, capacity):
+        return {"state": "settled", "direction": "+x", "property": name, "a_g_g": capacity}
+
+    assert scatter([at("depth", 0.2), at("depth", 0.2009), at("friction", 0.1)], {"depth"}) == []
+    (found,) = scatter([at("depth", 0.2), at("unit_weight", 0.25)], {"depth", "unit_weight"})
+    assert found.startswith("sensitivity, settled, +x: a_g scatters by 20 % with unit weight and depth")
+    (found,) = scatter([at("depth", 0.2), at("depth", None)], {"depth", "unit_weight"})
+    assert "by 100 % with depth," in found
+    assert scatter([at("depth", None), at("depth", None)], {"depth"}) == []
+    results, _ = varied
+    assert not any("scatters" in text for text in results["quality"]["warnings"])
+
+
+def test_many_warnings_of_a_study_are_told_in_short(monkeypatch, project):
+    def noisy(*arguments):
+        arguments[-1].warnings += [f"w{number}" for number in range(count)]
+        arguments[-1].findings.append("found")
+        return {"runs": []}
+
+    monkeypatch.setattr(study_stages, "sensitivity", noisy)
+    whole = project(BLOCK + PUSHOVER + ASSESSMENT + SENSITIVITY.replace("stiffness = [0.5, 2.0]\n", ""))
+    for count, told in (
+        (3, ["w0", "w1", "w2"]),
+        (4, ["sensitivity: 4 warnings of single runs, in results.json; the first: w0"]),
+    ):
+        results = results_of(whole)
+        assert results["quality"]["warnings"] == [*told, "found"]
+        assert results["sensitivity"]["warnings"] == [f"w{number}" for number in range(count)]
+
+
+def test_quality_and_time_of_the_studies_are_told(varied):
+    results, _ = varied
+    row = results["quality"]["by_stage"][-1]
+    assert row["stage"] == "sensitivity" and row["solves"] > 100
+    assert 0.0 <= row["worst_equilibrium_residual"] <= results["quality"]["worst_equilibrium_residual"]
+    assert results["timing_s"]["sensitivity"] > 0.0
+    json.dumps({key: results[key] for key in ("sensitivity", "quality")}, allow_nan=False)
+
+
+def test_a_factor_reaches_every_place_where_a_property_is_given(project):
+    layers = '[layers.TOP]\nfriction = 0.5\ndepth_m = 2.0\nvertical_load_kN = 3.0\n[layers.BASE]\nsupport = "base"\n'
+    base = project(BLOCK.replace('[layers.BASE]\nsupport = "base"\n', layers))
+    double = {key: with_factor(base, key, 2.0) for key in ("friction", "stiffness", "unit_weight", "depth")}
+    assert double["friction"].material.friction == 1.4 and double["friction"].layers["TOP"].friction == 1.0
+    assert (
+        double["friction"].layers["BASE"] == base.layers["BASE"]
+        and double["friction"].geometry == base.geometry
+    )
+    assert double["depth"].geometry.depth_m == 2.0 and double["depth"].layers["TOP"].depth_m == 4.0
+    assert double["depth"].layers["TOP"].vertical_load_kN == 3.0
+    assert double["unit_weight"].material.unit_weight_kN_m3 == 36.0
+    stiff = double["stiffness"].material
+    assert stiff.normal_stiffness_kN_m3 == 4e4 and stiff.tangential_stiffness_kN_m3 == math.inf
+
+
+def test_only_the_studies_asked_for(project):
+    text = BLOCK + TURNS + PUSHOVER + ASSESSMENT + "[sensitivity]\nfriction = [0.5, 1.5]\n"
+    whole = project(text)
+    swept = select(whole, ["scenarios"])
+    assert swept.pushover and swept.assessment is None and swept.sensitivity is None
+    assert swept.settlements[0].steps == 4
+    varied = select(whole, ["sensitivity"])
+    assert varied.pushover and varied.assessment and varied.sensitivity
+    assert varied.settlements[0].steps is None
+    assert select(whole, ["pushover"]).sensitivity is None
+
+
+def test_one_settlement_without_steps_is_no_study(project):
+    _, first, _ = TURNS.replace("steps = 4", "").split("[[settlements]]")
+    text = BLOCK + "[[settlements]]" + first + PUSHOVER
+    results = results_of(project(text))
+    assert "scenarios" not in results and "sensitivity" not in results
+
+
+def test_the_worst_scenario_is_said_on_the_terminal(project, tmp_path, capsys):
+    folder = project(BLOCK + TURNS + PUSHOVER).folder
+    assert main(["run", str(folder), "--no-report"]) == 0
+    assert "worst scenario: turned at 24.74 mm, +x" in capsys.readouterr().out
+    assert {"scenarios.csv"} <= {file.name for file in (folder / "output" / "tables").iterdir()}
+    assert (folder / "output" / "figures" / "scenarios.svg").is_file()

@@ -1,0 +1,107 @@
+"""Analyses that cannot be completed: exit code 3, and what was completed is kept and reported."""
+
+from __future__ import annotations
+
+import importlib
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from assessment.analyses.static import paths as stages
+from assessment.cli.main import main
+from assessment.project.catalogue.new_project import write_drawing
+from mechanics import ConvergenceError, pushover
+from mechanics.procedures.pushover import PushoverTolerances
+from tests.support.block_project import ASSESSMENT, PROJECT, edit, read_results, run
+from tests.support.structures import rectangle
+
+pytestmark = pytest.mark.usefixtures("quick")
+
+
+def test_a_structure_that_cannot_stand(project, capsys):
+    _overhang(project)
+    assert run(project) == 3
+    found = read_results(project / "output")
+    assert found["model"]["self_weight_stable"] is False
+    assert "own weight" in found["quality"]["warnings"][0]
+    assert all(state["pushover"] == {} for state in found["states"].values())
+    assert "own weight: NO" in capsys.readouterr().out
+    assert main(["check", str(project)]) == 0
+    assert "own weight: NO" in capsys.readouterr().out
+
+
+def test_the_report_of_a_structure_that_cannot_stand(project, drawn):
+    _overhang(project)
+    assert main(["run", str(project)]) == 3
+    assert (project / "output" / "report.html").is_file()
+
+
+def _overhang(project: Path) -> None:
+    """A block whose centroid is beyond the edge of its base."""
+    base, block = rectangle(-2.0, -1.0, 0.0, 0.0), rectangle(-0.3, 0.0, 0.9, 4.2)
+    write_drawing(project / "geometry.dxf", {"BASE": [np.array(base)], "BLOCKS": [np.array(block)]})
+
+
+def test_a_settlement_beyond_collapse_keeps_what_was_completed(project, capsys):
+    edit(project, "rotation_rad = -0.02", "rotation_rad = -0.3")
+    assert run(project) == 3
+    found = read_results(project / "output")
+    settled = found["states"]["base turned"]
+    assert found["states"]["original"]["pushover"]["+x"]["rigid"]["alpha_0"] == pytest.approx(1 / 7, rel=1e-3)
+    assert len(settled["pushdown"]["rigid"]["movement_m"]) > 5
+    assert (
+        settled["pushdown"]["rigid"]["ultimate_movement_m"] == settled["pushdown"]["rigid"]["movement_m"][-1]
+    )
+    assert settled["pushover"] == {}
+    assert any("collapses at a movement of" in text for text in found["quality"]["warnings"])
+    assert "collapses" in capsys.readouterr().out
+
+
+def test_the_report_of_what_was_completed(project, drawn):
+    edit(project, "rotation_rad = -0.02", "rotation_rad = -0.3")
+    assert main(["run", str(project)]) == 3
+    assert (project / "output" / "report.html").is_file()
+
+
+def test_an_analysis_that_does_not_converge_is_reported_as_such(project, monkeypatch):
+    def fail(*_: object, **__: object) -> None:
+        raise ConvergenceError("equilibrium exists, but no solver found it")
+
+    monkeypatch.setattr(stages, "pushover", fail)
+    assert run(project, "--jobs", "1") == 3
+    found = read_results(project / "output")
+    assert any("no solver found it" in text for text in found["quality"]["warnings"])
+    assert found["states"]["base turned"]["pushdown"]["rigid"]["movement_m"]
+
+
+def test_a_path_cut_short_has_no_capacity(project, monkeypatch):
+    few = PushoverTolerances(points=3)
+    monkeypatch.setattr(stages, "pushover", partial(pushover, tolerances=few))
+    (project / "project.toml").write_text(PROJECT + ASSESSMENT, encoding="utf-8")
+    run(project)
+    found = read_results(project / "output")["states"]["original"]
+    assert found["pushover"]["+x"]["rigid"]["d_0_m"] is None
+    assert found["capacity"]["+x"]["SLV"]["verified"] is None
+
+
+def test_what_a_path_had_reached_is_kept_where_no_solver_goes_on(project, monkeypatch):
+    procedure = importlib.import_module("mechanics.procedures.pushover")
+    step, count = procedure.reach, iter(range(1000))
+
+    def fails_later(*arguments):
+        if next(count) >= 2:
+            raise ConvergenceError("no answer")
+        return step(*arguments)
+
+    monkeypatch.setattr(procedure, "reach", fails_later)
+    edit(
+        project,
+        '[[settlements]]\nname = "base turned"\nsupport = "base"\nrotation_rad = -0.02\nincrement_rad = 0.01\n',
+        "",
+    )
+    run(project)
+    rigid = read_results(project / "output")["states"]["original"]["pushover"]["+x"]["rigid"]
+    assert len(rigid["curve"]["multiplier"]) == 3
+    assert rigid["d_0_m"] is None

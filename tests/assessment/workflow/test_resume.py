@@ -1,0 +1,148 @@
+"""Analyses taken over from earlier runs: exactly what was computed, and only what has not changed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.report.figures import index as figures
+from assessment.runtime import fingerprint
+from assessment.runtime.cache import FOLDER, Store
+from assessment.workflow.earlier import forget
+from assessment.workflow.stages import run
+from tests.support.block_project import edit, timeless
+from tests.support.every_stage import ALL, assesto, counts, entries, write_every_stage, write_wave
+
+
+@pytest.fixture(autouse=True)
+def _no_figures(monkeypatch):
+    monkeypatch.setattr(figures, "write_figures", lambda _, folder: folder.mkdir())
+    monkeypatch.setattr(figures, "write_images", lambda *_: [])
+
+
+@pytest.fixture
+def project(tmp_path):
+    return write_every_stage(tmp_path / "block")
+
+
+def output(folder: Path) -> dict[str, bytes]:
+    """Return every file of results, without the one time that is not an analysis'."""
+    files = {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted((folder / "output").rglob("*"))
+        if path.is_file() and FOLDER not in path.parts
+    }
+    content = json.loads(files["output/results.json"])
+    del content["timing_s"]["assessment"]
+    return files | {"output/results.json": json.dumps(content).encode()}
+
+
+def test_what_is_taken_over_is_what_was_computed_byte_for_byte(project, capsys):
+    assert counts(project, capsys) == (ALL, 0)
+    computed = output(project)
+    forget(project / "output")
+    assert counts(project, capsys) == (0, ALL)
+    assert output(project) == computed
+
+
+def test_the_answer_is_the_same_without_any_store(project):
+    """Everything but the times, which no two computations share."""
+    loaded = load_project(project)
+    store = Store(project / "kept")
+    outcomes = [
+        run(loaded, build_model(loaded)),
+        run(loaded, build_model(loaded), store=store),
+        run(loaded, build_model(loaded), store=store),
+        run(loaded, build_model(loaded), store=store, fresh=True),
+    ]
+    assert [(each.computed, each.taken) for each in outcomes] == [(ALL, 0), (ALL, 0), (0, ALL), (ALL, 0)]
+    first, *others = [json.dumps(timeless(each.results)) for each in outcomes]
+    assert all(other == first for other in others)
+
+
+# what is edited, and how many analyses are then computed
+EDITS = {
+    "nothing": ("", "", 0),
+    "friction": ("friction = 0.7", "friction = 0.71", ALL),
+    "segments": ("depth_m = 1.0", "depth_m = 1.0\nsegments_per_joint = 3", ALL),
+    "collisions": ("[layers.BASE]", "[contacts]\ncollisions = false\n[layers.BASE]", ALL),
+    "the increment of the pushover": ("increment_m = 0.2", "increment_m = 0.1", 2),
+    "another direction": ('["+x"]', '["+x", "-x"]', 8),  # and what a history may reach before it has fallen
+    "elastic contacts too": ('contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]', 3),
+    "the movement": ("rotation_rad = -0.02", "rotation_rad = -0.03", 5),
+    "a sweep": ("increment_rad = 0.01", "increment_rad = 0.01\nsteps = 2", 2),
+    "the record's scale": ('record = "wave.csv"', 'record = "wave.csv"\nscale = 0.9', 4),
+    "the tolerance of the search": ("tolerance_g = 0.2", "tolerance_g = 0.1", 2),
+    "fewer states": ('[[history]]\nrecord = "wave.csv"', '[[history]]\nstates = ["original"]\nrecord = "wave.csv"', 0),
+    "limit states": ('["SLV"]', '["SLV", "SLC"]', 0),
+    "the report's language": ('language = "it"', 'language = "en"', 0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", EDITS)
+def test_only_what_depends_on_an_edit_is_computed_again(project, capsys, what):
+    old, new, computed = EDITS[what]
+    assert assesto(project) == 0
+    edit(project, old, new)
+    assert counts(project, capsys)[0] == computed
+    resumed = output(project)
+    assert counts(project, capsys, "--fresh")[1] == 0
+    fresh = output(project)
+    assert resumed.keys() == fresh.keys()
+    old, new = (json.loads(each["output/results.json"]) for each in (resumed, fresh))
+    assert timeless(old) == timeless(new)
+
+
+def test_a_record_that_changed_is_seen(project, capsys):
+    assert assesto(project) == 0
+    write_wave(project / "wave.csv", 0.11)
+    assert counts(project, capsys) == (6, 4)
+
+
+def test_another_record_leaves_the_first_as_it_is(project, capsys):
+    assert assesto(project) == 0
+    write_wave(project / "wave2.csv", 0.15)
+    assert counts(project, capsys) == (2, ALL)
+
+
+def test_another_version_of_the_program_takes_over_nothing(project, capsys, monkeypatch):
+    assert assesto(project) == 0
+    monkeypatch.setattr(fingerprint, "program", lambda: "of tomorrow")
+    assert counts(project, capsys) == (ALL, 0)
+
+
+@pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "of another", "a folder", "not text"])
+def test_a_damaged_entry_counts_as_absent(project, capsys, damage):
+    assert assesto(project) == 0
+    before, (first, second, *_) = output(project), entries(project)
+    forget(project / "output")
+    content = bytearray(first.read_bytes())
+    if damage == "a folder":
+        first.unlink()
+        first.mkdir()
+    else:
+        content[-2] ^= 1
+        broken = {
+            "cut": bytes(content[:-2]),
+            "flipped": bytes(content),
+            "empty": b"",
+            "of another": second.read_bytes(),
+            "not text": b"\xff\xfe",
+        }
+        first.write_bytes(broken[damage])
+    assert counts(project, capsys) == (1, ALL - 1)
+    found = [timeless(json.loads(each["output/results.json"])) for each in (before, output(project))]
+    assert found[0] == found[1]
+
+
+def test_a_disk_that_refuses_entries_costs_no_results(project, capsys, monkeypatch):
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("assessment.runtime.cache.write_atomically", full)
+    assert counts(project, capsys) == (ALL, 0)
+    assert counts(project, capsys) == (ALL, 0)

@@ -1,0 +1,140 @@
+"""The compiled loops of a joint against their definitions: resultants, stiffness, and the elimination of its laws."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mechanics.kernels import joint_elimination as loops
+from mechanics.kernels.joint import H, curvature
+from mechanics.kernels.joint_elimination import KNOWN
+from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
+from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
+from mechanics.model.contacts import rows
+from mechanics.steps.static_system import static_system
+from mechanics.types import Array
+from tests.mechanics.solvers.test_dissection import dense
+from tests.support.reference_loops import joint_newton
+from tests.support.steps import shaken
+from tests.support.structures import arch_on_piers, running_bond
+
+MODELS = {"wall": running_bond(4, 5), "arch": arch_on_piers(voussoirs=7, courses=3)}
+COLUMNS = {
+    name: getattr(loops, name)
+    for name in (
+        "N1", "N2", "T", "Y1", "Y2", "LP", "LM", "G1", "G2", "BETA", "E1", "E2", "SLIP", "ZP", "ZM", "S11", "S12",
+        "S22",
+    )
+}  # fmt: skip
+seeds = st.integers(0, 2**32 - 1)
+
+
+def full_rows(model, places: Array, columns: int, row: Array) -> Array:
+    """B (j, 3, m), columns in the order of elimination."""
+    local, found = rows(places), np.zeros((len(places), 3, columns))
+    for k, (i, j) in enumerate(row):
+        for at, part in ((i, local[k, :, :3]), (j, local[k, :, 3:])):
+            if at >= 0:
+                found[k, :, at : at + 3] += part
+    return found
+
+
+@pytest.mark.parametrize("name", sorted(MODELS))
+def test_what_blocks_see_and_feel_of_joints_is_that_of_their_rows(name):
+    model = MODELS[name]
+    layout = static_system(model, "elastic").layout
+    places = model.contacts.places(shaken(model, 1).positions)
+    m, rng = len(layout.order), np.random.default_rng(3)
+    b = full_rows(model, places, m, layout.row)
+    x, forces, total = rng.standard_normal(m), rng.standard_normal((len(places), 3)), np.zeros(m)
+    for k, (i, j) in enumerate(layout.row):
+        assert motion(places[k], i, j, x) == pytest.approx(b[k] @ x, abs=1e-12)
+        push(places[k], i, j, *forces[k], total)
+    assert total == pytest.approx(np.einsum("jrm,jr->m", b, forces), abs=1e-11)
+
+
+@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
+@pytest.mark.parametrize("name", sorted(MODELS))
+def test_the_matrix_is_the_sum_of_the_joints_stiffness_and_mass(name, behaviour):
+    """M̄ + BᵀDB less the curvature, whichever block of a joint is eliminated first."""
+    model = MODELS[name]
+    layout = static_system(model, behaviour).layout
+    places = model.contacts.places(shaken(model, 2).positions)
+    m, rng = len(layout.order), np.random.default_rng(4)
+    b, mass, stored = full_rows(model, places, m, layout.row), rng.uniform(1.0, 2.0, m), layout.matrix()
+    diagonal(mass, stored, layout.pattern)
+    expected, x, change = np.diag(mass), rng.standard_normal(m), np.zeros(m)
+    for k, (i, j) in enumerate(layout.row):
+        d, c = rng.standard_normal(6), np.empty(7)
+        stiffen(k, places[k], i, j, d, stored, layout.pattern)
+        full = np.array([[d[0], d[1], d[2]], [d[1], d[3], d[4]], [d[2], d[4], d[5]]])
+        expected += b[k].T @ full @ b[k]
+        curvature(places[k], *rng.standard_normal(3), c)
+        turn(c, i, j, x, change)
+        bend(k, i, j, c, stored, layout.pattern)
+    found = dense(stored, layout.row, layout.pattern)
+    assert found @ x + change == pytest.approx(expected @ x, rel=1e-10, abs=1e-9)
+
+
+LAWS = ["rigid", "elastic", "crushing", "points"]
+
+
+def any_joint(seed: int, kind: str) -> tuple[Array, Array, Array, Array, Array]:
+    """A joint's place and law, and forces (3,), gaps (4,) and motion (3,) strictly within its bounds."""
+    rng = np.random.default_rng(seed)
+    model = MODELS["arch"]
+    place = model.contacts.places(shaken(model, seed % 100).positions)[seed % len(model.contacts)]
+    law = np.zeros(LAW)
+    law[FRICTION] = rng.uniform(0.1, 1.5)
+    law[BED], law[STRENGTH] = np.inf, np.inf
+    forces = np.r_[rng.uniform(0.1, 2.0, 2), 0.0]
+    if kind != "rigid":
+        law[BED], law[SHEAR] = 10.0 ** rng.uniform(3.0, 6.0), 10.0 ** rng.uniform(-6.0, -4.0)
+    if kind == "points":
+        law[SEGMENTS] = 5
+    if kind == "crushing":
+        law[STRENGTH] = 3.0 * forces.sum() ** 2 / (4.0 * place[H] * forces[:2].min())
+    forces[2] = rng.uniform(-0.9, 0.9) * law[FRICTION] * forces.sum()
+    return place, law, forces, 10.0 ** rng.uniform(-6.0, -3.0, 4), 1e-4 * rng.standard_normal(3)
+
+
+@settings(deadline=None, max_examples=100)
+@given(seed=seeds, kind=st.sampled_from(LAWS), target=st.floats(0.0, 1e-4))
+def test_a_joint_eliminated_is_its_linear_system_solved(seed, kind, target):
+    """Sums of positive terms, of 3 × 3, against the seven equations: forces, gaps and slips that go with a motion."""
+    place, law, forces, gaps, moved = any_joint(seed, kind)
+    half, know = place[H], np.zeros(KNOWN)
+    loops.missing(place, law, -1, -1, np.zeros(3), forces, gaps, 0.0, know)
+    rest, per_motion = joint_newton(half, law, know, COLUMNS, target)
+    to_resultants = np.array([[1.0, 1.0, 0.0], [-half, half, 0.0], [0.0, 0.0, 1.0]])
+    d, df, out = np.empty(6), np.empty(3), np.empty(11)
+    loops.stiffness(know, half, law[FRICTION], d)
+    full = np.array([[d[0], d[1], d[2]], [d[1], d[3], d[4]], [d[2], d[4], d[5]]])
+    expected = -to_resultants @ per_motion[:3]
+    assert full == pytest.approx(expected, rel=1e-7, abs=1e-7 * abs(expected).max())
+    loops.aim(know, half, law[FRICTION], target)
+    df[:] = know[[loops.RN, loops.RP, loops.RT]]
+    at_rest = to_resultants @ rest[:3]
+    assert df == pytest.approx(at_rest, rel=1e-7, abs=1e-7 * abs(at_rest).max())
+    know[[loops.DU, loops.DPHI, loops.DV]] = moved
+    loops.follow(d, *moved, df)
+    solved = rest + per_motion @ moved
+    assert df == pytest.approx(to_resultants @ solved[:3], rel=1e-7, abs=1e-7 * abs(full).max() * 1e-4)
+    for stiff in (0.0, 1e12):  # gaps from the products, or from the motions
+        loops.change(know, half, law, to_resultants @ solved[:3], target, stiff, out)
+        assert out[:3] == pytest.approx(solved[:3], rel=1e-6, abs=1e-9 * abs(solved[:3]).max())
+        assert out[3:7] == pytest.approx(solved[3:], rel=1e-6, abs=1e-6 * abs(solved[3:]).max())
+
+
+@settings(deadline=None, max_examples=40)
+@given(seed=seeds, kind=st.sampled_from(LAWS))
+def test_stiffness_of_a_joint_is_symmetric_and_positive(seed, kind):
+    place, law, forces, gaps, _ = any_joint(seed, kind)
+    know, d = np.zeros(KNOWN), np.empty(6)
+    loops.missing(place, law, -1, -1, np.zeros(3), forces, gaps, 1e-12, know)
+    loops.stiffness(know, place[H], law[FRICTION], d)
+    full = np.array([[d[0], d[1], d[2]], [d[1], d[3], d[4]], [d[2], d[4], d[5]]])
+    scale = np.sqrt(np.diag(full))
+    assert np.linalg.eigvalsh(full / np.outer(scale, scale)).min() > 0.0

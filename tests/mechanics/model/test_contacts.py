@@ -1,0 +1,352 @@
+"""Kinematics of joints: measures, rows and second derivatives against finite differences, overlap, stones that meet."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from mechanics import Assembly, Block, Material
+from mechanics.kernels.bed import crushed, stored
+from mechanics.kernels.joint import A1, A2, ALONG, ARM, BETA, MV, PHI, H, U, V, curvature
+from mechanics.model.contacts import Contacts, deformation, end_gaps, end_points, rows
+from mechanics.steps.static_step import lay_shear
+from mechanics.types import Array
+from tests.support.reference_loops import Pair, bed_of_points, turned
+from tests.support.structures import arch_on_piers, rectangle, running_bond
+
+MODELS = {"arch": arch_on_piers(voussoirs=7, courses=2), "wall": running_bond(columns=3, courses=3)}
+seeds = st.integers(0, 2**32 - 1)
+names = st.sampled_from(sorted(MODELS))
+STONE = Material(18.0)
+
+
+def scattered(model: Assembly, seed: int, amount: float) -> Array:
+    """Positions about the drawn ones: every block moved, per block size, and turned by its own random amount."""
+    off = np.random.default_rng(seed).uniform(-amount, amount, model.initial.positions.shape)
+    return model.initial.positions + off * (model.size, model.size, 1.0)
+
+
+def pair_of(contacts: Contacts, k: int, positions: Array) -> Pair:
+    return Pair(contacts.faces[k], positions[contacts.a[k]], positions[contacts.b[k]])
+
+
+@settings(deadline=None, max_examples=20)
+@given(name=names, seed=seeds, amount=st.sampled_from([1e-3, 0.05, 0.3]))
+def test_places_are_those_of_their_definition(name, seed, amount):
+    model = MODELS[name]
+    positions, contacts = scattered(model, seed, amount), model.contacts
+    places = contacts.places(positions)
+    for k, p in enumerate(places):
+        pair = pair_of(contacts, k, positions)
+        low, high = pair.overlap
+        arm = (-0.5 if pair.upper else 0.5) * (high - low)
+        assert p[BETA] == pytest.approx(pair.beta(contacts.tolerance), abs=1e-9)
+        assert abs(p[H]) == pytest.approx(abs(0.5 * (high - low)), abs=1e-12)
+        measures = pair.measures(p[BETA], arm, pair.upper)
+        assert p[[U, PHI, V]] == pytest.approx(measures, abs=1e-12)
+        closed = p[U] - p[ARM] * p[PHI]
+        assert (p[H] > 0.0) == (high - low > max(0.0, -closed))
+
+
+@settings(deadline=None, max_examples=15)
+@given(name=names, seed=seeds, turn=st.floats(-4.0, 4.0), dx=st.floats(-3.0, 3.0), dz=st.floats(-3.0, 3.0))
+def test_measures_do_not_feel_a_rigid_motion_of_everything(name, seed, turn, dx, dz):
+    model = MODELS[name]
+    positions = scattered(model, seed, 0.2)
+    moved = np.column_stack([turned(positions[:, :2], turn) + np.array([dx, dz]), positions[:, 2] + turn])
+    before, after = model.contacts.places(positions), model.contacts.places(moved)
+    assert deformation(after) == pytest.approx(deformation(before), abs=1e-11)
+    assert after[:, H] == pytest.approx(before[:, H], abs=1e-11)
+
+
+class Joint(NamedTuple):
+    """One joint of a scattered model: its place, and u, φ, v with the share β and the arm held as they are there."""
+
+    place: Array
+    start: Array  # (6,): positions of blocks a and b
+    pair: Pair
+
+    def measures(self, moved: Array) -> Array:
+        at = self.start + moved
+        p = self.place
+        return Pair(self.pair.face, at[:3], at[3:]).measures(p[BETA], p[ARM], self.pair.upper)
+
+    @property
+    def rows(self) -> Array:
+        return rows(self.place[None])[0]
+
+
+def any_joint(model: Assembly, seed: int, amount: float) -> Joint:
+    """A joint in a random configuration, of both touched faces and of corners that meet."""
+    positions = scattered(model, seed, amount)
+    k = seed % len(model.contacts)
+    c = model.contacts
+    return Joint(
+        c.places(positions)[k], np.r_[positions[c.a[k]], positions[c.b[k]]], pair_of(c, k, positions)
+    )
+
+
+def derivative(function, size: float = 1e-5) -> Array:
+    """Central differences along each of the six displacements, first index."""
+    steps = size * np.eye(6)
+    return np.array([(function(step) - function(-step)) / (2.0 * size) for step in steps])
+
+
+@settings(deadline=None, max_examples=60)
+@given(name=names, seed=seeds, amount=st.sampled_from([1e-3, 0.05, 0.3]))
+def test_rows_are_the_derivatives_of_gap_turn_and_slip(name, seed, amount):
+    joint = any_joint(MODELS[name], seed, amount)
+    assert pytest.approx(joint.rows, abs=1e-8) == derivative(joint.measures).T
+
+
+def geometric(joint: Joint, n: float, m: float, t: float) -> Array:
+    """The full matrix (6, 6) of what forces change as their joint moves."""
+    out = np.empty(7)
+    curvature(joint.place, n, m, t, out)
+    full = np.zeros((6, 6))
+    full[2, :2] = full[:2, 2] = out[:2]
+    full[5, :2] = full[:2, 5] = out[2:4]
+    full[2, 3:5] = full[3:5, 2] = -out[:2]
+    full[5, 3:5] = full[3:5, 5] = -out[2:4]
+    full[2, 2], full[2, 5], full[5, 2], full[5, 5] = out[4], out[5], out[5], out[6]
+    return full
+
+
+@settings(deadline=None, max_examples=60)
+@given(name=names, seed=seeds, amount=st.sampled_from([1e-3, 0.05, 0.3]))
+def test_curvature_is_the_second_derivative_along_the_forces(name, seed, amount):
+    joint = any_joint(MODELS[name], seed, amount)
+    forces = np.random.default_rng(seed).standard_normal(3)
+    gradient = lambda at: derivative(lambda step: forces @ joint.measures(at + step))  # noqa: E731
+    assert derivative(gradient, 1e-4) == pytest.approx(geometric(joint, *forces), abs=1e-5)
+
+
+K_NORMAL, K_SHEAR = 1e5, 3e4
+BEDS = {"exact": (0, np.inf), "points": (5, np.inf), "crushing": (0, 100.0)}
+
+
+@settings(deadline=None, max_examples=60)
+@given(name=names, seed=seeds, bed=st.sampled_from(sorted(BEDS)), slip=st.floats(-1.0, 1.0))
+def test_forces_on_blocks_are_the_gradient_of_the_energy_and_stiffness_the_second_derivative(
+    name, seed, bed, slip
+):
+    """Of bed and spring in shear, overlap and share of the frames held: −Bᵀ(N, P, T), and BᵀDB less the curvature."""
+    joint = any_joint(MODELS[name], seed, 0.05)
+    place, (segments, strength) = joint.place, BEDS[bed]
+    half, k = abs(place[H]), K_NORMAL
+    assume(half > 0.02)
+    begun, lift = place[V] + 1e-2 * slip, place[U] + 2e-2 * half  # pressed by about a hundredth of the joint
+
+    def energy(moved: Array) -> float:
+        u, phi, v = joint.measures(moved) - (lift, 0.0, begun)
+        spring = 0.5 * K_SHEAR * v**2
+        if segments:
+            return bed_of_points(u, phi, half, k, segments)[0] + spring
+        return stored(u, phi, half, k) - stored(u + min(strength / k, 1e3), phi, half, k) + spring
+
+    u, phi, v = joint.measures(np.zeros(6)) - (lift, 0.0, begun)
+    if segments:
+        s = np.linspace(-half, half, segments + 1)
+        assume(abs(u + phi * s).min() > 1e-5)
+        n, p = bed_of_points(u, phi, half, k, segments)[1:]
+        spring = np.where(u + phi * s < 0.0, 2.0 * half * k / segments, 0.0)
+        spring[[0, -1]] *= 0.5
+        c = [spring @ s**power for power in range(3)]
+    else:
+        n, p, *c = crushed(u, phi, half, k, strength)
+    forces = np.array([n, p, -K_SHEAR * v])
+    size = abs(forces).max() + k * 1e-6
+    assert -derivative(energy, 1e-6) == pytest.approx(forces @ joint.rows, abs=1e-5 * size)
+    law = np.array([[c[0], c[1], 0.0], [c[1], c[2], 0.0], [0.0, 0.0, K_SHEAR]])
+    stiffness = joint.rows.T @ law @ joint.rows - geometric(joint, *forces)
+    found = derivative(lambda at: derivative(lambda step: energy(at + step), 1e-6), 1e-6)
+    assert found == pytest.approx(stiffness, abs=5e-3 * abs(stiffness).max())
+
+
+@settings(deadline=None, max_examples=10)
+@given(name=names, seed=seeds)
+def test_rows_do_no_work_in_a_rigid_motion(name, seed):
+    model = MODELS[name]
+    positions = scattered(model, seed, 0.3)
+    c, found = model.contacts, rows(model.contacts.places(positions))
+    x, z = positions[:, :2].T
+    one, none = np.ones_like(x), np.zeros_like(x)
+    for motion in (np.stack(m, axis=1) for m in ((one, none, none), (none, one, none), (-z, x, one))):
+        both = np.concatenate([motion[c.a], motion[c.b]], axis=1)
+        assert np.einsum("jrc,jc->jr", found, both) == pytest.approx(0.0, abs=1e-12)
+
+
+def two(
+    upper: list[list[float]] | Array, lower: list[list[float]] | Array, tolerance: float = 1e-6
+) -> Assembly:
+    return Assembly([Block(lower, 1.0, STONE, support="base"), Block(upper, 1.0, STONE)], tolerance=tolerance)
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    low=st.floats(-1.5, 1.5),
+    width=st.floats(0.2, 2.0),
+    slide=st.floats(-3.0, 3.0),
+    turn=st.floats(-3.0, 3.0),
+)
+def test_overlap_is_that_of_the_outlines(low, width, slide, turn):
+    """Of two rectangles in touch, after a slide along the joint, at any angle: where their outlines meet."""
+    assume(min(low + width, 1.0) - max(low, -1.0) > 1e-3)
+    model = two(
+        turned(rectangle(low, 0.0, low + width, 0.5), turn), turned(rectangle(-1.0, -0.5, 1.0, 0.0), turn)
+    )
+    positions = model.initial.positions.copy()
+    positions[1, :2] += turned([slide, 0.0], turn)
+    outlines = [
+        shapely.LineString(turned(line, turn))
+        for line in ([[-1.0, 0.0], [1.0, 0.0]], [[low + slide, 0.0], [low + width + slide, 0.0]])
+    ]
+    near = outlines[0].buffer(1e-9, cap_style="flat")
+    expected = near.intersection(outlines[1]).length
+    [place] = model.contacts.places(positions)
+    assert max(2.0 * place[H], 0.0) == pytest.approx(expected, abs=1e-7)
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    slide=st.floats(-1.5, 1.5),
+    lift=st.floats(-5e-3, 5e-3),
+    lean=st.floats(-5e-3, 5e-3),
+    turn=st.floats(-3.0, 3.0),
+)
+def test_gaps_and_overlap_tell_the_area_in_which_blocks_lie_in_each_other(slide, lift, lean, turn):
+    """A block slid, lifted and leant against its base: ∫⟨−w⟩ over the overlap, to the second order in the lean."""
+    model = two(turned(rectangle(-0.6, 0.0, 0.6, 0.5), turn), turned(rectangle(-1.0, -0.5, 1.0, 0.0), turn))
+    positions = model.initial.positions.copy()
+    positions[1, :2] += turned([slide, lift], turn)
+    positions[1, 2] += lean
+    shapes = [
+        shapely.Polygon(at[:2] + turned(b.polygon - b.centroid, at[2]))
+        for b, at in zip(model.blocks, positions, strict=True)
+    ]
+    [place] = model.contacts.places(positions)
+    found = (
+        stored(1.0, 0.0, 1.0, 1.0)
+        if place[H] <= 0.0
+        else crushed(place[U], place[PHI], place[H], 1.0, np.inf)[0]
+    )
+    assert found == pytest.approx(shapes[0].intersection(shapes[1]).area, abs=5e-5)
+
+
+def test_ends_of_an_overlap_lie_on_both_faces():
+    model = two(rectangle(-0.5, 0.0, 0.5, 1.0), rectangle(-1.0, -1.0, 1.0, 0.0))
+    positions = model.initial.positions + np.array([[0.0, 0.0, 0.0], [0.7, 0.0, 0.0]])
+    [ends] = end_points(model.contacts, positions)
+    assert sorted(ends[:, 0]) == pytest.approx([0.2, 1.0])
+    assert ends[:, 1] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("lift", [-0.01, 0.02])
+def test_a_lifted_block_opens_its_joint_by_as_much(lift):
+    model = two(rectangle(0, 0, 2, 1), rectangle(0, -1, 2, 0))
+    positions = model.initial.positions + np.array([[0.0, 0.0, 0.0], [0.0, lift, 0.0]])
+    assert end_gaps(model.contacts.places(positions)) == pytest.approx(lift)
+
+
+@pytest.mark.parametrize("lean", [-0.3, -0.02, 0.02, 0.3])
+def test_the_normal_is_that_of_the_face_that_a_corner_touches(lean):
+    """A block on its corner on a wide base: the base's normal; upside down, a wide block on a narrow one: its own."""
+    narrow, wide = rectangle(-0.1, 0.0, 0.1, 1.0), rectangle(-1.0, -1.0, 1.0, 0.0)
+    for upper, expected in ((narrow, 0.0), ([[-x, -z] for x, z in wide], lean)):
+        lower = wide if upper is narrow else [[-x, -z] for x, z in narrow]
+        model = two(upper, lower, tolerance=1e-4)
+        positions = model.rotated(1, (np.sign(-lean) * 0.1, 0.0), lean).positions
+        [place] = model.contacts.places(positions)
+        assert np.arctan2(*(place[:2] * (-1.0, 1.0))) == pytest.approx(expected, abs=1e-9) or np.arctan2(
+            *(-place[:2] * (-1.0, 1.0))
+        ) == pytest.approx(expected, abs=1e-9)
+        assert place[BETA] in (0.0, 1.0)
+
+
+def test_where_two_corners_meet_the_bisector_counts():
+    """As drawn faces end together: β = ½, and it changes to the touched face's over a slide of the tolerance."""
+    model = two(rectangle(0, 0, 1, 1), rectangle(0, -1, 1, 0), tolerance=1e-3)
+    shares = []
+    for slide in (-2e-3, -0.5e-3, 0.0, 0.5e-3, 2e-3):
+        positions = model.rotated(1, (1.0, 0.0), -0.01).positions
+        positions[1, 0] += slide
+        shares.append(model.contacts.places(positions)[0, BETA])
+    assert shares == pytest.approx(sorted(shares)) or shares == pytest.approx(sorted(shares)[::-1])
+    assert sorted(shares) == pytest.approx([0.0, 0.25, 0.5, 0.75, 1.0], abs=1e-5)
+
+
+def test_shear_acts_midway_between_the_faces_where_the_pressure_does():
+    """Both faces lie in each other by w there: the height of T is half of it from either one."""
+    model = two(rectangle(-0.3, 0, 0.3, 1), rectangle(-1, -1, 1, 0), tolerance=1e-4)
+    positions = model.initial.positions + np.array([[0.0, 0.0, 0.0], [0.0, -1e-3, 2e-3]])
+    place = model.contacts.places(positions)
+    before = place.copy()
+    force = np.array([[1.0, 0.1 * place[0, H], 0.2]])
+    lay_shear(place, force, np.array([0.0]))
+    n, e = 1.0, 0.1 * place[0, H]
+    at_pressure = place[0, U] + e * place[0, PHI]
+    at_corner = place[0, U] - place[0, ARM] * place[0, PHI]
+    sign = 0.5 - place[0, BETA]
+    assert n > 0.0 > at_pressure > at_corner
+    assert before[0, MV] - place[0, MV] == pytest.approx(sign * (at_pressure - 2.0 * at_corner), rel=1e-12)
+    assert place[0, V] == before[0, V] and np.array_equal(place[0, ALONG], before[0, ALONG])
+
+
+def stacked(lower: Material, upper: Material, depths=(1.0, 1.0)):
+    return Assembly(
+        [
+            Block(rectangle(0, 0, 2, 1), depths[0], lower, support="base"),
+            Block(rectangle(0, 1, 2, 2), depths[1], upper),
+        ]
+    )
+
+
+def test_the_smaller_friction_governs_whichever_block_has_it():
+    for materials in ((Material(18.0, 0.3), Material(18.0, 0.7)), (Material(18.0, 0.7), Material(18.0, 0.3))):
+        assert stacked(*materials).contacts.friction == pytest.approx(0.3)
+
+
+def test_half_joints_of_unlike_stones_act_in_series():
+    soft, hard = Material(18.0, 0.6, 1e6, 4e5), Material(18.0, 0.6, 3e6)
+    contacts = stacked(soft, hard).contacts
+    assert contacts.bed == pytest.approx([1.5e6])
+    assert contacts.shear == pytest.approx([2.0 * 8e5])
+
+
+def test_the_smaller_depth_and_strength_carry():
+    weak, strong = Material(18.0, 0.6, 1e6, compressive_strength=2e3), Material(18.0, 0.6, 1e6)
+    contacts = stacked(weak, strong, (1.0, 0.25)).contacts
+    assert contacts.bed == pytest.approx([1e6 * 0.25])
+    assert contacts.strength == pytest.approx([2e3 * 0.25])
+
+
+def test_one_stone_without_stiffness_refuses_elastic_contacts():
+    with pytest.raises(ValueError, match="normal_stiffness"):
+        stacked(Material(18.0, 0.6, 1e6), Material(18.0)).check_behaviour("elastic")
+
+
+def test_beds_are_exact_by_default():
+    """Python's default of one segment was 2.3 times too strong on a soft column (issue 18)."""
+    assert (running_bond().contacts.segments == 0).all()
+    assert Assembly(running_bond().blocks).segments_per_joint is None
+
+
+def test_a_block_may_ask_for_its_own_segments():
+    blocks = [Block(b.polygon, 0.1, STONE, b.support, segments=8 if k > 5 else None)
+              for k, b in enumerate(running_bond().blocks)]  # fmt: skip
+    model = Assembly(blocks, segments_per_joint=2)
+    own = np.array([b.segments or 2 for b in blocks])
+    c = model.contacts
+    assert c.segments.tolist() == np.maximum(own[c.a], own[c.b]).tolist()
+    assert set(c.segments) == {2, 8}
+
+
+def test_faces_extend_as_far_as_their_edges():
+    model = two(rectangle(-0.5, 0.0, 0.5, 1.0), rectangle(-1.0, -1.0, 2.0, 0.0))
+    [face] = model.contacts.faces
+    assert face[A2] - face[A1] == pytest.approx(3.0) or face[A2] - face[A1] == pytest.approx(1.0)

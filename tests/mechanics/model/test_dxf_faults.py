@@ -1,0 +1,274 @@
+"""What is said of drawings that are wrong: the entity, the place and what to do."""
+
+from __future__ import annotations
+
+import io
+import math
+from pathlib import Path
+
+import pytest
+
+from mechanics.errors import DrawingError
+from mechanics.model.dxf import read_drawing
+from tests.support.dxf import SQUARE, STONE, drawing, outline, read, refused
+
+
+def test_open_polyline(tmp_path):
+    document, space = drawing()
+    outline(space, SQUARE, "PIERS")
+    wrong = outline(space, [(1.5, 2), (10, 2), (10, 10), (1.5, 5)], "PIERS", close=False)
+    message = refused(document, tmp_path)
+    assert (
+        f'layer "PIERS", LWPOLYLINE {wrong.dxf.handle} at (1.5, 2) and (1.5, 5) is open, its ends 3 apart'
+        in message
+    )
+    assert "close it" in message
+
+
+@pytest.mark.parametrize(
+    ("layers", "accepted"), [((), False), (("STONES",), True), (("STONES", "dims"), False)]
+)
+def test_open_polylines_on_layers_that_matter_to_nobody(layers, accepted, tmp_path):
+    document, space = drawing()
+    outline(space, SQUARE)
+    wrong = outline(space, [(1, 2), (3, 4)], "DIMS", close=False)
+    where = f'layer "DIMS", LWPOLYLINE {wrong.dxf.handle} at (1, 2) and (3, 4)'
+    tables = dict.fromkeys(layers, STONE)
+    if accepted:
+        (warning,) = read(document, tmp_path, layers=tables).warnings
+        assert "1 open polylines on layers without blocks left out" in warning and where in warning
+    else:
+        assert f"{where} is open" in refused(document, tmp_path, layers=tables)
+
+
+def test_open_polylines_alone(tmp_path):
+    document, space = drawing()
+    document.layers.add("PIERS")
+    outline(space, SQUARE, close=False)
+    assert "is open" in refused(document, tmp_path, layers={"PIERS": STONE})
+
+
+@pytest.mark.parametrize(
+    ("points", "where"),
+    [
+        ([(0, 0), (10, 10), (10, 0), (0, 10)], "(5, 5)"),
+        ([(0, 0), (10, 0), (10, 10), (5, 0), (0, 10)], "(5, 0)"),
+        ([(0, 0), (10, 0), (20, 0), (10, 0), (10, 10), (0, 10)], "(20, 0)"),
+    ],
+    ids=["crossing", "touching", "spike"],
+)
+def test_self_crossing(points, where, tmp_path):
+    document, space = drawing()
+    wrong = outline(space, points, "ARCH")
+    message = refused(document, tmp_path)
+    assert f'layer "ARCH", LWPOLYLINE {wrong.dxf.handle} at {where} crosses or touches itself' in message
+
+
+@pytest.mark.parametrize(
+    "points", [[(7, 8), (9, 8)], [(7, 8)], [(7, 8), (9, 8), (11, 8)], [(7, 8), (9, 8), (7, 8), (7, 8)]]
+)
+def test_no_area(points, tmp_path):
+    document, space = drawing()
+    wrong = outline(space, points, "ARCH")
+    assert f'layer "ARCH", LWPOLYLINE {wrong.dxf.handle} at (7, 8) has no area' in refused(document, tmp_path)
+
+
+def test_polyline_without_vertices(tmp_path):
+    document, space = drawing()
+    outline(space, SQUARE)
+    wrong = outline(space, [(7.25, 8.5)], "ARCH")
+    text = text_of(document).replace(" 10\n7.25\n 20\n8.5\n", "")
+    with pytest.raises(DrawingError) as caught:
+        read_text(tmp_path, text)
+    assert f'layer "ARCH", LWPOLYLINE {wrong.dxf.handle} at no point has no area' in str(caught.value)
+
+
+def test_out_of_the_plane(tmp_path):
+    document, space = drawing()
+    wrong = space.add_polyline3d(
+        [(0, 0, 0), (10, 0, 0), (10, 10, 1)], close=True, dxfattribs={"layer": "ARCH"}
+    )
+    upright = outline(space, SQUARE, "ARCH")
+    upright.dxf.extrusion = (0, 1, 0)
+    message = refused(document, tmp_path)
+    assert f'layer "ARCH", POLYLINE {wrong.dxf.handle} at (0, 0) is not in the XY plane' in message
+    assert f'layer "ARCH", LWPOLYLINE {upright.dxf.handle} at (0, 0) is not in the XY plane' in message
+
+
+def test_coordinate_that_is_no_number(tmp_path):
+    document, space = drawing()
+    wrong = outline(space, [(1, 2), (float("nan"), 0), (10, 10)], "ARCH")
+    assert (
+        f'layer "ARCH", LWPOLYLINE {wrong.dxf.handle} at (1, 2) has a coordinate that is no number'
+        in refused(document, tmp_path)
+    )
+
+
+def test_fault_inside_an_insert(tmp_path):
+    document, space = drawing()
+    wrong = outline(document.blocks.new("STONE"), SQUARE, "0", close=False)
+    insert = space.add_blockref("STONE", (100, 200), dxfattribs={"layer": "PIERS"})
+    message = refused(document, tmp_path)
+    handle = f"{insert.dxf.handle}/{wrong.dxf.handle}"
+    assert f'layer "PIERS", LWPOLYLINE {handle} at (100, 200) and (100, 210) is open' in message
+
+
+def test_all_faults_in_one_message(tmp_path):
+    document, space = drawing()
+    outline(space, SQUARE, close=False)
+    outline(space, [(0, 0), (10, 10), (10, 0), (0, 10)])
+    message = refused(document, tmp_path, layers={"STONE": STONE, "NAVE": STONE})
+    assert [line.split(": ")[1] for line in message.splitlines()] == [f"fault {n}" for n in range(1, 5)]
+    for text in (
+        "is open",
+        "crosses or touches itself",
+        '"STONE" is not in the drawing; did you mean "STONES"?',
+    ):
+        assert text in message
+    assert 'layer "NAVE" is not in the drawing; it has ' in message
+
+
+def test_long_lists_are_cut(tmp_path):
+    document, space = drawing()
+    for _ in range(30):
+        outline(space, SQUARE, close=False)
+    message = refused(document, tmp_path)
+    assert message.count("is open") == 20 and "and 10 more" in message
+
+
+def test_nothing_closed(tmp_path):
+    document, space = drawing()
+    space.add_line((0, 0), (1, 1))
+    space.add_text("arch")
+    message = refused(document, tmp_path)
+    assert (
+        "nothing closed is in model space, but 1 LINE, 1 TEXT; draw each block as one closed polyline"
+        in message
+    )
+
+
+def test_paper_space_only(tmp_path):
+    document, _ = drawing()
+    wrong = outline(document.paperspace(), SQUARE, "PIERS")
+    message = refused(document, tmp_path)
+    assert f'layer "PIERS", LWPOLYLINE {wrong.dxf.handle} of layout "Layout1"' in message
+    assert "move them to model space" in message
+
+
+def test_block_that_inserts_itself(tmp_path):
+    document, space = drawing()
+    outline(space, SQUARE)
+    document.blocks.new("LOOP").add_blockref("LOOP", (0, 0))
+    assert 'cycle detected in block "LOOP"' in refused(document, tmp_path)
+
+
+def test_external_reference_is_mentioned(tmp_path):
+    document, space = drawing()
+    outline(space, SQUARE)
+    document.add_xref_def("other.dxf", "OTHER")
+    space.add_blockref("OTHER", (0, 0), dxfattribs={"layer": "REFS"})
+    (warning,) = read(document, tmp_path).warnings
+    assert "left out, being no closed polylines: 1 INSERT, on layers REFS" in warning
+
+
+def test_unknown_entities_are_mentioned(tmp_path):
+    document, space = drawing()
+    outline(space, SQUARE)
+    custom = f"  0\nAEC_WALL\n  5\nFF0\n330\n{space.layout_key}\n100\nAcDbEntity\n  8\nWALLS\n"
+    head, mark, tail = text_of(document).partition("  2\nENTITIES\n")
+    (warning,) = read_text(tmp_path, head + mark + custom + tail).warnings
+    assert "left out, being no closed polylines: 1 AEC_WALL, on layers WALLS" in warning
+
+
+def test_vertex_without_a_place(tmp_path):
+    document, space = drawing("R12")
+    wrong = space.add_polyline2d([(0, 0), (10, 0), (7.25, 8.5)], close=True)
+    text = text_of(document).replace(" 10\n7.25\n 20\n8.5\n 30\n0.0\n", "")
+    with pytest.raises(DrawingError) as caught:
+        read_text(tmp_path, text)
+    assert f'layer "0", POLYLINE {wrong.dxf.handle} at (0, 0) has a coordinate that is no number' in str(
+        caught.value
+    )
+
+
+def text_of(document) -> str:
+    stream = io.StringIO()
+    document.write(stream)
+    return stream.getvalue()
+
+
+def read_text(folder: Path, content: str | bytes):
+    path = folder / "geometry.dxf"
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return read_drawing(path, "mm", STONE)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("", "no DXF drawing"),
+        ("vertices,1,2\n", "no DXF drawing"),
+        (b"\x89PNG\r\n\x1a\n" + bytes(range(256)), "no DXF drawing"),
+        (b"AC1032" + bytes(500), "DWG drawing; save it as DXF"),
+        ("  0\nSECTION\n", "cut off"),
+        ("  0\nSECTION\n  2\nENTITIES\nabc\n0\nENDSEC\n  0\nEOF\n", "damaged"),
+    ],
+)
+def test_no_dxf(content, said, tmp_path):
+    with pytest.raises(DrawingError, match=r"geometry\.dxf: .*" + said):
+        read_text(tmp_path, content)
+
+
+def test_missing_file_and_folder(tmp_path):
+    for path in (tmp_path / "absent.dxf", tmp_path):
+        with pytest.raises(
+            DrawingError, match=rf"{path.name}: cannot be read \(.+\); give the path of a DXF file"
+        ):
+            read_drawing(path, "mm", STONE)
+
+
+@pytest.mark.parametrize("fmt", ["asc", "bin"])
+def test_cut_off_files_are_refused_or_whole(fmt, tmp_path):
+    document, space = drawing()
+    for k in range(4):
+        outline(space, [(x + 10 * k, y) for x, y in SQUARE])
+    document.saveas(tmp_path / "geometry.dxf", fmt=fmt)
+    whole = (tmp_path / "geometry.dxf").read_bytes()
+    read_whole = 0
+    for cut in range(0, len(whole), len(whole) // 40):
+        try:
+            read_whole += len(read_text(tmp_path, whole[:cut]).blocks) == 4
+        except DrawingError as error:
+            assert str(error).startswith(str(tmp_path / "geometry.dxf"))
+        else:
+            assert cut > whole.rindex(b"LWPOLYLINE")
+    assert read_whole > 0 or fmt == "bin"
+
+
+def test_dirty_text_is_repaired_with_a_warning(tmp_path):
+    document, space = drawing()
+    outline(space, SQUARE)
+    space.add_blockref("ABSENT", (0, 0))
+    text = text_of(document).replace("  0\nSECTION\n", "999\nby some exporter\n  0\nSECTION\n", 1)
+    result = read_text(tmp_path, text.replace("\n", "\r\n"))
+    assert len(result.blocks) == 1
+    (warning,) = result.warnings
+    assert "repaired" in warning and "without required BLOCK" in warning
+
+
+def test_decimal_commas_are_no_numbers(tmp_path):
+    document, space = drawing()
+    outline(space, [(0.25, 0), (10, 0), (10, 10)])
+    with pytest.raises(DrawingError, match="damaged"):
+        read_text(tmp_path, text_of(document).replace("\n0.25\n", "\n0,25\n"))
+
+
+@pytest.mark.parametrize(
+    ("options", "name"),
+    [({"unit": "km"}, "unit"), ({"sagitta": 0.0}, "sagitta"), ({"sagitta": math.nan}, "sagitta")],
+)
+def test_arguments(options, name, tmp_path):
+    document, space = drawing()
+    outline(space, SQUARE)
+    with pytest.raises(ValueError, match=f"^{name} = "):
+        read(document, tmp_path, **options)

@@ -1,0 +1,306 @@
+"""Layout checks: overlaps, duplicates, floating blocks and gaps, with the places where they are."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mechanics.errors import DrawingError
+from mechanics.faults import LISTED
+from mechanics.model import overlaps
+from mechanics.model.block import Block, Material
+from mechanics.model.model_checks import check_layout, survey_layout
+
+STONE = Material(18.0)
+TOLERANCE = 1e-3
+
+
+def rectangle(
+    x0: float, z0: float, x1: float, z1: float, handle: str = "", support: str | None = None
+) -> Block:
+    corners = [[x0, z0], [x1, z0], [x1, z1], [x0, z1]]
+    return Block(corners, 1.0, STONE, support, layer="WALL" if handle else "", handle=handle)
+
+
+def running_bond(columns: int, courses: int, joint: float = 0.0) -> list[Block]:
+    """Bricks of 0.2 × 0.1 m, every other course moved by half a brick, on one support."""
+    base = rectangle(-0.2, -0.1, 0.2 * columns + 0.2, 0.0, support="base")
+    shift = [0.1 * (course % 2) for course in range(courses)]
+    return [base] + [
+        rectangle(0.2 * i + shift[k], 0.1 * k, 0.2 * (i + 1) + shift[k] - joint, 0.1 * (k + 1))
+        for k in range(courses)
+        for i in range(columns)
+    ]
+
+
+def moved(block: Block, rotation: float, shift: tuple[float, float], mirror: bool) -> Block:
+    c, s = np.cos(rotation), np.sin(rotation)
+    p = block.polygon * (-1.0 if mirror else 1.0, 1.0) @ [[c, s], [-s, c]] + shift
+    return Block(p, block.depth, block.material, block.support, layer=block.layer, handle=block.handle)
+
+
+def error(blocks: list[Block], tolerance: float = TOLERANCE) -> str:
+    with pytest.raises(DrawingError) as caught:
+        check_layout(blocks, tolerance)
+    return str(caught.value)
+
+
+BASE = rectangle(0, -1, 4, 0, handle="B1", support="base")
+
+
+def test_a_running_bond_wall_has_no_remarks():
+    assert check_layout(running_bond(6, 5), TOLERANCE) == ()
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    rotation=st.floats(-3.2, 3.2),
+    shift=st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)),
+    mirror=st.booleans(),
+    order=st.randoms(use_true_random=False),
+)
+def test_rigid_motions_and_order_change_no_verdict(rotation, shift, mirror, order):
+    good = [moved(b, rotation, shift, mirror) for b in running_bond(3, 3)]
+    order.shuffle(good)
+    assert check_layout(good, TOLERANCE) == ()
+    intruder = moved(rectangle(0.05, 0.05, 0.06, 0.06), rotation, shift, mirror)
+    assert "overlap" in error([*good, intruder])
+
+
+def test_overlap_names_both_blocks_and_the_place():
+    message = error([BASE, rectangle(0, 0, 1, 1, "A1"), rectangle(0.9, 0, 2, 1, "A2")])
+    assert 'layer "WALL", handle A1' in message and 'layer "WALL", handle A2' in message
+    assert "overlap by 0.1 m² around (0.95, 0.5) m" in message
+
+
+@pytest.mark.parametrize(("depth", "wrong"), [(0.5 * TOLERANCE, False), (1.5 * TOLERANCE, True)])
+def test_overlaps_within_the_tolerance_are_none(depth, wrong):
+    blocks = [BASE, rectangle(0, -depth, 1, 1, "A1")]
+    if wrong:
+        assert "overlap" in error(blocks)
+    else:
+        assert check_layout(blocks, TOLERANCE) == ()
+
+
+def test_small_block_inside_a_large_one():
+    assert "handle A2) overlap by 4e-06 m²" in error(
+        [BASE, rectangle(0, 0, 4, 4, "A1"), rectangle(2, 2, 2.002, 2.002, "A2")]
+    )
+
+
+def test_slivers_that_cross():
+    upright, flat = rectangle(1, 0, 1.0015, 1, "A1"), rectangle(0.5, 0.5, 1.5, 0.5015, "A2")
+    assert "overlap by 2.25e-06 m² around (1.00075, 0.50075) m" in error([BASE, upright, flat])
+
+
+def test_slender_tip_inside_a_block():
+    wedge = Block([[2, -0.004], [2.2, 2], [1.8, 2]], 1.0, STONE, layer="WEDGE", handle="W")
+    assert 'layer "WEDGE", handle W) overlap' in error([BASE, rectangle(0, 0, 1, 1, "A1"), wedge])
+
+
+def test_slivers_wider_than_the_tolerance_are_blocks():
+    sliver = rectangle(0, 0, 4, 0.002, "A1")
+    assert check_layout([BASE, sliver, rectangle(0, 0.002, 4, 1, "A2")], TOLERANCE) == ()
+
+
+def test_block_thinner_than_the_tolerance():
+    message = error([BASE, rectangle(0, 0, 4, 0.0008, "A1"), rectangle(0, 0.0008, 4, 1, "A2")])
+    assert "handle A1) at (2, 0.0004) m is nowhere wider than the joint tolerance of 0.001 m" in message
+
+
+def test_duplicate_with_other_start_and_extra_vertices():
+    again = Block([[1, 1], [0, 1], [0, 0.5], [0, 0], [1, 0]], 1.0, STONE, layer="WALL", handle="A2")
+    message = error([BASE, rectangle(0, 0, 1, 1, "A1"), again])
+    assert "handle A1" in message and "handle A2" in message
+    assert "drawn twice, at (0.5, 0.5) m; keep one" in message
+    assert len(message.splitlines()) == 1
+
+
+def test_floating_block():
+    message = error([BASE, rectangle(0, 0, 1, 1, "A1"), rectangle(2, 1, 3, 2, "A2")])
+    assert 'block 2 (layer "WALL", handle A2) at (2.5, 1.5) m touches nothing' in message
+    assert "A1" not in message
+
+
+def test_a_corner_alone_carries_nothing():
+    assert "handle A2) at (1.5, 1.5) m touches nothing" in error(
+        [BASE, rectangle(0, 0, 1, 1, "A1"), rectangle(1, 1, 2, 2, "A2")]
+    )
+
+
+def test_what_a_gap_keeps_in_the_air_is_told_with_the_gap_and_the_tolerance_that_closes_it():
+    blocks = [
+        BASE,
+        rectangle(0, 0, 1, 1, "A1"),
+        rectangle(0, 1.0026, 1, 2, "A2"),
+        rectangle(0, 2, 1, 3, "A3"),
+    ]
+    gap, remedy = error(blocks).splitlines()
+    assert "handle A2) face each other at (0.5, 1.0013) m across 0.0026 m" in gap
+    assert gap.endswith("no joint, and block 2 and 1 more hang in the air; draw them so that they touch")
+    assert remedy == "gaps of up to 2.6 mm: geometry.tolerance_m = 0.004 closes all of them"
+    assert check_layout(blocks, 0.004) == ()
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.lists(st.floats(1.1, 19.0), min_size=1, max_size=6), st.floats(-4.0, 1.0))
+def test_the_tolerance_that_is_proposed_closes_every_gap(gaps, decade):
+    """Columns of two blocks on one base, the upper ones in the air by 1.1 to 19 tolerances, at any scale."""
+    size = 10.0**decade
+    columns = [
+        (rectangle(2 * k, 0, 2 * k + 1, 1), rectangle(2 * k, 1 + gap * TOLERANCE, 2 * k + 1, 2))
+        for k, gap in enumerate(gaps)
+    ]
+    blocks = [rectangle(-1, -1, 2 * len(gaps), 0, support="base"), *(b for column in columns for b in column)]
+    scaled = [Block(size * b.polygon, 1.0, STONE, b.support) for b in blocks]
+    *faults, remedy = error(scaled, size * TOLERANCE).splitlines()
+    assert len(faults) == len(gaps)
+    assert check_layout(scaled, float(remedy.split(" = ")[1].split()[0])) == ()
+
+
+def test_no_tolerance_is_proposed_that_a_block_would_not_survive():
+    chip = rectangle(2, 0, 3, 0.004, "CHIP")
+    message = error([BASE, rectangle(0, 0, 1, 1, "A1"), rectangle(0, 1.01, 1, 2, "A2"), chip])
+    assert "across 0.01 m" in message and "tolerance_m" not in message
+
+
+def test_no_support_at_all():
+    assert "no block is a support" in error([rectangle(0, 0, 1, 1), rectangle(0, 1, 1, 2)])
+
+
+def test_gap_just_above_the_tolerance():
+    left, right = rectangle(0, 0, 1, 1, "A1"), rectangle(1.004, 0, 2, 1, "A2")
+    warning, remedy = check_layout([BASE, left, right], TOLERANCE)
+    assert remedy == "gaps of up to 4 mm: geometry.tolerance_m = 0.006 closes all of them"
+    assert 'layer "WALL", handle A1' in warning and 'layer "WALL", handle A2' in warning
+    assert "(1.002, 0.5) m across 0.004 m" in warning
+
+
+def test_wedge_shaped_gap():
+    leaning = Block([[1, 0], [2, 0], [2, 1], [1.006, 1]], 1.0, STONE, layer="WALL", handle="A2")
+    warning, remedy = check_layout([BASE, rectangle(0, 0, 1, 1, "A1"), leaning], TOLERANCE)
+    assert "across 0 to 0.006 m" in warning and "tolerance_m = 0.009" in remedy
+
+
+def test_gaps_that_are_meant():
+    far = [rectangle(0, 0, 1, 1), rectangle(1.03, 0, 2, 1)]
+    shim = [rectangle(0, 0, 1, 1), rectangle(1, 0, 1.004, 1), rectangle(1.004, 0, 2, 1)]
+    within = [rectangle(0, 0, 1, 1), rectangle(1.0008, 0, 2, 1)]
+    for blocks in (far, shim, within):
+        assert check_layout([BASE, *blocks], TOLERANCE) == ()
+
+
+def test_bond_moved_by_little_is_no_gap():
+    """The corners of bricks a few tolerances apart along a bed joint do not face each other."""
+    lower = [rectangle(0, 0, 1, 1), rectangle(1, 0, 2, 1)]
+    upper = [rectangle(0, 1, 1.005, 2), rectangle(1.005, 1, 2, 2)]
+    assert check_layout([BASE, *lower, *upper], TOLERANCE) == ()
+
+
+def test_support_that_touches_nothing():
+    idle = rectangle(8, 0, 9, 1, "S9", support="right")
+    (warning,) = check_layout([BASE, rectangle(0, 0, 1, 1, "A1"), idle], TOLERANCE)
+    assert 'layer "WALL", handle S9) at (8.5, 0.5) m is a support and touches nothing' in warning
+
+
+def test_long_lists_are_cut_and_their_numbers_go_on():
+    pairs = [(rectangle(3 * k, 0, 3 * k + 1, 1), rectangle(3 * k + 0.9, 0, 3 * k + 2, 1)) for k in range(25)]
+    floating = [rectangle(3 * k, 5, 3 * k + 1, 6) for k in range(3)]
+    base = rectangle(-1, -1, 99, 0, support="base")
+    lines = error([base, *(block for pair in pairs for block in pair), *floating]).splitlines()
+    assert sum("overlap by" in line for line in lines) == LISTED
+    assert lines[LISTED] == "and 5 more of this kind (faults 21 to 25)"
+    assert [line.partition(":")[0] for line in lines[LISTED + 1 :]] == ["fault 26", "fault 27", "fault 28"]
+
+
+def test_one_frame_is_one_fault_and_hides_no_other():
+    """A frame once caused 20 of 40 lines and hid a block drawn twice."""
+    wall = running_bond(12, 8)
+    frame = rectangle(-1, -1, 5, 5, "FRAME")
+    again = Block(wall[40].polygon, 1.0, STONE, layer="WALL", handle="AGAIN")
+    floating = rectangle(3.5, 3, 4, 4, "FLOATING")
+    message = error([*wall, frame, again, floating])
+    assert len(message.splitlines()) == 3
+    assert "handle FRAME) at (-1, -1) m encloses 98 other blocks (0, 1, 2, …); if it is a frame" in message
+    assert "block 40 and block 98" in message and "drawn twice" in message
+    assert "handle FLOATING) at (3.75, 3.5) m touches nothing" in message
+
+
+def test_a_frame_hides_no_gap():
+    blocks = [
+        BASE,
+        rectangle(0, 0, 1, 1, "A1"),
+        rectangle(0, 1.0026, 1, 2, "A2"),
+        rectangle(2, 0, 3, 1, "A3"),
+    ]
+    framed, gap, remedy = error([*blocks, rectangle(-2, -2, 6, 6, "FRAME")]).splitlines()
+    assert "encloses 4 other blocks" in framed
+    assert "face each other at (0.5, 1.0013) m" in gap and "tolerance_m = 0.004" in remedy
+
+
+def test_a_stack_of_copies_is_one_fault():
+    wall = [BASE, *(rectangle(0, 0, 1, 1, f"A{k}") for k in range(40))]
+    (line,) = error(wall).splitlines()
+    assert "handle A0) and block 2" in line and "and 37 more are the same outline drawn 40 times" in line
+
+
+def test_a_block_that_overlaps_many_is_told_once():
+    beam = rectangle(-0.5, 0.9, 4.5, 1.5, "BEAM")
+    message = error([BASE, *(rectangle(k, 0, k + 1, 1, f"A{k}") for k in range(4)), beam])
+    assert len(message.splitlines()) == 1
+    assert (
+        "handle BEAM)" in message and "overlaps 4 other blocks (1, 2, 3, …); correct its outline" in message
+    )
+
+
+def test_what_overlaps_is_not_told_to_touch_nothing_as_well():
+    sunk = [rectangle(0, -0.05, 1, 1, "A1"), rectangle(0, 1, 1, 2, "A2")]
+    (line,) = error([BASE, *sunk]).splitlines()
+    assert "overlap by 0.05 m²" in line
+
+
+def test_the_number_of_overlaps_is_bounded(monkeypatch):
+    monkeypatch.setattr(overlaps, "MOST_PAIRS", 30)
+    shifted = [rectangle(0.01 * k, 0, 1 + 0.01 * k, 1, f"A{k}") for k in range(40)]
+    assert "more than 30 pairs of blocks overlap, and no more were looked for" in error([BASE, *shifted])
+
+
+def test_a_tolerance_beyond_most_edges_is_refused_before_all_pairs_are_looked_at():
+    angle = np.linspace(0.0, np.pi, 20_000)
+    ring = np.stack([0.5 + np.cos(angle), np.sin(angle)], axis=1)
+    message = error([BASE, Block(ring, 1.0, STONE)], 0.3)
+    assert "it is too large for edges of 0.000157 m; write a smaller geometry.tolerance_m" in message
+
+
+def test_work_grows_no_faster_than_n_log_n_in_vertices():
+    """Two blocks along a wave of n chords, with a gap, an overlap and a copy: 16 times the vertices cost some 17 times.
+
+    What is quadratic costs 256 times. Of the processor's time, and the best of three of the small ones.
+    """
+
+    def seconds(count: int) -> float:
+        x = np.linspace(0.0, 10.0, count)
+        wave = np.stack([x, 1.0 + 0.3 * np.sin(x)], axis=1)
+        base = rectangle(-1, -1, 11, 0, support="base")
+        lower = Block(np.concatenate([[[0, 0], [10, 0]], wave[::-1]]), 1.0, STONE)
+        upper = Block(np.concatenate([np.add(wave, (0.0, 3e-6)), [[10, 3], [0, 3]]]), 1.0, STONE)
+        sunk = Block(np.concatenate([np.subtract(wave, (0.0, 0.05)), [[10, 3], [0, 3]]]), 1.0, STONE)
+        began = time.process_time()
+        for blocks in ([base, lower, upper], [base, lower, sunk], [base, lower, upper, upper]):
+            survey_layout(blocks, 1e-6)
+        return time.process_time() - began
+
+    seconds(100)
+    small = min(seconds(500) for _ in range(3))
+    assert seconds(8000) < 80.0 * small
+
+
+def test_open_head_joints_are_counted():
+    warnings = check_layout(running_bond(8, 5, joint=0.003), TOLERANCE)
+    assert len(warnings) == LISTED + 2
+    assert warnings[-2] == f"and {7 * 5 - LISTED} more of this kind"
+    assert warnings[-1] == "gaps of up to 3 mm: geometry.tolerance_m = 0.005 closes all of them"

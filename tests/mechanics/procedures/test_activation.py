@@ -1,0 +1,196 @@
+"""Every figure of a state belongs to its α0; displacements in the results are those along x, in either direction."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from assessment.analyses.checks.capacity import along_push
+from assessment.analyses.static.paths import Part, _curve_followed
+from assessment.benchmark.structures import assembly, template
+from assessment.ntc.capacity import participation
+from assessment.project.schema import ControlTable
+from assessment.report.figures.curves import draw_pushover
+from assessment.report.figures.deformed import found_mechanism
+from assessment.report.tables.index import mechanisms, pushover_curves
+from assessment.report.text.language import words_of
+from assessment.report.text.messages import translated
+from assessment.report.viewer import viewer
+from assessment.results.hand_check import hand_check, weights
+from assessment.results.joint_states import situations
+from assessment.results.outlines import field, outlines, place
+from assessment.results.reactions import balance, reactions
+from assessment.results.table import sense
+from mechanics import pushdown, pushover
+from mechanics.procedures.mechanism import virtual_work_multiplier
+from tests.support.analysed import SETTLED, analysed
+from tests.support.structures import block_on_base
+
+PUSHED = [(state, direction) for state in ("original", SETTLED) for direction in ("+x", "-x")]
+
+
+@pytest.mark.parametrize(("state", "direction"), PUSHED)
+def test_mechanism_reactions_and_hand_check_belong_to_alpha_0(state, direction):
+    """C8.7.1.2: the virtual displacements of the configuration in which the mechanism is activated.
+
+    A settled state was pushed on by a tenth of its path, where α is smaller, and its figures were those of there.
+    """
+    results = analysed()
+    rigid = results["states"][state]["pushover"][direction]["rigid"]
+    alpha_0, mechanism = rigid["alpha_0"], rigid["mechanism"]
+    assert alpha_0 == max(rigid["curve"]["multiplier"])
+    assert alpha_0 == rigid["curve"]["multiplier"][mechanism["point"]] == mechanism["alpha"]
+    assert rigid["virtual_work_alpha"] == pytest.approx(alpha_0, rel=1e-6)
+    named = {"state": state, "direction": direction}
+    for table in (reactions(results), balance(results)):
+        rows = [row for row in table.rows if named.items() <= row.items()]
+        assert rows and {row["alpha"] for row in rows} == {alpha_0}
+    [checked] = [row for row in hand_check(results).rows if named.items() <= row.items()]
+    assert checked["alpha_mechanism"] == alpha_0
+    [listed] = [row for row in mechanisms(results).rows if named.items() <= row.items()]
+    assert listed["alpha_0"] == alpha_0 and "mechanism_alpha" not in listed
+
+
+@pytest.mark.parametrize(("state", "direction"), PUSHED)
+def test_the_mechanism_is_drawn_where_it_is_activated(state, direction):
+    results = analysed()
+    at = found_mechanism(results, state, direction).start.points
+    [onset] = [s for s in situations(results) if (s.state, s.direction) == (state, direction)]
+    np.testing.assert_allclose(at, outlines(results).moved(onset.configuration).points, atol=1e-5)
+
+
+@pytest.mark.parametrize(("state", "direction"), PUSHED)
+def test_e_and_gamma_star_follow_from_the_virtual_displacements_printed(state, direction):
+    results = analysed()
+    content = results["states"][state]
+    mechanism = content["pushover"][direction]["rigid"]["mechanism"]
+    delta = np.array(mechanism["displacements"])
+    movable = np.array([block["support"] is None for block in results["geometry"]["blocks"]])
+    seismic = np.where(movable, weights(results)[1], 0.0)
+    size = abs(delta[:, :2]).max(axis=1)
+    expected = participation(seismic, delta[:, 0], sense(direction), movable & (size > 1e-6 * size.max()))
+    for key in ("e_star", "gamma_star"):
+        assert mechanism[key] == pytest.approx(getattr(expected, key), rel=1e-9)
+        assert content["capacity"][direction][key] == mechanism[key]
+
+
+def test_a_settled_arch_has_its_mechanism_at_the_largest_multiplier():
+    """Its onset closes a hinge of the settlement, and does not move the control point."""
+    project, model = template("buttressed-arch"), assembly("buttressed-arch", 1.0)
+    (table,) = project.settlements
+    state = pushdown(model, table.support, table.displacement_m, increment=0.004).final
+    for direction in ("+x", "-x"):
+        control = project.pushover_control(direction).point_m
+        curve = pushover(model, control, direction, "rigid", 0.001, state, until=0.7)
+        assert curve.formed == curve.peak > 0
+        alpha = virtual_work_multiplier(model, curve.mechanism, direction)
+        assert alpha == pytest.approx(curve.multiplier.max(), rel=1e-6)
+
+
+def test_where_a_block_slides_the_first_of_equal_multipliers_is_the_activation():
+    model = block_on_base(0.6, 4.2, friction=0.1)
+    curve = pushover(model, (0.6, 4.2), increment=0.1)
+    assert np.ptp(curve.multiplier) < 1e-6
+    assert (curve.peak, curve.formed) == (0, 0)
+
+
+def test_a_control_point_that_takes_no_part_at_alpha_0_is_told_with_the_point_that_counts():
+    model = block_on_base(0.6, 4.2)
+    path = pushover(model, (0.6, 4.2), increment=0.05)
+    result = Part()
+    control = ControlTable(name="top", point_m=(0.6, 4.2))
+    later = replace(path, formed=path.peak + 2)
+    _curve_followed(
+        "original, pushover +x, rigid contacts",
+        model,
+        "rigid",
+        "associative",
+        "+x",
+        control,
+        later,
+        0.05,
+        result,
+    )
+    alpha = later.multiplier[later.formed]
+    [warning] = result.warnings
+    assert f"d = {later.displacement[later.formed]:.4g} m, α = {alpha:.4g}" in warning
+    it = translated(warning, words_of(analysed("it")))
+    assert (
+        "il punto di controllo non partecipa al meccanismo ad α_0" in it
+        and f"{alpha:.4g}".replace(".", ",") in it
+    )
+    results = analysed()
+    results["states"]["original"]["pushover"]["+x"]["rigid"] = result.numbers
+    assert mechanisms(results).rows[0]["mechanism_alpha"] == pytest.approx(alpha)
+
+
+@pytest.mark.parametrize(("state", "direction"), PUSHED)
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_curves_are_in_the_axes_of_the_model(state, direction, contacts):
+    """Displacements of −x were those of a mirror image: the control point goes where the frames show it."""
+    results = analysed()
+    stage = results["states"][state]["pushover"][direction][contacts]
+    d = np.array(stage["curve"]["displacement_m"])
+    assert d[0] == 0.0 and "-0.0" not in json.dumps(stage["curve"]["displacement_m"][:1])
+    [control] = results["geometry"]["controls"]
+    owner, drawn = np.array([control["block"]]), np.array([control["point_m"]])
+    at = [
+        place(drawn, owner, outlines(results).centroids, np.array(each))[0, 0]
+        for each in stage["frames"]["configuration"]
+    ]
+    np.testing.assert_allclose(d[stage["frames"]["index"]], np.array(at) - at[0], atol=2e-6)
+    assert sense(direction) * d[-1] > 0.0
+    listed = [
+        row["displacement_m"]
+        for row in pushover_curves(results).rows
+        if (row["state"], row["direction"], row["contacts"]) == (state, direction, contacts)
+    ]
+    assert listed == d.tolist()
+
+
+@pytest.mark.parametrize(("state", "direction"), PUSHED)
+def test_capacities_are_sizes_along_the_push(state, direction):
+    results = analysed()
+    curves = results["states"][state]["pushover"][direction]
+    d, alpha = map(np.asarray, along_push(curves["rigid"]["curve"], direction))
+    assert curves["rigid"]["d_0_m"] == d[-1] > 0.0 and alpha[-1] == 0.0
+    assert curves["elastic"]["d_y_m"] > 0.0 and curves["elastic"]["d_u_m"] > 0.0
+    assert min(results["states"][state]["capacity"][direction]["curve"]["d_star_m"]) == 0.0
+
+
+@pytest.mark.parametrize(("state", "direction"), PUSHED)
+def test_virtual_displacements_go_where_the_loads_push(state, direction):
+    """They were scaled to +1 m at the control point in −x too: the mechanism ran backwards."""
+    results = analysed()
+    mechanism = results["states"][state]["pushover"][direction]["rigid"]["mechanism"]
+    delta = np.array(mechanism["displacements"])
+    [control] = results["geometry"]["controls"]
+    at = found_mechanism(results, state, direction)
+    start = outlines(results)
+    owner = np.array([control["block"]])
+    point = place(np.array([control["point_m"]]), owner, start.centroids, at.configuration)
+    moved = field(point, owner, at.start.centroids, delta)[0, 0]
+    assert moved == pytest.approx(sense(direction), rel=1e-6)
+    assert mechanism["control_displacement_x"] == pytest.approx(moved, rel=1e-6)
+    assert sense(direction) * float(weights(results)[1] @ delta[:, 0]) > 0.0
+
+
+def test_figures_count_along_the_push_and_the_page_along_x():
+    results = analysed("en")
+    words = words_of(results)
+    axes = draw_pushover(results, words, "-x").axes[0]
+    assert axes.get_xlabel() == "displacement of the control point towards −x [mm]"
+    curves = [line.get_xdata() for line in axes.lines if len(line.get_xdata()) > 2]
+    assert curves and all(x[-1] > 0.0 for x in curves)
+    [settled] = [
+        path
+        for path in json.loads(viewer(results, words).data)["paths"]
+        if path["title"].endswith(f"{SETTLED}, −x, rigid contacts")
+    ]
+    assert settled["x_label"] == "displacement of the control point along x [mm]"
+    assert settled["series"][0]["x"][-1] < 0.0 and settled["frames"]["x"][-1] < 0.0
+    rigid = results["states"][SETTLED]["pushover"]["-x"]["rigid"]
+    marks = [line for line in axes.lines if line.get_marker() == "o"]
+    place_of_alpha_0 = -1000.0 * rigid["curve"]["displacement_m"][rigid["mechanism"]["point"]]
+    assert any(line.get_xdata()[0] == pytest.approx(place_of_alpha_0) for line in marks)

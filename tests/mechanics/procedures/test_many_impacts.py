@@ -1,0 +1,116 @@
+"""Motions of many impacts, shorter than the time step: what they come to, and what is said of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mechanics import Assembly, TimeHistory, time_history
+from mechanics.procedures import time_history as procedure
+from mechanics.steps.dynamic_system import Halving, contact_period
+from tests.support.drawn_projects import drawn
+from tests.support.structures import block_on_base, running_bond
+
+STEP = 0.005
+SPRINGING = (0.42, 0.55)
+
+
+def shaking(amplitude: float, step: float, duration: float) -> np.ndarray:
+    """Two sines that grow over half a second, for two seconds; then rest: the benchmark's motion."""
+    times = step * np.arange(round(duration / step) + 1)
+    phase = 2.0 * np.pi * 1.5 * times
+    envelope = np.minimum(times / 0.5, 1.0) * np.clip((2.0 - times) / 0.2, 0.0, 1.0)
+    return amplitude * envelope * (np.sin(phase) + 0.5 * np.sin(2.7 * phase + 1.0))
+
+
+def buttressed_arch(stiffness: float) -> Assembly:
+    blocks = drawn("buttressed_arch").blocks
+    return Assembly([replace(b, material=replace(b.material, normal_stiffness=stiffness)) for b in blocks])
+
+
+def sound(motion: TimeHistory) -> None:
+    """The balance closes, and what steps have given stays small against what was turned over.
+
+    No invariant: 0.1 to 1.7 % was measured, in part the dilation of slides, in part beds that give back more than they
+    stored, for which no cause is known. Where gaps wrong by microns were blows it was nine times the turnover and more.
+    """
+    energy = motion.energy
+    assert energy.imbalance <= 1e-4
+    assert np.diff(energy.integrator).clip(max=0.0).sum() >= -0.03 * energy.turnover
+    assert not any("energy balance" in note for note in motion.notes)
+
+
+@pytest.mark.parametrize("factor", [0.99, 1.0, 1.01])
+def test_collapse_on_stiff_joints_is_seen_at_the_usual_step(factor: float) -> None:
+    """k = 1e7 kN/m³, 0.12 g at 5 ms: falls at 1.48 to 1.51 s in steps of 0.3 and 0.075 ms, where nothing is halved."""
+    motion = time_history(buttressed_arch(1e7), factor * shaking(0.12, STEP, 3.0), STEP, "elastic")
+    sound(motion)
+    assert motion.collapsed and motion.time_of_collapse == pytest.approx(1.5, abs=0.1)
+    assert motion.halvings > 100
+    assert any("the integrator itself took" in note for note in motion.notes)
+
+
+def test_a_bed_that_is_stiff_for_its_step_gives_no_energy(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Even where nothing is halved, and slides stop: gaps wrong by microns are no blows."""
+    monkeypatch.setattr(procedure, "CLOSING", Halving(0, np.inf))
+    model = buttressed_arch(1e8)
+    for integrator in ("second-order", "implicit-euler"):
+        sound(time_history(model, shaking(0.12, STEP, 1.5), STEP, "elastic", integrator=integrator))
+
+
+def test_steps_are_halved_no_further_than_impacts_last() -> None:
+    """√(m/k), a block of mass 18·0.2/g on a bed of 5e5·0.2: 1.9 ms."""
+    assert contact_period(block_on_base()) == pytest.approx(np.sqrt(3.6 / 9.80665 / 1e5))
+    wave = shaking(0.5, STEP, 1.0)
+    soft, stiff = (
+        time_history(block_on_base(stiffness=k), wave, STEP, "elastic", integrator="second-order")
+        for k in (5e3, 5e7)
+    )
+    assert soft.halvings == 0 < stiff.halvings
+
+
+@pytest.fixture
+def levels(monkeypatch: pytest.MonkeyPatch) -> Iterator[dict[int, TimeHistory]]:
+    """The arch with rigid joints, its steps halved so many times."""
+    found = {}
+    for count in (0, 6):
+        monkeypatch.setattr(procedure, "RESOLVED", Halving(count, 1e-2))
+        found[count] = time_history(
+            drawn("buttressed_arch"), shaking(0.12, STEP, 3.0), STEP, control=SPRINGING
+        )
+    yield found
+
+
+def test_what_coarse_steps_take_is_no_impact(levels: dict[int, TimeHistory]) -> None:
+    """A fixed step of 5 ms stops small rocking dead: 3.2 mm where it is 13.5. It says so; resolved impacts do not."""
+    coarse, resolved = levels[0], levels[6]
+    peaks = [float(abs(motion.displacement).max()) for motion in (coarse, resolved)]
+    assert peaks[0] < 0.004 < 0.005 < peaks[1]
+    for motion in (coarse, resolved):
+        assert motion.integrator == "moreau-jean"
+        assert motion.energy.imbalance <= 1e-4
+    assert coarse.energy.integrator_share > 0.5
+    assert any("the integrator itself took" in note for note in coarse.notes)
+    assert resolved.energy.integrator_share < 0.2
+    assert not any("the integrator itself took" in note for note in resolved.notes)
+
+
+def test_a_resolved_impact_is_no_loss_of_the_integrator() -> None:
+    """A block dropped from 0.2 m, by either rule: its impact at 2 m/s takes what it brings."""
+    model = block_on_base(0.5, 0.5)
+    lifted = model.initial.positions.copy()
+    lifted[1, 1] += 0.2
+    state = replace(model.initial, positions=lifted)
+    motion = time_history(model, np.zeros(61), STEP, "rigid", state, "moreau-jean")
+    assert motion.energy.impact[-1] == pytest.approx(0.2 * model.weight, rel=1e-2)
+    assert motion.energy.integrator_share < 1e-2
+
+
+def test_friction_is_not_booked_as_an_impact() -> None:
+    motion = time_history(running_bond(3, 3), shaking(0.8, STEP, 0.8), STEP, integrator="moreau-jean")
+    energy = motion.energy
+    assert energy.friction[-1] > 0.8 * energy.dissipated[-1]
+    assert energy.imbalance <= 1e-4

@@ -1,0 +1,103 @@
+"""Structures that are their own mirror image: recognised exactly, and the image of a path is the path the other way."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mechanics import Assembly, Block, Material, pushover
+from mechanics.procedures.mirror import Mirror
+from mechanics.program import certify
+from mechanics.steps.static_step import StepProblem
+from tests.support.structures import arch_on_piers, rectangle
+
+# of the peak: far beyond that of elastic joints blocks snap from place to place, and rounding decides where to
+UNTIL = {"rigid": 0.3, "elastic": 0.95}
+CONTROL = {"+x": (0.6, 0.84), "-x": (-0.6, 0.84)}
+
+
+@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
+def test_the_image_of_a_path_is_the_path_the_other_way(behaviour):
+    model = arch_on_piers()
+    mirror = Mirror.of(model, behaviour)
+    one = pushover(model, CONTROL["+x"], "+x", behaviour, 0.001, until=UNTIL[behaviour])
+    other = pushover(model, CONTROL["-x"], "-x", behaviour, 0.001, until=UNTIL[behaviour])
+    image = mirror.pushover(one)
+    close = 0.01 * 0.001  # m: a hundredth of a step
+    np.testing.assert_allclose(image.displacement, other.displacement, atol=close)
+    np.testing.assert_allclose(image.multiplier, other.multiplier, atol=1e-3 * max(other.multiplier))
+    for found, expected in zip(image.states, other.states, strict=True):
+        np.testing.assert_allclose(found.positions, expected.positions, atol=close)
+    np.testing.assert_allclose(image.mechanism, other.mechanism, atol=1e-2 * abs(other.mechanism).max())
+
+
+@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
+def test_every_step_of_the_image_is_an_equilibrium(behaviour):
+    """Its rows are those of the configuration, its loads push the other way, and its forces bear them."""
+    model = arch_on_piers()
+    image = Mirror.of(model, behaviour).pushover(
+        pushover(model, CONTROL["+x"], "+x", behaviour, 0.002, until=UNTIL[behaviour])
+    )
+    for step in image.steps[1:]:
+        problem = StepProblem(step.system, step.state, model.dead_load, 1e-3, model.lateral_load("-x"))
+        program, index = problem.pose(step.state.positions, step.forces)
+        found = certify(program, step.forces[index], step.alpha, np.zeros(len(program.load)))
+        assert max(found.equilibrium, found.cone) < 1e-6
+        np.testing.assert_allclose(step.places, model.contacts.places(step.state.positions), atol=1e-12)
+    assert len(image.steps) > 4
+
+
+def test_control_points_have_to_be_each_others_image():
+    mirror = Mirror.of(arch_on_piers(), "rigid")
+    assert mirror.swaps(CONTROL["+x"], CONTROL["-x"])
+    assert not mirror.swaps(CONTROL["+x"], CONTROL["+x"])
+    assert not mirror.swaps(CONTROL["+x"], (-0.6, 0.8))
+
+
+def test_messages_name_the_image():
+    model = arch_on_piers()
+    mirror = Mirror.of(model, "rigid")
+    path = pushover(model, CONTROL["+x"], "+x", "rigid", 0.005, until=0.9)
+    image = mirror.pushover(replace(path, end="+x: lost, at block 0 first"))
+    assert image.end == f"-x: lost, at block {mirror.block[0]} first"
+
+
+def _changed(change):
+    """A block of 1 m in the middle of a base, and what it is changed into."""
+    stone = Material(20.0, 0.6)
+    base = Block(rectangle(-1.0, -0.1, 2.0, 0.0), 1.0, stone, support="base")
+    return Assembly([base, change(Block(rectangle(0.0, 0.0, 1.0, 1.0), 1.0, stone))])
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda block: Block(rectangle(1e-6, 0.0, 1.0, 1.0), block.depth, block.material),
+        lambda block: Block([(0.0, 0.0), (1.0, 0.0), (1.0, 0.9), (0.0, 1.0)], block.depth, block.material),
+    ],
+    ids=["a micron aside", "a sloping top"],
+)
+def test_what_is_not_quite_its_image_has_no_mirror(change):
+    assert Mirror.of(_changed(lambda block: block), "rigid") is not None
+    assert Mirror.of(_changed(change), "rigid") is None
+
+
+@pytest.mark.parametrize("field", ["unit_weight", "friction", "normal_stiffness"])
+def test_stones_have_to_be_alike_on_both_sides(field):
+    model = arch_on_piers()
+    stone = model.blocks[0].material
+    other = replace(stone, **{field: 0.9 * getattr(stone, field)})
+    assert isinstance(other, Material)
+    blocks = [replace(model.blocks[0], material=other), *model.blocks[1:]]
+    assert Mirror.of(model, "elastic") is not None
+    assert Mirror.of(Assembly(blocks), "elastic") is None
+
+
+def test_a_path_on_which_blocks_met_has_no_image():
+    """Faces that met are none of the drawing's joints."""
+    model = arch_on_piers()
+    path = pushover(model, CONTROL["+x"], "+x", "rigid", 0.005, until=0.9)
+    touched = replace(path.steps[-1], forces=np.vstack([path.steps[-1].forces, [[1.0, 0.0, 0.0]]]))
+    assert Mirror.of(model, "rigid").pushover(replace(path, steps=(*path.steps[:-1], touched))) is None

@@ -1,0 +1,174 @@
+"""How paths end, and what the contacts as drawn cannot show."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+import numpy as np
+import pytest
+
+from assessment.project.catalogue.new_project import new_project
+from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover
+from mechanics.errors import CollapseError, ConvergenceError, RunawayError
+from mechanics.procedures.pushover import PushoverTolerances
+from tests.support.drawn_projects import drawn, tables
+from tests.support.structures import arch_on_piers, block_on_base, rectangle
+
+STONE = Material(20.0, 0.6, 1e6)
+MODULE = {name: import_module(f"mechanics.procedures.{name}") for name in ("pushdown", "pushover")}
+
+
+def test_a_structure_that_rides_with_its_support_has_no_ultimate_movement():
+    path = pushdown(block_on_base(), "base", (0.02, -0.02), increment=0.01, to_collapse=True)
+    assert path.ultimate is None
+    assert path.end == "the structure moves with its support as a whole"
+    assert len(path.movement) < 20
+
+
+def test_a_turn_with_a_small_translation_is_as_good_as_one_without():
+    model = block_on_base()
+    pure = pushdown(model, "base", rotation=-0.05, increment=0.005).final
+    mixed = pushdown(model, "base", (0.0005, 0.0), rotation=-0.05, increment=0.0005 / 10).final
+    np.testing.assert_allclose(mixed.positions[1] - pure.positions[1], [0.0005, 0.0, 0.0], atol=1e-5)
+
+
+def test_the_arc_of_a_turn_does_not_depend_on_vertices_in_the_middle_of_an_edge():
+    plain = [[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]]
+    dotted = [*plain[:1], *([x, -0.2] for x in (-0.9, -0.8, -0.7)), *plain[1:]]
+    wall = Block(rectangle(-0.1, 0.0, 0.1, 1.0), 1.0, STONE)
+    arcs = [
+        pushdown(Assembly([Block(base, 1.0, STONE, support="base"), wall]), "base", rotation=0.01).movement[
+            -1
+        ]
+        for base in (plain, dotted)
+    ]
+    assert arcs[0] == pytest.approx(arcs[1], rel=1e-12)
+
+
+def test_a_repeated_vertex_makes_no_difference():
+    def wall_and_buttress(repeat: bool) -> Assembly:
+        buttress = [[0.3, 0.0], [0.8, 0.0], [0.3, 1.5]]
+        return Assembly(
+            [
+                Block(rectangle(-1.0, -0.2, 2.0, 0.0), 1.0, STONE, support="base"),
+                Block(rectangle(0.0, 0.0, 0.3, 2.0), 1.0, STONE),
+                Block([*buttress, buttress[0]] if repeat else buttress, 1.0, STONE),
+            ]
+        )
+
+    plain, repeated = wall_and_buttress(False), wall_and_buttress(True)
+    assert len(repeated.joints.a) == len(plain.joints.a) == 3
+    assert limit_analysis(repeated).alpha == pytest.approx(limit_analysis(plain).alpha, abs=1e-9)
+
+
+def test_fewer_than_three_distinct_vertices_are_refused():
+    with pytest.raises(ValueError, match="vertices"):
+        Block([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 0.0]], 1.0, STONE)
+
+
+def test_a_loss_of_equilibrium_is_told_from_a_path_followed_to_zero():
+    followed = pushover(block_on_base(), (0.2, 1.0), increment=0.02)
+    assert followed.reached_zero
+    assert not followed.lost
+    ended = pushover(arch_on_piers(), (0.85, 0.8), increment=0.001)
+    assert ended.lost
+    assert not ended.reached_zero
+    assert ended.multiplier[-1] > 0.1
+
+
+def test_a_path_cut_short_is_neither():
+    few = PushoverTolerances(points=5)
+    cut = pushover(block_on_base(friction=0.1), (0.2, 1.0), increment=0.001, tolerances=few)
+    assert cut.end == "5 points"
+    assert not cut.reached_zero and not cut.lost
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_an_increment_wider_than_the_settlement_is_no_reason_to_give_up(contacts):
+    """A base turned by θ leaves d_0 = H sin(arctan(B/H) − θ), found whatever the increment."""
+    model = block_on_base(stiffness=1e8)
+    moved = pushdown(model, "base", rotation=-0.002, increment=0.01).final
+    for increment in (0.01, 0.05, 0.1):
+        path = pushover(model, (0.2, 1.0), "+x", contacts, increment, moved)
+        assert path.reached_zero
+        expected = np.hypot(0.2, 1.0) * np.sin(np.arctan(0.2) - 0.002)
+        assert path.displacement[-1] == pytest.approx(expected, rel=5e-2)
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_a_block_that_only_slides_is_not_followed_for_ever(contacts):
+    model = block_on_base(friction=0.1, stiffness=1e6)
+    path = pushover(model, (0.2, 1.0), "+x", contacts, 0.02)
+    assert "slides: α stays 0.1 over" in path.end
+    assert not path.reached_zero and not path.lost
+    assert path.displacement[-1] == pytest.approx(model.size, abs=0.05)
+
+
+def test_a_bed_too_soft_is_named_as_such():
+    with pytest.raises(UnstableError, match=r"0\.018 m into each other"):
+        pushover(block_on_base(stiffness=1e3), (0.2, 1.0), contacts="elastic")
+
+
+def test_a_bed_too_soft_to_keep_its_block_upright_leads_nowhere():
+    """It stands where k d l³/12 exceeds W h/2: for 3 m above 2.4e4 kN/m³."""
+    with pytest.raises((UnstableError, ConvergenceError)):
+        pushover(block_on_base(height=3.0, stiffness=1.5e4), (0.2, 3.0), contacts="elastic")
+
+
+CORNER = (0.2, 1.0)
+
+
+def test_where_nothing_stands_beyond_the_last_equilibrium_is_located(monkeypatch):
+    found = MODULE["pushover"].reach
+
+    def reach(problem, guess, last, shortest):
+        step, jumped = found(problem, guess, last, shortest)
+        if problem.system.model.point_displacement(CORNER, 1, step.state.positions)[0] > 0.055:
+            raise RunawayError("a part falls")
+        return step, jumped
+
+    monkeypatch.setattr(MODULE["pushover"], "reach", reach)
+    curve = pushover(block_on_base(), CORNER, increment=0.01)
+    assert curve.lost and curve.end == "a part falls"
+    assert 0.055 - 0.01 / 32 <= curve.displacement[-1] <= 0.055
+
+
+def test_a_movement_ends_where_nothing_stands_beyond(monkeypatch):
+    model, found = arch_on_piers(), MODULE["pushdown"].reach
+    increment, index, drawn = model.size / 50.0, model.support("right"), model.initial.positions
+
+    def reach(problem, guess, last, shortest):
+        if float((guess - drawn)[index, 0].max()) > 5.2 * increment:
+            raise RunawayError("a part falls")
+        return found(problem, guess, last, shortest)
+
+    monkeypatch.setattr(MODULE["pushdown"], "reach", reach)
+    with pytest.raises(CollapseError, match="a part falls") as collapse:
+        pushdown(model, "right", (9.0 * increment, 0.0), increment=increment, to_collapse=True)
+    path = collapse.value.path
+    assert 5.2 - 1.0 / 32 <= path.movement[-1] / increment <= 5.2
+    assert path.ultimate == path.movement[-1]
+
+
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+def test_a_hinge_of_the_settlement_that_snaps_shut_is_no_end_of_the_capacity(direction, tmp_path):
+    """The multiplier comes down to zero within 3 mm, and up to ten times the onset's as the hinge has closed."""
+    new_project(tmp_path / "arch", "arch", {})
+    model, project = drawn(tmp_path / "arch"), tables(tmp_path / "arch")
+    [table] = project["settlements"]
+    settled = pushdown(model, table["support"], table["displacement_m"], 0.0, table["increment_m"]).final
+    points = {point["name"]: point["point_m"] for point in project["control"]}
+    named, increment = project["pushover"]["control"], project["pushover"]["increment_m"]
+    control = points[named if isinstance(named, str) else named[direction]]
+    curve = pushover(model, control, direction, "rigid", increment, settled)
+    assert curve.multiplier[0] < 0.04
+    assert curve.multiplier.max() > 3.0 * curve.multiplier[0]
+    assert curve.displacement[-1] > 0.04
+
+
+def test_an_elastic_path_that_only_bends_is_followed_without_letting_blocks_go():
+    """Forces of the last point in the geometry of the next one may be unstable where the structure is not."""
+    movement = np.array([0.03, -0.03])
+    path = pushdown(drawn("triumphal_arch"), "right", movement, increment=0.01, contacts="elastic")
+    assert len(path.movement) == 4
+    assert not len(path.crossed)

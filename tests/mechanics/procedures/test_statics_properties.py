@@ -1,0 +1,368 @@
+"""What must hold for the static procedures whatever the structure: invariance, equilibrium, bounds, agreement."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from assessment.project.catalogue.new_project import new_project
+from assessment.project.catalogue.templates import TEMPLATES
+from mechanics import Assembly, CollapseError, limit_analysis, pushdown, pushover
+from mechanics.kernels.joint import H
+from mechanics.model.contacts import end_gaps
+from mechanics.procedures.mechanism import virtual_work_multiplier
+from mechanics.solvers import lp_highs
+from mechanics.steps.equilibrium import closed_program, reaction, rest
+from mechanics.steps.geometry_iteration import find_equilibrium
+from mechanics.steps.static_step import StepProblem
+from mechanics.steps.static_system import static_system
+from tests import ROOT
+from tests.stress.corpus import assemblies
+from tests.support.drawn_projects import drawn
+from tests.support.structures import arch_on_piers, block_on_base, semicircular_arch
+
+SIZE = 0.02  # m, of the movement imposed
+FOLDERS = (ROOT / "projects").iterdir()
+PROJECTS = sorted(f for f in FOLDERS if (f / "project.toml").is_file())
+
+
+@cache
+def arch() -> Assembly:
+    return arch_on_piers(voussoirs=9, courses=3)
+
+
+CONTROL = (0.65, 0.8)  # top of the arch's right pier, outer edge of the ring
+
+
+def mapped(model, place, weight=1.0, stiffness=1.0, order=None):
+    """The model with its points carried by `place`, unit weights and stiffnesses by their factors, blocks reordered."""
+    blocks = [
+        replace(
+            b,
+            vertices=place(b.polygon),
+            material=replace(
+                b.material,
+                unit_weight=weight * b.material.unit_weight,
+                normal_stiffness=stiffness * b.material.normal_stiffness,
+            ),
+        )
+        for b in model.blocks
+    ]
+    order = range(len(blocks)) if order is None else order
+    return Assembly([blocks[i] for i in order], model.segments_per_joint)
+
+
+@cache
+def curves(model, control=CONTROL, direction="+x", movement=(SIZE, -SIZE), scale=1.0):
+    """α, reaction and both pushover curves, original and settled: what a change of frame must not change."""
+    moved = pushdown(model, "right", scale * np.array(movement), increment=scale * SIZE / 4)
+    at = {"increment": scale * 0.01, "direction": direction}
+    start = pushover(model, control, contacts="rigid", **at)
+    settled = pushover(model, control, contacts="rigid", state=moved.final, **at)
+    elastic = pushover(model, control, contacts="elastic", **at)
+    alpha = limit_analysis(model, direction).alpha
+    return SimpleNamespace(alpha=alpha, pushdown=moved, pushovers=(start, settled, elastic))
+
+
+def same_curves(found, expected, scale=1.0, force=1.0, mirror=1.0):
+    assert found.alpha == pytest.approx(expected.alpha, rel=1e-7)
+    assert found.pushdown.movement == pytest.approx(scale * expected.pushdown.movement)
+    reactions = force * expected.pushdown.reaction * (mirror, 1.0)
+    assert found.pushdown.reaction == pytest.approx(reactions, abs=1e-4 * abs(reactions).max())
+    for new, old in zip(found.pushovers, expected.pushovers, strict=True):
+        assert new.reached_zero == old.reached_zero
+        assert new.multiplier.max() == pytest.approx(old.multiplier.max(), rel=1e-4)
+        assert new.displacement[-1] == pytest.approx(scale * old.displacement[-1], rel=2e-3)
+        d = np.linspace(0.0, 0.98 * old.displacement[-1], 20)  # some end in a jump
+        before = np.interp(d, old.displacement, old.multiplier)
+        after = np.interp(scale * d, new.displacement, new.multiplier)
+        assert after == pytest.approx(before, abs=2e-3 * before.max())
+
+
+@settings(max_examples=1, deadline=None)
+@given(shift=st.tuples(st.floats(-50.0, 50.0), st.floats(-50.0, 50.0)))
+def test_a_translation_of_the_drawing_changes_nothing(shift):
+    moved = mapped(arch(), lambda p: p + shift)
+    same_curves(curves(moved, tuple(np.add(CONTROL, shift))), curves(arch()))
+
+
+def test_a_mirror_image_swaps_the_directions():
+    mirrored = mapped(arch(), lambda p: p * (-1.0, 1.0))
+    found = curves(mirrored, (-CONTROL[0], CONTROL[1]), "-x", (-SIZE, -SIZE))
+    same_curves(found, curves(arch()), mirror=-1.0)
+    # and the arch, its own mirror image, is as strong either way
+    assert curves(arch()).alpha == pytest.approx(limit_analysis(arch(), "-x").alpha, rel=1e-7)
+
+
+@settings(max_examples=1, deadline=None)
+@given(scale=st.floats(0.05, 20.0))
+def test_in_other_units_of_length_the_curves_only_stretch(scale):
+    # weights per volume and stiffnesses per volume stay: so does their ratio, a length per length
+    scaled = mapped(arch(), lambda p: scale * p)
+    found = curves(scaled, tuple(scale * np.array(CONTROL)), scale=scale)
+    same_curves(found, curves(arch()), scale=scale, force=scale**2)
+
+
+@settings(max_examples=1, deadline=None)
+@given(factor=st.floats(1e-3, 1e3))
+def test_in_other_units_of_force_only_the_reactions_change(factor):
+    heavier = mapped(arch(), lambda p: p, weight=factor, stiffness=factor)
+    same_curves(curves(heavier), curves(arch()), force=factor)
+
+
+@settings(max_examples=1, deadline=None)
+@given(order=st.permutations(range(len(arch().blocks))))
+def test_the_order_of_the_blocks_does_not_matter(order):
+    same_curves(curves(mapped(arch(), lambda p: p, order=order)), curves(arch()))
+
+
+def residual(model, step):
+    """ΣFx, ΣFz and ΣM (3,) of reactions and loads, per weight and per weight times the structure's size."""
+    total = sum(reaction(model, step, np.array([i])) for i in np.flatnonzero(~model.movable))
+    loads = np.where(model.movable[:, None], model.dead_load + step.alpha * model.lateral_load("+x"), 0.0)
+    x, z = step.state.positions[:, :2].T
+    total = total + loads.sum(axis=0) + (0.0, 0.0, (x * loads[:, 1] - z * loads[:, 0]).sum())
+    extent = np.ptp(model.initial.positions[:, :2])
+    return abs(total) / (model.weight, model.weight, model.weight * extent)
+
+
+STRUCTURES = {
+    "block": (block_on_base, (0.2, 1.0), "base"),
+    "arch on piers": (arch, CONTROL, "right"),
+    "arch": (lambda: semicircular_arch(10, 0.2, 0.7), (0.0, 1.1), "right"),
+}
+
+
+@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_reactions_balance_the_loads_in_every_step(name, behaviour):
+    make, control, support = STRUCTURES[name]
+    model = make()
+    moved = pushdown(model, support, (0.01, -0.005), increment=0.002, contacts=behaviour)
+    pushed = [pushover(model, control, "+x", behaviour, 0.002, state) for state in (None, moved.final)]
+    for path in (moved, *pushed):
+        assert len(path.steps) > 3
+        for step in path.steps:
+            assert residual(model, step) == pytest.approx(np.zeros(3), abs=3e-6)
+
+
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_reactions_balance_the_loads_at_the_onset(name):
+    model = STRUCTURES[name][0]()
+    limit = limit_analysis(model, "+x")
+    step = SimpleNamespace(
+        forces=limit.forces,
+        alpha=limit.alpha,
+        state=model.initial,
+        contacts=limit.contacts,
+        places=limit.contacts.places(model.initial.positions),
+        system=SimpleNamespace(rigid=True),
+    )
+    assert residual(model, step) == pytest.approx(np.zeros(3), abs=1e-8)
+
+
+def test_the_pushdown_reports_the_reaction_of_its_support():
+    model = arch()
+    path = pushdown(model, "right", (0.01, -0.01), increment=0.005)
+    for step, reported in zip(path.steps[1:], path.reaction[1:], strict=True):
+        assert reaction(model, step, model.support("right"))[:2] == pytest.approx(reported)
+        both = sum(reaction(model, step, model.support(s)) for s in ("left", "right"))
+        assert both[1] == pytest.approx(model.weight, rel=1e-8)
+
+
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_virtual_work_gives_the_multiplier_in_displaced_configurations(name):
+    """The paper's check: α of the motion out of a displaced configuration, within 1 %."""
+    make, control, _ = STRUCTURES[name]
+    model = make()
+    path = pushover(model, control, "+x", "rigid", 0.001)
+    assert len(path.states) > 10
+    jumps = set(path.crossed[:, 0])
+    for k in range(1, len(path.states) - 2):
+        if path.displacement[k] in jumps:
+            continue  # a part moves by itself
+        motion = path.states[k + 1].positions - path.states[k].positions
+        between = sorted(path.multiplier[k : k + 2])
+        slack = 0.01 * path.multiplier.max()
+        assert between[0] - slack <= virtual_work_multiplier(model, motion, "+x") <= between[1] + slack
+
+
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_limit_analysis_meets_the_rigid_curve_in_displaced_configurations(name):
+    """α of the contacts closed in a displaced configuration, by the other solver and without the path to it."""
+    make, control, _ = STRUCTURES[name]
+    model = make()
+    path = pushover(model, control, "+x", "rigid", 0.002)
+    for k in np.linspace(0, len(path.states) - 2, 5).astype(int):
+        found = _multiplier_at(model, path.states[k])
+        assert found == pytest.approx(path.multiplier[k], abs=0.01 * path.multiplier.max())
+
+
+def _multiplier_at(model, state):
+    """α along +x over the joints that are closed, by HiGHS."""
+    found = lp_highs.solve(closed_program(model, state, model.lateral_load("+x")).program)
+    assert found is not None
+    return found[1]
+
+
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_the_elastic_peak_stays_below_the_rigid_multiplier_and_tends_to_it(name):
+    make, control, _ = STRUCTURES[name]
+    soft = make()
+    onset = limit_analysis(soft).alpha
+    peaks = [
+        pushover(mapped(soft, lambda p: p, stiffness=factor), control, "+x", "elastic", 0.01).multiplier.max()
+        for factor in (1.0, 100.0, 1e5)
+    ]
+    assert peaks == sorted(peaks)
+    assert peaks[-1] <= onset * (1.0 + 1e-6)
+    assert peaks[-1] == pytest.approx(onset, rel=2e-2)
+
+
+def test_the_reaction_at_the_onset_of_a_movement_is_the_least_and_the_greatest_thrust():
+    # moving out a springing calls for the least thrust, moving it in for the greatest; at rest any between
+    model = semicircular_arch(15, 0.18)
+    out, inward = (pushdown(model, "right", (d, 0.0), increment=1e-3).reaction[0] for d in (2e-3, -2e-3))
+    assert abs(out[0]) < abs(inward[0])
+    assert out[1] == pytest.approx(0.5 * model.weight, rel=1e-6)
+    at_rest = reaction(model, rest(static_system(model, "rigid"), model.initial), model.support("right"))
+    assert abs(out[0]) - 1e-6 <= abs(at_rest[0]) <= abs(inward[0]) + 1e-6
+    # the reaction against the movement does the least work of all admissible ones
+    sunk, raised = (pushdown(model, "right", (0.0, d), increment=1e-3).reaction[0] for d in (-2e-3, 2e-3))
+    assert sunk[1] < at_rest[1] + 1e-6 < raised[1] + 2e-6
+
+
+def test_a_settled_state_is_where_the_pushover_starts():
+    moved = pushdown(arch(), "right", (SIZE, -SIZE), increment=0.005)
+    path = pushover(arch(), CONTROL, increment=0.01, state=moved.final)
+    assert path.states[0] is moved.final
+    assert path.displacement[0] == 0.0
+    assert path.multiplier[0] == pytest.approx(limit_analysis(arch(), "+x", moved.final).alpha)
+    support = arch().support("right")[0]
+    expected = arch().initial.positions[support] + (SIZE, -SIZE, 0.0)
+    for state in path.states:
+        assert state.positions[support] == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_settlement_of_the_whole_is_no_settlement(contacts):
+    model = block_on_base()
+    moved = pushdown(model, "base", (0.03, -0.02), increment=0.01, contacts=contacts)
+    still = pushdown(model, "base", (1e-9, 0.0), increment=1.0, contacts=contacts)
+    shift = moved.final.positions - still.final.positions
+    assert shift == pytest.approx(np.tile([0.03, -0.02, 0.0], (2, 1)), abs=1e-7)
+
+
+@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
+def test_a_movement_and_its_way_back(behaviour):
+    """A small settlement is taken up by hinges alone: they close again when the support goes back."""
+    model = arch()
+    moved = pushdown(model, "right", (0.004, 0.0), increment=0.001, contacts=behaviour)
+    state = moved.final
+    for share in (0.75, 0.5, 0.25, 0.0):
+        guess = model.moved_support(state.positions, "right", np.array([0.004 * share, 0.0]), 0.0)
+        problem = StepProblem(static_system(model, behaviour), state, model.dead_load, 0.001)
+        state = find_equilibrium(problem, guess).state
+    begin = moved.states[0]
+    assert state.positions == pytest.approx(begin.positions, abs=2e-4)
+    if behaviour == "rigid":
+        assert _multiplier_at(model, state) == pytest.approx(limit_analysis(model, "+x").alpha, rel=1e-2)
+
+
+@pytest.mark.parametrize("angle", [-0.05, 0.02, 0.08])
+def test_a_turned_support_lowers_the_multiplier_on_its_low_side(angle):
+    # rigid block B x H: α = tan(arctan(B/H) ∓ θ)
+    model = block_on_base()
+    moved = pushdown(model, "base", rotation=angle, increment=0.01)
+    assert moved.final.positions[:, 2] == pytest.approx(angle, abs=1e-7)
+    for direction, side in (("+x", 1.0), ("-x", -1.0)):
+        expected = np.tan(np.arctan(0.2) + side * angle)
+        assert limit_analysis(model, direction, moved.final).alpha == pytest.approx(expected, abs=1e-5)
+
+
+def test_a_turned_support_turns_about_its_centroid():
+    model = arch()
+    moved = pushdown(model, "left", (0.0, -0.004), rotation=-0.01, increment=0.002)
+    support = model.support("left")[0]
+    assert moved.final.positions[support] == pytest.approx(
+        model.initial.positions[support] + (0.0, -0.004, -0.01)
+    )
+
+
+def multipliers(model):
+    for direction in ("+x", "-x"):
+        program = closed_program(model, model.initial, model.lateral_load(direction)).program
+        by_highs = lp_highs.solve(program, "highs-ipm")
+        assert by_highs is not None
+        yield limit_analysis(model, direction).alpha, by_highs[1]
+
+
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_limit_analysis_agrees_with_highs_on_every_template(template, tmp_path):
+    new_project(tmp_path / "new", template, {})
+    for ours, theirs in multipliers(drawn(tmp_path / "new")):
+        assert ours == pytest.approx(theirs, abs=1e-6)
+
+
+@pytest.mark.parametrize("folder", PROJECTS, ids=lambda folder: folder.name)
+def test_limit_analysis_agrees_with_highs_on_every_project(folder):
+    for ours, theirs in multipliers(drawn(folder)):
+        assert ours == pytest.approx(theirs, abs=1e-6)
+
+
+STANDING = [("block", "base"), ("arch on piers", "right"), ("arch", "right")]
+
+
+@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
+@pytest.mark.parametrize(("name", "support"), STANDING)
+def test_no_joint_carries_more_than_friction_or_outside_its_overlap(name, support, behaviour):
+    """|T| ≤ μN and |P| ≤ hN at every point of a settlement and of the push after it; no face lies in another."""
+    make, control, _ = STRUCTURES[name]
+    model = make()
+    moved = pushdown(model, support, (0.012, -0.006), increment=0.003, contacts=behaviour)
+    pushed = pushover(model, control, "+x", behaviour, 0.01, moved.final)
+    for step in (*moved.steps, *pushed.steps):
+        within_cones(model, step)
+
+
+def within_cones(model, step):
+    n, p, t = step.forces.T
+    slight = 1e-6 * model.weight
+    assert (n > -slight).all()
+    assert (abs(t) <= step.contacts.friction * n + slight).all()
+    assert (abs(p) <= np.maximum(step.places[:, H], 0.0) * n + slight * model.size).all()
+    if step.system.rigid:
+        overlapping = step.places[:, H] > 1e-6 * model.size
+        assert end_gaps(step.places[overlapping]).min() > -1e-3 * model.size
+
+
+@settings(max_examples=10, deadline=None)
+@given(seed=st.integers(0, 10**6), behaviour=st.sampled_from(["rigid", "elastic"]))
+def test_on_random_paths_flat_supports_carry_no_more_than_friction(seed, behaviour):
+    """Of random assemblies, supports moved by random amounts (200 of them in the stress tests)."""
+    random_path(seed, behaviour)
+
+
+def random_path(seed, behaviour):
+    rng = np.random.default_rng(seed)
+    model = next(iter(assemblies(1, seed)))[1] if seed % 2 else arch()
+    names = sorted({b.support for b in model.blocks if b.support})
+    way = model.size * rng.uniform(-0.1, 0.1, 2)
+    try:
+        path = pushdown(
+            model, names[seed % len(names)], way, increment=abs(way).max() / 4, contacts=behaviour
+        )
+    except CollapseError as collapse:
+        path = collapse.path
+    fixed = ~model.movable
+    for step in path.steps:
+        within_cones(model, step)
+        held = fixed[step.contacts.a] | fixed[step.contacts.b]
+        n, t = step.forces[held, 0], step.forces[held, 2]
+        assert (abs(t) <= step.contacts.friction[held] * n + 1e-6 * model.weight).all()

@@ -1,0 +1,121 @@
+"""Response spectra against an independent integration and the limits of short and long periods."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from mechanics.records.response_spectrum import response_spectrum
+from mechanics.types import GRAVITY
+
+NOISE = 0.1 * np.random.default_rng(7).normal(size=40)
+STEP = 0.02
+
+
+def reference_displacement(a, time_step, period, damping):
+    """Largest |u| of the oscillator by Runge-Kutta of order 8, interval by interval, and its free swing."""
+    omega = 2.0 * np.pi / period
+    corners = np.append(GRAVITY * a, 0.0)
+    pieces = [(time_step, a0, (a1 - a0) / time_step) for a0, a1 in pairwise(corners)] + [(period, 0.0, 0.0)]
+    state, largest = np.zeros(2), 0.0
+    for length, a0, slope in pieces:
+        solution = solve_ivp(
+            lambda t, y, a0=a0, slope=slope: [
+                y[1],
+                -a0 - slope * t - 2.0 * damping * omega * y[1] - omega**2 * y[0],
+            ],
+            (0.0, length),
+            state,
+            method="DOP853",
+            rtol=1e-9,
+            atol=1e-13,
+            dense_output=True,
+        )
+        largest = max(largest, np.abs(solution.sol(np.linspace(0.0, length, 300))[0]).max())
+        state = solution.y[:, -1]
+    return largest
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05, 0.3])
+@pytest.mark.parametrize("period", [0.03, 0.1, 0.5, 3.0])
+def test_agrees_with_runge_kutta(period, damping):
+    expected = reference_displacement(NOISE, STEP, period, damping)
+    S_a, S_d = response_spectrum(NOISE, STEP, period, damping)
+    assert S_d[0] == pytest.approx(expected, rel=2e-3)
+    assert S_a[0] == pytest.approx((2.0 * np.pi / period) ** 2 * expected / GRAVITY, rel=2e-3)
+
+
+def test_samples_are_exact():
+    """A constant base acceleration from rest: u = −(a/ω²)(1 − cos ωt), whose peak 2a/ω² falls on a sample."""
+    S_d = response_spectrum(np.full(201, 0.1), 0.01, 1.0, damping=0.0)[1]
+    assert S_d[0] == pytest.approx(2.0 * 0.1 * GRAVITY / (2.0 * np.pi) ** 2, rel=1e-9)
+
+
+def test_resonance_under_a_sine():
+    """Steady state at resonance: u = a/(2ξω²), so S_a = a/(2ξ)."""
+    t = 0.005 * np.arange(20001)
+    S_a = response_spectrum(0.1 * np.sin(2.0 * np.pi * t), 0.005, 1.0, damping=0.05)[0]
+    assert S_a[0] == pytest.approx(0.1 / 0.1, rel=1e-3)
+
+
+def test_short_periods_give_the_peak_acceleration():
+    a = np.sin(np.linspace(0.0, 6.0, 600)) * np.hanning(600)
+    S_a, S_d = response_spectrum(a, 0.01, [0.0, 1e-3, 1e-2])
+    assert S_a == pytest.approx(np.abs(a).max(), rel=1e-3)
+    assert S_d[0] == 0.0
+
+
+def test_long_periods_give_the_ground_displacement():
+    """A sine of base acceleration leaves the ground at rest a t²/2π away; its reverse brings it back."""
+    t = 0.001 * np.arange(1001)
+    pulse = 0.2 * np.sin(2.0 * np.pi * t)
+    a = np.concatenate([pulse, -pulse[1:]])  # out and back: at rest where it began
+    expected = 0.2 * GRAVITY / (2.0 * np.pi)
+    S_d = response_spectrum(a, 0.001, [300.0, 3000.0], damping=0.05)[1]
+    assert S_d == pytest.approx(expected, rel=5e-3)
+    assert S_d[1] == pytest.approx(expected, rel=5e-4)
+
+
+def test_the_free_vibration_after_a_pulse_counts():
+    """Short pulse: u = v/ω with v its impulse, reached a quarter period later."""
+    S_d = response_spectrum([0.0, 0.1, 0.1, 0.0], 0.001, 2.0, damping=0.0)[1]
+    assert S_d[0] == pytest.approx(0.0002 * GRAVITY / np.pi, rel=1e-4)
+
+
+@given(factor=st.floats(-5.0, 5.0).filter(lambda x: abs(x) > 0.01), stretch=st.floats(0.1, 10.0))
+@settings(max_examples=20, deadline=None)
+def test_linear_in_the_record_and_similar_in_time(factor, stretch):
+    periods = np.array([0.05, 0.3, 1.0, 4.0])
+    S_a, S_d = response_spectrum(NOISE, STEP, periods)
+    assert response_spectrum(factor * NOISE, STEP, periods)[0] == pytest.approx(abs(factor) * S_a, rel=1e-9)
+    slow = response_spectrum(NOISE, stretch * STEP, stretch * periods)
+    assert slow[0] == pytest.approx(S_a, rel=1e-6)
+    assert slow[1] == pytest.approx(stretch**2 * S_d, rel=1e-6)
+
+
+def test_periods_are_independent_and_keep_their_order():
+    periods = np.array([2.0, 0.0, 0.1, 0.7])
+    together = response_spectrum(NOISE, STEP, periods)[0]
+    assert together == pytest.approx([response_spectrum(NOISE, STEP, T)[0][0] for T in periods], rel=1e-9)
+
+
+def test_a_record_at_rest_has_no_response():
+    S_a, S_d = response_spectrum(np.zeros(10), 0.01, [0.0, 0.1, 1.0])
+    assert not S_a.any() and not S_d.any()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ((np.array([0.0, np.nan]), 0.01, 1.0), "acceleration_g"),
+        ((NOISE, 0.0, 1.0), "time_step"),
+        ((NOISE, 0.01, [1.0, -1.0]), "periods"),
+        ((NOISE, 0.01, 1.0, 1.0), "damping"),
+    ],
+)
+def test_bad_arguments_are_named(arguments, name):
+    with pytest.raises(ValueError, match=name):
+        response_spectrum(*arguments)

@@ -1,0 +1,495 @@
+"""The program: its certificate, its solvers against each other, and what it says where there is no solution."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import sparse
+from scipy.optimize import linprog
+
+from mechanics import (
+    Assembly,
+    Block,
+    ConvergenceError,
+    Material,
+    NoEquilibriumError,
+    UnstableError,
+    limit_analysis,
+    solvers,
+)
+from mechanics.kernels.joint import PHI, H, U
+from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
+from mechanics.model.contacts import rows
+from mechanics.program import Program, Solution, certify
+from mechanics.solvers import imbalance, interior, lp_highs, qp_piqp, solve
+from mechanics.steps.equilibrium import check_self_weight, closed_program, rest
+from mechanics.steps.geometry_iteration import find_equilibrium
+from mechanics.steps.static_step import StepProblem
+from mechanics.steps.static_system import static_system
+from tests.stress.corpus import assemblies
+from tests.support.drawn_projects import drawn
+from tests.support.steps import euler_step, posed, shaken, static_step
+from tests.support.structures import (
+    arch_on_piers,
+    block_on_base,
+    column,
+    rectangle,
+    running_bond,
+    semicircular_arch,
+)
+
+SLIGHT = 1e-3
+KINDS = ("rigid", "elastic", "points", "crushing", "crushing bed", "dynamic")
+
+
+def problem_of(kind: str) -> tuple[Program, Solution]:
+    """A program of each kind and its solution."""
+    strength = 60.0 if kind.startswith("crushing") else np.inf
+    model = column(0.5, 1.5, 3, 1e5, strength=strength, segments=4 if kind == "points" else None)
+    if kind == "dynamic":
+        program, layout = euler_step(model, "elastic", shaken(model, 1), 0.3)
+    elif kind in ("rigid", "crushing"):
+        closed = closed_program(model, model.initial, model.lateral_load("+x"))
+        program, layout = closed.program, closed.layout
+    else:
+        system = static_system(model, "elastic")
+        load = model.dead_load + 0.08 * model.lateral_load("+x")
+        program, layout = posed(StepProblem(system, model.initial, load, 1e-3))
+    return program, solve(program, layout)[0]
+
+
+@pytest.fixture(scope="module", params=KINDS)
+def solved(request):
+    return problem_of(request.param)
+
+
+def certificate(solved, forces=0.0, alpha=0.0, displacement=0.0):
+    program, s = solved
+    return certify(program, s.forces + forces, s.alpha + alpha, s.displacement + displacement)
+
+
+def test_a_solution_is_certified(solved):
+    program, solution = solved
+    assert solution.certificate.worst(program.step) < 1e-8
+    assert certificate(solved) == solution.certificate
+
+
+@pytest.mark.parametrize("component", range(3))
+def test_a_wrong_force_is_out_of_equilibrium(solved, component):
+    """N, P or T of any one joint."""
+    program, _ = solved
+    size = (1.0, program.size, 1.0)[component]
+    for joint in range(len(program.law)):
+        wrong = np.zeros_like(solved[1].forces)
+        wrong[joint, component] = SLIGHT * program.weight * size
+        assert certificate(solved, forces=wrong).equilibrium > 0.1 * SLIGHT
+
+
+def test_a_force_at_the_end_of_its_joint_and_one_beyond(solved):
+    """|P| ≤ hN, and less where the strength is finite: what is beyond is outside by the whole of it."""
+    program, solution = solved
+    half, n = program.places[:, H], solution.forces[:, 0]
+    most = half * (n - n**2 / (2.0 * half * program.law[:, STRENGTH]))
+    for joint in range(len(half)):
+        for sign in (-1.0, 1.0):
+            edge = solution.forces.copy()
+            edge[joint, 1] = sign * most[joint]
+            found = certify(program, edge, solution.alpha, solution.displacement)
+            assert found.cone < 1e-7
+            edge[joint, 1] += sign * 2.0 * half[joint] * SLIGHT * program.weight
+            found = certify(program, edge, solution.alpha, solution.displacement)
+            assert found.cone == pytest.approx(SLIGHT, rel=0.01)
+
+
+def test_a_force_outside_the_friction_cone(solved):
+    program, solution = solved
+    for sign in (-1.0, 1.0):
+        wrong = solution.forces.copy()
+        wrong[1, 2] = sign * (program.law[1, FRICTION] * wrong[1, 0] + SLIGHT * program.weight)
+        found = certify(program, wrong, solution.alpha, solution.displacement)
+        assert found.cone == pytest.approx(SLIGHT, rel=1e-6)
+
+
+def test_tension(solved):
+    wrong = solved[1].forces.copy()
+    wrong[0] = -SLIGHT * solved[0].weight, 0.0, 0.0
+    assert certify(solved[0], wrong, 0.0, solved[1].displacement).cone >= 0.5 * SLIGHT
+
+
+def test_a_block_lower_than_it_is_lies_in_another(solved):
+    program, solution = solved
+    down = np.zeros_like(solution.displacement)
+    down[1] = -program.step
+    assert certificate(solved, displacement=down).penetration > 0.5 * program.step
+
+
+def test_a_force_across_an_open_joint_does_work(solved):
+    program, solution = solved
+    up = np.zeros_like(solution.displacement)
+    up[1::3] = program.step
+    assert certificate(solved, displacement=up).complementarity > SLIGHT
+
+
+def test_a_slip_under_less_than_friction_does_work(solved):
+    program, solution = solved
+    aside = np.zeros_like(solution.displacement)
+    aside[0::3] = program.step
+    sticks = abs(solution.forces[0, 2]) < 0.9 * program.law[0, FRICTION] * solution.forces[0, 0]
+    assert sticks
+    assert certificate(solved, displacement=aside).complementarity > SLIGHT
+
+
+def test_a_wrong_multiplier_and_a_wrong_work():
+    solved = problem_of("rigid")
+    program, solution = solved
+    assert certificate(solved, alpha=SLIGHT).equilibrium == pytest.approx(SLIGHT, rel=0.6)
+    wrong = certificate(solved, displacement=SLIGHT * solution.displacement)
+    assert wrong.work == pytest.approx(SLIGHT * program.work / (program.weight * program.step), rel=1e-3)
+
+
+@pytest.mark.parametrize("what", ["bed", "segments", "strength", "shear", "slid", "gap", "load"])
+def test_a_solution_of_another_program_is_none_of_this_one(what):
+    """The law, the geometry and the loads are recomputed from the program, whatever a solver solved."""
+    program, solution = problem_of("crushing bed" if what == "strength" else "points")
+    law, places, load = program.law.copy(), program.places.copy(), program.load.copy()
+    if what == "bed":
+        law[:, BED] *= 1.1
+    elif what == "segments":
+        law[:, SEGMENTS] = 0
+    elif what == "strength":
+        law[:, STRENGTH] *= 0.8
+    elif what == "shear":
+        law[:, SHEAR] += 1e-3 * program.step
+    elif what == "slid":
+        law[:, SLID] += 0.1 * program.step
+    elif what == "gap":
+        places[:, U] += 0.1 * program.step
+    else:
+        load *= 1.001
+    other = replace(program, law=law, places=places, load=load)
+    assert certify(other, solution.forces, solution.alpha, solution.displacement).worst(program.step) > 1e-6
+
+
+@pytest.mark.parametrize("entry", ["equilibrium", "cone", "complementarity", "penetration", "work"])
+def test_the_worst_residual_counts_and_survives_joining(entry):
+    program, solution = problem_of("rigid")
+    poor = replace(solution.certificate, **{entry: 1.0})
+    assert poor.worst(program.step) >= 0.01
+    assert (
+        getattr(solution.certificate.joined(poor), entry)
+        == getattr(poor.joined(solution.certificate), entry)
+        == 1.0
+    )
+
+
+# --- solvers of different kinds
+
+
+def second_opinion(program: Program) -> Solution:
+    answer = qp_piqp.solve(program, 1e-12, 200)
+    assert answer is not None
+    return Solution(*answer, certify(program, *answer))
+
+
+def test_multipliers_of_random_assemblies_by_three_solvers():
+    """Rigid, α by PIQP, HiGHS and the method of our own (200 assemblies in the stress tests)."""
+    for number, model in assemblies(24):
+        same_multiplier(model, number)
+
+
+def same_multiplier(model: Assembly, number: int) -> None:
+    closed = closed_program(model, model.initial, model.lateral_load("+x"))
+    found, _ = solve(closed.program, closed.layout)
+    highs = lp_highs.solve(closed.program)
+    assert highs is not None
+    assert certify(closed.program, *highs).worst(closed.program.step) < 1e-7, number
+    assert found.alpha == pytest.approx(highs[1], abs=1e-7), number
+    assert found.alpha == pytest.approx(second_opinion(closed.program).alpha, abs=1e-7), number
+
+
+def test_elastic_statics_of_random_assemblies_by_two_solvers():
+    for number, model in assemblies(24, segments=5):
+        same_elastic_step(model, number)
+
+
+def same_elastic_step(model: Assembly, number: int) -> None:
+    program, layout = static_step(model, "elastic")
+    found, iterate = solve(program, layout)
+    assert iterate is not None, "not by the second opinion itself"
+    expected = second_opinion(program)
+    # the curve of a soft bed is flat: forces go with the root of the energy that is left
+    assert found.alpha == pytest.approx(expected.alpha, abs=2e-5), number
+    move = abs(found.displacement - expected.displacement).max()
+    assert move < 0.15 * program.step, number  # both certified: along it the program is nearly flat
+
+
+@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
+def test_time_steps_of_random_assemblies_by_two_solvers(behaviour):
+    rng = np.random.default_rng(12)
+    for number, model in assemblies(24, segments=4):
+        same_time_step(model, behaviour, number, rng.uniform(-1.0, 1.0))
+
+
+def same_time_step(model: Assembly, behaviour, number: int, acceleration: float) -> None:
+    """Displacements in the energy norm, per that of what the loads do alone."""
+    program, layout = euler_step(model, behaviour, shaken(model, number), acceleration)
+    found, iterate = solve(program, layout)
+    assert iterate is not None and program.mass is not None
+    apart = found.displacement - second_opinion(program).displacement
+    free = float(program.load @ (program.load / program.mass))
+    assert np.sqrt(apart @ (program.mass * apart) / free) < 5e-5, number
+
+
+def test_an_exact_bed_is_what_many_points_come_to(monkeypatch):
+    """The same step by PIQP, whose bed has ever more points: the difference falls with their square."""
+    model = semicircular_arch(9, 0.2, 0.8, 1e5)
+    program, layout = static_step(model, "elastic")
+    exact = solve(program, layout)[0].alpha
+    error = []
+    for points in (4, 16, 64):
+        monkeypatch.setattr(qp_piqp, "POINTS", points)
+        error.append(abs(second_opinion(program).alpha / exact - 1.0))
+    assert error[2] < 3e-3 and error[1] < 0.3 * error[0] and error[2] < 0.3 * error[1]
+
+
+def tangent_cuts(model: Assembly, direction: str) -> float:
+    """α of rigid joints that crush, by linear programs: N₁, N₂ ≥ κN² by its tangents where it is violated."""
+    program = closed_program(model, model.initial, model.lateral_load(direction)).program
+    count, half, b = len(program.law), program.places[:, H], rows(program.places)
+    kappa = 1.0 / (4.0 * half * program.law[:, STRENGTH])
+    ends = np.stack([b[:, 0] - half[:, None] * b[:, 1], b[:, 0] + half[:, None] * b[:, 1], b[:, 2]], axis=1)
+    moving = np.broadcast_to((program.dof >= 0)[:, None, :], ends.shape)
+    at = np.broadcast_to(program.dof[:, None, :], ends.shape)[moving]
+    col = np.broadcast_to(np.arange(3 * count).reshape(-1, 3, 1), ends.shape)[moving]
+    balance = sparse.csr_matrix((ends[moving], (at, col)), shape=(len(program.load), 3 * count))
+    balance = sparse.hstack([balance, program.lateral[:, None]]).tocsr()
+    cuts, bounds = [], []
+    for k in range(count):
+        for sign in (1.0, -1.0):
+            cut = np.zeros(3 * count + 1)
+            cut[3 * k : 3 * k + 3] = -program.law[k, FRICTION], -program.law[k, FRICTION], sign
+            cuts.append(cut)
+            bounds.append(0.0)
+    free = [(0.0, None), (0.0, None), (None, None)] * count + [(None, None)]
+    most = np.r_[np.zeros(3 * count), -1.0]
+    sharp = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+    for _ in range(20):
+        rows_of = sparse.csr_matrix(np.array(cuts))
+        found = linprog(most, rows_of, bounds, balance, -program.load, free, "highs-ds", options=sharp).x
+        forces = found[:-1].reshape(-1, 3)
+        n = forces[:, 0] + forces[:, 1]
+        short = kappa[:, None] * n[:, None] ** 2 - forces[:, :2]
+        if short.max() < 1e-8 * program.weight:
+            return float(found[-1])
+        for k, end in np.argwhere(short > 1e-10 * program.weight):
+            cut = np.zeros(3 * count + 1)
+            cut[3 * k : 3 * k + 2] = 2.0 * kappa[k] * n[k]
+            cut[3 * k + end] -= 1.0
+            cuts.append(cut)
+            bounds.append(kappa[k] * n[k] ** 2)
+    raise AssertionError(f"the cuts leave {short.max():.2g} kN")
+
+
+@pytest.mark.parametrize("strength", [500.0, 41.5, 20.0])
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+def test_crushing_by_linear_programs(strength, direction):
+    model = drawn("buttressed_arch", 1.0, strength)
+    assert limit_analysis(model, direction).alpha == pytest.approx(tangent_cuts(model, direction), abs=1e-7)
+
+
+lengths = st.floats(0.2, 0.6)
+
+
+@settings(max_examples=12, deadline=None)
+@given(
+    columns=st.integers(1, 4),
+    courses=st.integers(1, 5),
+    length=lengths,
+    height=st.floats(0.1, 0.4),
+    friction=st.floats(0.3, 1.0),
+    full_on_top=st.booleans(),
+    direction=st.sampled_from(["+x", "-x"]),
+)
+def test_simplex_agrees_on_walls(columns, courses, length, height, friction, full_on_top, direction):
+    model = running_bond(columns, courses, length, height, friction, full_on_top=full_on_top)
+    closed = closed_program(model, model.initial, model.lateral_load(direction))
+    highs = lp_highs.solve(closed.program)
+    assert highs is not None
+    assert limit_analysis(model, direction).alpha == pytest.approx(highs[1], abs=1e-7)
+
+
+def test_simplex_refuses_what_is_not_linear():
+    with pytest.raises(ValueError, match="not linear"):
+        lp_highs.solve(static_step(block_on_base(), "elastic")[0])
+
+
+@pytest.mark.parametrize("name", ["places", "load", "law"])
+def test_a_number_that_is_not_finite_is_no_solution(name):
+    program, layout = static_step(block_on_base(), "rigid")
+    broken = replace(program, **{name: np.full_like(getattr(program, name), np.nan)})
+    with pytest.raises((ValueError, ConvergenceError)):
+        solve(broken, layout)
+
+
+@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
+def test_a_solution_near_another_takes_fewer_iterations_than_one_from_nowhere(behaviour):
+    model = running_bond(5, 6, stiffness=1e6)
+    program, layout = static_step(model, behaviour)
+    _, iterate = solve(program, layout)
+    assert iterate is not None
+    near = replace(program, load=program.load * 1.001)
+    cold = interior.run(near, layout, interior.cold(near), 1e-8)[1]
+    warm = interior.run(near, layout, iterate.warm(near, 1e-3), 1e-8)[1]
+    assert cold.accepted and warm.accepted
+    assert warm.iterations < cold.iterations
+
+
+# --- no solution
+
+
+def slope(angle, friction):
+    """A flat block on a plane that rises to the right at `angle` (rad)."""
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[c, s], [-s, c]])
+    stone = Material(18.0, friction, 1e6)
+    base = Block(np.array(rectangle(-1, -0.2, 2, 0)) @ turn, 1.0, stone, support="base")
+    return Assembly([base, Block(np.array(rectangle(0, 0, 1, 0.2)) @ turn, 1.0, stone)])
+
+
+@pytest.mark.parametrize("angle", [0.3, -0.3])
+def test_infeasible_is_said_where_friction_is_too_small_for_the_slope(angle):
+    check_self_weight(slope(angle, 1.001 * np.tan(0.3)))
+    model = slope(angle, 0.99 * np.tan(0.3))
+    closed = closed_program(model, model.initial)
+    with pytest.raises(NoEquilibriumError, match="start to move"):
+        solve(closed.program, closed.layout)
+    with pytest.raises(UnstableError, match="own weight"):
+        check_self_weight(model)
+
+
+def test_imbalance_is_the_acceleration_down_the_slope():
+    # Gauss's principle with associative friction: the block leaves along the edge of the cone of motions,
+    # at right angles to the friction cone's: g (sin a cos f − cos a sin f), f the friction angle
+    angle, friction = 0.6, 0.3
+    model = slope(angle, friction)
+    escape = np.sin(angle - np.arctan(friction))
+    closed = closed_program(model, model.initial)
+    found = imbalance(closed.program, closed.layout)
+    direction = angle - np.arctan(friction)
+    assert found == pytest.approx(escape * max(abs(np.cos(direction)), abs(np.sin(direction))), rel=1e-6)
+
+
+@pytest.mark.parametrize("model", [block_on_base(), running_bond(), arch_on_piers()])
+def test_imbalance_is_zero_where_gravity_is_carried(model):
+    closed = closed_program(model, model.initial)
+    assert imbalance(closed.program, closed.layout) < 1e-7
+
+
+def failing(*_):
+    """A run of the method of our own that ends nowhere."""
+    return None, interior.Outcome(False, False, 1, np.inf, np.inf, np.inf)
+
+
+def test_not_converged_is_told_from_infeasible(monkeypatch):
+    """Solvers that give up on a program that has a solution: no mechanical statement is made of it."""
+    program, layout = static_step(running_bond(3, 3), "rigid")
+    monkeypatch.setattr(interior, "run", failing)
+    monkeypatch.setattr(solvers, "imbalance", lambda *_: 0.0)
+    monkeypatch.setattr(solvers, "_attempts", lambda _: iter([lambda: None, lambda: None]))
+    with pytest.raises(ConvergenceError, match="equilibrium exists"):
+        solve(program, layout)
+
+
+def test_what_balances_the_loads_decides_where_the_auxiliary_program_does_not(monkeypatch):
+    program, layout = static_step(running_bond(3, 3), "rigid")
+    good, _ = solve(program, layout)
+
+    def undecided(*_):
+        raise ConvergenceError("least acceleration was not solved")
+
+    monkeypatch.setattr(interior, "run", failing)
+    monkeypatch.setattr(solvers, "imbalance", undecided)
+    assert solve(program, layout)[0].alpha == pytest.approx(good.alpha, abs=1e-7)
+    monkeypatch.setattr(solvers, "_attempts", lambda _: iter([lambda: None]))
+    with pytest.raises(ConvergenceError, match="least acceleration"):
+        solve(program, layout)
+
+
+def test_a_poor_answer_is_solved_again_by_another_solver(monkeypatch):
+    program, layout = static_step(running_bond(3, 3), "rigid")
+    good, _ = solve(program, layout)
+    calls = []
+
+    def poor(*_, **__):
+        calls.append(1)
+        return 1.01 * good.forces, good.alpha, good.displacement
+
+    monkeypatch.setattr(interior, "run", failing)
+    monkeypatch.setattr(qp_piqp, "solve", poor)
+    monkeypatch.setattr(solvers, "imbalance", lambda *_: 0.0)
+    assert solve(program, layout)[0].alpha == pytest.approx(good.alpha, abs=1e-9)
+    assert len(calls) == 2
+
+
+def test_a_joint_that_crushes_is_not_handed_to_a_solver_of_quadratic_programs():
+    program, _ = problem_of("crushing")
+    assert not qp_piqp.suits(program)
+    assert qp_piqp.suits(problem_of("rigid")[0])
+
+
+def wedged():
+    """A block between two walls that cannot give way."""
+    stone = Material(18.0, 0.7, 1e6)
+    return Assembly(
+        [
+            Block(rectangle(-2, -1, 3, 0), 1.0, stone, support="base"),
+            Block(rectangle(-1, 0, 0, 1), 1.0, stone, support="left"),
+            Block(rectangle(1, 0, 2, 1), 1.0, stone, support="right"),
+            Block(rectangle(0, 0, 1, 1), 1.0, stone),
+        ]
+    )
+
+
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+def test_a_wedged_block_has_no_mechanism(direction):
+    with pytest.raises(NoEquilibriumError, match="wedges"):
+        limit_analysis(wedged(), direction)
+
+
+# --- elastic joints
+
+
+@pytest.mark.parametrize("share", [0.1, 1.0, 3.0])
+def test_shear_displacement_of_a_joint_with_tangential_stiffness(share):
+    """Far from sliding and tipping: u = H/(k_t A), the joint's rotation aside; unloaded, the block comes back."""
+    k_t = share * 1e6
+    stone = Material(18.0, 0.7, 1e6, k_t)
+    base = Block(rectangle(-1, -1, 2, 0), 1.0, stone, support="base")
+    model = Assembly([base, Block(rectangle(0, 0, 1, 0.02), 1.0, stone)])
+    system = static_system(model, "elastic")
+    start = rest(system, model.initial)
+    load = model.dead_load + 0.1 * model.lateral_load("+x")
+    pushed = find_equilibrium(StepProblem(system, start.state, load, 1e-6), start.state.positions)
+    slid = pushed.state.positions[1, 0] - start.state.positions[1, 0]
+    assert slid == pytest.approx(0.1 * model.weight / k_t, rel=2e-2)
+    assert pushed.state.shear.sum() != 0.0
+    back = find_equilibrium(StepProblem(system, pushed.state, model.dead_load, 1e-6), pushed.state.positions)
+    assert back.state.positions[1, 0] == pytest.approx(start.state.positions[1, 0], abs=1e-3 * slid)
+
+
+def test_a_joint_rigid_in_shear_keeps_no_shear():
+    model = block_on_base()
+    assert rest(static_system(model, "elastic"), model.initial).state.shear is None
+
+
+def test_compression_of_an_elastic_joint_under_gravity():
+    model = block_on_base(stiffness=1e5)
+    step = rest(static_system(model, "elastic"), model.initial)
+    moved = model.initial.positions[1, 1] - step.state.positions[1, 1]
+    assert moved == pytest.approx(18.0 / 1e5, rel=1e-6)
+    assert step.places[0, PHI] == pytest.approx(0.0, abs=1e-12)
+    assert step.penetration < 1e-12

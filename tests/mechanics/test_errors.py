@@ -1,0 +1,219 @@
+"""What the mechanics says where it cannot answer: which argument is wrong, or what the structure does."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from mechanics import (
+    Assembly,
+    Block,
+    CollapseError,
+    ControlError,
+    Material,
+    UnstableError,
+    limit_analysis,
+    pushdown,
+    pushover,
+)
+from mechanics.model.assembly import State
+from tests.support.structures import arch_on_piers, block_on_base, rectangle, running_bond, semicircular_arch
+
+STONE = Material(18.0, 0.7, 1e6)
+TOP = (0.2, 1.0)
+
+
+@pytest.fixture(scope="module")
+def model():
+    return block_on_base()
+
+
+def leaning(shift: float) -> Assembly:
+    """A block whose centroid stands `shift` (m) beyond the edge of its base."""
+    return Assembly(
+        [
+            Block(rectangle(-1, -1, 0, 0), 1.0, STONE, support="base"),
+            Block(rectangle(shift - 0.5, 0, shift + 0.5, 1), 1.0, STONE),
+        ]
+    )
+
+
+ANALYSES = {
+    "limit analysis": limit_analysis,
+    "rigid pushover": lambda m: pushover(m, (0.0, 1.0)),
+    "elastic pushover": lambda m: pushover(m, (0.0, 1.0), contacts="elastic"),
+    "rigid pushdown": lambda m: pushdown(m, "base", (0.01, 0.0)),
+    "elastic pushdown": lambda m: pushdown(m, "base", (0.01, 0.0), contacts="elastic"),
+}
+
+
+@pytest.mark.parametrize("analysis", ANALYSES.values(), ids=ANALYSES)
+def test_a_block_that_overhangs_cannot_stand(analysis):
+    with pytest.raises(UnstableError, match="cannot stand under its own weight"):
+        analysis(leaning(0.01))
+
+
+def test_a_block_that_overhangs_less_than_half_can():
+    assert limit_analysis(leaning(-0.01)).alpha == pytest.approx(0.01 / 0.5)
+
+
+@pytest.mark.parametrize("analysis", ANALYSES.values(), ids=ANALYSES)
+def test_a_block_without_support_cannot_stand(analysis):
+    apart = Assembly([*leaning(-0.2).blocks, Block(rectangle(5, 5, 6, 6), 1.0, STONE)])
+    with pytest.raises(UnstableError, match="own weight"):
+        analysis(apart)
+
+
+def test_an_arch_that_is_too_thin_cannot_stand():
+    limit_analysis(semicircular_arch(27, 0.110))
+    with pytest.raises(UnstableError, match=r"start to move with .* g"):
+        limit_analysis(semicircular_arch(27, 0.104))
+
+
+def test_a_state_in_which_nothing_stands_is_refused(model):
+    fallen = model.rotated(1, (0.2, 0.0), -0.3)  # beyond its corner: arctan(0.2) = 0.197
+    for analysis in (limit_analysis, lambda m, state: pushover(m, TOP, state=state)):
+        with pytest.raises(UnstableError, match="own weight"):
+            analysis(model, state=fallen)
+
+
+@pytest.mark.parametrize("lean", [-0.19, -0.1, -0.01])
+def test_a_block_that_leans_on_its_corner_falls_back(model, lean):
+    """Gravity alone is not carried, though it would be by the end of the joint that is open."""
+    with pytest.raises(UnstableError, match="start to move"):
+        limit_analysis(model, state=model.rotated(1, (0.2, 0.0), lean))
+
+
+@pytest.mark.parametrize(
+    ("name", "call"),
+    [
+        ("direction", lambda m: limit_analysis(m, "x")),
+        ("direction", lambda m: pushover(m, TOP, "+y")),
+        ("contacts", lambda m: pushover(m, TOP, contacts="soft")),
+        ("contacts", lambda m: pushdown(m, "base", (0.01, 0.0), contacts="stiff")),
+        ("increment", lambda m: pushover(m, TOP, increment=0.0)),
+        ("increment", lambda m: pushover(m, TOP, increment=-1e-3)),
+        ("increment", lambda m: pushover(m, TOP, increment=np.inf)),
+        ("increment", lambda m: pushdown(m, "base", (0.01, 0.0), increment=0.0)),
+        ("increment", lambda m: pushdown(m, "base", (0.01, 0.0), increment=np.nan)),
+        ("displacement", lambda m: pushdown(m, "base")),
+        ("displacement", lambda m: pushdown(m, "base", (0.01,))),
+        ("displacement", lambda m: pushdown(m, "base", (0.01, np.nan))),
+        ("rotation", lambda m: pushdown(m, "base", rotation=np.inf)),
+        ("control", lambda m: pushover(m, (0.1, 2.0))),
+        ("control", lambda m: pushover(m, (np.nan, 0.5))),
+        ("control", lambda m: pushover(m, (0.1, 0.5, 0.0))),
+        ("block", lambda m: m.rotated(2, TOP, 0.1)),
+        ("about", lambda m: m.rotated(1, (0.0,), 0.1)),
+        ("segments_per_joint", lambda m: Assembly(m.blocks, segments_per_joint=0)),
+        ("tolerance", lambda m: Assembly(m.blocks, tolerance=0.0)),
+        ("tolerance", lambda m: Assembly(m.blocks, tolerance=np.nan)),
+        ("blocks", lambda m: Assembly([])),
+        ("blocks", lambda m: Assembly(m.blocks[:1])),
+        ("unit_weight", lambda m: Material(0.0)),
+        ("friction", lambda m: Material(18.0, -0.1)),
+        ("normal_stiffness", lambda m: Material(18.0, 0.5, 0.0)),
+        ("tangential_stiffness", lambda m: Material(18.0, 0.5, 1e6, 0.0)),
+        ("depth", lambda m: Block(rectangle(0, 0, 1, 1), 0.0, STONE)),
+        ("vertices", lambda m: Block([[0, 0], [1, 0]], 1.0, STONE)),
+        ("vertices", lambda m: Block([[0, 0], [1, 0], [2, 0]], 1.0, STONE)),
+        ("vertices", lambda m: Block([[0, 0], [1, 0], [np.inf, 1]], 1.0, STONE)),
+        ("segments", lambda m: Block(rectangle(0, 0, 1, 1), 1.0, STONE, segments=0)),
+    ],
+)
+def test_a_bad_argument_is_named(model, name, call):
+    with pytest.raises(ValueError, match=rf"^{name} = .*must be "):
+        call(model)
+
+
+def test_elastic_analyses_need_a_stiffness():
+    model = Assembly([Block(b.polygon, 1.0, Material(18.0, 0.7), b.support) for b in block_on_base().blocks])
+    for call in (
+        lambda: pushover(model, TOP, contacts="elastic"),
+        lambda: pushdown(model, "base", (0.01, 0.0), contacts="elastic"),
+    ):
+        with pytest.raises(ValueError, match="normal_stiffness"):
+            call()
+    assert limit_analysis(model).alpha == pytest.approx(0.2)
+
+
+def test_a_control_point_outside_every_block_is_told_how_far(model):
+    with pytest.raises(ValueError, match=r"0\.25 m away"):
+        pushover(model, (0.1, 1.25))
+
+
+def test_a_control_point_on_an_edge_belongs_to_the_movable_block(model):
+    assert model.block_at((0.1, 0.0)) == 1
+    assert model.block_at((0.5, 0.0)) == 0
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_a_control_point_of_a_support_takes_no_part(model, contacts):
+    with pytest.raises(ControlError, match=re.escape("control = (0.9, -0.05) takes no part")):
+        pushover(model, (0.9, -0.05), contacts=contacts, increment=0.01)
+
+
+def test_a_control_point_on_a_part_that_stays_takes_no_part():
+    low = Block(rectangle(0.5, 0.0, 0.9, 0.1), 1.0, STONE)  # squat: stays while the tall block tips
+    model = Assembly([*block_on_base().blocks, low])
+    with pytest.raises(ControlError, match=r"takes no part in the mechanism along \+x"):
+        pushover(model, (0.7, 0.1), increment=0.01)
+
+
+def test_an_unknown_support_is_told_the_known_ones():
+    with pytest.raises(ValueError, match=r"support = 'middle': must be one of left, right"):
+        pushdown(arch_on_piers(), "middle", (0.01, 0.0))
+
+
+def test_a_model_without_supports_says_so():
+    free = Assembly([Block(rectangle(0, 0, 1, 1), 1.0, STONE)])
+    with pytest.raises(ValueError, match="has no support"):
+        pushdown(free, "base", (0.01, 0.0))
+    with pytest.raises(UnstableError):
+        limit_analysis(free)
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_collapse_carries_the_path_so_far(contacts):
+    model = block_on_base(stiffness=1e8)  # falls when the base has turned by arctan(0.2)
+    with pytest.raises(CollapseError, match="before the whole of") as caught:
+        pushdown(model, "base", rotation=-0.3, increment=0.02, contacts=contacts)
+    path = caught.value.path
+    assert len(path.movement) == len(path.states) == len(path.reaction) > 3
+    assert path.final is path.states[-1]
+    assert path.ultimate == path.movement[-1]
+    assert -path.final.positions[0, 2] == pytest.approx(np.arctan(0.2), abs=0.01)
+
+
+def test_errors_of_one_kind_are_caught_as_value_errors():
+    assert issubclass(UnstableError, ValueError)
+    assert issubclass(CollapseError, ValueError)
+    assert issubclass(ControlError, ValueError)
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_a_state_of_another_model_is_refused(model, contacts):
+    with pytest.raises(ValueError, match=r"^state = \(34, 3\): must be of this assembly: \(2, 3\)"):
+        pushover(model, TOP, contacts=contacts, state=running_bond().initial)
+
+
+def test_a_state_that_is_not_finite_is_refused(model):
+    positions = np.full_like(model.initial.positions, np.nan)
+    with pytest.raises(ValueError, match=r"^state = .* must be finite"):
+        limit_analysis(model, state=State(positions, np.zeros_like(positions)))
+
+
+def test_a_pushdown_is_no_state(model):
+    moved = pushdown(model, "base", (0.01, 0.0), increment=0.01)
+    with pytest.raises(ValueError, match=r"^state = 'Pushdown': must be a State"):
+        limit_analysis(model, state=moved)
+
+
+@pytest.mark.parametrize("increment", [0.005, 0.05, 0.5])
+def test_a_coarse_increment_still_finds_where_the_multiplier_vanishes(model, increment):
+    # the block is at rest on its corner when its centroid stands over it: the top corner has come down by then
+    path = pushover(model, TOP, increment=increment)
+    assert path.reached_zero
+    assert path.displacement[-1] == pytest.approx(np.sin(np.arctan(0.2)), abs=2e-3)

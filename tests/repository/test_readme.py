@@ -1,0 +1,204 @@
+"""README and docs against what they are about: schema, command line, dependencies, links; no text is a placeholder."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator
+from typing import get_args
+
+import pytest
+
+from assessment.analyses.accuracy import MOST_HALVINGS, PRESETS
+from assessment.benchmark.command import BENCHMARKS
+from assessment.cli import main as cli
+from assessment.project.schema import MotionTable, ProjectContent, Table
+from assessment.project.schema_index import annotation_at, table_at, tables_of
+from assessment.report.pdf import APT_COMMAND, COMMANDS
+from tests import ROOT
+
+FILES = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]
+PAGES = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in FILES}
+KEYS, RUN = "docs/howto/project_file.md", "docs/howto/run.md"
+ABSENT = (None, "", ())  # defaults that mean that a key is left out
+TOP = "top"
+
+
+def rows(heading: str, page: str = "README.md") -> list[list[str]]:
+    """The cells of the table of a page whose heading begins so."""
+    lines = iter(PAGES[page].splitlines())
+    next(line for line in lines if line.startswith(f"| {heading}"))
+    next(lines)
+    found = []
+    for line in lines:
+        if not line.startswith("|"):
+            return found
+        found.append([cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]])
+    return found
+
+
+def without_brackets(text: str) -> str:
+    """A cell without what stands in round brackets, nested ones and links too."""
+    while "(" in text:
+        text = re.sub(r"\([^()]*\)", "", text)
+    return text
+
+
+def keys_of(cell: str) -> Iterator[tuple[str, bool, str | None]]:
+    """Each key of a row: its name, whether it is bold, and the default that is written."""
+    for part in re.split(r",\s+(?![^\[]*\])", without_brackets(cell)):
+        found = re.fullmatch(r"(\*\*)?(\w+)(?:\*\*)?(?: = (.+))?", part.strip())
+        assert found, part
+        yield found[2], bool(found[1]), found[3]
+
+
+def path_of(name: str) -> tuple[str, ...]:
+    """Where a table stands in the content: [layers.NAME] is an entry of layers."""
+    return () if name == TOP else tuple(re.sub(r"[`\[\]]", "", name).split("."))
+
+
+def table_of(name: str) -> type[Table]:
+    found = ProjectContent if name == TOP else table_at(path_of(name))
+    assert found is not None, name
+    return found
+
+
+TABLES = {cells[0]: cells[1] for cells in rows("table | keys", KEYS)}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_the_keys_of_a_table_their_defaults_and_what_is_required(name):
+    """README had [pushover] contacts = ["rigid", "elastic"] as the default; it is ["rigid"]."""
+    table = table_of(name)
+    inner = tables_of(table)
+    listed = {key: (bold, default) for key, bold, default in keys_of(TABLES[name])}
+    fields = {key: field for key, field in table.model_fields.items() if key not in inner}
+    assert listed.keys() == fields.keys()
+    for key, field in fields.items():
+        bold, written = listed[key]
+        assert bold == field.is_required(), key
+        if field.is_required() or field.default in ABSENT:
+            assert written is None, key
+            continue
+        assert written is not None, f"{key}: default {field.default!r} is not written"
+        value = tomllib.loads(f"x = {written}")["x"]
+        assert (tuple(value) if isinstance(value, list) else value) == field.default, key
+        assert type(value) is type(field.default) or isinstance(value, list), key
+
+
+def test_every_table_of_the_schema_has_a_row_in_the_form_of_the_file():
+    written = {path_of(name): name for name in TABLES}
+
+    def forms(path: tuple[str, ...], table: type[Table]) -> Iterator[tuple[tuple[str, ...], str]]:
+        for key, form in tables_of(table).items():
+            inner, here = table_at((*path, key)), (*path, key)
+            assert inner is not None
+            if here[-1] in {"SLD", "SLC"}:  # said in the row of SLV
+                continue
+            shown = ".".join(here)
+            yield {
+                "single": (here, f"`[{shown}]`"),
+                "list": (here, f"`[[{shown}]]`"),
+                "named": ((*here, "NAME"), f"`[{shown}.NAME]`"),
+            }[form]
+            yield from forms(here, inner)
+
+    assert {(): TOP} | dict(forms((), ProjectContent)) == written
+    assert annotation_at(("layers", "NAME")) is not None
+
+
+def parsers() -> dict[str, set[str]]:
+    """The commands and their options."""
+    usages = {name: cli._options([name, *["x"] * (name not in {"schema"})]) for name in cli.COMMANDS}
+    return {
+        name: set(re.findall(r"--[a-z-]+", found.parser.format_usage())) for name, found in usages.items()
+    }
+
+
+def test_the_commands_and_the_options_that_are_named_exist():
+    listed = {re.search(r"assesto (\w+)", cells[0])[1]: cells for cells in rows("command | does", RUN)}
+    found = parsers()
+    assert listed.keys() == found.keys()
+    for name, cells in listed.items():
+        assert set(re.findall(r"--[a-z-]+", " ".join(cells))) <= found[name]
+
+
+def test_the_templates_and_benchmarks_that_are_named_exist():
+    [new] = [cells[1] for cells in rows("command | does", RUN) if cells[0].startswith("`assesto new")]
+    assert tuple(re.findall(r"`([a-z-]+)`", new))[: len(cli.TEMPLATES)] == cli.TEMPLATES
+
+
+def test_what_installs_pango_is_what_the_warning_says():
+    told = {"Debian, Ubuntu": APT_COMMAND, "Windows": COMMANDS["Windows"], "macOS": COMMANDS["Darwin"]}
+    for system, text in rows("system"):
+        assert f"`{told.pop(system).partition(' (')[0]}`" in text
+    assert not told
+
+
+def test_the_exit_codes_are_those_of_the_command_line():
+    codes = [int(cells[0]) for cells in rows("code | meaning", RUN)]
+    assert codes == [cli.DONE, cli.WRONG_INPUT, cli.INCOMPLETE]
+
+
+def test_the_dependencies_are_those_of_the_package():
+    declared = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["dependencies"]
+    names = {re.match(r"[\w-]+", text)[0] for text in declared}
+    assert {cells[0].strip("`") for cells in rows("package | for")} == names
+
+
+def test_the_accuracies_are_those_of_the_program():
+    written = {cells[0]: cells[1:] for cells in rows("value | tolerance", "docs/accuracy.md")}
+    assert written.pop("a number") == ["that", str(MOST_HALVINGS)]
+    assert written.keys() == {f'`"{name}"`' for name in PRESETS}
+    for name, accuracy in PRESETS.items():
+        tolerance, halvings = written[f'`"{name}"`']
+        if accuracy.tolerance is None:
+            assert tolerance.startswith("none")
+        else:
+            assert (tolerance, halvings) == (
+                f"{accuracy.tolerance:.0%}".replace("%", " %"),
+                str(accuracy.halvings),
+            )
+
+
+def test_the_integrators_and_benchmarks_that_are_told_are_all():
+    integrators = [re.sub(r'[`"]', "", cells[0]) for cells in rows("`integrator`", "docs/theory.md")]
+    assert sorted(integrators) == sorted(get_args(MotionTable.model_fields["integrator"].annotation))
+    named = [
+        name
+        for cells in rows("NAME | what", "docs/benchmarks.md")
+        for name in re.findall(r"`(\w+)`", cells[0])
+    ]
+    assert sorted(named) == sorted(BENCHMARKS)
+
+
+def anchors(page: str) -> set[str]:
+    """What the headings of a page are called in links."""
+    headings = re.findall(
+        r"^#+ (.+)$", re.sub(r"^```.*?^```", "", page, flags=re.MULTILINE | re.DOTALL), re.MULTILINE
+    )
+    return {re.sub(r"[^\w -]", "", heading).lower().replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_links_lead_somewhere(name):
+    folder = (ROOT / name).parent
+    for target in re.findall(r"\]\((?!https?:)([^)\s]+)\)", PAGES[name]):
+        file, _, anchor = target.partition("#")
+        assert not file or (folder / file).exists(), target
+        if anchor:
+            page = (folder / file).resolve().relative_to(ROOT).as_posix() if file else name
+            assert anchor in anchors(PAGES[page]), target
+
+
+def test_the_readme_is_short():
+    assert len(PAGES["README.md"].splitlines()) <= 200
+
+
+def test_no_placeholder_is_left_in_the_sources():
+    """The docstring of demand_spectra said "XX" in the place of what its argument is."""
+    for folder in ("assessment", "mechanics", "templates"):
+        for path in sorted((ROOT / folder).rglob("*")):
+            if path.suffix in {".py", ".toml", ".j2", ".js", ".css"}:
+                text = path.read_text(encoding="utf-8")
+                assert not re.search(r"\b(XX+|TODO|FIXME|TBD)\b", text), path

@@ -1,0 +1,433 @@
+"""A hand-made results dictionary: an arch of five voussoirs on two supports, original and settled.
+
+Geometry, curves and spectra follow from a few formulas, so that the numbers agree with one another
+(a* = α/e*, d* = d Γ*, T from d*/a*, ζ_E = capacity/demand, reductions), as those of an analysis would.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+
+from assessment.results.schema import FORMAT
+
+G = 9.80665
+SETTLED = "right support 20 mm"
+DEMAND = {"SLD": (0.104, 2.33, 0.28), "SLV": (0.261, 2.36, 0.35), "SLC": (0.334, 2.40, 0.36)}  # L'Aquila
+DAMPING = {"SLD": 0.05, "SLV": 0.08, "SLC": 0.10}
+
+
+def results_example(language: str = "it") -> dict[str, Any]:
+    """Return a fresh results dictionary; change it at will."""
+    states = {
+        "original": _state(0.0, 0.153, 0.192),
+        SETTLED: _state(0.02, 0.131, 0.161) | {"settlement": _settlement(), "pushdown": _pushdown()},
+    }
+    return {
+        "format": FORMAT,
+        "assesto": "0.1.0",
+        "title": "Arco di prova" if language == "it" else "Trial arch",
+        "inputs": {"project.toml": "0" * 64, "geometry.dxf": "1" * 64},
+        "model": {
+            "blocks": 7,
+            "movable_blocks": 5,
+            "joints": 6,
+            "unknowns": 18,
+            "paper_contact_points": 24,
+            "weight_kN": 11.5 * 0.1 * _area() + 0.5,
+            "self_weight_stable": True,
+            "warnings": ["layer PIERS: 2 gaps of 0.9 mm were taken as closed"],
+        },
+        "geometry": _geometry(),
+        "echo": _echo(language),
+        "states": states,
+        "spectra": {limit: _spectrum(*values, DAMPING[limit]) for limit, values in DEMAND.items()},
+        "comparison": [
+            {
+                "state": SETTLED,
+                "direction": direction,
+                "limit_state": "SLC",
+                "static_pga_g": _pga(states, SETTLED, direction),
+                "static_reduction": 1.0
+                - _pga(states, SETTLED, direction) / _pga(states, "original", direction),
+                "dynamic_pga_g": None,
+                "dynamic_reduction": None,
+            }
+            for direction in ("+x", "-x")
+        ],
+        "convergence": {
+            "tolerance": 0.05,
+            "rows": [
+                {
+                    "state": name,
+                    "direction": direction,
+                    "halvings": 2,
+                    "alpha_0_error": 0.0,
+                    "d_0_error_m": d_0_error,
+                    "a_g_error_g": 0.002,
+                    "relative_error": None if d_0_error is None else 0.012,
+                    "met": d_0_error is not None,
+                    "levels": {"alpha_0": [0.15, 0.15, 0.15]},
+                }
+                for name, direction, d_0_error in (("original", "+x", 0.0023), (SETTLED, "-x", None))
+            ],
+            "incremental": [
+                {
+                    "state": SETTLED,
+                    "record": "wave",
+                    "pga_collapse_error_g": 0.043,
+                    "order": 1.0,
+                    "relative_error": 0.19,
+                    "met": False,
+                    "levels": {"pga_collapse_g": [0.226, 0.2045, 0.194]},
+                }
+            ],
+        },
+        "quality": {
+            "solves": 210,
+            "worst_equilibrium_residual": 3.2e-10,
+            "worst_penetration_m": 1.1e-9,
+            "worst_complementarity": 4.5e-10,
+            "worst_cone_violation": 2.0e-11,
+            "warnings": [],
+            "by_stage": [
+                {
+                    "state": name,
+                    "stage": stage,
+                    "solves": 70,
+                    "worst_equilibrium_residual": 3.2e-10,
+                    "worst_penetration_m": 1.1e-9,
+                    "worst_complementarity": 4.5e-10,
+                    "worst_cone_violation": 2.0e-11,
+                }
+                for name, stage in (("original", "pushover"), (SETTLED, "pushdown"), (SETTLED, "pushover"))
+            ],
+        },
+        "timing_s": {"pushdown": 0.4, "pushover": 0.9},
+        "software": {
+            "version": "0.1.0",
+            "python": "3.11.7",
+            "platform": "Linux",
+            "packages": {"numpy": "2.4.6"},
+        },
+    }
+
+
+def with_frames(results: dict[str, Any]) -> dict[str, Any]:
+    """Return the results with what the example leaves out for brevity: some configurations of each path."""
+    for state in results["states"].values():
+        pushed = [
+            curves.get(contacts) for curves in state["pushover"].values() for contacts in ("rigid", "elastic")
+        ]
+        for path in filter(None, [*state["pushdown"].values(), *pushed]):
+            path["frames"] = {"index": [0], "configuration": [state["configuration"]]}
+            path["frames"] |= {"force_kN": [None], "centre": [None], "met": []}
+    return results
+
+
+def _rings() -> list[np.ndarray]:
+    angles = np.linspace(math.pi, 0.0, 6)
+
+    def at(radius: float, angle: float) -> list[float]:
+        return [radius * math.cos(angle), radius * math.sin(angle)]
+
+    voussoirs = [
+        np.array([at(1.0, a), at(1.3, a), at(1.3, b), at(1.0, b)]) for a, b in itertools.pairwise(angles)
+    ]
+    supports = [np.array([[x, -0.2], [x + 0.4, -0.2], [x + 0.4, 0.0], [x, 0.0]]) for x in (-1.35, 0.95)]
+    return [supports[0], *voussoirs, supports[1]]
+
+
+def _area() -> float:
+    return sum(_shoelace(ring) for ring in _rings()[1:-1])
+
+
+def _shoelace(ring: np.ndarray) -> float:
+    x, z = ring.T
+    return float(abs(x @ np.roll(z, -1) - z @ np.roll(x, -1)) / 2.0)
+
+
+def _geometry() -> dict[str, Any]:
+    rings = _rings()
+    roles = ["left", None, None, None, None, None, "right"]
+    layers = ["BASE_LEFT", "PIERS", "ARCH", "ARCH", "ARCH", "PIERS", "BASE_RIGHT"]
+    blocks = [
+        {
+            "vertices_m": ring.tolist(),
+            "centroid_m": ring.mean(axis=0).tolist(),
+            "depth_m": 0.1,
+            "layer": layer,
+            "handle": f"2{index}",
+            "support": role,
+            "vertical_load_kN": 0.5 if index == 3 else 0.0,
+            "weight_kN": 11.5 * 0.1 * _shoelace(ring) + (0.5 if index == 3 else 0.0),
+        }
+        for index, (ring, role, layer) in enumerate(zip(rings, roles, layers, strict=True))
+    ]
+    faces = [ring[:2] for ring in rings[1:6]] + [rings[5][2:]]
+    joints = [
+        {
+            "blocks": [i, i + 1],
+            "ends_m": face.tolist(),
+            "middle_m": [face.mean(axis=0).tolist()] * 2,
+            "faces_m": [face.tolist()] * 2,
+            "friction": 0.6,
+            "depth_m": 0.1,
+            "compressive_strength_kN_m2": None,
+        }
+        for i, face in enumerate(faces)
+    ]
+    return {
+        "blocks": blocks,
+        "controls": [{"name": "C1", "point_m": [0.0, 1.236], "block": 3}],
+        "joints": joints,
+        "joint_tolerance_m": 1e-4,
+        "gravity_m_s2": G,
+    }
+
+
+def _configuration(movement: float) -> list[list[float]]:
+    share = np.linspace(0.0, 1.0, 7)
+    tilt = -0.3 * movement * np.sin(math.pi * share)
+    return np.column_stack([movement * share, -movement * share**2, tilt]).tolist()
+
+
+def _mechanism(sign: float, alpha_0: float, e_star: float, gamma_star: float) -> dict[str, Any]:
+    rings = _rings()
+    centroids = np.array([ring.mean(axis=0) for ring in rings])
+    rotation = np.array([0.0, -0.8, 0.5, 0.5, -0.6, -0.6, 0.0]) * sign
+    displacement = np.zeros((7, 3))
+    pivots = [rings[1][0], rings[2][1], rings[4][0], rings[5][2]]
+    position = np.zeros(2)
+    for block in range(1, 6):  # a chain of rotations from the left support: blocks 2-3 and 4-5 move as one
+        pivot = {1: pivots[0], 2: pivots[1], 4: pivots[2]}.get(block)
+        if pivot is not None:
+            before = displacement[block - 1]
+            arm = pivot - centroids[block - 1]
+            position = before[:2] + before[2] * np.array([-arm[1], arm[0]])
+            anchor = pivot
+        arm = centroids[block] - anchor
+        displacement[block, 2] = rotation[block]
+        displacement[block, :2] = position + rotation[block] * np.array([-arm[1], arm[0]])
+    displacement /= abs(displacement[3, 0])  # block 3 holds the control point
+    return {
+        "point": 0,
+        "alpha": alpha_0,
+        "control_displacement_x": float(displacement[3, 0]),
+        "hinges": 4,
+        "e_star": e_star,
+        "gamma_star": gamma_star,
+        "displacements": displacement.tolist(),
+        "hinge_points_m": [pivot.tolist() for pivot in pivots],
+        "sliding_joints": [5],
+        "moving_weight_kN": 1.25,
+    }
+
+
+def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
+    pushover, capacity = {}, {}
+    for direction, factor in (("+x", 1.0), ("-x", 1.07)):
+        a0, d0, e_star, gamma_star = alpha_0 * factor, d_0 * factor, 0.75 + movement, 0.66 + movement
+        sense = 1.0 if direction == "+x" else -1.0
+        displacement = np.linspace(0.0, d0, 60)
+        rigid = a0 * (1.0 - displacement / d0)
+        peak = 0.12 * d0
+        rising = a0 * 0.86 * np.sin(np.clip(displacement / peak, 0.0, 1.0) * math.pi / 2.0)
+        elastic = np.where(displacement < peak, rising, np.minimum(0.86 * a0, 0.98 * rigid))
+        alpha_u = float(elastic.max())
+        alpha_y, d_y = 0.9 * alpha_u, 0.6 * peak
+        pushover[direction] = {
+            "control": "C1",
+            "rigid": {
+                "alpha_0": a0,
+                "alpha_onset": a0,
+                "d_0_m": d0,
+                "reached_zero": True,
+                "lost": False,
+                "end": "α = 0",
+                "sliding": "associative",
+                "curve": {"displacement_m": (sense * displacement).tolist(), "multiplier": rigid.tolist()},
+                "mechanism": _mechanism(sense, a0, e_star, gamma_star),
+                "mechanism_configuration": _configuration(movement),
+                "final_configuration": _configuration(movement),
+                "virtual_work_alpha": a0 * 1.0004,
+            },
+            "elastic": {
+                "alpha_u": alpha_u,
+                "alpha_y": alpha_y,
+                "d_y_m": d_y,
+                "curve": {"displacement_m": (sense * displacement).tolist(), "multiplier": elastic.tolist()},
+                "d_u_m": float(displacement[elastic.argmax()]),
+                "peak": int(elastic.argmax()),
+                "end": "α = 0",
+                "sliding": "associative",
+                "reached_zero": True,
+                "rest_configuration": _configuration(movement),
+                "peak_configuration": _configuration(movement),
+            },
+        }
+        capacity[direction] = _capacity(a0, d0, alpha_y, d_y, e_star, gamma_star)
+    return {
+        "configuration": _configuration(movement),
+        "settlement": None,
+        "pushdown": {},
+        "pushover": pushover,
+        "capacity": capacity,
+        "history": [],
+        "incremental": {},
+    }
+
+
+def _capacity(
+    a0: float, d0: float, alpha_y: float, d_y: float, e_star: float, gamma_star: float
+) -> dict[str, Any]:
+    crossing = d0 * (1.0 - alpha_y / a0)
+    d_star = np.array([0.0, d_y, crossing, d0]) * gamma_star
+    a_star = np.array([0.0, alpha_y, alpha_y, 0.0]) / e_star
+    found: dict[str, Any] = {
+        "mechanism": {"hinges": 4, "sliding_joints": 1},
+        "notes": [],
+        "trace": [],
+        "d_0_star_m": float(d_star[-1]),
+        "e_star": e_star,
+        "gamma_star": gamma_star,
+        "T_0_s": 2.0 * math.pi * math.sqrt(d_star[1] / (a_star[1] * G)),
+        "model": "trilinear",
+        "curve": {"d_star_m": d_star.tolist(), "a_star_g": a_star.tolist()},
+    }
+    activation = _point("activation", 5.0) | {
+        "d_star_m": float(d_star[1]),
+        "a_star_g": float(a_star[1]),
+        "T_s": found["T_0_s"],
+        "a_g_g": float(a_star[1]) / 1.2,
+    }
+    found["SLD"] = activation | _demanded(activation["a_g_g"], "SLD")
+    for limit, share, factor, damping in (("SLV", 0.4, 1.68, 8.0), ("SLC", 0.6, 1.56, 10.0)):
+        d_limit = share * float(d_star[-1])
+        a_limit = float(np.interp(d_limit, d_star, a_star))
+        period = factor * math.pi * math.sqrt(d_limit / (a_limit * G))
+        spectrum = _spectrum(*DEMAND[limit])
+        per_unit = np.interp(period, spectrum["T_s"], spectrum["S_De_m"]) * math.sqrt(10.0 / (5.0 + damping))
+        a_g = DEMAND[limit][0] * d_limit / float(per_unit)
+        found[limit] = _point("nonlinear", damping)
+        found[limit] |= {"d_star_m": d_limit, "a_star_g": a_limit, "T_s": period, "a_g_g": a_g}
+        found[limit] |= _demanded(a_g, limit)
+    found["SLC"]["trace"] = [
+        {
+            "symbol": "T_SLC",
+            "formula": "1.56*pi*sqrt(d_star_SLC/(a_star_SLC*g))",
+            "inputs": {
+                "d_star_SLC": found["SLC"]["d_star_m"],
+                "a_star_SLC": found["SLC"]["a_star_g"],
+                "g": G,
+            },
+            "result": found["SLC"]["T_s"],
+            "unit": "s",
+            "paragraph": "Circolare 7/2019 C8.7.1.2.1.4",
+        }
+    ]
+    return found
+
+
+def _point(method: str, damping: float) -> dict[str, Any]:
+    """What a check has beside its numbers; damping in per cent."""
+    beside = {
+        "return_period_years": None,
+        "governing": "activation" if method == "activation" else "0.40 d_0",
+    }
+    return {"method": method, "damping": damping / 100.0, **beside, "notes": [], "trace": []}
+
+
+def _demanded(a_g: float, limit: str) -> dict[str, Any]:
+    demand = DEMAND[limit][0]
+    return {"demand_a_g_g": demand, "zeta_E": a_g / demand, "verified": a_g >= demand}
+
+
+def _spectrum(a_g: float, F0: float, Tc_star: float, damping: float = 0.05) -> dict[str, Any]:
+    T_c = 1.10 * Tc_star**-0.20 * Tc_star
+    T_b, T_d, S = T_c / 3.0, 4.0 * a_g + 1.6, min(1.2, 1.40 - 0.40 * F0 * a_g)
+    T: np.ndarray = np.unique(np.r_[0.0, np.geomspace(0.02, 4.0, 60), T_b, T_c, T_d])
+    rising, falling = 1.0 / F0 + (1.0 - 1.0 / F0) * T / T_b, T_c / np.maximum(T, T_c)
+    shape = np.where(T_b > T, rising, falling * np.where(T_d < T, T_d / np.maximum(T, T_d), 1.0))
+    S_e = a_g * S * F0 * shape
+    damped = math.sqrt(10.0 / (5.0 + 100.0 * damping)) * S_e
+    return {
+        "kind": "ground",
+        "S": S,
+        "T_B_s": T_b,
+        "T_C_s": T_c,
+        "T_D_s": T_d,
+        "damping": damping,
+        "damped_S_e_g": damped.tolist(),
+        "damped_S_De_m": (damped * G * (T / (2.0 * math.pi)) ** 2).tolist(),
+        "a_g_g": a_g,
+        "F0": F0,
+        "Tc_star_s": Tc_star,
+        "soil": "B",
+        "topography": "T1",
+        "T_s": T.tolist(),
+        "S_e_g": S_e.tolist(),
+        "S_De_m": (S_e * G * (T / (2.0 * math.pi)) ** 2).tolist(),
+    }
+
+
+def _settlement() -> dict[str, Any]:
+    return {"support": "right", "displacement_m": [0.02, -0.02], "rotation_rad": 0.0, "increment_m": 0.001}
+
+
+def _pushdown() -> dict[str, Any]:
+    stages = {}
+    for contacts, ultimate in (("rigid", 0.065), ("elastic", 0.027)):
+        movement = np.linspace(0.0, ultimate, 40)
+        stages[contacts] = {
+            "movement_m": movement.tolist(),
+            "reaction_x_kN": (-0.0104 - 0.08 * movement).tolist(),
+            "reaction_z_kN": (0.62 + 0.5 * movement).tolist(),
+            "ultimate_movement_m": ultimate,
+            "applied_movement_m": 0.02,
+            "configuration": _configuration(0.02),
+            "ultimate_configuration": _configuration(ultimate),
+            "control_displacement_m": np.column_stack([0.5 * movement, 0.0 * movement]).tolist(),
+            "end": "the structure falls",
+            "sliding": "associative",
+        }
+    return stages
+
+
+def _pga(states: dict[str, Any], name: str, direction: str) -> float:
+    return float(states[name]["capacity"][direction]["SLC"]["a_g_g"])
+
+
+def _echo(language: str) -> dict[str, Any]:
+    return {
+        "title": "Arco di prova",
+        "geometry": {"drawing": "geometry.dxf", "unit": "mm", "depth_m": 0.1},
+        "contacts": {"sliding": "associative", "collisions": True},
+        "material": {"unit_weight_kN_m3": 11.5, "friction": 0.6, "normal_stiffness_kN_m3": 1.2e5},
+        "layers": {"BASE_LEFT": {"support": "left"}, "BASE_RIGHT": {"support": "right"}},
+        "control": [{"name": "C1", "point_m": [0.0, 1.236]}],
+        "settlements": [{"name": SETTLED, **_settlement(), "to_collapse": True}],
+        "pushover": {
+            "contacts": ["rigid", "elastic"],
+            "directions": ["+x", "-x"],
+            "increment_m": 0.001,
+            "control": "C1",
+        },
+        "assessment": {
+            "limit_states": ["SLD", "SLV", "SLC"],
+            "confidence_factor": 1.35,
+            "behaviour_factor": 2.0,
+            "model": "trilinear",
+            "spectrum": "ntc",
+            "site": {"latitude": 42.35, "longitude": 13.40, "soil": "B", "topography": "T1"},
+        },
+        "report": {
+            "language": language,
+            "client": "Comune <A & B>",
+            "engineer": "ing. N. Nome",
+            "location": "L'Aquila",
+        },
+    }
