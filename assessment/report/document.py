@@ -87,6 +87,14 @@ def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> l
     return []
 
 
+def write_docx(results: Results, folder: Path, edited: Markup | None = None) -> None:
+    """Write report.docx into `folder` as `write_page` does report.html; its figures are the PNG files."""
+    from assessment.report.docx import to_docx  # late: only reports need it
+
+    page = render_html(results, folder / "figures", words_of(results), edited)
+    write_atomically(folder / "report.docx", to_docx(page, lambda name: folder / "figures" / f"{name}.png"))
+
+
 def render_html(
     results: Results,
     figures: Path,
@@ -161,12 +169,13 @@ class Counter:
 
 
 def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[dict[str, object]]]:
-    """Return per chapter the caption and data address of each figure; as images, their ids cannot clash."""
+    """Return per chapter name, caption and data address of each figure; as images, their ids cannot clash."""
     found: dict[str, list[dict[str, object]]] = {chapter: [] for chapter in (*CHAPTERS, *STUDIES, *DYNAMIC)}
     for picture in pictures(results):
         svg = base64.b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()
         caption = words(f"caption.{picture.caption}", **picture.fields)
-        found[picture.section].append({"caption": caption, "address": f"data:image/svg+xml;base64,{svg}"})
+        address = f"data:image/svg+xml;base64,{svg}"
+        found[picture.section].append({"name": picture.name, "caption": caption, "address": address})
     return found
 
 

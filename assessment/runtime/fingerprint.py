@@ -26,6 +26,7 @@ PRINTING = (
     "pillow",
     "jinja2",
     "weasyprint",
+    "python-docx",
     "pydantic",
 )  # that only products depend on
 

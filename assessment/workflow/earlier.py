@@ -25,7 +25,7 @@ PLACES = {  # of the files of each part; whatever else is there is somebody else
     FIGURES: tuple(f"figures/*.{kind}" for kind in ("svg", "png", "dxf", "gif")),
     TABLES: ("tables/*.csv",),
     JUDGEMENT: ("judgement.md",),
-    REPORT: ("report.html", "report.pdf"),
+    REPORT: ("report.html", "report.pdf", "report.docx"),
 }
 ENTRY = "last"  # its name in the store
 

@@ -73,7 +73,7 @@ def _make(
     results: Mapping[str, Any], folder: Path, new: Path, parts: Collection[str], jobs: int
 ) -> list[str]:
     """Make the parts in the folder `new`; return warnings."""
-    from assessment.report.document import write_page, write_pdf
+    from assessment.report.document import write_docx, write_page, write_pdf
     from assessment.report.figures.animation import write_animations
     from assessment.report.figures.index import write_figures, write_images
     from assessment.report.judgement_file import NAME, judgement
@@ -86,6 +86,7 @@ def _make(
     number = processes(jobs)
     with Pool(number if number > 1 else 0, results) as pool:
         begun: list[Future[Any]] = []
+        images: list[Future[None]] = []
         printed: Future[list[str]] | None = None
         if FIGURES in parts:
             write_figures(pool, new / "figures")
@@ -93,9 +94,14 @@ def _make(
             printed = pool.apply(write_pdf, new, opinion.edited)  # first: it takes longest
             begun.append(pool.apply(write_page, new, opinion.edited))
         if FIGURES in parts:
-            begun += [*write_animations(pool, new / "figures"), *write_images(pool, new / "figures")]
+            images = write_images(pool, new / "figures")
+            begun += write_animations(pool, new / "figures")
         if TABLES in parts:
             begun.append(pool.apply(write_tables, new / "tables"))
+        for work in images:
+            result_of(work)
+        if REPORT in parts:  # its figures are the images
+            begun.append(pool.apply(write_docx, new, opinion.edited))
         if RESULTS in parts:
             text = json.dumps(results, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
             write_atomically(new / "results.json", text.encode())
