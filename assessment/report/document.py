@@ -30,7 +30,7 @@ from assessment.report.tables.dynamic import (
 )
 from assessment.report.tables.studies import reported_studies
 from assessment.report.text.language import Words, direction_name, words_of
-from assessment.report.text.messages import translated
+from assessment.report.text.messages import sentence, translated
 from assessment.report.text.table_format import Grid, echoed, grid, summary_grids
 from assessment.report.viewer import Viewer, viewer
 from assessment.results.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check
@@ -133,7 +133,7 @@ def render_html(
         edited=edited,
         macro_blocks=list(_macro_blocks(results, words)),
         too_many=list(_too_many(results, words)),
-        warnings=[translated(warning, words) for warning in all_warnings(results)],
+        warnings=[sentence(warning, words) for warning in all_warnings(results)],
         local=_local_limit(results, words),
         refused=[
             given | {"refused": translated(given["refused"], words)}

@@ -82,4 +82,5 @@ def _reach(
     try:
         return motion_to_rest(problem, begun), True
     except NoEquilibriumError as fall:
-        raise NoEquilibriumError(f"{fall} ({stop})") from stop
+        same = str(fall) == str(stop)  # the motion was stopped by what had stopped the step
+        raise NoEquilibriumError(str(fall) if same else f"{fall} ({stop})") from stop
