@@ -14,7 +14,7 @@ from markupsafe import Markup
 
 from assessment.report.calculation_annex import traces
 from assessment.report.figures.index import pictures
-from assessment.report.joints import joint_law, pressures_told, reported_pressures
+from assessment.report.joints import assumptions, pressures_told, reported_pressures
 from assessment.report.judgement import all_warnings, draft_judgement, worst_scenario
 from assessment.report.pdf import command, load_weasyprint
 from assessment.report.tables import capacity as capacity_tables
@@ -55,6 +55,7 @@ CHAPTERS = (
     "quality",
     "hand_check",
     "judgement",
+    "references",
 )
 DYNAMIC = ("history", "incremental")  # chapters before the comparison, where their stages were asked for
 STUDIES = ("scenarios", "sensitivity")  # likewise
@@ -125,7 +126,8 @@ def render_html(
         summaries=list(summary_grids(capacity_tables.summary(results), results, words)),
         traces=list(traces(results, words)),
         contacts=_contacts(results),
-        joint_law=list(joint_law(results, words, "elastic" in _contacts(results))),
+        assumptions=list(assumptions(results, words, "elastic" in _contacts(results))),
+        references=references(),
         pressures=pressures_told(results, words),
         missing=list(_missing(results, words)),
         judgement=draft_judgement(results, words),
@@ -221,11 +223,16 @@ def _validation(words: Words) -> Table:
             **case[words.language],
             "expected": words.comma(case["expected"]),
             "computed": words.comma(case["computed"]),
-            "test": case["test"],
         }
         for case in cases
     ]
-    return Table("validation", rows, ("case", "source", "expected", "computed", "test"))
+    return Table("validation", rows, ("case", "source", "expected", "computed"))
+
+
+def references() -> list[str]:
+    """Return the standards and the literature that the report rests on, each in full."""
+    text = (files("templates") / "references.toml").read_text(encoding="utf-8")
+    return list(tomllib.loads(text)["references"])
 
 
 def _without(table: Table, *columns: str) -> Table:

@@ -108,7 +108,9 @@ def _block(values: Values) -> dict[str, Any]:
                 "to_collapse": True,
             }
         ],
-        pushover=_pushover(round(0.01 * values["width_m"], 6), right="in alto a destra", left="in alto a sinistra"),
+        pushover=_pushover(
+            round(0.01 * values["width_m"], 6), right="in alto a destra", left="in alto a sinistra"
+        ),
     )
 
 
@@ -130,7 +132,9 @@ def _wall(values: Values) -> dict[str, Any]:
                 "increment_m": round(settlement / 10.0, 7),
             }
         ],
-        pushover=_pushover(round(0.02 * values["block_length_m"], 6), right="in alto a destra", left="in alto a sinistra"),
+        pushover=_pushover(
+            round(0.02 * values["block_length_m"], 6), right="in alto a destra", left="in alto a sinistra"
+        ),
     )
 
 

@@ -41,7 +41,6 @@ TEXT |= {"property", "collapses", "table", "settings", "expected", "computed", "
 TEXT |= {
     "case",
     "source",
-    "test",
     "record",
     "contacts",
     "control",

@@ -19,6 +19,7 @@ from assessment.report.judgement import RESIDUALS, all_warnings, draft_judgement
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import index as tables
 from assessment.report.tables import studies as study_tables
+from assessment.report.tables.convergence import convergence_tables
 from assessment.report.text.language import direction_name, words_of
 from assessment.results.hand_check import hand_check
 from assessment.results.reactions import balance
@@ -40,7 +41,10 @@ class Read:
 
     def __init__(self, results: Results) -> None:
         self.results = results
-        self.rows = {table.name: table.rows for table in (make(results) for make in TABLES)}
+        self.rows = {
+            table.name: table.rows
+            for table in (*(make(results) for make in TABLES), *convergence_tables(results))
+        }
 
     def made(self, table: str = "verification") -> list[Mapping[str, Any]]:
         return [row for row in self.rows[table] if row.get("zeta_E") is not None]
@@ -83,6 +87,7 @@ TABLES = (
     hand_check,
     balance,
 )
+CONVERGENCE = ("convergence", "history_convergence", "incremental_convergence")
 COLUMN = {"limit": "limit_state"}
 WORDS_OF: dict[str, Callable[[Any], str]] = {
     "state": WORDS.state,
@@ -252,6 +257,27 @@ def _poor(said: Fields, read: Read) -> None:
     assert said["residual"] == show(worst) and worst > RESIDUALS[name]
 
 
+def _converged(good: bool) -> Callable[[Fields, Read], None]:
+    def check(said: Fields, read: Read) -> None:
+        errors = [row["relative_error"] for table in CONVERGENCE for row in read.rows[table]]
+        known = [error for error in errors if error is not None]
+        tolerance = read.results["convergence"]["tolerance"]
+        assert said["error"] == show(100.0 * max(known)) and said["tolerance"] == show(100.0 * tolerance)
+        assert (max(known) <= tolerance and None not in errors) == good
+
+    return check
+
+
+def _no_convergence(_: Fields, read: Read) -> None:
+    assert not any(read.rows[table] for table in CONVERGENCE)
+
+
+def _limit_analysis(said: Fields, read: Read) -> None:
+    rows = [row for row in read.rows["mechanisms"] if row["state"] == "original"]
+    rigid = [read.results["states"]["original"]["pushover"][row["direction"]]["rigid"] for row in rows]
+    assert said["deviation"] == show(100.0 * max(abs(r["alpha_0"] / r["alpha_onset"] - 1.0) for r in rigid))
+
+
 def _hand(agrees: bool) -> Callable[[Fields, Read], None]:
     def check(said: Fields, read: Read) -> None:
         worst = max(
@@ -301,6 +327,10 @@ CLAIMS: dict[str, Callable[[Fields, Read], None]] = {
     "no_margin": _margin(True),
     "certificates": _certificates,
     "poor_certificates": _poor,
+    "converged": _converged(True),
+    "not_converged": _converged(False),
+    "no_convergence": _no_convergence,
+    "limit_analysis": _limit_analysis,
     "hand_agrees": _hand(True),
     "hand_differs": _hand(False),
     "balanced": _balance(True),
@@ -585,7 +615,7 @@ def test_a_turn_of_a_support_has_its_margin():
     text = text_of(results)
     assert "rigid contacts: the movement of 20.0 mm is 30.8 % of the ultimate one (65.0 mm)." in text
     labels = [line.get_label() for line in draw_pushdown(results, words_of(results), SETTLED).axes[0].lines]
-    assert "design movement, 20.0 mm" in labels
+    assert "assigned movement, 20.0 mm" in labels
     arrows = list(draw_settlement(results, words_of(results), SETTLED).axes[0].texts)
     assert len(arrows) == 1 and arrows[0].arrowprops["connectionstyle"] == "arc3,rad=1.0"  # anticlockwise
 
