@@ -13,6 +13,8 @@ import jinja2
 from markupsafe import Markup
 
 from assessment.report.calculation_annex import traces
+from assessment.report.cracks import PRINTED as CRACKS_PRINTED
+from assessment.report.cracks import SEEN, reported_cracks
 from assessment.report.figures.index import pictures
 from assessment.report.joints import assumptions, pressures_told, reported_pressures
 from assessment.report.judgement import all_warnings, draft_judgement, worst_scenario
@@ -129,6 +131,7 @@ def render_html(
         assumptions=list(assumptions(results, words, "elastic" in _contacts(results))),
         references=references(),
         pressures=pressures_told(results, words),
+        cracks_shown={"seen": 1000.0 * SEEN, "printed": CRACKS_PRINTED},
         missing=list(_missing(results, words)),
         judgement=draft_judgement(results, words),
         worst=list(worst_scenario(results, words)),
@@ -187,6 +190,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         _validation(words),
         tables.layers(results),
         tables.settlements(results),
+        reported_cracks(results),
         tables.mechanisms(results),
         reactions(results),
         balance(results),

@@ -11,6 +11,8 @@ from typing import Any, TypeVar
 
 from matplotlib.figure import Figure
 
+from assessment.report.cracks import cracks
+from assessment.report.figures.cracks import draw_cracks
 from assessment.report.figures.curves import draw_pushdown, draw_pushover, pushed
 from assessment.report.figures.deformed import draw_chosen, draw_mechanisms, draw_overturned, draw_settlement
 from assessment.report.figures.dynamic import (
@@ -91,6 +93,11 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
             found.append(
                 Picture(f"settlement_{slug(results, name)}", "settlements", draw, "settlement", fields)
             )
+            if cracks(results, [name]).rows:
+                draw = partial(draw_cracks, results, words, name)
+                found.append(
+                    Picture(f"cracks_{slug(results, name)}", "settlements", draw, "cracks_drawing", fields)
+                )
         if content.get("pushdown"):
             draw = partial(draw_pushdown, results, words, name)
             found.append(Picture(f"pushdown_{slug(results, name)}", "pushdown", draw, "pushdown", fields))

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from assessment.report.cracks import cracks
 from assessment.report.joints import edge_pressures
 from assessment.report.tables.capacity import (
     action,
@@ -67,6 +68,7 @@ def tables(results: Results) -> list[Table]:
         balance(results),
         joint_table(results),
         edge_pressures(results),
+        cracks(results),
         macro_block_table(results),
         hand_check(results),
         quality(results),
