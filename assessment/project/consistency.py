@@ -30,6 +30,7 @@ from assessment.runtime.errors import nearest
 
 _MOST_INCREMENTS = 100_000
 MOST_LOOKED_AT = 20_000  # names in folders, to find the files that a pattern means
+PICTURES = (".png", ".jpg", ".jpeg")  # that a report can hold
 LEAST_ROTATION = 1e-6  # of a macro-block, relative to the others'
 _WILD = re.compile(r"[*?[]")
 
@@ -50,6 +51,8 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
     for index, settlement in enumerate(project.settlements):
         yield from _settlement(project, ("settlements", index), settlement)
     yield from _motions(project, folder)
+    for index, name in enumerate(project.report.attachments):
+        yield from _attachment(folder, ("report", "attachments", index), name)
     yield from _mechanisms(project)
     if project.assessment:
         yield from _assessment(project, project.assessment)
@@ -102,6 +105,24 @@ def _is_file(path: Path) -> bool:
         return path.is_file()
     except (OSError, ValueError):  # a name that is too long or no name, a folder that may not be searched
         return False
+
+
+def _attachment(folder: Path, path: KeyPath, name: str) -> Iterator[Problem]:
+    """Open a picture of the report as a run opens it."""
+    from PIL import Image  # late: few projects have any
+
+    if missing := list(_file(folder, path, name)):
+        yield from missing
+    elif Path(name).suffix.lower() not in PICTURES:
+        yield Problem(
+            path, f'"{name}" is no {" or ".join(PICTURES)} file; export it, a PDF page by page, as one'
+        )
+    else:
+        try:
+            with Image.open(folder / name) as picture:
+                picture.load()
+        except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+            yield Problem(path, f'"{name}" cannot be read as a picture ({error}); export it again')
 
 
 def _file(folder: Path, path: KeyPath, name: str | None) -> Iterator[Problem]:

@@ -57,6 +57,10 @@ class Project(ProjectContent):
         patterns = self.incremental.records if self.incremental else ()
         return tuple(dict.fromkeys(file for pattern in patterns for file in matches(self.folder, pattern)))
 
+    def attachments(self) -> tuple[Path, ...]:
+        """Pictures that end the report."""
+        return tuple(map(self.path, self.report.attachments))
+
     def digests(self) -> dict[str, str]:
         """Return the SHA-256 of every file that a run reads, the project file first, by names with slashes."""
         names = [self.source, self.geometry.drawing]

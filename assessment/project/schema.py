@@ -434,6 +434,10 @@ class ReportTable(Table):
     client: Text = Field(default="", description="client, free text of the title page")
     engineer: Text = Field(default="", description="engineer, free text of the title page")
     location: Text = Field(default="", description="location, free text of the title page")
+    attachments: Annotated[tuple[Name, ...], Field(strict=False, max_length=MOST_ENTRIES)] = Field(
+        default=(),
+        description="photographs and survey drawings (PNG or JPEG files) that end the report; their names are captions",
+    )
 
 
 class ProjectContent(Table):

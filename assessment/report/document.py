@@ -12,6 +12,7 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
+from assessment.report.attachments import caption, stored
 from assessment.report.calculation_annex import traces
 from assessment.report.cracks import PRINTED as CRACKS_PRINTED
 from assessment.report.cracks import SEEN, reported_cracks
@@ -95,7 +96,7 @@ def write_docx(results: Results, folder: Path, edited: Markup | None = None) -> 
     from assessment.report.docx import to_docx  # late: only reports need it
 
     page = render_html(results, folder / "figures", words_of(results), edited)
-    write_atomically(folder / "report.docx", to_docx(page, lambda name: folder / "figures" / f"{name}.png"))
+    write_atomically(folder / "report.docx", to_docx(page, folder))
 
 
 def render_html(
@@ -114,13 +115,19 @@ def render_html(
         lstrip_blocks=True,
     )
     environment.filters["unit_kept"] = _unit_kept
-    annexes = ["echo", "trace"] if any(traces(results, words)) else ["echo"]
+    attached = _attached(results, figures.parent)
+    annexes = [
+        "echo",
+        *(["trace"] if any(traces(results, words)) else []),
+        *(["attachments"] if attached else []),
+    ]
     return environment.get_template("report.html.j2").render(
         w=words,
         results=results,
         style=Markup((files("templates") / "report.css").read_text(encoding="utf-8")),
         chapters=_chapters(results),
         annexes=annexes,
+        attached=attached,
         count=Counter(),
         viewer=interactive,
         figures=_embedded(results, figures, words),
@@ -174,13 +181,27 @@ class Counter:
 
 
 def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[dict[str, object]]]:
-    """Return per chapter name, caption and data address of each figure; as images, their ids cannot clash."""
+    """Return per chapter PNG file, caption and data address of each figure; as images, their ids cannot clash."""
     found: dict[str, list[dict[str, object]]] = {chapter: [] for chapter in (*CHAPTERS, *STUDIES, *DYNAMIC)}
     for picture in pictures(results):
         svg = base64.b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()
-        caption = words(f"caption.{picture.caption}", **picture.fields)
+        what = words(f"caption.{picture.caption}", **picture.fields)
         address = f"data:image/svg+xml;base64,{svg}"
-        found[picture.section].append({"name": picture.name, "caption": caption, "address": address})
+        file = f"figures/{picture.name}.png"
+        found[picture.section].append({"file": file, "caption": what, "address": address})
+    return found
+
+
+def _attached(results: Results, folder: Path) -> list[dict[str, str]]:
+    """Return file, caption and data address of each picture that the project attaches."""
+    found = []
+    for number, name in enumerate((results["echo"].get("report") or {}).get("attachments") or [], 1):
+        file = stored(number, name)
+        kind = "png" if file.endswith("png") else "jpeg"
+        content = base64.b64encode((folder / file).read_bytes()).decode()
+        found.append(
+            {"file": file, "caption": caption(name), "address": f"data:image/{kind};base64,{content}"}
+        )
     return found
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 import re
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -35,10 +35,10 @@ MADE = (1980, 1, 1, 0, 0, 0)  # of every part of the file: the same report has t
 SPACES = re.compile(r"\s+")
 
 
-def to_docx(page: str, picture: Callable[[str], Path]) -> bytes:
+def to_docx(page: str, folder: Path) -> bytes:
     """Return the report as the bytes of a .docx file.
 
-    `page`: its HTML; `picture`: the PNG or JPEG file of a figure, by the name in its `data-name`.
+    `page`: its HTML; `folder`: where the PNG or JPEG files are that figures name in their `data-file`.
     """
     root = html.document_fromstring(page, parser=html.HTMLParser(huge_tree=True))
     document = Document()
@@ -47,7 +47,7 @@ def to_docx(page: str, picture: Callable[[str], Path]) -> bytes:
     _cover(document, root.find_class("cover")[0])
     _contents(document, root.find(".//nav"))
     for element in root.find(".//main"):
-        _block(document, element, picture)
+        _block(document, element, folder)
     return _same_bytes(document)
 
 
@@ -82,7 +82,7 @@ def _contents(document: Any, nav: Element) -> None:
     document.add_page_break()
 
 
-def _block(document: Any, element: Element, picture: Callable[[str], Path]) -> None:
+def _block(document: Any, element: Element, folder: Path) -> None:
     """Write an element of the report's body."""
     if element.tag in HEADINGS:
         _words(styles.paragraph(document, HEADINGS[element.tag]), element)
@@ -94,18 +94,18 @@ def _block(document: Any, element: Element, picture: Callable[[str], Path]) -> N
         for item in element.iterfind("li"):
             _words(styles.paragraph(document, "List Bullet"), item)
     elif element.tag == "figure":
-        _figure(document, element, picture)
+        _figure(document, element, folder)
     elif element.tag == "table":
         _table(document, element)
     else:  # a division
         for inner in element.iterchildren(tag=html.etree.Element):
-            _block(document, inner, picture)
+            _block(document, inner, folder)
 
 
-def _figure(document: Any, figure: Element, picture: Callable[[str], Path]) -> None:
+def _figure(document: Any, figure: Element, folder: Path) -> None:
     image = figure.find("img")
     place = styles.paragraph(document, styles.FIGURE)
-    shape = place.add_run().add_picture(str(picture(image.get("data-name"))))
+    shape = place.add_run().add_picture(str(folder / image.get("data-file")))
     shrink = min(1.0, styles.WIDTH / shape.width, HIGHEST / shape.height)
     shape.width, shape.height = Emu(round(shape.width * shrink)), Emu(round(shape.height * shrink))
     shape._inline.docPr.set("descr", image.get("alt"))  # what a screen reader says

@@ -63,7 +63,7 @@ def carry_out(
         show.begin("report" if report else "figures and tables", 1, 0)
         from assessment.workflow.output import write
 
-        warnings = write(outcome.results, folder, parts - standing, standing, jobs)
+        warnings = write(outcome.results, folder, parts - standing, standing, jobs, project.attachments())
         if last and REPORT in standing:
             warnings = [*last.warnings, *warnings]
         remember(folder, outcome, keys, parts | standing, warnings)
@@ -103,7 +103,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
         try:
             results["quality"]["warnings"] += warnings
             _retitle(results, project)
-            warnings += write(results, folder, jobs=0)
+            warnings += write(results, folder, jobs=0, attachments=project.attachments())
         except (OSError, KilledError):
             raise
         except KeyError as error:  # what this version prints and another did not keep
