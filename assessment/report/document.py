@@ -32,9 +32,10 @@ from assessment.report.tables.dynamic import (
     static_dynamic,
 )
 from assessment.report.tables.studies import reported_studies
+from assessment.report.text.input_table import echoed
 from assessment.report.text.language import Words, direction_name, words_of
 from assessment.report.text.messages import sentence, translated
-from assessment.report.text.table_format import Grid, echoed, grid, summary_grids
+from assessment.report.text.table_format import Grid, grid, summary_grids
 from assessment.report.viewer import Viewer, viewer
 from assessment.results.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check
 from assessment.results.reactions import balance, reactions
@@ -231,7 +232,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         *(reported(table, words) for table in convergence_tables(results)),
         tables.quality(results),
         hand_check(results),
-        Table("echo", list(echoed(results["echo"], words)), ("table", "settings")),
+        Table("echo", list(echoed(results["echo"], words)), ("table", "setting", "value")),
     ]
     return {
         table.name: grid(table, words, words(f"caption.{table.name}"), 4 if table.name == "hand_check" else 3)

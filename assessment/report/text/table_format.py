@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import groupby
 from typing import Any
 
 from markupsafe import Markup
@@ -40,7 +39,7 @@ PERCENT = {"damping", "reduction", "static_reduction", "dynamic_reduction"}
 PERCENT |= {"deviation", "hand_deviation", "relative_error", "relative_scatter", "integrator_share"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
 TEXT |= {"mechanism", "governing", "kind", "soil", "topography", "refused"}
-TEXT |= {"property", "collapses", "table", "settings", "expected", "computed", "verified"}
+TEXT |= {"property", "collapses", "table", "setting", "value", "expected", "computed", "verified"}
 TEXT |= {
     "case",
     "source",
@@ -201,37 +200,3 @@ def _summary_row(row: Row, names: list[str], words: Words) -> list[Markup]:
 
 def _valued(quantity: str, row: Row, state: str, words: Words) -> Markup:
     return cell(quantity, {quantity: row[state]} if state in row else {}, words)
-
-
-def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:
-    """Yield the input table by table: its name and its settings, without those left empty."""
-    for table, settings in groupby(_flat(echo), lambda setting: setting[0]):
-        shown = [f"{key} = {_exact(value, words)}" for _, key, value in settings if value not in ("", [])]
-        if shown:
-            yield {"table": table or words.plain("value.none"), "settings": "; ".join(shown)}
-
-
-def _flat(value: Mapping[str, Any], table: str = "") -> Iterator[tuple[str, str, Any]]:
-    """Yield table, key and value, the tables within after; entries of arrays of tables are numbered from 1."""
-    inner = []
-    for key, item in value.items():
-        name = f"{table}.{key}" if table else str(key)
-        if isinstance(item, Mapping):
-            inner.append((name, item))
-        elif isinstance(item, list) and any(isinstance(entry, Mapping) for entry in item):
-            inner += [(f"{name}[{number}]", entry) for number, entry in enumerate(item, 1)]
-        else:
-            yield table, key, item
-    for name, item in inner:
-        yield from _flat(item, name)
-
-
-def _exact(value: Any, words: Words) -> str:
-    """Write an input as it was given, in the language's decimal mark."""
-    if value is None:
-        return words.plain("value.none")
-    if isinstance(value, float):
-        return words.comma(f"{value:.12g}").replace("inf", "∞").replace("-", "−")
-    if isinstance(value, list):
-        return f"[{'; '.join(_exact(item, words) for item in value)}]"
-    return words.show(value)
