@@ -12,6 +12,7 @@ from mechanics.kernels.joint import H, V
 from mechanics.model.contacts import end_gaps, end_points
 
 SEEN = 0.5e-3  # m: what a survey can tell from nothing
+DIGITS = 6  # of metres: what is less is rounding, not a crack
 PRINTED = 40  # joints of a state in the report, the widest first; tables/cracks.csv has all
 COLUMNS = ("state", "joint", "block_a", "block_b", "x_m", "z_m", "opening_m", "other_opening_m", "slip_m")
 
@@ -55,9 +56,9 @@ def _of_state(results: Results, name: str) -> list[Row]:
                 "block_b": int(contacts.b[joint]),
                 "x_m": float(ends[joint, wide, 0]),
                 "z_m": float(ends[joint, wide, 1]),
-                "opening_m": None if apart[joint] else float(opening),
-                "other_opening_m": None if apart[joint] else max(0.0, float(other)),
-                "slip_m": None if apart[joint] else float(abs(slips[joint])),
+                "opening_m": None if apart[joint] else round(float(opening), DIGITS),
+                "other_opening_m": None if apart[joint] else max(0.0, round(float(other), DIGITS)),
+                "slip_m": None if apart[joint] else round(float(abs(slips[joint])), DIGITS),
             }
         )
     return rows

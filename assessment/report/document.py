@@ -139,7 +139,7 @@ def render_html(
         assumptions=list(assumptions(results, words, "elastic" in _contacts(results))),
         references=references(),
         pressures=pressures_told(results, words),
-        cracks_shown={"seen": 1000.0 * SEEN, "printed": CRACKS_PRINTED},
+        cracks_shown={"seen": words.comma(f"{1000.0 * SEEN:g}"), "printed": CRACKS_PRINTED},
         missing=list(_missing(results, words)),
         judgement=draft_judgement(results, words),
         worst=list(worst_scenario(results, words)),

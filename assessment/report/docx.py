@@ -86,8 +86,6 @@ def _block(document: Any, element: Element, folder: Path) -> None:
     """Write an element of the report's body."""
     if element.tag in HEADINGS:
         _words(styles.paragraph(document, HEADINGS[element.tag]), element)
-        if "annex" in element.classes:
-            document.paragraphs[-1].paragraph_format.page_break_before = True
     elif element.tag == "p":
         _words(styles.paragraph(document, "Quote" if "draft" in element.classes else "Body Text"), element)
     elif element.tag in {"ul", "ol"}:

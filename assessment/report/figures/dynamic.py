@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 
 from assessment.report.figures.deformed import GHOST, INK, SUPPORT
-from assessment.report.figures.style import DASHES, chart, sheet
+from assessment.report.figures.style import DASHES, chart, sheet, state_style
 from assessment.report.text.language import Words
 from assessment.results.outlines import Outlines, outlines
 
@@ -46,12 +46,12 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
     falls = [entry for entry in found.values() if entry["collapsed"]]
     sustained = [1.3 * entry["sustained_displacement_m"] for entry in found.values()]
     bound = max([*sustained, *(min(FALLING * size, entry["peak_displacement_m"]) for entry in falls)])
-    for dashes, entry in zip(_cycle(len(found)), found.values(), strict=True):
+    for number, entry in enumerate(found.values()):
         time, displacement = (np.asarray(entry["curve"][key]) for key in ("time_s", "displacement_m"))
         if "band" in entry:
             low, high = (1000.0 * np.asarray(entry["band"][key]) for key in ("low_m", "high_m"))
             axes.fill_between(time, low, high, color=BAND, linewidth=0.0)
-        axes.plot(time, 1000.0 * displacement, color="0.0", linewidth=0.9, linestyle=dashes)
+        axes.plot(time, 1000.0 * displacement, linewidth=0.9, **state_style(number))
         if entry["collapsed"]:
             out = int(np.flatnonzero(abs(displacement) <= bound)[-1])
             place = 1000.0 * displacement[out]
@@ -65,8 +65,8 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
     if bound > 0.0:
         axes.set_ylim(-1050.0 * bound, 1050.0 * bound)
     handles: list[Artist] = [
-        Line2D([], [], color="0.0", linewidth=0.9, linestyle=dashes, label=_outcome(state, entry, words))
-        for dashes, (state, entry) in zip(_cycle(len(found)), found.items(), strict=True)
+        Line2D([], [], linewidth=0.9, label=_outcome(state, entry, words), **state_style(number))
+        for number, (state, entry) in enumerate(found.items())
     ]
     if falls:
         label = words.plain("figure.collapse")
@@ -161,17 +161,18 @@ def draw_fragility(results: Results, words: Words) -> Figure:
         for fit in (each["fragility"] for each in found.values())
     )
     pga = np.linspace(1e-3 * top, top, 200)
-    for dashes, (state, each) in zip(_cycle(len(found)), found.items(), strict=True):
+    for number, (state, each) in enumerate(found.items()):
         fit = each["fragility"]
         label = words.plain(
             "figure.fragility", state=words.state(state), median=fit["median_g"], dispersion=fit["dispersion"]
         )
         curve = ndtr(np.log(pga / fit["median_g"]) / fit["dispersion"])
-        axes.plot(pga, curve, color="0.0", linestyle=dashes, label=label)
+        style = state_style(number)
+        axes.plot(pga, curve, label=label, **style)
         fallen = sorted(r["pga_collapse_g"] for r in each["records"] if r["pga_collapse_g"] is not None)
         share = (np.arange(len(fallen)) + 0.5) / len(each["records"])
-        axes.plot(fallen, share, linestyle="none", marker="o", markersize=3.5, color="0.0",
-                  markerfacecolor="1.0" if state != "original" else "0.0")  # fmt: skip
+        axes.plot(fallen, share, linestyle="none", marker="o", markersize=3.5, color=style["color"],
+                  markerfacecolor="1.0" if state != "original" else style["color"])  # fmt: skip
     axes.set(xlabel=words.plain("figure.pga"), ylabel=words.plain("figure.probability"))
     axes.set(xlim=(0.0, top), ylim=(0.0, 1.0))
     figure.legend(loc="lower center", ncols=1)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from assessment.report.figures.style import DASHES, chart
+from assessment.report.figures.style import chart, state_style
 from assessment.report.tables.studies import ROUNDING, tornado
 from assessment.report.text.language import Words, direction_name
 
@@ -32,7 +32,7 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
     names = list(dict.fromkeys(point["state"] for point in points if point["movement_m"] > 0.0))
     figure, (axes,) = chart(words, height_mm=95.0, foot_mm=9.0 + 5.0 * len(names))
     for number, name in enumerate(names, 1):
-        dashes = DASHES[(number - 1) % len(DASHES)]
+        style = state_style(number - 1)
         for direction, (marker, face) in MARKS.items():
             own = [
                 point
@@ -43,7 +43,12 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
             ]
             x, y = [1000.0 * point["movement_m"] for point in own], [point[by] for point in own]
             axes.plot(
-                x, y, color="0.0", linestyle=dashes, marker=marker, markerfacecolor=face, markersize=4.5
+                x,
+                y,
+                marker=marker,
+                markerfacecolor=style["color"] if face != "1.0" else face,
+                markersize=4.5,
+                **style,
             )
             if own and own[-1]["state"] == name:
                 _label(axes, str(number), x[-1], y[-1])
@@ -146,7 +151,7 @@ def _ring(axes: Axes, worst: Mapping[str, Any] | None, by: str) -> None:
 def _scenario_legend(results: Results, names: Sequence[str], words: Words) -> list[Line2D]:
     found = results["scenarios"]
     handles = [
-        Line2D([], [], color="0.0", linestyle=DASHES[(number - 1) % len(DASHES)], label=f"{number}  {name}")
+        Line2D([], [], label=f"{number}  {name}", **state_style(number - 1))
         for number, name in enumerate(names, 1)
     ]
     none: dict[str, Any] = {"color": "0.0", "linestyle": "none"}
