@@ -17,7 +17,6 @@ from assessment.report.text.language import Words, direction_name
 from assessment.results.joint_states import EDGE, FRICTION, IDLE
 from assessment.results.table import Results, sense
 
-
 NEAR = 0.01  # of a path's reach: so far beyond its end is at its end
 
 
