@@ -39,8 +39,8 @@ def joint_law(results: Results, words: Words, elastic: bool) -> Iterator[Markup]
         pressure = words.number(most["edge_pressure_kN_m2"])
         blocks = {"first": most["block_a"], "second": most["block_b"]}
         yield words("text.greatest_pressure", pressure=pressure, state=words.state(most["state"]), **blocks)
-    law = (echo.get("contacts") or {}).get("sliding")
-    yield words("text.coulomb" if law == "coulomb" else "text.sliding")
+    coulomb = (echo.get("contacts") or {}).get("sliding") == "coulomb"
+    yield words("text.sliding_coulomb" if coulomb else "text.sliding")
     collide = (echo.get("contacts") or {}).get("collisions", True)
     yield words("text.collisions" if collide else "text.no_collisions")
 
