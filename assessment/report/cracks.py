@@ -8,8 +8,7 @@ import numpy as np
 
 from assessment.results.faces import faces_of
 from assessment.results.table import Results, Row, Table
-from mechanics.kernels.joint import H, V
-from mechanics.model.contacts import end_gaps, end_points
+from mechanics.model import H, V, end_gaps, end_points
 
 SEEN = 0.5e-3  # m: what a survey can tell from nothing
 DIGITS = 6  # of metres: what is less is rounding, not a crack

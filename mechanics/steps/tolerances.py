@@ -19,8 +19,7 @@ class StepTolerances:
 
     What is accepted. `certificate`: of the forces in the geometry to which they lead; `slow`: the same where forces and
     geometry approach each other only slowly. `fall`: a motion so many times the step is a fall, not a path of
-    equilibrium; `turn` (rad): a step that turns a
-    block by more leaves the range in which its geometry is linear.
+    equilibrium; `turn` (rad): a step that turns a block by more leaves the range in which its geometry is linear.
 
     Contacts. `carrying`: of the weight, the least force of a joint that carries; of the block size, `no_overlap`: an
     overlap that is none, `inside`: a penetration that is one, `look_ahead`: how far beyond a step contacts are looked
@@ -66,8 +65,9 @@ class RestTolerances:
     """Of a motion with reset velocities.
 
     `time`: of a step, in units of √(size/g); of the block size, `still`: what a step at rest moves, `lifted`: the gaps
-    of joints that carry, `farthest`: the longest way, beyond which it has run away, as in a time history (a turn of
-    1 rad counts as 1; what falls less may rest on the block below); `steps`: the most.
+    of joints that carry, `farthest`: the longest way, beyond which it has run away (what falls less may rest on the
+    block below); `turn` (rad): the same of a block that turns: what topples onto its side has collapsed, though it
+    rests there; `steps`: the most.
     """
 
     time: float = 0.5
@@ -75,6 +75,7 @@ class RestTolerances:
     lifted: float = 5e-5
     steps: int = 400
     farthest: float = 1.0
+    turn: float = 0.5
 
 
 @dataclass(frozen=True, slots=True)

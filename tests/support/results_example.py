@@ -429,5 +429,6 @@ def _echo(language: str) -> dict[str, Any]:
             "client": "Comune <A & B>",
             "engineer": "ing. N. Nome",
             "location": "L'Aquila",
+            "attachments": [],
         },
     }
