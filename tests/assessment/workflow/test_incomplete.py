@@ -64,7 +64,7 @@ def test_the_report_of_what_was_completed(project, drawn):
 
 
 def test_an_analysis_that_does_not_converge_is_reported_as_such(project, monkeypatch):
-    def fail(*_: object) -> None:
+    def fail(*_: object, **__: object) -> None:
         raise ConvergenceError("equilibrium exists, but no solver found it")
 
     monkeypatch.setattr(stages, "pushover", fail)
