@@ -23,6 +23,10 @@ class NoEquilibriumError(MechanicsError, ValueError):
     """No equilibrium near a configuration under its loads: a mechanical statement, the end of a path."""
 
 
+class RunawayError(NoEquilibriumError):
+    """Left to itself the structure moves on and does not come to rest: it collapses."""
+
+
 class CollapseError(NoEquilibriumError):
     """A support cannot make its whole movement: the structure collapses first. `path`: the pushdown so far."""
 

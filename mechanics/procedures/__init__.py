@@ -8,8 +8,10 @@ from mechanics.procedures.mechanism import hinges, virtual_work_multiplier
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.pushdown import Pushdown, whole_movement
 from mechanics.procedures.pushover import Pushover
+from mechanics.procedures.step_control import HALVINGS
 
 __all__ = [
+    "HALVINGS",
     "Mirror",
     "Pushdown",
     "Pushover",

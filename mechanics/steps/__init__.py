@@ -1,11 +1,11 @@
 """One step of an analysis: an equilibrium, or a time step."""
 
-from mechanics.steps.equilibrium import CLOSED, ONSET, check_self_weight
-from mechanics.steps.static_step import Sliding, static_system
+from mechanics.steps.equilibrium import check_self_weight
+from mechanics.steps.static_system import Sliding, static_system
+from mechanics.steps.tolerances import LIMIT
 
 __all__ = [
-    "CLOSED",
-    "ONSET",
+    "LIMIT",
     "Sliding",
     "check_self_weight",
     "static_system",

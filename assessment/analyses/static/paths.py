@@ -28,6 +28,7 @@ from mechanics import (
 )
 from mechanics.model import Behaviour, Direction
 from mechanics.procedures import (
+    HALVINGS,
     Mirror,
     Pushdown,
     Pushover,
@@ -164,7 +165,7 @@ def push(
             if found is not None:
                 quality.add(found[1])
         if found is not None:
-            _curve_followed(title, model, behaviour, sliding, direction, *found, result)
+            _curve_followed(title, model, behaviour, sliding, direction, *found, increment, result)
         result.quality.append(quality.numbers())
         result.seconds = time.perf_counter() - began
         parts.append(result)
@@ -223,7 +224,7 @@ def _settle(
         return
     if settlement.to_collapse and path.ultimate is None:
         result.warnings.append(f"{title}: no ultimate movement up to {path.movement[-1]:.3g} m ({path.end})")
-    result.warnings += _crossings(title, path.crossed)
+    result.warnings += crossings(title, path.crossed, whole / settlement.increments)
     result.scatters = turns_on_rounding(model, path)
     quality = Quality(settlement.name, f"pushdown, {behaviour}")
     quality.add(path)
@@ -284,9 +285,10 @@ def _curve_followed(
     direction: Direction,
     control: ControlTable,
     path: Pushover,
+    increment: float,
     result: Part,
 ) -> None:
-    result.warnings += _crossings(title, path.crossed)
+    result.warnings += crossings(title, path.crossed, increment)
     result.scatters = turns_on_rounding(model, path)
     rigid = behaviour == "rigid"
     met = Met(model)
@@ -316,12 +318,17 @@ def _curve_followed(
         )
 
 
-def _crossings(title: str, crossed: NDArray[np.float64]) -> list[str]:
-    """Tell between which displacements (n, 2) parts move by themselves, those that follow each other together."""
+def crossings(title: str, crossed: NDArray[np.float64], increment: float) -> list[str]:
+    """Warnings of where parts move by themselves (n, 2) m, those that follow each other together.
+
+    What is shorter than 1/32 of the increment (m) is below the accuracy of the path and left out.
+    """
     stretches: list[list[float]] = []
-    for left, held in crossed:
+    for left, held in np.sort(crossed, axis=1):
+        if held - left < 0.99 * increment / 2.0**HALVINGS:
+            continue
         if stretches and left <= stretches[-1][1]:
-            stretches[-1][1] = held
+            stretches[-1][1] = max(held, stretches[-1][1])
         else:
             stretches.append([left, held])
     return [
