@@ -25,6 +25,7 @@ PRINTING = (
     "matplotlib",
     "pillow",
     "jinja2",
+    "markdown-it-py",
     "weasyprint",
     "python-docx",
     "pydantic",
