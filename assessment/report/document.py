@@ -184,6 +184,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         capacity_tables.action(results),
         _without(capacity_tables.chosen_mechanisms(results), "refused"),
         capacity_tables.chosen_checks(results),
+        capacity_tables.linear_checks(results),
         Table("comparison", _compared(results), tables.COMPARISON),
         *reported_studies(results),
         histories(results),

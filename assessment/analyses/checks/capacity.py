@@ -172,6 +172,7 @@ def _numbers(
 ) -> dict[str, Any]:
     return {
         "mechanism": {"hinges": mechanism["hinges"], "sliding_joints": len(mechanism["sliding_joints"])},
+        "alpha_0": fit.alpha_0,
         "e_star": part.e_star,
         "gamma_star": part.gamma_star,
         "T_0_s": capacity.T_0,
@@ -193,6 +194,7 @@ def _check(check: Check, common: int) -> dict[str, Any]:
         "T_s": check.T,
         "a_g_g": check.a_g,
         "demand_a_g_g": check.demand_a_g,
+        "demand_a_star_g": check.demand_a_star,
         "zeta_E": check.zeta_E,
         "verified": check.verified,
         "damping": check.damping,

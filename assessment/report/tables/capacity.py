@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from assessment.ntc.limit_states import CHECKS
+from assessment.ntc.limit_states import CHECKS, LINEAR
 from assessment.results.table import Results, Row, Table, reduction
 
 VERIFICATION: tuple[str, ...] = (
@@ -46,6 +46,18 @@ CHOSEN = (
     "e_star",
     "a_0_star_g",
     "refused",
+)
+LINEAR_CHECK = (
+    "state",
+    "direction",
+    "limit_state",
+    "mechanism",
+    "alpha_0",
+    "e_star",
+    "a_0_star_g",
+    "demand_a_star_g",
+    "ratio",
+    "verified",
 )
 CHOSEN_CHECK = ("a_g_g", "demand_a_g_g", "zeta_E", "verified", "return_period_years")
 
@@ -142,6 +154,34 @@ def chosen_checks(results: Results) -> Table:
         if name in given
     ]
     return Table("chosen_checks", rows, ("mechanism", "state", "limit_state", *CHOSEN_CHECK))
+
+
+def linear_checks(results: Results) -> Table:
+    """List the linear kinematic checks, of mechanisms found and chosen: a_0* against a_g S/q, or a_Z/q at height."""
+    rows = [
+        {"state": name, "direction": direction, "limit_state": limit, "mechanism": mechanism}
+        | {
+            "alpha_0": content["alpha_0"],
+            "e_star": content["e_star"],
+            "a_0_star_g": content[limit]["a_star_g"],
+        }
+        | {"demand_a_star_g": content[limit]["demand_a_star_g"], "ratio": content[limit]["zeta_E"]}
+        | {"verified": content[limit]["verified"]}
+        for name, direction, mechanism, content in _mechanisms_checked(results)
+        for limit in LINEAR
+        if (content.get(limit) or {}).get("demand_a_star_g") is not None
+    ]
+    return Table("linear_checks", rows, LINEAR_CHECK)
+
+
+def _mechanisms_checked(results: Results) -> Iterator[tuple[str, str, str, Mapping[str, Any]]]:
+    """Yield state, direction, name and checks of every mechanism: those found, then those chosen."""
+    for name, direction, capacity in capacities(results):
+        text = mechanism_text(capacity["mechanism"]) if "mechanism" in capacity else ""
+        yield name, direction, text, capacity
+    for given in results.get("mechanisms") or []:
+        if "alpha_0" in given:
+            yield given["state"], given["direction"], given["name"], given
 
 
 def traces(content: Mapping[str, Any]) -> Iterator[tuple[str, list[Mapping[str, Any]]]]:

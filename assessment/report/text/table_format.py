@@ -10,7 +10,7 @@ from typing import Any
 from markupsafe import Markup
 
 from assessment.ntc.hazard_grid import RETURN_PERIODS
-from assessment.ntc.limit_states import INDEXED
+from assessment.ntc.limit_states import CHECKS, INDEXED
 from assessment.report.tables.capacity import directions
 from assessment.report.text.language import Words, direction_name
 from assessment.results.table import Row, Table
@@ -51,6 +51,7 @@ TEXT |= {
 }
 LETTERS = 125.0  # of average width in a row of a table
 CENTRES = {"x_C_m", "z_C_m"}  # a block that does not turn has none
+AT_ONSET = {name for name in CHECKS if name not in INDEXED}
 ROUNDING = 1e-9  # a reduction no larger is none
 REDUCTIONS = 3  # settled states beside the original in one table
 
@@ -130,8 +131,11 @@ def governing(text: str, words: Words) -> Markup:
 
 
 def check_name(check: str, words: Words) -> str:
-    """Write the name of a check: the limit state, or that of the linear check at SLV."""
-    return words.plain("value.slv_linear") if check == "SLV linear" else check
+    """Write the name of a check: its limit state, and what it is where that has several."""
+    if check == "SLV linear":
+        return words.plain("value.slv_linear")
+    limit, _, kind = check.partition(" ")
+    return words.plain("value.elastic_branch", limit=limit) if kind else check
 
 
 def _bounded(T_R: float, words: Words) -> str:
@@ -178,8 +182,8 @@ def summary_grids(table: Table, results: Mapping[str, Any], words: Words) -> Ite
 
 
 def _again(row: Row) -> bool:
-    """Return whether a row says once more what it has above: checks of the onset are at d_y* and T_0."""
-    return row["quantity"] in {"d_star_m", "T_s"} and row["limit_state"] in {"SLD", "SLV linear"}
+    """Return whether a row says once more what it has above: checks of the onset are rigid, or at d_y* and T_0."""
+    return row["quantity"] in {"d_star_m", "T_s"} and row["limit_state"] in AT_ONSET
 
 
 def _summary_row(row: Row, names: list[str], words: Words) -> list[Markup]:

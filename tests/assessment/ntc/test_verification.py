@@ -103,10 +103,52 @@ def test_circular_of_2009_by_hand():
     assert "2009" in checks["SLC"].notes[0]
 
 
+def test_linear_check_at_the_ground_by_hand():
+    """a_0* = 0.1273/(0.7574·1.35) = 0.124500 g; soil B, a_g = 0.261 g, F0 = 2.36: S = 1.4 − 0.4·2.36·0.261 = 1.153616.
+
+    SLV, q = 2: a_g S/q = 0.150547 g > a_0*; a_g = 2·0.124500/1.153616 = 0.215843 g, ratio 0.826985, however soft the
+    elastic branch is.
+    """
+    ground = ElasticSpectrum(0.261, 2.36, 0.35, "B")
+    for model in ("none", "trilinear"):
+        check = verify(_block(0.1273, 0.034, 1.35, model, 0.7574), {"SLV": ground})["SLV linear"]
+        assert (check.a_star, check.T) == (pytest.approx(0.124500, abs=1e-6), 0.0)
+        assert check.demand_a_star == pytest.approx(0.150547, abs=1e-6)
+        assert check.a_g == pytest.approx(0.215843, abs=1e-6)
+        assert check.zeta_E == pytest.approx(0.826985, abs=1e-6)
+        assert check.zeta_E == pytest.approx(check.a_star / check.demand_a_star)
+
+
+def test_linear_check_at_height_by_hand():
+    """T_1 = 0.5 s, γ = 1.2, soil A, a_g = 0.25 g: S_e(T_1) = 0.25·2.4·0.3/0.5 = 0.36 g; q = 2, a_0* = 1/7 g.
+
+    ψ = 1: a_Z = 0.36·1.2·√(1 + 0.0004·25) = 0.434155 g (2009: 0.432 g), a_Z/q = 0.217077 g,
+    a_g = 0.25·0.142857/0.217077 = 0.164523 g. ψ = 0.5: a_Z = 0.217077 g < a_g S = 0.25 g, which counts: a_g S/q = 0.125 g.
+    """
+    expected = {1.0: (0.217077, 0.164523), 0.5: (0.125, 0.285714)}
+    for psi, (demand, a_g) in expected.items():
+        check = verify(_block(), {"SLV": FloorSpectrum(SOIL_A, (Mode(0.5, 1.2, psi),))})["SLV linear"]
+        assert check.demand_a_star == pytest.approx(demand, abs=1e-6)
+        assert check.a_g == pytest.approx(a_g, abs=1e-6)
+        assert check.zeta_E == pytest.approx(check.a_star / check.demand_a_star)
+    floor = FloorSpectrum2009(SOIL_A, Mode(0.5, 1.2, 1.0))
+    assert verify(_block(), {"SLD": floor}, Method(circular="2009"))["SLD"].demand_a_star == pytest.approx(
+        0.432
+    )
+
+
+def test_one_mechanism_has_one_outcome():
+    """SLD is a_0* of the rigid multiplier whatever the curve; the end of an elastic branch has a name of its own."""
+    rigid, soft = (verify(_block(model=model), {"SLD": SOIL_A}) for model in ("none", "trilinear"))
+    assert set(rigid) == {"SLD"}
+    assert set(soft) == {"SLD", "SLD elastic"}
+    assert rigid["SLD"].a_g == soft["SLD"].a_g == pytest.approx(1 / 7)
+
+
 def test_activation_with_an_elastic_branch():
     """S_e(T_0, 5 %) = a_y*: the demand spectrum scaled to a_g passes through (T_0, a_y*)."""
     capacity = _block(model="trilinear")
-    check = verify(capacity, {"SLD": SOIL_A})["SLD"]
+    check = verify(capacity, {"SLD": SOIL_A})["SLD elastic"]
     assert check.T == capacity.T_0
     assert check.a_g / 0.25 * SOIL_A.acceleration(capacity.T_0) == pytest.approx(capacity.a_y_star, rel=1e-12)
 
@@ -176,7 +218,7 @@ def test_capacity_falls_with_d_0_and_with_the_confidence_factor(alpha_0, d_0, mo
         assert doubted[state].a_g <= check.a_g * (1 + 1e-9)
         assert smaller[state].a_g <= check.a_g * (1 + 1e-9)
     assert base["SLC"].a_g >= base["SLV"].a_g * (1 - 1e-9)
-    assert base["SLV"].a_g >= base["SLD"].a_g * (1 - 1e-9)
+    assert base["SLV"].a_g >= base.get("SLD elastic", base["SLD"]).a_g * (1 - 1e-9)
     assert base["SLO"].a_g == base["SLD"].a_g
 
 
@@ -341,8 +383,9 @@ def test_the_trace_ends_in_the_numbers_of_the_check(hazard):
         if check.a_g is None:
             continue
         results = {line.symbol: line.result for line in check.trace}
-        last = {"activation": "a_g_act", "linear": "a_g_linear", "nonlinear": f"a_g_{check.limit_state}"}
-        symbol = last[check.method] if last[check.method] in results else "a_g_nonlinear"
+        last = {"elastic": "a_g_act", "linear": "a_g_linear", "nonlinear": f"a_g_{check.limit_state}"}
+        other = {"linear": "a_g_act", "nonlinear": "a_g_nonlinear"}
+        symbol = last[check.method] if last[check.method] in results else other[check.method]
         assert results[symbol] == check.a_g
         indexed = check.limit_state in {"SLV", "SLC"}  # §8.3: the ratio at SLO and SLD is no index
         assert results["zeta_E" if indexed else f"r_{check.limit_state}"] == check.zeta_E

@@ -20,6 +20,7 @@ from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import index as tables
 from assessment.report.tables import studies as study_tables
 from assessment.report.text.language import direction_name, words_of
+from assessment.report.text.table_format import check_name
 from assessment.results.hand_check import hand_check
 from assessment.results.reactions import balance
 from assessment.studies.scenarios import worst as worst_of
@@ -87,11 +88,11 @@ COLUMN = {"limit": "limit_state"}
 WORDS_OF: dict[str, Callable[[Any], str]] = {
     "state": WORDS.state,
     "direction": direction_name,
-    "limit": lambda check: WORDS.plain("value.slv_linear") if check == "SLV linear" else check,
+    "limit": lambda check: check_name(check, WORDS),
     "mechanism": str,
     "contacts": lambda kind: WORDS.plain(f"value.{kind}"),
 }
-CHECK_OF = {"SLV, linear": "SLV linear"}
+CHECK_OF = {"SLV, linear": "SLV linear", "SLD, elastic branch": "SLD elastic"}
 show = WORDS.show
 
 
