@@ -20,13 +20,14 @@ from assessment.ntc.demand_capacity import (
     solve_linear,
 )
 from assessment.ntc.hazard import EXCEEDANCE
-from assessment.ntc.limit_states import INDEXED
+from assessment.ntc.limit_states import INDEXED, ROCK, SURFACE
 from assessment.ntc.methods import ACTIVATION_DAMPING, LAW, Method
 from assessment.ntc.spectrum import RecordSpectrum, Spectrum
 from mechanics.errors import require
 
 __all__ = ["Check", "Method", "check_elastic", "check_linear", "check_nonlinear", "verify"]
 
+_SURFACE_LAW = "NTC 2018, §3.2.3.2.1"
 _COLLAPSE_FIRST = (
     "SLV: d_SLC is reached at a smaller a_g under the same spectrum (the formulas allow it where T_SLV lies on "
     "the plateau): that a_g counts"
@@ -45,7 +46,8 @@ class Check:
     counts; T (s): its period; a_g: capacity, g; demand_a_g: demand, g; zeta_E: their ratio, with S on both
     sides, which is the index ζ_E at SLV and SLC only (§8.3); return_period: of the capacity, years, where the site's
     hazard is known (30 or 2475: there or beyond). governing: what gave a_g. demand_a_star (g): of the linear check,
-    what a_0* is compared with: a_g S/q at the ground, a_Z/q at height.
+    what a_0* is compared with: a_g S/q at the ground, a_Z/q at height. reference: of a_g and demand_a_g, "rock"
+    (category A, without S) or, of a record's spectrum, "surface"; S, demand_S: from there to the surface.
     Numbers are None where the capacity is not defined, and `notes` say why.
     """
 
@@ -64,6 +66,19 @@ class Check:
     trace: Trace
     notes: tuple[str, ...] = ()
     demand_a_star: float | None = None
+    reference: str = ROCK
+    S: float | None = None
+    demand_S: float = 1.0  # noqa: N815
+
+    @property
+    def pga(self) -> float | None:
+        """Capacity at the surface S a_g, g."""
+        return None if self.a_g is None or self.S is None else self.S * self.a_g
+
+    @property
+    def demand_pga(self) -> float:
+        """Demand at the surface S a_g, g."""
+        return self.demand_S * self.demand_a_g
 
 
 def verify(
@@ -195,13 +210,16 @@ def _check(
     site = method.site_acceleration.get(limit_state)
     demand, S_demand = (spectrum.ag, spectrum.S) if site is None else (site, 1.0)
     source = "hazard of the site, or peak of the record" if site is None else "a_g S of the site"
-    zeta = a_g * S / (demand * S_demand)
+    pga = a_g * S
+    zeta = pga / (demand * S_demand)
     indexed = limit_state in INDEXED
     symbol, law = ("zeta_E", "NTC 2018, §8.3") if indexed else (f"r_{limit_state}", LAW[method.circular])
     lines = [
         datum("a_g_demand", demand, "g", source),
-        step(symbol, "a_g_capacity*S_capacity/(a_g_demand*S_demand)", zeta, "", law,
-             a_g_capacity=a_g, S_capacity=S, a_g_demand=demand, S_demand=S_demand),
+        step("PGA_capacity", "S_capacity*a_g_capacity", pga, "g", _SURFACE_LAW, S_capacity=S, a_g_capacity=a_g),
+        step("PGA_demand", "S_demand*a_g_demand", demand * S_demand, "g", _SURFACE_LAW, S_demand=S_demand,
+             a_g_demand=demand),
+        step(symbol, "PGA_capacity/PGA_demand", zeta, "", law, PGA_capacity=pga, PGA_demand=demand * S_demand),
     ]  # fmt: skip
     T_R = None
     if method.hazard is not None and not isinstance(spectrum, RecordSpectrum):
@@ -211,7 +229,13 @@ def _check(
     return Check(
         limit_state, kind, solved.d_star, solved.a_star, solved.T, a_g, demand, zeta, zeta >= 1.0,
         solved.damping, T_R, solved.governing, trace, (*capacity.fit.notes, *solved.notes),
+        reference=_reference(spectrum), S=S, demand_S=S_demand,
     )  # fmt: skip
+
+
+def _reference(spectrum: Spectrum) -> str:
+    """Return where the a_g of a spectrum is: a record's peak is that of its own surface."""
+    return SURFACE if isinstance(spectrum, RecordSpectrum) else ROCK
 
 
 def _linear_demand(
@@ -233,5 +257,20 @@ def _refused(limit_state: str, spectrum: Spectrum, method: Method, reason: str) 
     """Return the Check of a capacity that is not defined."""
     demand = method.site_acceleration.get(limit_state, spectrum.ag)
     return Check(
-        limit_state, "nonlinear", None, None, None, None, demand, None, None, None, None, "", (), (reason,)
+        limit_state,
+        "nonlinear",
+        None,
+        None,
+        None,
+        None,
+        demand,
+        None,
+        None,
+        None,
+        None,
+        "",
+        (),
+        (reason,),
+        reference=_reference(spectrum),
+        demand_S=1.0 if limit_state in method.site_acceleration else spectrum.S,
     )

@@ -62,7 +62,7 @@ def _parts(
     words: Words,
 ) -> Iterator[Grid]:
     """Yield the tables of each part of some calculations: what their checks share, then check by check."""
-    for part in (SHARED, *CHECKS):
+    for part in (SHARED, *CHECKS, capacity_tables.NOMINAL):
         said = action.get(part.split()[0], [])
         columns = {
             title: _column(parts[part], said if part == SHARED else [*said, *parts.get(SHARED, [])])
@@ -70,6 +70,7 @@ def _parts(
             if part in parts
         }
         title = words.plain(f"value.{shared}") if part == SHARED else check_name(part, words)
+        title = words.plain("value.nominal") if part == capacity_tables.NOMINAL else title
         yield from _tables(columns, words(f"caption.{caption}", limit=title), words)
 
 

@@ -35,7 +35,7 @@ from assessment.report.text.table_format import Grid, echoed, grid, summary_grid
 from assessment.report.viewer import Viewer, viewer
 from assessment.results.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check
 from assessment.results.reactions import balance, reactions
-from assessment.results.table import Row, Table
+from assessment.results.table import Row, Table, reference_of
 from assessment.runtime.atomic_files import write_atomically
 
 Results = Mapping[str, Any]
@@ -199,7 +199,13 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         Table("echo", list(echoed(results["echo"], words)), ("table", "settings")),
     ]
     return {
-        table.name: grid(table, words, words(f"caption.{table.name}"), 4 if table.name == "hand_check" else 3)
+        table.name: grid(
+            table,
+            words,
+            words(f"caption.{table.name}"),
+            4 if table.name == "hand_check" else 3,
+            reference_of(results),
+        )
         for table in made
         if table.rows
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
 from assessment.ntc.curve_fit import CapacityError, Curve, CurveFit, fit_curve
 from assessment.ntc.hazard import HazardCurve
+from assessment.ntc.limit_states import QUOTED
 from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.verification import Check, Method, verify
 from assessment.project.mechanisms import chosen_mechanisms
@@ -66,7 +68,19 @@ def assess(
         said = dict.fromkeys(note for check in checks.values() for note in check.notes)
         warnings += [f"{direction}: {note}" for note in said]
         found[direction] = _numbers(mechanism, part, fit, capacity, checks)
+        if project.incremental:
+            found[direction]["nominal"] = _nominal(capacity, demands, method_of(project, hazard))
     return found
+
+
+def _nominal(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method) -> dict[str, Any]:
+    """The check of the farthest limit state without confidence factor, for comparison with the dynamic capacity.
+
+    A dynamic analysis shakes the model as it is, at the surface: its PGA at collapse has no F_C and no factor S.
+    """
+    limit = next(limit for limit in QUOTED if limit in demands)
+    check = verify(replace(capacity, confidence_factor=1.0), {limit: demands[limit]}, method)[limit]
+    return {"limit_state": limit} | _check(check, 0)
 
 
 def along_push(curve: Mapping[str, Any], direction: str) -> Curve:
@@ -195,6 +209,11 @@ def _check(check: Check, common: int) -> dict[str, Any]:
         "a_g_g": check.a_g,
         "demand_a_g_g": check.demand_a_g,
         "demand_a_star_g": check.demand_a_star,
+        "pga_g": check.pga,
+        "demand_pga_g": check.demand_pga,
+        "S": check.S,
+        "demand_S": check.demand_S,
+        "reference": check.reference,
         "zeta_E": check.zeta_E,
         "verified": check.verified,
         "damping": check.damping,

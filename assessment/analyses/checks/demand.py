@@ -11,6 +11,7 @@ from assessment.ntc.calculation import Trace, numbers
 from assessment.ntc.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
 from assessment.ntc.hazard import HazardCurve, return_period, return_period_steps, site_curve
 from assessment.ntc.hazard_grid import HazardError
+from assessment.ntc.limit_states import ROCK, SURFACE
 from assessment.ntc.methods import ACTIVATION_DAMPING, RULES
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
 from assessment.runtime.errors import ProjectError
@@ -114,6 +115,8 @@ def spectra_numbers(
             "kind": _kind(spectrum),
             "a_g_g": spectrum.ag,
             "S": spectrum.S,
+            "pga_g": spectrum.ag * spectrum.S,
+            "reference": SURFACE if isinstance(spectrum, RecordSpectrum) else ROCK,
             "T_s": PERIODS.tolist(),
             "S_e_g": spectrum.acceleration(PERIODS).tolist(),
             "S_De_m": spectrum.displacement(PERIODS).tolist(),

@@ -14,18 +14,22 @@ VERIFICATION: tuple[str, ...] = (
     "T_s",
     "a_g_g",
     "demand_a_g_g",
+    "pga_g",
+    "demand_pga_g",
     "zeta_E",
     "verified",
     "return_period_years",
     "governing",
     "mechanism",
 )
+NOMINAL = "nominal"  # the check without confidence factor that is compared with a dynamic capacity
 SPECTRUM = ("limit_state", "T_s", "S_e_g", "S_De_m", "damping", "damped_S_e_g", "damped_S_De_m")
 ACTION = (
     "limit_state",
     "kind",
     "return_period_years",
     "a_g_g",
+    "pga_g",
     "F0",
     "Tc_star_s",
     "soil",
@@ -191,6 +195,8 @@ def traces(content: Mapping[str, Any]) -> Iterator[tuple[str, list[Mapping[str, 
     for limit in CHECKS:
         if (content.get(limit) or {}).get("trace"):
             yield limit, content[limit]["trace"]
+    if (content.get(NOMINAL) or {}).get("trace"):
+        yield NOMINAL, content[NOMINAL]["trace"]
 
 
 def trace(results: Results) -> Table:

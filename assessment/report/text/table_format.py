@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any
+from typing import Any, TypeVar
 
 from markupsafe import Markup
 
 from assessment.ntc.hazard_grid import RETURN_PERIODS
-from assessment.ntc.limit_states import CHECKS, INDEXED
+from assessment.ntc.limit_states import CHECKS, INDEXED, ROCK, SURFACE
 from assessment.report.tables.capacity import directions
 from assessment.report.text.language import Words, direction_name
-from assessment.results.table import Row, Table
+from assessment.results.table import Row, Table, reference_of
 
 MILLIMETRES = {
     "d_y_m",
@@ -49,6 +49,26 @@ TEXT |= {
     "resurrections",
     "integrator",
 }
+Label = TypeVar("Label", str, Markup)
+ROCK_COLUMNS = {
+    "a_g_g",
+    "demand_a_g_g",
+    "static_pga_g",
+    "a_g_error_g",
+    "a_g_low_g",
+    "a_g_base_g",
+    "a_g_high_g",
+}
+SURFACE_COLUMNS = {
+    "pga_g",
+    "demand_pga_g",
+    "dynamic_pga_g",
+    "static_surface_pga_g",
+    "record_pga_g",
+    "pga_safe_g",
+}
+SURFACE_COLUMNS |= {"pga_collapse_g", "pga_all_collapse_g", "mean_pga_collapse_g", "lowest_pga_collapse_g"}
+SURFACE_COLUMNS |= {"median_g", "pga_collapse_error_g"}
 LETTERS = 125.0  # of average width in a row of a table
 CENTRES = {"x_C_m", "z_C_m"}  # a block that does not turn has none
 AT_ONSET = {name for name in CHECKS if name not in INDEXED}
@@ -90,15 +110,28 @@ def _room(text: str) -> float:
     return len(text) + 0.4 * capitals + 0.15 * digits
 
 
-def grid(table: Table, words: Words, caption: Markup, significant: int = 3) -> Grid:
-    """Write a table for the report, without the columns that no row has."""
+def grid(table: Table, words: Words, caption: Markup, significant: int = 3, reference: str = ROCK) -> Grid:
+    """Write a table for the report, without the columns that no row has; `reference`: of a_g, rock or surface."""
     columns = [column for column in table.columns if any(column in row for row in table.rows)]
     return Grid(
         caption,
-        [words(f"column.{column}") for column in columns],
+        [heading(column, words, reference) for column in columns],
         [[cell(column, row, words, significant) for column in columns] for row in table.rows],
         [column in TEXT for column in columns],
     )
+
+
+def heading(column: str, words: Words, reference: str) -> Markup:
+    """Write the heading of a column; that of an acceleration says what it refers to."""
+    text = words(f"column.{column}")
+    if column in SURFACE_COLUMNS:
+        return referenced(text, words, SURFACE)
+    return referenced(text, words, reference) if column in ROCK_COLUMNS else text
+
+
+def referenced(label: Label, words: Words, reference: str) -> Label:
+    """Put into a label with the unit [g] whether the acceleration is on rock or at the surface."""
+    return label.replace(" [g]", f" {words.plain(f'value.on_{reference}')} [g]")
 
 
 def cell(column: str, row: Row, words: Words, significant: int = 3) -> Markup:
@@ -176,7 +209,7 @@ def summary_grids(table: Table, results: Mapping[str, Any], words: Words) -> Ite
             yield Grid(
                 words("caption.summary", direction=direction_name(direction)),
                 head,
-                [_summary_row(row, names, words) for row in rows if not _again(row)],
+                [_summary_row(row, names, words, reference_of(results)) for row in rows if not _again(row)],
                 [True] + [False] * (len(head) - 1),
             )
 
@@ -186,10 +219,10 @@ def _again(row: Row) -> bool:
     return row["quantity"] in {"d_star_m", "T_s"} and row["limit_state"] in AT_ONSET
 
 
-def _summary_row(row: Row, names: list[str], words: Words) -> list[Markup]:
+def _summary_row(row: Row, names: list[str], words: Words, reference: str) -> list[Markup]:
     quantity, limit = row["quantity"], row["limit_state"]
     indexed = quantity == "zeta_E" and limit.partition(" ")[0] in INDEXED
-    label = words("column.index" if indexed else f"column.{quantity}")
+    label = heading("index" if indexed else quantity, words, reference)
     if limit:
         label += Markup(" <span class='limit'>{}</span>").format(check_name(limit, words))
     cells = [label, _valued(quantity, row, "original", words)]

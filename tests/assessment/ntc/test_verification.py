@@ -89,6 +89,20 @@ def test_single_rigid_block_by_hand():
     assert not checks["SLD"].verified
 
 
+def test_references_by_hand():
+    """The same block, soil A on a ridge (T2, S = 1.2): SLC a_g = 0.474080/1.2 = 0.395067 g on rock, S a_g = 0.474080 g.
+
+    a_g demanded 0.25 g on rock, 0.30 g at the surface; the peak of a record is that of its surface.
+    """
+    check = verify(_block(), {"SLC": ElasticSpectrum(0.25, 2.4, 0.30, "A", "T2")})["SLC"]
+    assert (check.reference, check.S, check.demand_S) == ("rock", 1.2, 1.2)
+    assert (check.a_g, check.pga) == (pytest.approx(0.395067, rel=2e-6), pytest.approx(0.474080, rel=2e-6))
+    assert check.demand_pga == pytest.approx(0.30)
+    assert check.zeta_E == pytest.approx(check.pga / 0.30)
+    of_record = verify(_block(), {"SLC": RECORD})["SLC"]
+    assert (of_record.reference, of_record.pga) == ("surface", of_record.a_g)
+
+
 def test_circular_of_2009_by_hand():
     """Same block: d_u* = 0.4·0.3 = 0.12 m; d_s = 0.4·0.12 = 0.048 m, a_s = 0.84·0.142857 = 0.12 g.
 
@@ -123,7 +137,8 @@ def test_linear_check_at_height_by_hand():
     """T_1 = 0.5 s, γ = 1.2, soil A, a_g = 0.25 g: S_e(T_1) = 0.25·2.4·0.3/0.5 = 0.36 g; q = 2, a_0* = 1/7 g.
 
     ψ = 1: a_Z = 0.36·1.2·√(1 + 0.0004·25) = 0.434155 g (2009: 0.432 g), a_Z/q = 0.217077 g,
-    a_g = 0.25·0.142857/0.217077 = 0.164523 g. ψ = 0.5: a_Z = 0.217077 g < a_g S = 0.25 g, which counts: a_g S/q = 0.125 g.
+    a_g = 0.25·0.142857/0.217077 = 0.164523 g. ψ = 0.5: a_Z = 0.217077 g < a_g S = 0.25 g, which counts:
+    a_g S/q = 0.125 g.
     """
     expected = {1.0: (0.217077, 0.164523), 0.5: (0.125, 0.285714)}
     for psi, (demand, a_g) in expected.items():

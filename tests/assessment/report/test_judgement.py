@@ -179,7 +179,10 @@ def _alpha_reduction(said: Fields, read: Read) -> None:
 
 def _dynamic(said: Fields, read: Read) -> None:
     row = read.row("comparison", said, "state", "direction", "limit")
-    assert (said["dynamic"], said["static"]) == (show(row["dynamic_pga_g"]), show(row["static_pga_g"]))
+    assert (said["dynamic"], said["static"]) == (
+        show(row["dynamic_pga_g"]),
+        show(row["static_surface_pga_g"]),
+    )
     checked = read.row("verification", said, "state", "direction", "limit")
     assert checked["a_g_g"] == row["static_pga_g"]
 
@@ -361,6 +364,7 @@ def directions_checked(draw, limits, demand):
             ratio = None if a_g is None else a_g / demand[limit]
             found[check] = {"a_g_g": a_g, "demand_a_g_g": demand[limit], "zeta_E": ratio}
             found[check]["verified"] = None if ratio is None else ratio >= 1.0
+    found["nominal"] = {"pga_g": draw(CAPACITY)}
     return found
 
 
