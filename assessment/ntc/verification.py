@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from assessment.ntc.calculation import Trace, datum, step
 from assessment.ntc.capacity import CapacityCurve
+from assessment.ntc.capacity_return_period import capacity_return_period
 from assessment.ntc.curve_fit import CapacityError
 from assessment.ntc.demand_capacity import (
     Solved,
@@ -45,8 +46,8 @@ class Check:
     method: "linear", "elastic" or "nonlinear". d_star (m), a_star (g): point of the capacity curve that
     counts; T (s): its period; a_g: capacity, g; demand_a_g: demand, g; zeta_E: their ratio, with S on both
     sides, which is the index ζ_E at SLV and SLC only (§8.3); return_period: of the capacity, years, where the site's
-    hazard is known (30 or 2475: there or beyond). governing: what gave a_g. demand_a_star (g): of the linear check,
-    what a_0* is compared with: a_g S/q at the ground, a_Z/q at height. reference: of a_g and demand_a_g, "rock"
+    hazard, or the return period of the demand, is known. governing: what gave a_g. demand_a_star (g): of the linear
+    check, what a_0* is compared with: a_g S/q at the ground, a_Z/q at height. reference: of a_g and demand_a_g, "rock"
     (category A, without S) or, of a record's spectrum, "surface"; S, demand_S: from there to the surface.
     Numbers are None where the capacity is not defined, and `notes` say why.
     """
@@ -222,9 +223,12 @@ def _check(
         step(symbol, "PGA_capacity/PGA_demand", zeta, "", law, PGA_capacity=pga, PGA_demand=demand * S_demand),
     ]  # fmt: skip
     T_R = None
-    if method.hazard is not None and not isinstance(spectrum, RecordSpectrum):
-        T_R = method.hazard.return_period(a_g)
-        lines.append(method.hazard.return_period_step(a_g))
+    if not isinstance(spectrum, RecordSpectrum):
+        known = method.return_periods.get(limit_state)
+        line = capacity_return_period(a_g, pga, demand * S_demand, known, method.hazard)
+        if line is not None:
+            T_R = line.result
+            lines.append(line)
     trace = (*capacity.steps(), *solved.steps, *lines)
     return Check(
         limit_state, kind, solved.d_star, solved.a_star, solved.T, a_g, demand, zeta, zeta >= 1.0,

@@ -11,6 +11,7 @@ from fnmatch import fnmatch
 from itertools import islice
 from pathlib import Path
 
+from assessment.ntc.hazard import return_period
 from assessment.project.errors import Problem
 from assessment.project.schema import (
     MOST_ENTRIES,
@@ -29,6 +30,7 @@ from assessment.project.schema import (
 from assessment.runtime.errors import nearest
 
 _MOST_INCREMENTS = 100_000
+RETURN_PERIOD_TOL = 0.02  # relative: 50, 475 and 975 years stand for 50.3, 474.6 and 974.8
 MOST_LOOKED_AT = 20_000  # names in folders, to find the files that a pattern means
 LEAST_ROTATION = 1e-6  # of a macro-block, relative to the others'
 _WILD = re.compile(r"[*?[]")
@@ -315,10 +317,26 @@ def _site(site: SiteTable, limit_states: Iterable[LimitState], folder: Path) -> 
     elif placed:
         return
     elif typed:
+        for key, table in by_state.items():
+            if table is not None and table.return_period_years is not None:
+                yield from _return_period(
+                    (*path, key, "return_period_years"), key, table.return_period_years, site
+                )
         for key in limit_states:
             if key not in typed:
                 text = "missing, but assessment.limit_states asks for it; add its ag_g, F0 and Tc_star_s"
                 yield Problem((*path, key), text)
     else:
         text = "no hazard; add latitude, longitude and grid, or ag_g, F0 and Tc_star_s per limit state"
+        yield Problem(path, text)
+
+
+def _return_period(path: KeyPath, limit_state: str, given: float, site: SiteTable) -> Iterator[Problem]:
+    """Compare the return period of a typed hazard with that of nominal life and use class; both are rounded."""
+    by_life = return_period(limit_state, site.nominal_life_years, site.use_class)
+    if abs(given / by_life - 1.0) > RETURN_PERIOD_TOL:
+        text = (
+            f"{given:g} years, but nominal_life_years = {site.nominal_life_years:g} and use_class = "
+            f'"{site.use_class}" make {by_life:.4g} at {limit_state}; correct one of them'
+        )
         yield Problem(path, text)

@@ -281,6 +281,10 @@ class HazardTable(Table):
     ag_g: Acceleration = Field(description="peak ground acceleration on rigid level ground, g")
     F0: Annotated[float, Field(ge=1, le=100)] = Field(description="largest amplification of the spectrum")
     Tc_star_s: Seconds = Field(description="T_C*, s: reference for the end of the constant branch")
+    return_period_years: Annotated[float, Field(ge=1, le=1e5)] | None = Field(
+        default=None,
+        description="return period of this hazard, years; it must be that of nominal life and use class",
+    )
 
 
 class SiteTable(Table):

@@ -62,15 +62,15 @@ def _parts(
     words: Words,
 ) -> Iterator[Grid]:
     """Yield the tables of each part of some calculations: what their checks share, then check by check."""
-    for part in (SHARED, *CHECKS, capacity_tables.NOMINAL):
+    named = {SHARED: shared} | {part: part for part in capacity_tables.BESIDE}
+    for part in (SHARED, *CHECKS, *capacity_tables.BESIDE):
         said = action.get(part.split()[0], [])
         columns = {
             title: _column(parts[part], said if part == SHARED else [*said, *parts.get(SHARED, [])])
             for title, parts in calculations.items()
             if part in parts
         }
-        title = words.plain(f"value.{shared}") if part == SHARED else check_name(part, words)
-        title = words.plain("value.nominal") if part == capacity_tables.NOMINAL else title
+        title = words.plain(f"value.{named[part]}") if part in named else check_name(part, words)
         yield from _tables(columns, words(f"caption.{caption}", limit=title), words)
 
 

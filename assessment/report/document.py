@@ -135,6 +135,17 @@ def render_html(
     )
 
 
+def _shown(echo: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the input to be printed: nominal life and use class only where the hazard is known to follow from them."""
+    assessment = echo.get("assessment") or {}
+    site = assessment.get("site") or {}
+    typed = [site[limit] for limit in ("SLD", "SLV", "SLC") if site.get(limit)]
+    if not typed or all(hazard.get("return_period_years") for hazard in typed):
+        return echo
+    kept = {key: value for key, value in site.items() if key not in {"nominal_life_years", "use_class"}}
+    return {**echo, "assessment": {**assessment, "site": kept}}
+
+
 def _chapters(results: Results) -> list[str]:
     """Return the chapters of the report: those of studies and dynamic stages only where they were asked for."""
     asked = [name for name in STUDIES if results.get(name)]
@@ -185,6 +196,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         _without(capacity_tables.chosen_mechanisms(results), "refused"),
         capacity_tables.chosen_checks(results),
         capacity_tables.linear_checks(results),
+        capacity_tables.scalings(results),
         Table("comparison", _compared(results), tables.COMPARISON),
         *reported_studies(results),
         histories(results),
@@ -196,7 +208,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         *(reported(table, words) for table in convergence_tables(results)),
         tables.quality(results),
         hand_check(results),
-        Table("echo", list(echoed(results["echo"], words)), ("table", "settings")),
+        Table("echo", list(echoed(_shown(results["echo"]), words)), ("table", "settings")),
     ]
     return {
         table.name: grid(

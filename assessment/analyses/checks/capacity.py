@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assessment.analyses.checks.chosen_mechanism import MechanismError, compared, evaluate
-from assessment.analyses.checks.demand import site_acceleration
+from assessment.analyses.checks.demand import demand_return_periods, site_acceleration
 from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
+from assessment.ntc.capacity_return_period import stated
 from assessment.ntc.curve_fit import CapacityError, Curve, CurveFit, fit_curve
 from assessment.ntc.hazard import HazardCurve
 from assessment.ntc.limit_states import QUOTED
@@ -68,8 +69,21 @@ def assess(
         said = dict.fromkeys(note for check in checks.values() for note in check.notes)
         warnings += [f"{direction}: {note}" for note in said]
         found[direction] = _numbers(mechanism, part, fit, capacity, checks)
+        if hazard is not None and "SLV" in demands:
+            method = method_of(project, hazard)
+            found[direction]["scalings"] = _scalings(capacity, checks["SLV"], demands["SLV"], method)
         if project.incremental:
             found[direction]["nominal"] = _nominal(capacity, demands, method_of(project, hazard))
+    return found
+
+
+def _scalings(capacity: CapacityCurve, used: Check, spectrum: Spectrum, method: Method) -> dict[str, Any]:
+    """SLV by both ways of following the demand up to the capacity; the trace of the one `used` is the check's."""
+    ways = {"shape": "demand-shape", "return_period": "grid"}
+    found = {ways[method.scaling]: _check(used, 0) | {"trace": [], "used": True}}
+    for scaling in ways.keys() - {method.scaling}:
+        other = verify(capacity, {"SLV": spectrum}, replace(method, scaling=scaling))["SLV"]
+        found[ways[scaling]] = _check(other, len(capacity.steps())) | {"used": False}
     return found
 
 
@@ -116,6 +130,7 @@ def method_of(project: Project, hazard: HazardCurve | None) -> Method:
         displacement_demand=assessment.record_demand if assessment.spectrum == "record" else "maximum",
         hazard=hazard,
         site_acceleration=site_acceleration(project),
+        return_periods=demand_return_periods(project),
         local_limits={} if limit is None else dict.fromkeys(("SLV", "SLC"), limit),
         local_reason=assessment.local_displacement_reason,
     )
@@ -218,6 +233,7 @@ def _check(check: Check, common: int) -> dict[str, Any]:
         "verified": check.verified,
         "damping": check.damping,
         "return_period_years": check.return_period,
+        "return_period_stated": stated(check.return_period),
         "governing": check.governing,
         "notes": list(check.notes),
         "trace": numbers(check.trace[common:]),

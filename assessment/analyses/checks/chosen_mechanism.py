@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from assessment.analyses.checks.virtual_work import virtual_displacements, virtual_work
 from assessment.ntc.calculation import numbers, step
 from assessment.ntc.capacity import CapacityCurve, capacity_curve
+from assessment.ntc.capacity_return_period import stated
 from assessment.ntc.curve_fit import fit_rigid
 from assessment.ntc.verification import Method, check_linear
 from assessment.results.faces import Met
@@ -156,6 +157,7 @@ def _checks(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Me
             "zeta_E": check.zeta_E,
             "verified": check.verified,
             "return_period_years": check.return_period,
+            "return_period_stated": stated(check.return_period),
             "trace": numbers(check.trace[common:]),
         }
         for name, check in answers.items()

@@ -58,6 +58,24 @@ def site_acceleration(project: Project) -> dict[str, float]:
     }
 
 
+def demand_return_periods(project: Project) -> dict[str, float]:
+    """Return T_R (years) of the demand per limit state: from V_N and C_U with a grid, as told with a typed hazard.
+
+    A typed hazard without its return period is of no known one; nothing then follows from V_N and C_U.
+    """
+    assessment = project.assessment
+    if assessment is None or assessment.spectrum == "record" or assessment.site is None:
+        return {}
+    site = assessment.site
+    if site.grid is not None:
+        return {
+            name: return_period(name, site.nominal_life_years, site.use_class)
+            for name in assessment.limit_states
+        }
+    typed = {name: getattr(site, name).return_period_years for name in assessment.limit_states}
+    return {name: T_R for name, T_R in typed.items() if T_R is not None}
+
+
 def _site_spectra(
     project: Project, assessment: AssessmentTable
 ) -> tuple[dict[str, Spectrum], HazardCurve | None]:
@@ -107,7 +125,7 @@ def spectra_numbers(
 ) -> dict[str, Any]:
     """The demand spectra as numbers: ordinates at 5 % and at the damping of the check, parameters, calculation."""
     assert project.assessment is not None
-    found = {}
+    found, periods = {}, demand_return_periods(project)
     for name, spectrum in demands.items():
         rule = RULES.get((str(project.assessment.circular), name))
         damped = spectrum.with_damping(rule.damping if rule else ACTIVATION_DAMPING)
@@ -127,9 +145,10 @@ def spectra_numbers(
         }
         site = project.assessment.site
         steps: Trace = ()
+        if name in periods:
+            found[name]["return_period_years"] = periods[name]
         if hazard is not None and site is not None:
             by_life = return_period_steps(name, site.nominal_life_years, site.use_class)
-            found[name]["return_period_years"] = by_life[-1].result
             steps = (*by_life, *hazard.steps(by_life[-1].result)[1:])
         ground = _ground(spectrum)
         if ground is not None:

@@ -22,7 +22,10 @@ VERIFICATION: tuple[str, ...] = (
     "governing",
     "mechanism",
 )
+SCALINGS = ("a_g_g", "pga_g", "demand_pga_g", "zeta_E", "return_period_years", "used")
+OTHER_SCALING = "other_scaling"  # SLV by the way of scaling that the checks did not take
 NOMINAL = "nominal"  # the check without confidence factor that is compared with a dynamic capacity
+BESIDE = (OTHER_SCALING, NOMINAL)
 SPECTRUM = ("limit_state", "T_s", "S_e_g", "S_De_m", "damping", "damped_S_e_g", "damped_S_De_m")
 ACTION = (
     "limit_state",
@@ -188,6 +191,17 @@ def _mechanisms_checked(results: Results) -> Iterator[tuple[str, str, str, Mappi
             yield given["state"], given["direction"], given["name"], given
 
 
+def scalings(results: Results) -> Table:
+    """Set the capacity at SLV by both ways of scaling the demand side by side; `used`: the one that the checks took."""
+    rows = [
+        {"state": name, "direction": direction, "limit_state": "SLV", "scaling": scaling}
+        | {key: check[key] for key in SCALINGS if key in check}
+        for name, direction, capacity in capacities(results)
+        for scaling, check in (capacity.get("scalings") or {}).items()
+    ]
+    return Table("scalings", rows, ("state", "direction", "limit_state", "scaling", *SCALINGS))
+
+
 def traces(content: Mapping[str, Any]) -> Iterator[tuple[str, list[Mapping[str, Any]]]]:
     """Yield the traces of a direction or of a chosen mechanism: "capacity" for what its checks share, then theirs."""
     if content.get("trace"):
@@ -195,6 +209,9 @@ def traces(content: Mapping[str, Any]) -> Iterator[tuple[str, list[Mapping[str, 
     for limit in CHECKS:
         if (content.get(limit) or {}).get("trace"):
             yield limit, content[limit]["trace"]
+    for scaling in (content.get("scalings") or {}).values():
+        if scaling.get("trace"):
+            yield OTHER_SCALING, scaling["trace"]
     if (content.get(NOMINAL) or {}).get("trace"):
         yield NOMINAL, content[NOMINAL]["trace"]
 

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 from markupsafe import Markup
 
+from assessment.ntc.capacity_return_period import stated
 from assessment.ntc.hazard_grid import RETURN_PERIODS
 from assessment.ntc.limit_states import CHECKS, INDEXED, ROCK, SURFACE
 from assessment.report.tables.capacity import directions
@@ -36,7 +37,7 @@ MILLIMETRES = {
 PERCENT = {"damping", "reduction", "static_reduction", "dynamic_reduction"}
 PERCENT |= {"deviation", "hand_deviation", "relative_error", "relative_scatter", "integrator_share"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
-TEXT |= {"mechanism", "governing", "kind", "soil", "topography", "refused"}
+TEXT |= {"scaling", "used", "mechanism", "governing", "kind", "soil", "topography", "refused"}
 TEXT |= {"property", "collapses", "table", "settings", "expected", "computed", "verified"}
 TEXT |= {
     "case",
@@ -172,7 +173,9 @@ def check_name(check: str, words: Words) -> str:
 
 
 def _bounded(T_R: float, words: Words) -> str:
-    """Write a return period; at the bounds of the hazard it is only known to lie beyond."""
+    """Write a return period: beyond the hazard as such with its estimate, at its bounds as there or beyond."""
+    if beyond := stated(T_R):
+        return f"{beyond} ({words.number(T_R)})"
     sign = "≤ " if RETURN_PERIODS[0] >= T_R else "≥ " if RETURN_PERIODS[-1] <= T_R else ""
     return f"{sign}{words.number(T_R)}"
 
@@ -191,6 +194,8 @@ def _name(column: str, value: Any, words: Words) -> str:
         return check_name(value, words)
     if column == "kind":
         return words.plain(f"value.{value}_spectrum")
+    if column == "scaling":
+        return words.plain(f"value.scaling_{value.replace('-', '_')}")
     if column == "stage":
         return ", ".join(words.strings["value"].get(part, part) for part in str(value).split(", "))
     return words.show(value)
