@@ -12,6 +12,7 @@ from itertools import islice
 from pathlib import Path
 
 from assessment.ntc.hazard import return_period
+from assessment.ntc.indices import COMPONENTS, confidence_factor
 from assessment.project.errors import Problem
 from assessment.project.schema import (
     MOST_ENTRIES,
@@ -20,6 +21,7 @@ from assessment.project.schema import (
     AssessmentTable,
     FloorTable,
     KeyPath,
+    KnowledgeTable,
     LimitState,
     MotionTable,
     ProjectContent,
@@ -55,6 +57,8 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
     yield from _mechanisms(project)
     if project.assessment:
         yield from _assessment(project, project.assessment)
+        if project.assessment.knowledge:
+            yield from _knowledge(project.assessment.knowledge, project.assessment.confidence_factor)
         if project.assessment.floor:
             yield from _floor(project.assessment.floor, project.assessment)
         if project.assessment.site:
@@ -248,6 +252,31 @@ def _assessment(project: ProjectContent, assessment: AssessmentTable) -> Iterato
             'there is no grid; add latitude, longitude and grid to [assessment.site] or write "demand-shape"'
         )
         yield Problem(("assessment", "method"), text)
+
+
+def _knowledge(knowledge: KnowledgeTable, factor: float) -> Iterator[Problem]:
+    """Compare confidence_factor with the level of knowledge or the components that it follows from."""
+    path: KeyPath = ("assessment", "knowledge")
+    given = knowledge.components
+    if (knowledge.level is None) == (not given):
+        yield Problem(path, f"write level, or {', '.join(COMPONENTS)}, not both")
+        return
+    if given and len(given) < len(COMPONENTS):
+        yield Problem(
+            path, f"{', '.join(COMPONENTS.keys() - given.keys())} missing; the four components go together"
+        )
+        return
+    for key, value in given.items():
+        if value not in COMPONENTS[key]:
+            choices = ", ".join(f"{each:g}" for each in COMPONENTS[key])
+            yield Problem((*path, key), f"{value:g} is none of {choices}; write one of these")
+            return
+    follows = confidence_factor(knowledge.level, given).factor
+    if abs(follows - factor) > 1e-9:
+        text = (
+            f"{factor:g}, but {'.'.join(map(str, path))} makes {follows:g}; write {follows:g}, or correct it"
+        )
+        yield Problem(("assessment", "confidence_factor"), text)
 
 
 def _floor(floor: FloorTable, assessment: AssessmentTable) -> Iterator[Problem]:

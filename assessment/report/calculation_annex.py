@@ -50,6 +50,17 @@ def traces(results: Results, words: Words) -> Iterator[Grid]:
         for name, direction, capacity in capacity_tables.capacities(results)
     }
     yield from _parts(directions, action, "capacity_curve", "trace", words)
+    indices = {
+        words.state(name): _column(state["indices"]["trace"], [])
+        for name, state in results["states"].items()
+        if state.get("indices")
+    }
+    yield from _tables(indices, words("caption.trace_indices"), words)
+    known = (results.get("knowledge") or {}).get("trace")
+    if known:
+        yield from _tables(
+            {words.plain("value.whole_structure"): _column(known, [])}, words("caption.knowledge"), words
+        )
     chosen = {given["name"]: dict(capacity_tables.traces(given)) for given in results.get("mechanisms") or []}
     yield from _parts(chosen, action, "virtual_work", "trace_chosen", words)
 

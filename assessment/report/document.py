@@ -28,6 +28,7 @@ from assessment.report.tables.dynamic import (
     ranges,
     static_dynamic,
 )
+from assessment.report.tables.indices import index_tables
 from assessment.report.tables.studies import reported_studies
 from assessment.report.text.language import Words, direction_name, words_of
 from assessment.report.text.messages import translated
@@ -193,6 +194,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         reported_pressures(results),
         _without(capacity_tables.verification(results), "d_star_m", "a_star_g", "T_s"),  # in the summary
         capacity_tables.action(results),
+        *index_tables(results),
         _without(capacity_tables.chosen_mechanisms(results), "refused"),
         capacity_tables.chosen_checks(results),
         capacity_tables.linear_checks(results),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.checks.capacity import assess, assess_chosen, governing, safety_index
 from assessment.analyses.checks.demand import demand_spectra, spectra_numbers
+from assessment.analyses.checks.indices import knowledge_numbers, state_indices
 from assessment.analyses.static.paths import stand
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.ntc.limit_states import SURFACE
@@ -95,7 +96,10 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
             state["capacity"] = assess(project, assembly, state["pushover"], demands, hazard, notes)
             state["governing"] = governing(state["capacity"])
             state["safety_index"] = safety_index(state["capacity"])
+            state["indices"] = state_indices(project, state["capacity"])
             warnings += [f"{name}: {note}" for note in notes]
+        if project.assessment.knowledge:
+            results["knowledge"] = knowledge_numbers(project.assessment.knowledge)
         results["spectra"] = spectra_numbers(project, demands, hazard)
         results["timing_s"]["assessment"] = time.perf_counter() - began
     if project.mechanism:

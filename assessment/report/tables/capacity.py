@@ -239,6 +239,9 @@ def _all_traces(results: Results) -> Iterator[tuple[str, str, str, list[Mapping[
     for name, direction, capacity in capacities(results):
         for part, steps in traces(capacity):
             yield name, direction, part, steps
+    for name, content in results["states"].items():
+        yield name, "", "indices", (content.get("indices") or {}).get("trace") or []
+    yield "", "", "knowledge", (results.get("knowledge") or {}).get("trace") or []
     for given in results.get("mechanisms") or []:
         for part, steps in traces(given):
             yield given["state"], given["direction"], f"{given['name']}: {part}", steps

@@ -21,6 +21,7 @@ from assessment.report.tables.capacity import (
 )
 from assessment.report.tables.convergence import convergence_tables
 from assessment.report.tables.dynamic import dynamic_tables
+from assessment.report.tables.indices import index_tables
 from assessment.report.tables.studies import study_tables
 from assessment.results.hand_check import hand_check, macro_block_table, outline_area
 from assessment.results.reactions import balance, joint_table, reactions
@@ -79,6 +80,7 @@ def tables(results: Results) -> list[Table]:
         linear_checks(results),
         scalings(results),
         trace(results),
+        *index_tables(results),
         *study_tables(results),
         *dynamic_tables(results),
         *convergence_tables(results),

@@ -34,10 +34,25 @@ MILLIMETRES = {
     "median_peak_m",
     "highest_peak_m",
 }
-PERCENT = {"damping", "reduction", "static_reduction", "dynamic_reduction"}
+PERCENT = {"PAM", "damping", "reduction", "static_reduction", "dynamic_reduction"}
 PERCENT |= {"deviation", "hand_deviation", "relative_error", "relative_scatter", "integrator_share"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
-TEXT |= {"scaling", "used", "mechanism", "governing", "kind", "soil", "topography", "refused"}
+TEXT |= {
+    "use_class",
+    "IS_V_class",
+    "PAM_class",
+    "risk_class",
+    "parameter",
+    "origin",
+    "scaling",
+    "used",
+    "mechanism",
+    "governing",
+    "kind",
+    "soil",
+    "topography",
+    "refused",
+}
 TEXT |= {"property", "collapses", "table", "settings", "expected", "computed", "verified"}
 TEXT |= {
     "case",
@@ -144,7 +159,7 @@ def cell(column: str, row: Row, words: Words, significant: int = 3) -> Markup:
         return words("value.none")
     if column == "governing":
         return governing(str(value), words)
-    if column == "return_period_years" and value is not None:
+    if column in {"return_period_years", "T_SLV_years"} and value is not None:
         return Markup.escape(_bounded(float(value), words))
     if value == "inf" and column not in TEXT:  # an input: results have no infinity
         return Markup("∞")
@@ -194,6 +209,8 @@ def _name(column: str, value: Any, words: Words) -> str:
         return check_name(value, words)
     if column == "kind":
         return words.plain(f"value.{value}_spectrum")
+    if column == "parameter":
+        return words.plain(f"value.parameter_{value}")
     if column == "scaling":
         return words.plain(f"value.scaling_{value.replace('-', '_')}")
     if column == "stage":
