@@ -139,14 +139,20 @@ def _limit(
     symbol = "d_u" if method.circular == "2009" else f"d_{limit_state}"
     share, law = f"{rule.share:g}*d_0_star", LAW[method.circular]
     d, governing = rule.share * d_0, f"{rule.share:.2f} d_0"
-    local = method.local_limits.get(limit_state)
-    if local is None:
+    local, elastic = method.local_limits.get(limit_state), capacity.fit.elastic_end
+    limits = {"d_local": (local, "local limit"), "d_elastic": (elastic, "end of the elastic curve")}
+    known = {name: (value, reason) for name, (value, reason) in limits.items() if value is not None}
+    if not known:
         return d, governing, step(symbol, share, d, "m", law, d_0_star=d_0)
-    if local * Gamma < d:
-        d, governing = local * Gamma, "local limit"
-    source = f"{law}; local limit: {method.local_reason or 'given, without a reason'}"
-    line = step(symbol, f"min({share}, d_local*Gamma_star)", d, "m", source, d_0_star=d_0, d_local=local,
-                Gamma_star=Gamma)  # fmt: skip
+    for value, reason in known.values():
+        if value * Gamma < d:
+            d, governing = value * Gamma, reason
+    source = (
+        law if local is None else f"{law}; local limit: {method.local_reason or 'given, without a reason'}"
+    )
+    formula = ", ".join((share, *(f"{name}*Gamma_star" for name in known)))
+    line = step(symbol, f"min({formula})", d, "m", source, d_0_star=d_0, Gamma_star=Gamma,
+                **{name: value for name, (value, _) in known.items()})  # fmt: skip
     return d, governing, line
 
 

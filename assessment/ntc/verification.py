@@ -146,7 +146,8 @@ def check_nonlinear(
 ) -> Check:
     """Return the nonlinear kinematic check at SLV or SLC (Circolare 7/2019, C8.7.1.2).
 
-    d_SLV = min(0.40 d_0, local limit), d_SLC = min(0.60 d_0, local limit); T = 1.68 π √(d/a) at 8 % damping,
+    d_SLV = min(0.40 d_0, local limit, end of the elastic curve), d_SLC = min(0.60 d_0, the same);
+    T = 1.68 π √(d/a) at 8 % damping,
     T = 1.56 π √(d/a) at 10 %; a_g solves S_De(T) = d, is not below activation, and at SLV not above that at
     which the same spectrum reaches d_SLC. Circular of 2009:
     d_u = min(0.40 d_0, local limit), T_s = 2π √(d_s/a_s) at d_s = 0.4 d_u, S_De(T_s, 5 %) = d_u.

@@ -59,6 +59,7 @@ def assess(
             part = mechanism_participation(model, virtual, mechanism["control_displacement_x"])
             branch = None if elastic is None else along_push(elastic["curve"], direction)
             fit = fit_curve(assessment.model, rigid_branch(rigid, direction), branch)
+            fit = replace(fit, elastic_end=_elastic_end(elastic) if assessment.model != "none" else None)
             capacity = capacity_curve(fit, part.e_star, part.gamma_star, assessment.confidence_factor)
             checks = verify(capacity, demands, method_of(project, hazard))
         except CapacityError as refusal:
@@ -75,6 +76,13 @@ def assess(
         if project.incremental:
             found[direction]["nominal"] = _nominal(capacity, demands, method_of(project, hazard))
     return found
+
+
+def _elastic_end(elastic: Mapping[str, Any] | None) -> float | None:
+    """Where the structure with elastic contacts has no equilibrium any more, m; None where its curve was cut before."""
+    if elastic is None or not (elastic.get("lost") or elastic.get("reached_zero")):
+        return None
+    return max(map(abs, elastic["curve"]["displacement_m"]))
 
 
 def _scalings(capacity: CapacityCurve, used: Check, spectrum: Spectrum, method: Method) -> dict[str, Any]:

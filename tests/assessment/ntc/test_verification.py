@@ -1,6 +1,7 @@
 """Checks of the limit states: a closed form by hand, properties, floor spectra, and the trace recomputed."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -203,6 +204,27 @@ def test_local_limit():
     assert (near.d_star, near.governing) == (pytest.approx(0.1), "local limit")
     far = verify(_block(), {"SLC": SOIL_A}, Method(local_limits={"SLC": 0.5}))["SLC"]
     assert (far.d_star, far.governing) == (pytest.approx(0.18), "0.60 d_0")
+
+
+def test_the_end_of_the_elastic_curve_governs_where_it_comes_first():
+    """d_0* = 0.3 m; elastic contacts fall at 0.3 m of the control point: d = 0.3·0.5 = 0.15 m < 0.18 m, not < 0.12 m.
+
+    SLC: α = 0.142857·(1 − 0.15/0.3) = 0.0714286 g, T = 4.900885 √(0.15/0.700475) = 2.267900 s. At 0.15 m it governs SLV
+    too, and a local limit of 0.1 m comes before it.
+    """
+    capacity = _block()
+    soft = replace(capacity, fit=replace(capacity.fit, elastic_end=0.3))
+    checks = verify(soft, dict.fromkeys(("SLV", "SLC"), SOIL_A))
+    assert (checks["SLC"].d_star, checks["SLC"].governing) == (
+        pytest.approx(0.15),
+        "end of the elastic curve",
+    )
+    assert pytest.approx(2.267900, rel=1e-6) == checks["SLC"].T
+    assert checks["SLV"].governing == "0.40 d_0"
+    softer = replace(capacity, fit=replace(capacity.fit, elastic_end=0.15))
+    assert check_nonlinear(softer, "SLV", SOIL_A).d_star == pytest.approx(0.075)
+    near = check_nonlinear(softer, "SLC", SOIL_A, Method(local_limits={"SLC": 0.1}))
+    assert (near.d_star, near.governing) == (pytest.approx(0.05), "local limit")
 
 
 def test_capacity_that_is_not_defined():
