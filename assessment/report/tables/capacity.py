@@ -22,7 +22,7 @@ VERIFICATION: tuple[str, ...] = (
     "governing",
     "mechanism",
 )
-SCALINGS = ("a_g_g", "pga_g", "demand_pga_g", "zeta_E", "return_period_years", "used")
+SCALINGS = ("a_g_g", "pga_g", "demand_pga_g", "zeta_E", "return_period_years")
 OTHER_SCALING = "other_scaling"  # SLV by the way of scaling that the checks did not take
 NOMINAL = "nominal"  # the check without confidence factor that is compared with a dynamic capacity
 BESIDE = (OTHER_SCALING, NOMINAL)
@@ -192,14 +192,15 @@ def _mechanisms_checked(results: Results) -> Iterator[tuple[str, str, str, Mappi
 
 
 def scalings(results: Results) -> Table:
-    """Set the capacity at SLV by both ways of scaling the demand side by side; `used`: the one that the checks took."""
+    """Set the capacity at SLV by both ways of scaling the demand side by side; `counts`: the one that the checks took."""
     rows = [
         {"state": name, "direction": direction, "limit_state": "SLV", "scaling": scaling}
         | {key: check[key] for key in SCALINGS if key in check}
+        | {"counts": check["used"]}
         for name, direction, capacity in capacities(results)
         for scaling, check in (capacity.get("scalings") or {}).items()
     ]
-    return Table("scalings", rows, ("state", "direction", "limit_state", "scaling", *SCALINGS))
+    return Table("scalings", rows, ("state", "direction", "limit_state", "scaling", *SCALINGS, "counts"))
 
 
 def traces(content: Mapping[str, Any]) -> Iterator[tuple[str, list[Mapping[str, Any]]]]:
