@@ -32,6 +32,7 @@ from assessment.project.schema import (
 from assessment.runtime.errors import nearest
 
 _MOST_INCREMENTS = 100_000
+HIGHEST = 40.0  # m: of a building whose period the standard's formula gives
 RETURN_PERIOD_TOL = 0.02  # relative: 50, 475 and 975 years stand for 50.3, 474.6 and 974.8
 MOST_LOOKED_AT = 20_000  # names in folders, to find the files that a pattern means
 LEAST_ROTATION = 1e-6  # of a macro-block, relative to the others'
@@ -282,6 +283,9 @@ def _floor(floor: FloorTable, assessment: AssessmentTable) -> Iterator[Problem]:
     if floor.height_m > floor.building_height_m:
         text = f"{floor.height_m:g} is above building_height_m ({floor.building_height_m:g}); correct one of them"
         yield Problem((*path, "height_m"), text)
+    if floor.period_s is None and floor.building_height_m > HIGHEST:
+        text = f"missing; T_1 = 0.05 H^(3/4) holds up to a building_height_m of {HIGHEST:g}"
+        yield Problem((*path, "period_s"), f"{text}; write the period, in s")
     if len(floor.higher_periods_s) != len(floor.higher_participations):
         text = "write one γ_k ψ_k for each of higher_periods_s, in the same order"
         yield Problem((*path, "higher_participations"), text)

@@ -326,7 +326,10 @@ class FloorTable(Table):
     )
     building_height_m: Length = Field(description="height H of the building, m")
     storeys: Annotated[int, Field(ge=1, le=1000)] = Field(description="number of storeys n")
-    period_s: Seconds = Field(description="period T_1 of the building's first mode, s")
+    period_s: Seconds | None = Field(
+        default=None,
+        description="period T_1 of the building's first mode, s; default 0.05 H^(3/4), C7.3.3.2, H up to 40 m",
+    )
     damping_ratio: Annotated[float, Field(ge=1e-3, lt=1)] = Field(
         default=0.05, description="viscous damping ratio of the building's modes"
     )

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assessment.ntc.calculation import Trace, numbers
-from assessment.ntc.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
+from assessment.ntc.floor_spectrum import (
+    FloorSpectrum,
+    FloorSpectrum2009,
+    Mode,
+    first_mode,
+    fundamental_period,
+)
 from assessment.ntc.hazard import HazardCurve, return_period, return_period_steps, site_curve
 from assessment.ntc.hazard_grid import HazardError
 from assessment.ntc.limit_states import ROCK, SURFACE
@@ -100,9 +106,8 @@ def _at_height(ground: ElasticSpectrum, assessment: AssessmentTable) -> Spectrum
     floor = assessment.floor
     if floor is None or floor.height_m == 0.0:
         return ground
-    first = first_mode(
-        floor.period_s, floor.storeys, floor.height_m, floor.building_height_m, floor.damping_ratio
-    )
+    T_1 = floor.period_s or fundamental_period(floor.building_height_m).result
+    first = first_mode(T_1, floor.storeys, floor.height_m, floor.building_height_m, floor.damping_ratio)
     if assessment.circular == 2009:
         return FloorSpectrum2009(ground, first)
     higher = zip(floor.higher_periods_s, floor.higher_participations, strict=True)
@@ -150,8 +155,10 @@ def spectra_numbers(
         if hazard is not None and site is not None:
             by_life = return_period_steps(name, site.nominal_life_years, site.use_class)
             steps = (*by_life, *hazard.steps(by_life[-1].result)[1:])
-        ground = _ground(spectrum)
+        ground, floor = _ground(spectrum), project.assessment.floor
         if ground is not None:
+            if floor is not None and floor.period_s is None and ground is not spectrum:
+                steps = (*steps, fundamental_period(floor.building_height_m))
             found[name]["trace"] = numbers((*steps, *ground.parameter_steps()))
     return found
 

@@ -192,7 +192,7 @@ def _mechanisms_checked(results: Results) -> Iterator[tuple[str, str, str, Mappi
 
 
 def scalings(results: Results) -> Table:
-    """Set the capacity at SLV by both ways of scaling the demand side by side; `counts`: the one that the checks took."""
+    """Set the capacity at SLV by both ways of scaling side by side; `counts`: the one that the checks took."""
     rows = [
         {"state": name, "direction": direction, "limit_state": "SLV", "scaling": scaling}
         | {key: check[key] for key in SCALINGS if key in check}
