@@ -11,6 +11,8 @@ from fnmatch import fnmatch
 from itertools import islice
 from pathlib import Path
 
+from assessment.ntc.hazard import return_period
+from assessment.ntc.indices import COMPONENTS, confidence_factor
 from assessment.project.errors import Problem
 from assessment.project.schema import (
     MOST_ENTRIES,
@@ -19,6 +21,7 @@ from assessment.project.schema import (
     AssessmentTable,
     FloorTable,
     KeyPath,
+    KnowledgeTable,
     LimitState,
     MotionTable,
     ProjectContent,
@@ -29,6 +32,8 @@ from assessment.project.schema import (
 from assessment.runtime.errors import nearest
 
 _MOST_INCREMENTS = 100_000
+HIGHEST = 40.0  # m: of a building whose period the standard's formula gives
+RETURN_PERIOD_TOL = 0.02  # relative: 50, 475 and 975 years stand for 50.3, 474.6 and 974.8
 MOST_LOOKED_AT = 20_000  # names in folders, to find the files that a pattern means
 PICTURES = (".png", ".jpg", ".jpeg")  # that a report can hold
 LEAST_ROTATION = 1e-6  # of a macro-block, relative to the others'
@@ -54,6 +59,8 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
     yield from _mechanisms(project)
     if project.assessment:
         yield from _assessment(project, project.assessment)
+        if project.assessment.knowledge:
+            yield from _knowledge(project.assessment.knowledge, project.assessment.confidence_factor)
         if project.assessment.floor:
             yield from _floor(project.assessment.floor, project.assessment)
         if project.assessment.site:
@@ -267,11 +274,39 @@ def _assessment(project: ProjectContent, assessment: AssessmentTable) -> Iterato
         yield Problem(("assessment", "method"), text)
 
 
+def _knowledge(knowledge: KnowledgeTable, factor: float) -> Iterator[Problem]:
+    """Compare confidence_factor with the level of knowledge or the components that it follows from."""
+    path: KeyPath = ("assessment", "knowledge")
+    given = knowledge.components
+    if (knowledge.level is None) == (not given):
+        yield Problem(path, f"write level, or {', '.join(COMPONENTS)}, not both")
+        return
+    if given and len(given) < len(COMPONENTS):
+        yield Problem(
+            path, f"{', '.join(COMPONENTS.keys() - given.keys())} missing; the four components go together"
+        )
+        return
+    for key, value in given.items():
+        if value not in COMPONENTS[key]:
+            choices = ", ".join(f"{each:g}" for each in COMPONENTS[key])
+            yield Problem((*path, key), f"{value:g} is none of {choices}; write one of these")
+            return
+    follows = confidence_factor(knowledge.level, given).factor
+    if abs(follows - factor) > 1e-9:
+        text = (
+            f"{factor:g}, but {'.'.join(map(str, path))} makes {follows:g}; write {follows:g}, or correct it"
+        )
+        yield Problem(("assessment", "confidence_factor"), text)
+
+
 def _floor(floor: FloorTable, assessment: AssessmentTable) -> Iterator[Problem]:
     path: KeyPath = ("assessment", "floor")
     if floor.height_m > floor.building_height_m:
         text = f"{floor.height_m:g} is above building_height_m ({floor.building_height_m:g}); correct one of them"
         yield Problem((*path, "height_m"), text)
+    if floor.period_s is None and floor.building_height_m > HIGHEST:
+        text = f"missing; T_1 = 0.05 H^(3/4) holds up to a building_height_m of {HIGHEST:g}"
+        yield Problem((*path, "period_s"), f"{text}; write the period, in s")
     if len(floor.higher_periods_s) != len(floor.higher_participations):
         text = "write one γ_k ψ_k for each of higher_periods_s, in the same order"
         yield Problem((*path, "higher_participations"), text)
@@ -334,10 +369,26 @@ def _site(site: SiteTable, limit_states: Iterable[LimitState], folder: Path) -> 
     elif placed:
         return
     elif typed:
+        for key, table in by_state.items():
+            if table is not None and table.return_period_years is not None:
+                yield from _return_period(
+                    (*path, key, "return_period_years"), key, table.return_period_years, site
+                )
         for key in limit_states:
             if key not in typed:
                 text = "missing, but assessment.limit_states asks for it; add its ag_g, F0 and Tc_star_s"
                 yield Problem((*path, key), text)
     else:
         text = "no hazard; add latitude, longitude and grid, or ag_g, F0 and Tc_star_s per limit state"
+        yield Problem(path, text)
+
+
+def _return_period(path: KeyPath, limit_state: str, given: float, site: SiteTable) -> Iterator[Problem]:
+    """Compare the return period of a typed hazard with that of nominal life and use class; both are rounded."""
+    by_life = return_period(limit_state, site.nominal_life_years, site.use_class)
+    if abs(given / by_life - 1.0) > RETURN_PERIOD_TOL:
+        text = (
+            f"{given:g} years, but nominal_life_years = {site.nominal_life_years:g} and use_class = "
+            f'"{site.use_class}" make {by_life:.4g} at {limit_state}; correct one of them'
+        )
         yield Problem(path, text)

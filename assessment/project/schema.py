@@ -281,6 +281,10 @@ class HazardTable(Table):
     ag_g: Acceleration = Field(description="peak ground acceleration on rigid level ground, g")
     F0: Annotated[float, Field(ge=1, le=100)] = Field(description="largest amplification of the spectrum")
     Tc_star_s: Seconds = Field(description="T_C*, s: reference for the end of the constant branch")
+    return_period_years: Annotated[float, Field(ge=1, le=1e5)] | None = Field(
+        default=None,
+        description="return period of this hazard, years; it must be that of nominal life and use class",
+    )
 
 
 class SiteTable(Table):
@@ -322,7 +326,10 @@ class FloorTable(Table):
     )
     building_height_m: Length = Field(description="height H of the building, m")
     storeys: Annotated[int, Field(ge=1, le=1000)] = Field(description="number of storeys n")
-    period_s: Seconds = Field(description="period T_1 of the building's first mode, s")
+    period_s: Seconds | None = Field(
+        default=None,
+        description="period T_1 of the building's first mode, s; default 0.05 H^(3/4), C7.3.3.2, H up to 40 m",
+    )
     damping_ratio: Annotated[float, Field(ge=1e-3, lt=1)] = Field(
         default=0.05, description="viscous damping ratio of the building's modes"
     )
@@ -332,6 +339,54 @@ class FloorTable(Table):
     higher_participations: Annotated[tuple[Ratio, ...], Field(strict=False, max_length=100)] = Field(
         default=(), description="their products γ_k ψ_k(z), participation times shape at the height z"
     )
+
+
+class KnowledgeTable(Table):
+    """[assessment.knowledge]: what the confidence factor follows from: a level, or four components 1 + ΣF_Ck."""
+
+    level: Literal["LC1", "LC2", "LC3"] | None = Field(
+        default=None, description="level of knowledge, Circolare 7/2019, C8.5.4: F_C 1.35, 1.20 or 1.00"
+    )
+    geometry: Annotated[float, Field(ge=0, le=0.2)] | None = Field(
+        default=None, description="F_C1 of DPCM 9/2/2011: geometrical survey, 0.05 or 0.0"
+    )
+    construction: Annotated[float, Field(ge=0, le=0.2)] | None = Field(
+        default=None, description="F_C2: survey of materials and details, 0.12, 0.06 or 0.0"
+    )
+    mechanical: Annotated[float, Field(ge=0, le=0.2)] | None = Field(
+        default=None, description="F_C3: mechanical properties, 0.12, 0.06 or 0.0"
+    )
+    ground: Annotated[float, Field(ge=0, le=0.2)] | None = Field(
+        default=None, description="F_C4: ground and foundations, 0.06, 0.03 or 0.0"
+    )
+    evaluation: Literal["LV1", "LV2", "LV3"] | None = Field(
+        default=None, description="level of evaluation of DPCM 9/2/2011: LV1, LV2 or LV3"
+    )
+    investigations: Text = Field(default="", description="investigations carried out, printed in the report")
+    geometry_origin: Text = Field(default="", description="survey of the geometry: by whom, when, how")
+    construction_origin: Text = Field(
+        default="", description="survey of materials and details of construction"
+    )
+    ground_origin: Text = Field(default="", description="ground and foundations: investigations and report")
+    unit_weight_origin: Text = Field(default="", description="origin of the unit weights")
+    friction_origin: Text = Field(default="", description="origin of the coefficients of friction")
+    normal_stiffness_origin: Text = Field(default="", description="origin of the stiffness of the joints")
+    compressive_strength_origin: Text = Field(default="", description="origin of the compressive strength")
+    loads_origin: Text = Field(default="", description="origin of the loads")
+
+    @property
+    def origins(self) -> dict[str, str]:
+        """Where each parameter comes from, by its name, those that are told."""
+        named = {key.removesuffix("_origin"): getattr(self, key) for key in type(self).model_fields}
+        return {
+            key: text for key, text in named.items() if f"{key}_origin" in type(self).model_fields and text
+        }
+
+    @property
+    def components(self) -> dict[str, float]:
+        """The components F_Ck that are given, by name."""
+        named = {key: getattr(self, key) for key in ("geometry", "construction", "mechanical", "ground")}
+        return {key: value for key, value in named.items() if value is not None}
 
 
 class AssessmentTable(Table):
@@ -368,6 +423,9 @@ class AssessmentTable(Table):
     )
     local_displacement_reason: Text = Field(
         default="", description="what is lost there and how it was found, printed with the limit"
+    )
+    knowledge: KnowledgeTable | None = Field(
+        default=None, description="what confidence_factor follows from, printed with its origins"
     )
     floor: FloorTable | None = Field(
         default=None, description="building below a mechanism at height; absent: at the ground"

@@ -31,6 +31,7 @@ from assessment.report.tables.dynamic import (
     ranges,
     static_dynamic,
 )
+from assessment.report.tables.indices import index_tables
 from assessment.report.tables.studies import reported_studies
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import Words, direction_name, words_of
@@ -39,7 +40,7 @@ from assessment.report.text.table_format import Grid, grid, ranges_grid, summary
 from assessment.report.viewer import Viewer, viewer
 from assessment.results.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check
 from assessment.results.reactions import balance, reactions
-from assessment.results.table import Row, Table
+from assessment.results.table import Row, Table, reference_of
 from assessment.runtime.atomic_files import write_atomically
 
 Results = Mapping[str, Any]
@@ -158,6 +159,17 @@ def render_html(
     )
 
 
+def _shown(echo: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the input to be printed: nominal life and use class only where the hazard is known to follow from them."""
+    assessment = echo.get("assessment") or {}
+    site = assessment.get("site") or {}
+    typed = [site[limit] for limit in ("SLD", "SLV", "SLC") if site.get(limit)]
+    if not typed or all(hazard.get("return_period_years") for hazard in typed):
+        return echo
+    kept = {key: value for key, value in site.items() if key not in {"nominal_life_years", "use_class"}}
+    return {**echo, "assessment": {**assessment, "site": kept}}
+
+
 def _chapters(results: Results) -> list[str]:
     """Return the chapters of the report: those of studies and dynamic stages only where they were asked for."""
     asked = [name for name in STUDIES if results.get(name)]
@@ -221,8 +233,11 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         reported_pressures(results),
         _without(capacity_tables.verification(results), "d_star_m", "a_star_g", "T_s"),  # in the summary
         capacity_tables.action(results),
+        *index_tables(results),
         _without(capacity_tables.chosen_mechanisms(results), "refused"),
         capacity_tables.chosen_checks(results),
+        capacity_tables.linear_checks(results),
+        capacity_tables.scalings(results),
         Table("comparison", _compared(results), tables.COMPARISON),
         *reported_studies(results),
         histories(results),
@@ -234,10 +249,16 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         *(reported(table, words) for table in convergence_tables(results)),
         tables.quality(results),
         hand_check(results),
-        Table("echo", list(echoed(results["echo"], words)), ("table", "setting", "value")),
+        Table("echo", list(echoed(_shown(results["echo"]), words)), ("table", "setting", "value")),
     ]
     found = {
-        table.name: grid(table, words, words(f"caption.{table.name}"), 4 if table.name == "hand_check" else 3)
+        table.name: grid(
+            table,
+            words,
+            words(f"caption.{table.name}"),
+            4 if table.name == "hand_check" else 3,
+            reference_of(results),
+        )
         for table in made
         if table.rows
     }

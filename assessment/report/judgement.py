@@ -165,12 +165,12 @@ def _multiplier_loss(results: Results, words: Words) -> Iterator[Markup]:
 
 def _dynamic(results: Results, words: Words) -> Iterator[Markup]:
     for row in results.get("comparison") or []:
-        if row.get("dynamic_pga_g") is not None and row.get("static_pga_g") is not None:
+        if row.get("dynamic_pga_g") is not None and row.get("static_surface_pga_g") is not None:
             yield words(
                 "judgement.dynamic",
                 **_where(row, words),
                 dynamic=row["dynamic_pga_g"],
-                static=row["static_pga_g"],
+                static=row["static_surface_pga_g"],
             )
 
 

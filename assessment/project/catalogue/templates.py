@@ -42,9 +42,9 @@ ASSESSMENT = {
         "topography": "T1",
         "nominal_life_years": 50,
         "use_class": "II",
-        "SLD": {"ag_g": 0.104, "F0": 2.33, "Tc_star_s": 0.28},
-        "SLV": {"ag_g": 0.261, "F0": 2.36, "Tc_star_s": 0.35},
-        "SLC": {"ag_g": 0.334, "F0": 2.40, "Tc_star_s": 0.36},
+        "SLD": {"ag_g": 0.104, "F0": 2.33, "Tc_star_s": 0.28, "return_period_years": 50},
+        "SLV": {"ag_g": 0.261, "F0": 2.36, "Tc_star_s": 0.35, "return_period_years": 475},
+        "SLC": {"ag_g": 0.334, "F0": 2.40, "Tc_star_s": 0.36, "return_period_years": 975},
     },
 }
 

@@ -12,9 +12,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 
+from assessment.ntc.limit_states import SURFACE
 from assessment.report.figures.deformed import GHOST, INK, SUPPORT
 from assessment.report.figures.style import DASHES, chart, sheet, state_style
 from assessment.report.text.language import Words
+from assessment.report.text.table_format import referenced
 from assessment.results.outlines import Outlines, outlines
 
 Results = Mapping[str, Any]
@@ -24,15 +26,20 @@ FALLING = 0.03  # of the model's size: how far the curve of a collapse is follow
 AROUND = 0.5  # of the model's size: how far from it fallen blocks are still drawn
 
 
+def _at_surface(label: str, words: Words) -> str:
+    """Return the label of an axis of accelerations of the ground: those of records are at the surface."""
+    return referenced(words.plain(f"figure.{label}"), words, SURFACE)
+
+
 def draw_motion(results: Results, words: Words, index: int) -> Figure:
     """Draw a base motion over time and its acceleration spectrum at 5 % damping."""
     motion = results["motions"][index]
     figure, panels = chart(words, columns=2, height_mm=62.0, foot_mm=0.0)
     panels[0].plot(motion["time_s"], motion["acceleration_g"], color="0.0", linewidth=0.5)
-    panels[0].set(xlabel=words.plain("figure.time"), ylabel=words.plain("figure.ground_acceleration"))
+    panels[0].set(xlabel=words.plain("figure.time"), ylabel=_at_surface("ground_acceleration", words))
     panels[0].set_xlim(motion["window_s"])
     panels[1].plot(motion["T_s"], motion["S_a_g"], color="0.0")
-    panels[1].set(xlabel=words.plain("figure.period"), ylabel=words.plain("figure.spectral_acceleration"))
+    panels[1].set(xlabel=words.plain("figure.period"), ylabel=_at_surface("spectral_acceleration", words))
     panels[1].set(xlim=(0.0, motion["T_s"][-1]), ylim=(0.0, None))
     return figure
 
@@ -124,7 +131,7 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
             axes.axhspan(low, high, color=BAND, linewidth=0.0, zorder=0.5)
         if each["pga_collapse_g"] is not None:
             axes.axhline(each["pga_collapse_g"], color="0.0", linewidth=0.6, linestyle=DASHES[1])
-        axes.set(xlabel=words.plain("figure.peak_displacement"), ylabel=words.plain("figure.pga"))
+        axes.set(xlabel=words.plain("figure.peak_displacement"), ylabel=_at_surface("pga", words))
         axes.set(title=words.state(name), ylim=(0.0, 1.15 * max(tops, default=1.0)))
         axes.set_xlim(0.0, 1000.0 * reach if reach > 0.0 else None)
     for axes in panels[len(states) :]:
@@ -173,7 +180,7 @@ def draw_fragility(results: Results, words: Words) -> Figure:
         share = (np.arange(len(fallen)) + 0.5) / len(each["records"])
         axes.plot(fallen, share, linestyle="none", marker="o", markersize=3.5, color=style["color"],
                   markerfacecolor="1.0" if state != "original" else style["color"])  # fmt: skip
-    axes.set(xlabel=words.plain("figure.pga"), ylabel=words.plain("figure.probability"))
+    axes.set(xlabel=_at_surface("pga", words), ylabel=words.plain("figure.probability"))
     axes.set(xlim=(0.0, top), ylim=(0.0, 1.0))
     figure.legend(loc="lower center", ncols=1)
     return figure

@@ -13,6 +13,8 @@ from matplotlib.patches import Patch
 from assessment.report.figures.style import chart, state_style
 from assessment.report.tables.studies import ROUNDING, tornado
 from assessment.report.text.language import Words, direction_name
+from assessment.report.text.table_format import referenced
+from assessment.results.table import reference_of
 
 Results = Mapping[str, Any]
 MARKS = {"+x": (">", "0.0"), "-x": ("<", "1.0")}  # of the directions: full to the right, empty to the left
@@ -60,6 +62,7 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
     label = words.plain(f"figure.capacity_{by}", limit=found["limit_state"])
+    label = referenced(label, words, reference_of(results))
     axes.set(xlabel=words.plain("figure.movement"), ylabel=label)
     figure.legend(handles=_scenario_legend(results, names, words), loc="lower center", ncols=2)
     return figure
@@ -87,7 +90,9 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
         base = words.show(own[0]["a_g_base_g"])
         axes.set_title(words.plain("figure.tornado_base", state=words.state(state), capacity=base))
     limit = results["sensitivity"]["limit_state"]
-    panels[-1].set_xlabel(words.plain("figure.capacity_a_g_g", limit=limit))
+    panels[-1].set_xlabel(
+        referenced(words.plain("figure.capacity_a_g_g", limit=limit), words, reference_of(results))
+    )
     handles = [Patch(**BARS[side], label=words.plain(f"figure.{side}_factor")) for side in ("low", "high")]
     figure.legend(handles=handles, loc="lower center", ncols=2)
     return figure

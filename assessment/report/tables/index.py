@@ -14,6 +14,8 @@ from assessment.report.tables.capacity import (
     capacity_curves,
     chosen_checks,
     chosen_mechanisms,
+    linear_checks,
+    scalings,
     spectrum,
     summary,
     trace,
@@ -21,6 +23,7 @@ from assessment.report.tables.capacity import (
 )
 from assessment.report.tables.convergence import convergence_tables
 from assessment.report.tables.dynamic import dynamic_tables
+from assessment.report.tables.indices import index_tables
 from assessment.report.tables.studies import study_tables
 from assessment.results.hand_check import hand_check, macro_block_table, outline_area
 from assessment.results.reactions import balance, joint_table, reactions
@@ -79,7 +82,10 @@ def tables(results: Results) -> list[Table]:
         action(results),
         chosen_mechanisms(results),
         chosen_checks(results),
+        linear_checks(results),
+        scalings(results),
         trace(results),
+        *index_tables(results),
         *study_tables(results),
         *dynamic_tables(results),
         *convergence_tables(results),

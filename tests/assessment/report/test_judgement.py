@@ -21,6 +21,7 @@ from assessment.report.tables import index as tables
 from assessment.report.tables import studies as study_tables
 from assessment.report.tables.convergence import convergence_tables
 from assessment.report.text.language import direction_name, words_of
+from assessment.report.text.table_format import check_name
 from assessment.results.hand_check import hand_check
 from assessment.results.reactions import balance
 from assessment.studies.scenarios import worst as worst_of
@@ -92,11 +93,11 @@ COLUMN = {"limit": "limit_state"}
 WORDS_OF: dict[str, Callable[[Any], str]] = {
     "state": WORDS.state,
     "direction": direction_name,
-    "limit": lambda check: WORDS.plain("value.slv_linear") if check == "SLV linear" else check,
+    "limit": lambda check: check_name(check, WORDS),
     "mechanism": str,
     "contacts": lambda kind: WORDS.plain(f"value.{kind}"),
 }
-CHECK_OF = {"SLV, linear": "SLV linear"}
+CHECK_OF = {"SLV, linear": "SLV linear", "SLD, elastic branch": "SLD elastic"}
 show = WORDS.show
 
 
@@ -183,7 +184,10 @@ def _alpha_reduction(said: Fields, read: Read) -> None:
 
 def _dynamic(said: Fields, read: Read) -> None:
     row = read.row("comparison", said, "state", "direction", "limit")
-    assert (said["dynamic"], said["static"]) == (show(row["dynamic_pga_g"]), show(row["static_pga_g"]))
+    assert (said["dynamic"], said["static"]) == (
+        show(row["dynamic_pga_g"]),
+        show(row["static_surface_pga_g"]),
+    )
     checked = read.row("verification", said, "state", "direction", "limit")
     assert checked["a_g_g"] == row["static_pga_g"]
 
@@ -390,6 +394,7 @@ def directions_checked(draw, limits, demand):
             ratio = None if a_g is None else a_g / demand[limit]
             found[check] = {"a_g_g": a_g, "demand_a_g_g": demand[limit], "zeta_E": ratio}
             found[check]["verified"] = None if ratio is None else ratio >= 1.0
+    found["nominal"] = {"pga_g": draw(CAPACITY)}
     return found
 
 
