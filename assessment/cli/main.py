@@ -27,7 +27,16 @@ BENCHMARKS = (
     "statics", "dynamics", "ensembles", "dissipation", "collapse", "steps", "growth", "walls", "chain", "skips"
 )  # fmt: skip
 TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
-STAGES = ("pushdown", "pushover", "history", "incremental", "assessment", "scenarios", "sensitivity")
+STAGES = (
+    "pushdown",
+    "pushover",
+    "history",
+    "incremental",
+    "campaign",
+    "assessment",
+    "scenarios",
+    "sensitivity",
+)
 EXAMPLES = {  # what the help of each command ends with; "": of all of them
     "": ("assesto new arch --template buttressed-arch", "assesto run arch"),
     "run": ("assesto run arch", "assesto run arch --only pushdown,pushover --out trial"),

@@ -19,6 +19,7 @@ from assessment.report.judgement import all_warnings, draft_judgement, worst_sce
 from assessment.report.pdf import command, load_weasyprint
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import index as tables
+from assessment.report.tables.campaign import reported_campaign
 from assessment.report.tables.convergence import convergence_tables, reported
 from assessment.report.tables.dynamic import (
     energy,
@@ -58,6 +59,7 @@ CHAPTERS = (
 )
 DYNAMIC = ("history", "incremental")  # chapters before the comparison, where their stages were asked for
 STUDIES = ("scenarios", "sensitivity")  # likewise
+CAMPAIGN = "campaign"  # likewise, behind them
 
 
 def write_page(results: Results, folder: Path, edited: Markup | None = None) -> None:
@@ -139,6 +141,7 @@ def _chapters(results: Results) -> list[str]:
     """Return the chapters of the report: those of studies and dynamic stages only where they were asked for."""
     asked = [name for name in STUDIES if results.get(name)]
     asked += [name for name in DYNAMIC if any(content.get(name) for content in results["states"].values())]
+    asked += [CAMPAIGN] if results.get(CAMPAIGN) else []
     place = CHAPTERS.index("comparison")
     return [*CHAPTERS[:place], *asked, *CHAPTERS[place:]]
 
@@ -162,7 +165,9 @@ class Counter:
 
 def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[dict[str, object]]]:
     """Return per chapter the caption and data address of each figure; as images, their ids cannot clash."""
-    found: dict[str, list[dict[str, object]]] = {chapter: [] for chapter in (*CHAPTERS, *STUDIES, *DYNAMIC)}
+    found: dict[str, list[dict[str, object]]] = {
+        chapter: [] for chapter in (*CHAPTERS, *STUDIES, *DYNAMIC, CAMPAIGN)
+    }
     for picture in pictures(results):
         svg = base64.b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()
         caption = words(f"caption.{picture.caption}", **picture.fields)
@@ -191,6 +196,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         energy(results),
         incremental(results),
         incremental_states(results),
+        *reported_campaign(results),
         static_dynamic(results),
         *(reported(table, words) for table in convergence_tables(results)),
         tables.quality(results),

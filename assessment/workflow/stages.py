@@ -99,7 +99,9 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
         results["timing_s"]["assessment"] = time.perf_counter() - began
     if project.mechanism:
         results["mechanisms"] = assess_chosen(project, assembly, states, demands, hazard, warnings)
-    studied = add_studies(results, project, assembly, stages, converged.halvings, demands, hazard, workers)
+    studied = add_studies(
+        results, project, assembly, stages, converged.halvings, demands, hazard, motions.campaign, workers
+    )
     shaken = add_dynamics(results, project, assembly, motions, stages, workers)
     if project.assessment or project.incremental:
         results["comparison"] = _comparison(states)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from assessment.report.joints import edge_pressures
+from assessment.report.tables.campaign import campaign_tables
 from assessment.report.tables.capacity import (
     action,
     capacity_curves,
@@ -77,6 +78,7 @@ def tables(results: Results) -> list[Table]:
         trace(results),
         *study_tables(results),
         *dynamic_tables(results),
+        *campaign_tables(results),
         *convergence_tables(results),
     ]
 
