@@ -42,13 +42,15 @@ def run(
     fresh: bool = False,
     show: Show = SILENCE,
     meanwhile: Callable[[], object] | None = None,
+    scheduler: str | None = None,
 ) -> Outcome:
     """Carry out every stage that the project asks for.
 
-    `jobs`: processes, 0: as many as help; `store`: where finished analyses are kept, and taken from unless `fresh`;
+    `jobs`: processes, 0: as many as help; `scheduler`: of a Dask cluster in their place; `store`: where finished
+    analyses are kept, and taken from unless `fresh`;
     `meanwhile`: what this process does, once, while others compute.
     """
-    with Workers(jobs, store, fresh, show, meanwhile=meanwhile) as workers:
+    with Workers(jobs, store, fresh, show, meanwhile=meanwhile, scheduler=scheduler) as workers:
         results, complete = _stages(project, model, workers)
     if store:
         store.prune()

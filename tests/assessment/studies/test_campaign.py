@@ -30,7 +30,8 @@ from assessment.studies.campaign.fragility import (
 from assessment.studies.campaign.movements import surface_pga
 from assessment.studies.campaign.summary import Observed, fragility, loss
 from mechanics.records.record import Record
-from tests.support.block_project import ASSESSMENT, PROJECT, edit, read_results, run, timeless, write_block
+from tests.support.block_project import edit, read_results, run, timeless
+from tests.support.campaign_project import SEARCHES, write_campaign
 
 
 def whole(count):
@@ -186,23 +187,7 @@ def noise(seed, peak=0.3, count=1000):
 
 @pytest.fixture
 def block(tmp_path):
-    """A campaign of three short waves on the block, whose base turns: two shares, one sign."""
-    write_block(tmp_path / "block", "scatter = 2\n" + PROJECT + CAMPAIGN + ASSESSMENT)
-    for number, rate in enumerate((4.0, 6.0, 5.0), 1):
-        time = 0.02 * np.arange(60)
-        wave = 0.3 * np.sin(rate * time) * np.exp(-0.3 * time)
-        np.savetxt(tmp_path / "block" / f"wave{number}.csv", np.column_stack([time, wave]), delimiter=",")
-    return tmp_path / "block"
-
-
-CAMPAIGN = """[campaign]
-records = ["wave*.csv"]
-shares = [0.0, 1.0]
-signs = [1]
-contacts = "rigid"
-tolerance = 0.2
-max_scale = 3.0
-"""
+    return write_campaign(tmp_path / "block", SEARCHES, 3)
 
 
 def test_a_set_with_one_motion_twice_is_refused_scaled_and_turned_too(block):
