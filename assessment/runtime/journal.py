@@ -19,15 +19,11 @@ NAME = ".assesto.journal"  # in the output folder, while a run is at work there 
 
 @contextmanager
 def journal(folder: Path, show: Show) -> Iterator[Show]:
-    """Yield what tells `show` and the journal of a folder; only a run that is killed leaves the journal behind."""
+    """Yield what tells `show` and the journal of a folder; a run that does not come to its end leaves it behind."""
     path = folder / NAME
-    with suppress(OSError):
-        path.unlink()
-    try:
-        yield Journal(path, show)
-    finally:
-        with suppress(OSError):
-            path.unlink()
+    path.unlink(missing_ok=True)
+    yield Journal(path, show)
+    path.unlink(missing_ok=True)
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from assessment.project.project import load_project
 from assessment.project.record_set import check_record_set, doubtful_records
 from assessment.project.schema import CampaignTable
 from assessment.runtime.errors import ProjectError
+from assessment.studies.campaign import stage
 from assessment.studies.campaign.fragility import (
     Scatter,
     confidence,
@@ -287,6 +288,27 @@ def test_equal_states_are_computed_once(block):
     assert other["same_as"] == {"settlement": "base turned", "share": 0.0}
     assert other["pga_collapse_g"] == one["pga_collapse_g"] and results["campaign"]["computed"] == 1
     assert any("1 of 2 combinations" in text for text in results["quality"]["warnings"])
+
+
+def test_records_are_made_to_the_spectrum_of_the_site(block, monkeypatch):
+    asked = []
+
+    def made(spectrum, seed):
+        asked.append((spectrum.ag, seed))
+        return Record(noise(seed, count=600), 0.01, f"generated {seed}")
+
+    monkeypatch.setattr(stage, "made_record", made)
+    edit(block, 'records = ["wave*.csv"]', 'records = "generate:3"')
+    edit(block, "tolerance = 0.2", 'method = "stripes"\nlevels_g = [0.01]\nspectrum_compatible = true')
+    assert run(block, "--only", "campaign", "--jobs", "1") == 0
+    found = read_results(block / "output")["campaign"]
+    assert asked == [(0.261, 1), (0.261, 2), (0.261, 3)]  # SLV, the farthest limit state of the project
+    assert [each["record"] for each in found["records"]] == ["generated 1", "generated 2", "generated 3"]
+    spectrum = found["spectrum"]
+    deviation = np.array(spectrum["mean_g"]) / np.array(spectrum["target_g"]) - 1.0
+    assert spectrum["limit_state"] == "SLV" and spectrum["lowest_deviation"] == pytest.approx(deviation.min())
+    assert not any(row["collapsed"][0] for row in found["combinations"])
+    assert all(row["median_g"] is None for row in found["fragility"])  # nothing fell
 
 
 @pytest.mark.parametrize(
