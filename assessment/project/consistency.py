@@ -44,8 +44,6 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
         if layer.vertical_load_kN < 0.0 and layer.load_has_mass:
             text = f"{layer.vertical_load_kN:g} acts upward and has no mass; add load_has_mass = false"
             yield Problem(("layers", name, "vertical_load_kN"), text)
-    if project.contacts.sliding == "coulomb":
-        yield Problem(("contacts", "sliding"), 'coulomb is not available yet; write "associative"')
     yield from _doubles("control", [point.name for point in project.control])
     yield from _control(project)
     yield from _doubles("settlements", list(project.states[1:]))

@@ -196,7 +196,7 @@ class ContactsTable(Table):
 
     sliding: Literal["coulomb", "associative"] = Field(
         default="associative",
-        description="associative: joints that slide open, as in the paper; coulomb, without that, is not available yet",
+        description="associative: a joint that slides opens, as in the paper; coulomb: it does not",
     )
     collisions: bool = Field(
         default=True, description="blocks that are apart in the drawing may come to touch as they move"
@@ -505,7 +505,8 @@ class ProjectContent(Table):
         "estimated relative error is below standard (0.05), fine (0.01) or a number",
     )
     scatter: Members = Field(
-        default=5, description="members of the small ensemble run where a motion has many impacts; 1: none"
+        default=5,
+        description="members of the small ensemble run where a path slides or a motion has many impacts; 1: none",
     )
     geometry: GeometryTable = Field(description="the drawing and how it becomes blocks and joints")
     material: MaterialTable = Field(description="stone and joints, default of every layer")

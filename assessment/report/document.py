@@ -32,7 +32,7 @@ from assessment.report.tables.dynamic import (
 from assessment.report.tables.studies import reported_studies
 from assessment.report.text.language import Words, direction_name, words_of
 from assessment.report.text.messages import translated
-from assessment.report.text.table_format import Grid, echoed, grid, summary_grids
+from assessment.report.text.table_format import Grid, echoed, grid, ranges_grid, summary_grids
 from assessment.report.viewer import Viewer, viewer
 from assessment.results.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check
 from assessment.results.reactions import balance, reactions
@@ -203,11 +203,13 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         hand_check(results),
         Table("echo", list(echoed(results["echo"], words)), ("table", "settings")),
     ]
-    return {
+    found = {
         table.name: grid(table, words, words(f"caption.{table.name}"), 4 if table.name == "hand_check" else 3)
         for table in made
         if table.rows
     }
+    scattering = tables.static_ranges(results)
+    return found | ({scattering.name: ranges_grid(scattering, words)} if scattering.rows else {})
 
 
 def _validation(words: Words) -> Table:

@@ -26,7 +26,8 @@ def joint_law(results: Results, words: Words, elastic: bool) -> Iterator[Markup]
     said = "; ".join(words.number(each) for each in limits)
     key = "no_strength" if not limits else "some_strength" if None in strengths else "strength"
     yield words(f"text.{key}", strength=said)
-    yield words("text.sliding")
+    coulomb = (echo.get("contacts") or {}).get("sliding") == "coulomb"
+    yield words("text.sliding_coulomb" if coulomb else "text.sliding")
     collide = (echo.get("contacts") or {}).get("collisions", True)
     yield words("text.collisions" if collide else "text.no_collisions")
 

@@ -25,7 +25,9 @@ class Limit:
     """Onset of collapse.
 
     `alpha`; `mechanism` (b, 3): virtual displacements, the largest centroid displacement being 1; `forces` (j, 3): N, P
-    and T, kN and kNm, of the `contacts`, the drawn joints first; and the certificate.
+    and T, kN and kNm, of the `contacts`, the drawn joints first; and the certificate. `residual`: with Coulomb
+    friction, what the lift of slips changed by in the last repetition, as a share of the mechanism's largest
+    displacement; beyond LEVEL the repetitions alternate between mechanisms.
     """
 
     alpha: float
@@ -33,6 +35,7 @@ class Limit:
     forces: Array
     contacts: Contacts
     certificate: Certificate
+    residual: float = 0.0
 
 
 def limit_analysis(
@@ -62,11 +65,13 @@ def limit_in(model: Assembly, direction: Direction, state: State, sliding: Slidi
     program = closed.program
     solution, iterate = solve(program, closed.layout)
     slips = np.zeros(len(program.law))
+    residual = 0.0
     for _ in range(REPEATS if sliding == "coulomb" else 0):
         if iterate is None:
             break
         before, slips = slips, abs(iterate.gaps[:, 2] - iterate.gaps[:, 3])
-        if float((program.law[:, FRICTION] * abs(slips - before)).max(initial=0.0)) <= LEVEL * program.step:
+        residual = float((program.law[:, FRICTION] * abs(slips - before)).max(initial=0.0)) / program.step
+        if residual <= LEVEL:
             break
         places = program.places.copy()
         places[:, U] += program.law[:, FRICTION] * slips
@@ -82,5 +87,10 @@ def limit_in(model: Assembly, direction: Direction, state: State, sliding: Slidi
     forces = np.zeros((len(closed.contacts), 3))
     forces[closed.index] = solution.forces
     return Limit(
-        solution.alpha, mechanism / abs(mechanism[:, :2]).max(), forces, closed.contacts, solution.certificate
+        solution.alpha,
+        mechanism / abs(mechanism[:, :2]).max(),
+        forces,
+        closed.contacts,
+        solution.certificate,
+        residual,
     )

@@ -306,7 +306,7 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
         program, touching = problem.pose(at, forces, slips, touching)
         index = touching
         near = [] if iterate is None else [taken(iterate, index).warm(program, distance)]
-        found, more = _solved(program, system.layout.take(index), near, accepted)
+        found, more = _solved(program, system.layout.take(index), near, accepted, first=stage == 0)
         solves += more
         before, at = at, _checked(problem, displaced(system.model, at, found.displacement), jump)
         forces = _spread(interior.solution(program, found).forces, index, len(system.contacts))
@@ -363,7 +363,7 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
         )
         program, index = step.pose(posed, None)
         near: list[Iterate] = [] if iterate is None else [taken(iterate, index).warm(program, DISTANCE)]
-        found, more = _solved(program, system.layout.take(index), near, STAGES["rigid"][-1])
+        found, more = _solved(program, system.layout.take(index), near, STAGES["rigid"][-1], first=k == 0)
         solves += more
         at = _checked(step, displaced(model, posed, found.displacement), JUMP)
         iterate = over_all(found, index, len(system.contacts))
@@ -464,17 +464,18 @@ def iterate_over(iterate: Iterate, before: Contacts, now: Contacts) -> Iterate:
 
 
 def _solved(
-    program: Program, layout: Elimination, near: list[Iterate], accepted: float
+    program: Program, layout: Elimination, near: list[Iterate], accepted: float, first: bool
 ) -> tuple[Iterate, int]:
     """The iterate that solves a program, sought near another one, then from nowhere; and the programs that took.
 
-    With elastic joints, from nowhere, last without what the forces change. Raises NoEquilibriumError where there is no
+    The `first` program of a step has forces of another geometry: what these change may make it unstable where the
+    structure is not, so it is solved without that where nothing else helps. Raises NoEquilibriumError where there is no
     equilibrium, ConvergenceError where that cannot be decided.
     """
     unstable, solves = False, 0
     programs = [program] if program.curved is None else [program, interior.frozen(program)]
     attempts = [(program, start) for start in near]
-    attempts += [(tried, interior.cold(program)) for tried in programs[: 1 if near else 2]]
+    attempts += [(tried, interior.cold(program)) for tried in programs[: 2 if first else 1]]
     for tried, start in attempts:
         found, outcome = interior.run(tried, layout, start, accepted)
         solves += 1

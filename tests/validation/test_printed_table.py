@@ -16,6 +16,7 @@ from tests.validation import test_paper_table_1 as paper
 from tests.validation import test_rocking as rocking
 from tests.validation.test_rectangular_block import BREADTH, HEIGHT
 from tests.validation.test_semicircular_arch import least_thickness, thrust
+from tests.validation.test_triumphal_arch import participation
 
 CASES = tomllib.loads((files("templates") / "validation.toml").read_text(encoding="utf-8"))["case"]
 
@@ -50,6 +51,7 @@ COMPUTED = {
     "paper_displacements": lambda: [
         1000.0 * paper._check(paper._capacity(column), paper.NTC).d_star for column in paper.COLUMNS.values()
     ],
+    "triumphal_arch": participation,
     "rocking": rocking_peaks,
 }
 

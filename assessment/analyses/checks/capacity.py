@@ -81,7 +81,7 @@ def rigid_branch(rigid: Mapping[str, Any], direction: str) -> Curve:
     and d_0 is that displacement.
     """
     d, alpha = map(np.asarray, along_push(rigid["curve"], direction))
-    peak = int(np.argmax(alpha >= rigid["alpha_0"]))
+    peak = int(np.argmax(alpha))
     d, alpha = d[peak:], alpha[peak:]
     grows = np.concatenate([[True], d[1:] > np.maximum.accumulate(d)[:-1]])
     d, alpha = d[grows], alpha[grows]

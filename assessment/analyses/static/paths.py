@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,12 +27,14 @@ from mechanics import (
     pushover,
 )
 from mechanics.model.assembly import Behaviour, Direction
+from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.mechanism import hinges, virtual_work_multiplier
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.pushdown import Pushdown, whole_movement
 from mechanics.procedures.pushover import Pushover
 from mechanics.program import Certificate
 from mechanics.steps.equilibrium import check_self_weight
+from mechanics.steps.static_step import Sliding
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,6 +42,10 @@ if TYPE_CHECKING:
     from assessment.project.schema import ControlTable, SettlementTable
 
 STILL = 1e-6  # of the largest virtual displacement: a control point that takes no part in a mechanism
+AT_LIMIT = 1e-5  # of the bound on friction: a force nearer to it slides
+OTHER_LAW: dict[Sliding, Sliding] = {"associative": "coulomb", "coulomb": "associative"}
+DIFFERS = 0.01  # of a multiplier: one by another law of friction that is worth telling
+SLIDING_CARRIES = 1e-3  # of the weight of the model: a joint that carries less does not turn a path
 
 
 @dataclass
@@ -76,7 +84,7 @@ class Part:
     """What one static analysis gave: `numbers` for results.json, None where there are none.
 
     `reached`: the settled state, at rest; None where the structure collapses before. `failures`: what could not be
-    completed.
+    completed. `scatters`: whether the path amplifies the last digits of its input.
     """
 
     numbers: dict[str, Any] | None = None
@@ -85,6 +93,7 @@ class Part:
     warnings: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
     seconds: float = 0.0
+    scatters: bool = False
 
 
 def stand(model: Assembly) -> str | None:
@@ -97,12 +106,16 @@ def stand(model: Assembly) -> str | None:
 
 
 def settle(
-    model: Assembly, settlement: SettlementTable, behaviour: Behaviour, control: ControlTable | None
+    model: Assembly,
+    settlement: SettlementTable,
+    behaviour: Behaviour,
+    sliding: Sliding,
+    control: ControlTable | None,
 ) -> Part:
     """Move a support as a scenario asks; the path of the control point, if there is one, is followed."""
     began = time.perf_counter()
     result = Part()
-    _settle(model, settlement, behaviour, control, result)
+    _settle(model, settlement, behaviour, sliding, control, result)
     result.seconds = time.perf_counter() - began
     return result
 
@@ -112,6 +125,7 @@ def push(
     name: str,
     state: State | None,
     behaviour: Behaviour,
+    sliding: Sliding,
     directions: tuple[Direction, ...],
     controls: tuple[tuple[ControlTable, ...], ...],
     increment: float,
@@ -134,15 +148,37 @@ def push(
         if image is not None:
             found = points[0], image
         else:
-            found = _path(title, model, state, behaviour, direction, points, increment, until, result)
+            followed = partial(
+                pushover,
+                direction=direction,
+                contacts=behaviour,
+                increment=increment,
+                state=state,
+                until=until,
+                sliding=sliding,
+            )
+            found = _path(title, model, points, followed, result)
             if found is not None:
                 quality.add(found[1])
         if found is not None:
-            _curve_followed(title, model, behaviour, direction, *found, result)
+            _curve_followed(title, model, behaviour, sliding, direction, *found, result)
         result.quality.append(quality.numbers())
         result.seconds = time.perf_counter() - began
         parts.append(result)
     return parts
+
+
+def turns_on_rounding(model: Assembly, path: Pushdown | Pushover) -> bool:
+    """Whether a path amplifies the last digits of its input: a joint that carries slides in it, or a part snaps."""
+    if len(path.crossed):
+        return True
+    least = SLIDING_CARRIES * model.weight
+    for step in path.steps:
+        carries = step.forces[:, 0] > least
+        N, T = step.forces[carries, 0], step.forces[carries, 2]
+        if (abs(T) >= (1.0 - AT_LIMIT) * step.contacts.friction[carries] * N).any():
+            return True
+    return False
 
 
 def mirror_of(model: Assembly, behaviour: Behaviour) -> Mirror:
@@ -156,6 +192,7 @@ def _settle(
     model: Assembly,
     settlement: SettlementTable,
     behaviour: Behaviour,
+    sliding: Sliding,
     control: ControlTable | None,
     result: Part,
 ) -> None:
@@ -171,6 +208,7 @@ def _settle(
             whole / settlement.increments,
             behaviour,
             settlement.to_collapse,
+            sliding,
         )
         result.reached = path.final
     except CollapseError as collapse:
@@ -183,10 +221,12 @@ def _settle(
     if settlement.to_collapse and path.ultimate is None:
         result.warnings.append(f"{title}: no ultimate movement up to {path.movement[-1]:.3g} m ({path.end})")
     result.warnings += _crossings(title, path.crossed)
+    result.scatters = turns_on_rounding(model, path)
     quality = Quality(settlement.name, f"pushdown, {behaviour}")
     quality.add(path)
     result.quality.append(quality.numbers())
     result.numbers = {
+        "sliding": sliding,
         "movement_m": path.movement.tolist(),
         "reaction_x_kN": path.reaction[:, 0].tolist(),
         "reaction_z_kN": path.reaction[:, 1].tolist(),
@@ -214,18 +254,14 @@ def _control_path(model: Assembly, control: ControlTable, path: Pushdown) -> lis
 def _path(
     title: str,
     model: Assembly,
-    state: State | None,
-    behaviour: Behaviour,
-    direction: Direction,
     controls: tuple[ControlTable, ...],
-    increment: float,
-    until: float,
+    followed: Callable[[Assembly, tuple[float, float]], Pushover],
     result: Part,
 ) -> tuple[ControlTable, Pushover] | None:
-    """Return the first control point that moves, and the curve; where there is none, `result` is told why."""
+    """Return the first control point that moves, and its curve; where there is none `result` says why."""
     for control in controls:
         try:
-            return control, pushover(model, control.point_m, direction, behaviour, increment, state, until)
+            return control, followed(model, control.point_m)
         except ControlError as error:
             result.warnings.append(f"{title}: control point {control.name}: {error}")
         except (UnstableError, ConvergenceError, NoEquilibriumError) as error:
@@ -241,17 +277,27 @@ def _curve_followed(
     title: str,
     model: Assembly,
     behaviour: Behaviour,
+    sliding: Sliding,
     direction: Direction,
     control: ControlTable,
     path: Pushover,
     result: Part,
 ) -> None:
     result.warnings += _crossings(title, path.crossed)
+    result.scatters = turns_on_rounding(model, path)
     rigid = behaviour == "rigid"
     met = Met(model)
     numbers = _rigid(model, control, direction, path, met) if rigid else _elastic(model, direction, path)
+    if rigid and numbers["mechanism"]["sliding_joints"]:
+        numbers |= _other_law(model, sliding, direction, path)
+        if "alpha_0_coulomb" in numbers:
+            result.warnings.append(
+                f"{title}: with friction that does not lift what slides (Coulomb) α0 is "
+                f"{numbers['alpha_0_coulomb']:.4g}, not {numbers['alpha_0']:.4g}"
+            )
     result.numbers = {
         "control": control.name,
+        "sliding": sliding,
         **numbers,
         "frames": pushover_frames(model, path, met),
     }
@@ -316,6 +362,19 @@ def _rigid(
         "mechanism_configuration": configuration(model, at),
         "final_configuration": configuration(model, path.states[-1]),
     }
+
+
+def _other_law(model: Assembly, sliding: Sliding, direction: Direction, path: Pushover) -> dict[str, float]:
+    """Return the multiplier by the other law of friction at the peak where it differs by more than DIFFERS.
+
+    With Coulomb friction a multiplier is not unique: `sliding_residual` tells how far its lift is from settled.
+    """
+    at, other = path.states[path.peak], OTHER_LAW[sliding]
+    found = {law: limit_in(model, direction, at, law) for law in OTHER_LAW}
+    alpha = float(path.multiplier[path.peak])
+    if abs(found[other].alpha - alpha) <= DIFFERS * alpha:
+        return {}
+    return {f"alpha_0_{other}": found[other].alpha, "sliding_residual": found["coulomb"].residual}
 
 
 def _scaled(

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from assessment.project.schema import ControlTable, SettlementTable
     from mechanics import Assembly, State
     from mechanics.model.assembly import Behaviour, Direction
+    from mechanics.steps.static_step import Sliding
 
 WORST = ("worst_equilibrium_residual", "worst_penetration_m", "worst_complementarity", "worst_cone_violation")
 PAST_PEAK = 0.25  # of the peak of an elastic curve
@@ -42,6 +43,11 @@ class Request:
         return f"{self.what}{self.state}, {self.behaviour} contacts"
 
     @property
+    def sliding(self) -> Sliding:
+        """How its joints slide."""
+        return self.project.contacts.sliding
+
+    @property
     def directions(self) -> tuple[Direction, ...]:
         """Directions of the pushover, none where it is not asked for under this behaviour."""
         table = self.project.pushover
@@ -52,7 +58,8 @@ class Request:
 class StateResult:
     """What one state gave under one behaviour; `failures`: analyses that could not be completed.
 
-    `reached`: the settled state, at rest; None where the structure collapses before.
+    `reached`: the settled state, at rest; None where the structure collapses before. `scatters`: whether a path
+    amplifies the last digits of its input.
     """
 
     state: str
@@ -65,12 +72,14 @@ class StateResult:
     warnings: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
+    scatters: bool = False
 
     def take(self, stage: str, parts: Sequence[Part]) -> None:
         """Take in the messages, certificates and times of the analyses of a stage."""
         for part in parts:
             self.warnings += part.warnings
             self.failures += part.failures
+            self.scatters |= part.scatters
         rows = [row for part in parts for row in part.quality]
         if rows:
             self.quality.append(joined_quality(rows[0]["state"], rows[0]["stage"], rows))
@@ -89,7 +98,10 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
     settled = workers.each(
         f"{prefix}pushdown",
         settle,
-        [(r.model, _alone(r.settlement), r.behaviour, _first_control(r.project)) for r in settling],
+        [
+            (r.model, _alone(r.settlement), r.behaviour, r.sliding, _first_control(r.project))
+            for r in settling
+        ],
         [request.title for request in settling],
         large(*(request.model for request in settling)),
     )
@@ -160,7 +172,8 @@ def _push_arguments(
     # an elastic curve has served once it is past its peak; a bilinear one has the area of the whole
     whole = request.behaviour == "rigid" or (project.assessment and project.assessment.model == "bilinear")
     increment, until = project.pushover.increment_m, 0.0 if whole else PAST_PEAK
-    return request.model, request.state, state, request.behaviour, together, controls, increment, until
+    how = request.behaviour, request.sliding
+    return request.model, request.state, state, *how, together, controls, increment, until
 
 
 def _controls(project: Project, direction: Direction) -> tuple[ControlTable, ...]:

@@ -12,14 +12,13 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely.geometry import Polygon, box
+from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
 Array = NDArray[np.float64]
 Layout = dict[str, list[Array]]
 
 THINNEST = 0.06  # m; a cut block thinner than this is joined to its neighbour
-MOST_COURSES = 100  # of a triumphal arch, whose blocks are cut one by one
 DECIMALS = 12  # of coordinates in m: shared vertices become identical
 
 
@@ -116,7 +115,7 @@ def mirrored(blocks: Iterable[Array]) -> list[Array]:
 def block(*, width_m: float, height_m: float) -> Layout:
     """One block on a wider base."""
     half, base = 0.5 * width_m, 0.5 * width_m
-    return _layout(
+    return tidied(
         BASE=[rectangle(-half - base, half + base, -base, 0.0)],
         BLOCK=[rectangle(-half, half, 0.0, height_m)],
     )
@@ -130,7 +129,7 @@ def wall(
         raise ValueError(f"moving_blocks: must be fewer than blocks ({blocks}), is {moving_blocks}")
     length, split = blocks * block_length_m, (blocks - moving_blocks) * block_length_m
     levels = np.linspace(0.0, courses * block_height_m, courses + 1)
-    return _layout(
+    return tidied(
         BASE_LEFT=[rectangle(-block_length_m, split, -block_height_m, 0.0)],
         BASE_RIGHT=[rectangle(split, length + block_length_m, -block_height_m, 0.0)],
         WALL=running_bond(0.0, length, levels, blocks),
@@ -141,7 +140,7 @@ def arch(*, span_m: float, rise_m: float, thickness_m: float, voussoirs: int) ->
     """Voussoir arch on two springer supports."""
     ring = Ring(span_m, rise_m, thickness_m, voussoirs)
     springer = ring.springer(thickness_m, -thickness_m)
-    return _layout(BASE_LEFT=mirrored([springer]), BASE_RIGHT=[springer], ARCH=ring.blocks())
+    return tidied(BASE_LEFT=mirrored([springer]), BASE_RIGHT=[springer], ARCH=ring.blocks())
 
 
 def buttressed_arch(
@@ -160,8 +159,8 @@ def buttressed_arch(
     inner, outer = 0.5 * span_m, 0.5 * span_m + pier_width_m
     pier = [rectangle(inner, outer, a, b) for a, b in pairwise(levels[:-1])]
     pier.append(ring.springer(pier_width_m, float(levels[-2])))
-    base = _base(inner, outer)
-    return _layout(
+    base = base_below(inner, outer)
+    return tidied(
         BASE_LEFT=mirrored([base]),
         BASE_RIGHT=[base],
         PIERS=mirrored(pier) + pier,
@@ -169,85 +168,10 @@ def buttressed_arch(
     )
 
 
-def triumphal_arch(
-    *,
-    span_m: float,
-    rise_m: float,
-    thickness_m: float,
-    voussoirs: int,
-    springing_m: float,
-    height_m: float,
-    wall_thickness_m: float,
-    course_height_m: float,
-    wall_blocks: int,
-    spandrel_blocks: int,
-    beams: int,
-    beam_side_m: float,
-) -> Layout:
-    """Triumphal arch between two nave walls seen in section, roof beams on top.
-
-    The ring stands on a ledge: above the springing the nave walls are set back by the width of its foot.
-    Spandrels are running bond between the walls, cut to the ring's extrados; courses run through.
-    Raises ValueError where the ring does not fit below the top.
-    """
-    ring = Ring(span_m, rise_m, thickness_m, voussoirs, springing_m)
-    crown = springing_m + rise_m + thickness_m
-    if crown + THINNEST > height_m:
-        raise ValueError(f"height_m: must be above the ring's crown at {crown:.3g} m, is {height_m:g}")
-    inner, outer = 0.5 * span_m, 0.5 * span_m + wall_thickness_m
-    foot = ring.springer(wall_thickness_m, 0.0)
-    face, ledge = foot[3]  # end of the ring's foot: inner face of the wall above it
-    lower = _levels(0.0, springing_m, course_height_m)
-    upper = _levels(springing_m, height_m, course_height_m)
-    upper_blocks = max(1, round(wall_blocks * (outer - face) / wall_thickness_m))
-
-    skewback = [z for z in upper if z < ledge - 1e-9]
-    first_upper = len(skewback)
-    nave = running_bond(inner, outer, np.append(lower, upper[1 : first_upper + 1]), wall_blocks)
-    nave_region = unary_union([Polygon(foot), box(face, 0.0, outer, height_m)])
-    nave = fitted(nave, nave_region) + running_bond(face, outer, upper[first_upper:], upper_blocks)
-
-    below = np.vstack([[(-face, 0.0)], ring.joints(thickness_m), [(face, 0.0)]])
-    spandrel_region = box(-face, springing_m, face, height_m).difference(Polygon(below))
-    spandrels = fitted(running_bond(-face, face, upper, spandrel_blocks), spandrel_region)
-
-    nave = mirrored(nave) + nave
-    tops = [b for b in nave + spandrels if b[:, 1].max() > height_m - 1e-9]
-    base = _base(inner, outer)
-    return _layout(
-        BASE_LEFT=mirrored([base]),
-        BASE_RIGHT=[base],
-        NAVE=nave,
-        ARCH=ring.blocks() + spandrels,
-        ROOF=_beams(tops, outer, height_m, beams, beam_side_m),
-    )
-
-
-def _beams(tops: list[Array], half_width: float, z: float, number: int, side: float) -> list[Array]:
-    """Square beams at about equal distances, each over the middle of a block of the top course."""
-    middles = np.array([0.5 * (b[:, 0].min() + b[:, 0].max()) for b in tops])
-    spots = half_width * (np.arange(1, 2 * number, 2) / number - 1.0)
-    # of two blocks equally near, the one nearer the axis: the roof stays symmetric
-    nearest = [middles[np.argmin(np.abs(middles - x) + 1e-6 * np.abs(middles))] for x in spots]
-    if min(np.diff(nearest), default=np.inf) < side:
-        raise ValueError(f"beams: {number} beams of {side:g} m do not fit side by side on the top course")
-    return [rectangle(x - 0.5 * side, x + 0.5 * side, z, z + side) for x in nearest]
-
-
-def _base(inner: float, outer: float) -> Array:
+def base_below(inner: float, outer: float) -> Array:
     """Return a base block, a quarter of the pier wider on either side: a toe that slides stays on it."""
     margin = 0.25 * (outer - inner)
     return rectangle(inner - margin, outer + margin, -2.0 * margin, 0.0)
-
-
-def _levels(z0: float, z1: float, course_height: float) -> Array:
-    """Levels of the nearest whole number of equal courses."""
-    courses = max(1, round((z1 - z0) / course_height))
-    if courses > MOST_COURSES:
-        raise ValueError(
-            f"course_height_m: {course_height:g} makes {courses} courses, at most {MOST_COURSES}"
-        )
-    return np.linspace(z0, z1, courses + 1)
 
 
 def _is_sliver(piece: Polygon) -> bool:
@@ -259,12 +183,12 @@ def _off_axis(piece: Polygon) -> float:
     return round(abs(float(piece.centroid.x)), 9)
 
 
-def _layout(**layers: list[Array]) -> Layout:
+def tidied(**layers: list[Array]) -> Layout:
+    """Return the layers with every polygon rounded, anticlockwise, without repeated or collinear vertices."""
     return {layer: [_tidy(polygon) for polygon in polygons] for layer, polygons in layers.items()}
 
 
 def _tidy(polygon: Array) -> Array:
-    """Return it rounded, anticlockwise, without repeated or collinear vertices."""
     p: Array = polygon.round(DECIMALS) + 0.0
     p = p[np.hypot(*(p - np.roll(p, 1, axis=0)).T) > 1e-9]
     back, ahead = p - np.roll(p, 1, axis=0), np.roll(p, -1, axis=0) - p

@@ -8,6 +8,7 @@ from typing import Any
 
 from assessment.project.catalogue import geometry as parametric
 from assessment.project.catalogue.geometry import Layout
+from assessment.project.catalogue.triumphal_arch import triumphal_arch
 
 Option = tuple[float, str, str]
 Values = Mapping[str, Any]
@@ -224,23 +225,23 @@ TEMPLATES: dict[str, Template] = {
         parametric.buttressed_arch,
         _buttressed_arch,
     ),
-    # Dimensions found by search: α0, d_0 and the ultimate inclined movement are near the paper's §7.
+    # Dimensions found by search, so that α0 and d_0 as drawn are near the paper's §7.
     "triumphal-arch": Template(
         {
-            "span_m": (5.4, "m", "clear span"),
-            "rise_m": (0.54, "m", "rise of the intrados, at most half the span"),
-            "thickness_m": (0.3, "m", "thickness of the ring"),
-            "voussoirs": (23, NUMBER, "voussoirs of the ring"),
-            "springing_m": (4.2, "m", "height of the springing above the bases"),
-            "height_m": (7.8, "m", "height of the nave walls"),
-            "wall_thickness_m": (1.26, "m", "thickness of the nave walls below the springing"),
+            "span_m": (9.2, "m", "clear span"),
+            "rise_m": (3.48, "m", "rise of the intrados, at most half the span"),
+            "thickness_m": (0.2, "m", "thickness of the ring"),
+            "voussoirs": (27, NUMBER, "voussoirs of the ring"),
+            "springing_m": (5.4, "m", "height of the springing above the bases"),
+            "height_m": (9.3, "m", "height of the nave walls"),
+            "wall_thickness_m": (1.215, "m", "thickness of the nave walls below the springing"),
             "course_height_m": (0.3, "m", "height of the courses, adapted to whole numbers of them"),
             "wall_blocks": (3, NUMBER, "blocks across a nave wall"),
-            "spandrel_blocks": (14, NUMBER, "blocks along a course of the arch wall between the nave walls"),
+            "spandrel_blocks": (24, NUMBER, "blocks along a course of the arch wall between the nave walls"),
             "beams": (8, NUMBER, "roof beams on the top course"),
             "beam_side_m": (0.2, "m", "side of a roof beam"),
         },
-        parametric.triumphal_arch,
+        triumphal_arch,
         _triumphal_arch,
     ),
 }

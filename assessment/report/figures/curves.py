@@ -66,6 +66,9 @@ def draw_pushover(results: Results, words: Words, direction: str) -> Figure:
             for contacts in ("rigid", "elastic"):
                 if contacts in pushover:
                     curve = pushover[contacts]["curve"]
+                    for other in pushover[contacts].get("members", []):  # of the ensemble
+                        others = sense(direction) * _mm(other["displacement_m"]), other["multiplier"]
+                        axes.plot(*others, color="0.65", linewidth=0.4, linestyle=dashes)
                     axes.plot(
                         sense(direction) * _mm(curve["displacement_m"]),
                         curve["multiplier"],
@@ -105,10 +108,10 @@ def _key_points(axes: Axes, pushover: Mapping[str, Any], names_yield: bool) -> N
     rigid, elastic = pushover.get("rigid"), pushover.get("elastic")
     text: dict[str, Any] = {"textcoords": "offset points", "annotation_clip": True, "parse_math": True}
     if rigid:
-        peak = rigid["curve"]["multiplier"].index(rigid["alpha_0"])
-        onset = 1000.0 * abs(rigid["curve"]["displacement_m"][peak])
-        axes.plot(onset, rigid["alpha_0"], marker="o", markersize=4.5, **(mark | {"clip_on": False}))
-        axes.annotate("$\\alpha_0$", (onset, rigid["alpha_0"]), (5, 3), **text)
+        peak = int(np.argmax(rigid["curve"]["multiplier"]))
+        onset = 1000.0 * abs(rigid["curve"]["displacement_m"][peak]), rigid["curve"]["multiplier"][peak]
+        axes.plot(*onset, marker="o", markersize=4.5, **(mark | {"clip_on": False}))
+        axes.annotate("$\\alpha_0$", onset, (5, 3), **text)
         if rigid["d_0_m"] is not None:
             axes.plot(1000.0 * rigid["d_0_m"], 0.0, marker="^", markersize=5.0, **(mark | {"clip_on": False}))
             axes.annotate("$d_0$", (1000.0 * rigid["d_0_m"], 0.0), (0, 6), ha="center", **text)

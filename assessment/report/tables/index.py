@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from assessment.ntc.limit_states import CHECKS
 from assessment.report.joints import edge_pressures
 from assessment.report.tables.campaign import campaign_tables
 from assessment.report.tables.capacity import (
@@ -23,9 +24,10 @@ from assessment.report.tables.dynamic import dynamic_tables
 from assessment.report.tables.studies import study_tables
 from assessment.results.hand_check import hand_check, macro_block_table, outline_area
 from assessment.results.reactions import balance, joint_table, reactions
-from assessment.results.table import Results, Table, taken_to_collapse
+from assessment.results.table import Results, Row, Table, taken_to_collapse
 from assessment.runtime.atomic_files import write_atomically
 
+OTHER_LAW = ("alpha_0_coulomb", "alpha_0_associative")
 RUN = ("=", "+", "-", "@", "\t", "\r")  # what a formula begins with in a spreadsheet
 
 
@@ -59,6 +61,7 @@ def tables(results: Results) -> list[Table]:
         settlements(results),
         pushdown_curves(results),
         mechanisms(results),
+        static_ranges(results),
         pushover_curves(results),
         capacity_curves(results),
         summary(results),
@@ -211,8 +214,8 @@ def pushdown_curves(results: Results) -> Table:
 def mechanisms(results: Results) -> Table:
     """List the rigid mechanism of every state and direction.
 
-    It is that of α0; where the control point takes no part in that one, `mechanism_alpha` is the multiplier at which
-    the one listed is activated.
+    It is that of α0, beside it that by the other law of friction where the two differ; where the control point takes no
+    part in that mechanism, `mechanism_alpha` is the multiplier at which the one listed is activated.
     """
     rows = []
     for name, direction, pushover in _pushovers(results):
@@ -222,12 +225,43 @@ def mechanisms(results: Results) -> Table:
             rows.append(
                 {"state": name, "direction": direction, "alpha_0": alpha_0}
                 | ({} if own == alpha_0 else {"mechanism_alpha": own})
+                | {key: value for key, value in pushover["rigid"].items() if key in OTHER_LAW}
                 | {key: mechanism.get(key) for key in ("hinges", "moving_weight_kN", "e_star", "gamma_star")}
                 | {"sliding_joints": len(mechanism["sliding_joints"])}
             )
-    named = ("mechanism_alpha",) if any("mechanism_alpha" in row for row in rows) else ()
+    named = [key for key in (*OTHER_LAW, "mechanism_alpha") if any(key in row for row in rows)]
     columns = ("hinges", "sliding_joints", "moving_weight_kN", "e_star", "gamma_star")
     return Table("mechanisms", rows, ("state", "direction", "alpha_0", *named, *columns))
+
+
+def static_ranges(results: Results) -> Table:
+    """List the ranges of the states whose paths scatter: what is used, and what the members of the ensemble found."""
+    rows: list[Row] = []
+    for name, state in results["states"].items():
+        for contacts, numbers in (state.get("pushdown") or {}).items():
+            rows += _ranges(numbers, {"state": name, "contacts": contacts})
+        for direction, pushover in (state.get("pushover") or {}).items():
+            for contacts in ("rigid", "elastic"):
+                of = {"state": name, "direction": direction, "contacts": contacts}
+                rows += _ranges((pushover or {}).get(contacts) or {}, of)
+        for direction, capacity in (state.get("capacity") or {}).items():
+            for check in CHECKS:
+                of = {"state": name, "direction": direction, "limit_state": check}
+                rows += _ranges((capacity or {}).get(check) or {}, of)
+    columns = ("state", "direction", "contacts", "limit_state", "quantity", "value", "lowest", "highest")
+    return Table("static_ranges", rows, columns)
+
+
+def _ranges(numbers: Mapping[str, Any], of: Row) -> Iterator[Row]:
+    for name, ends in numbers.items():
+        if name.endswith("_range"):
+            quantity = name.removesuffix("_range")
+            yield of | {
+                "quantity": quantity,
+                "value": numbers[quantity],
+                "lowest": ends[0],
+                "highest": ends[1],
+            }
 
 
 def pushover_curves(results: Results) -> Table:

@@ -23,6 +23,7 @@ MILLIMETRES = {
     "displacement_z_m",
     "ultimate_rigid_m",
     "ultimate_elastic_m",
+    "ultimate_movement_m",
     "peak_displacement_m",
     "residual_displacement_m",
     "movement_m",
@@ -178,6 +179,27 @@ def summary_grids(table: Table, results: Mapping[str, Any], words: Words) -> Ite
                 [_summary_row(row, names, words) for row in rows if not _again(row)],
                 [True] + [False] * (len(head) - 1),
             )
+
+
+def ranges_grid(table: Table, words: Words) -> Grid:
+    """Write the ranges of paths that scatter: a row a quantity, under the contacts or the check that it is of."""
+    ends = ("value", "lowest", "highest")
+    rows = []
+    for row in table.rows:
+        label = words(f"column.{row['quantity']}")
+        if "limit_state" in row:
+            label += Markup(" <span class='limit'>{}</span>").format(check_name(row["limit_state"], words))
+        of = [cell(column, row, words) for column in ("state", "direction", "contacts")]
+        rows.append(
+            [*of, label, *(cell(row["quantity"], {row["quantity"]: row[end]}, words) for end in ends)]
+        )
+    head = ("state", "direction", "contacts", "quantity", "used", "lowest", "highest")
+    return Grid(
+        words("caption.static_ranges"),
+        [words(f"column.{column}") for column in head],
+        rows,
+        [column in TEXT for column in head],
+    )
 
 
 def _again(row: Row) -> bool:

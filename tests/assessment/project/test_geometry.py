@@ -259,7 +259,7 @@ def test_a_failure_while_writing_leaves_nothing(tmp_path: Path, monkeypatch: pyt
     ],
 )
 def test_example_project_is_sound(folder: str, template: str | None) -> None:
-    """The worked examples load, and those made from a template are its defaults."""
+    """The worked examples load; those made from a template are its defaults, with analyses beside them."""
     project = load_project(PROJECTS / folder)
     unread = Layer(STONE, 1.0)
     blocks = read_drawing(project.path("geometry.dxf"), project.geometry.unit, unread).blocks
@@ -269,3 +269,7 @@ def test_example_project_is_sound(folder: str, template: str | None) -> None:
         for each in blocks:
             drawn.setdefault(each.layer, []).append(each.polygon)
         assert corners(drawn) == corners(template_layout(template))
+        defaults = {name: default for name, (default, _, _) in template_options(template).items()}
+        content = TEMPLATES[template].content(defaults)
+        said = tomllib.loads((PROJECTS / folder / "project.toml").read_text(encoding="utf-8"))
+        assert {key: said[key] for key in content} == content

@@ -240,9 +240,9 @@ WRONG = [  # old text, new text, key, what the message must hold
     ),
     (
         "[layers.PIERS]",
-        '[contacts]\nsliding = "coulomb"\n[layers.PIERS]',
+        '[contacts]\nsliding = "colomb"\n[layers.PIERS]',
         "contacts.sliding",
-        'coulomb is not available yet; write "associative"',
+        '"coulomb" or "associative"',
     ),
     ('"implicit-euler"', '"moreau-jean"', "history[1].integrator", "moreau-jean is for rigid contacts"),
     ("normal_stiffness_kN_m3 = 1.2e5", "", "material.normal_stiffness_kN_m3", "add it, in kN/m³"),

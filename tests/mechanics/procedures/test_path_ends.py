@@ -164,3 +164,11 @@ def test_a_hinge_of_the_settlement_that_snaps_shut_is_no_end_of_the_capacity(dir
     assert curve.multiplier[0] < 0.04
     assert curve.multiplier.max() > 3.0 * curve.multiplier[0]
     assert curve.displacement[-1] > 0.04
+
+
+def test_an_elastic_path_that_only_bends_is_followed_without_letting_blocks_go():
+    """Forces of the last point in the geometry of the next one may be unstable where the structure is not."""
+    movement = np.array([0.03, -0.03])
+    path = pushdown(drawn("triumphal_arch"), "right", movement, increment=0.01, contacts="elastic")
+    assert len(path.movement) == 4
+    assert not len(path.crossed)

@@ -1,0 +1,83 @@
+"""What a state is assessed by where its paths scatter: the least capacity of an ensemble, its range beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from assessment.analyses.static.ensemble import QUANTITIES
+from assessment.ntc.limit_states import CHECKS
+from assessment.results.table import quoted_limit_state
+
+Curves = Mapping[str, Mapping[str, Any]]  # of a state: numbers by direction and behaviour
+Assess = Callable[[Curves], dict[str, Any]]
+CHECKED = ("a_g_g", "zeta_E")
+
+
+def with_ranges(
+    state: dict[str, Any], members: Sequence[tuple[Mapping[str, Any], Curves]], assess: Assess
+) -> dict[str, Any]:
+    """Return the capacity of a state by the ensemble of its paths; the state's own curves become the least ones.
+
+    `members`: settlements by behaviour and curves of each further member. In each direction the curves are those of the
+    member with the least a_g at the farthest limit state that was checked. Every quantity of QUANTITIES and CHECKED and
+    the ultimate movement is the least of all, with its range beside it; `members` of a curve: what the others found.
+    """
+    for behaviour, numbers in state["pushdown"].items():
+        others = [pushdown.get(behaviour) or {} for pushdown, _ in members]
+        _spread(numbers, "ultimate_movement_m", [numbers, *others])
+    capacity = {}
+    for direction, own in state["pushover"].items():
+        followed = [own, *(curves[direction] for _, curves in members if direction in curves)]
+        checked = [assess({direction: each}).get(direction) for each in followed]
+        least = min(range(len(followed)), key=lambda number: _capacity(checked[number]))
+        state["pushover"][direction] = {"control": own["control"]} | {
+            behaviour: _joined(numbers, [each[behaviour] for each in followed if behaviour in each])
+            for behaviour, numbers in followed[least].items()
+            if behaviour != "control"
+        }
+        lowest = checked[least]
+        if lowest is not None:
+            capacity[direction] = _checks(lowest, [each for each in checked if each is not None])
+    return capacity
+
+
+def _capacity(checked: Mapping[str, Any] | None) -> float:
+    """Return the a_g at the farthest limit state that was checked; infinite where none has one."""
+    limit_state = quoted_limit_state(checked)
+    found = checked[limit_state]["a_g_g"] if checked and limit_state else None
+    return float("inf") if found is None else float(found)
+
+
+def _joined(numbers: Mapping[str, Any], followed: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the numbers of a curve with the ranges of all and the curves of the others."""
+    found = dict(numbers)
+    for name in QUANTITIES:
+        if name in found:
+            _spread(found, name, followed)
+    found["members"] = [each["curve"] for each in followed if each is not numbers]
+    return found
+
+
+def _checks(least: Mapping[str, Any], known: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the checks of the least member, at each limit state those of the member that is least there."""
+    found = dict(least)
+    for limit_state in CHECKS:
+        asked = [each for each in known if each.get(limit_state) and each[limit_state]["a_g_g"] is not None]
+        if not asked or not found.get(limit_state):
+            continue
+        lowest = min(asked, key=lambda each: each[limit_state]["a_g_g"])
+        check = dict(lowest[limit_state])
+        if lowest is not least:  # another capacity curve: its steps belong to the check
+            check["trace"] = [*lowest["trace"], *check["trace"]]
+        for name in CHECKED:
+            _spread(check, name, [each[limit_state] for each in asked])
+        found[limit_state] = check
+    return found
+
+
+def _spread(numbers: dict[str, Any], name: str, members: Sequence[Mapping[str, Any]]) -> None:
+    """Let a quantity be the least of the members', with its range beside it."""
+    values = [each[name] for each in members if each.get(name) is not None]
+    if values:
+        numbers[name], numbers[f"{name}_range"] = min(values), [min(values), max(values)]

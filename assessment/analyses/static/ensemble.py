@@ -1,0 +1,139 @@
+"""Ranges of static results: a path on which joints slide, or a part snaps, turns on the last digits of its input.
+
+Such a state is settled and pushed over again, in other increments and with corners moved by a ten-millionth of their
+block. Where a first member finds what was found before, nothing scatters and no other is run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from assessment.analyses.static.states import Request, StateResult, analyse_states
+from assessment.runtime.tasks import Workers
+
+if TYPE_CHECKING:
+    from assessment.project.project import Project
+    from mechanics import Assembly
+
+INCREMENTS = (0.7, 1.4)  # of those asked for: the smallest and the largest of the members
+NOISE = 1e-7  # of a block's size, by which its corners are moved
+AGREE = 1e-3  # relative: results of two members that are the same
+QUANTITIES = ("alpha_0", "d_0_m", "alpha_u")  # of a curve
+
+Members = dict[str, list[list[StateResult]]]
+
+
+def members(requests: Sequence[Request], found: Sequence[StateResult], workers: Workers) -> Members:
+    """Return the further members of each state's ensemble, each with its results under every behaviour.
+
+    A state whose paths do not scatter has none.
+
+    `requests` and what was `found` for them, in the same order.
+    """
+    own = {(result.state, result.behaviour): result for result in found}
+    suspected = {result.state for result in found if result.scatters}
+    together = [request for request in requests if request.project.scatter > 1 and request.state in suspected]
+    first = _follow(together, (0,), workers)
+    scattering = {
+        state
+        for state, ((*results,),) in first.items()
+        if any(apart(own[state, result.behaviour], result) for result in results)
+    }
+    together = [request for request in together if request.state in scattering]
+    others = _follow(together, range(1, together[0].project.scatter - 1), workers) if together else {}
+    return {state: first[state] + others.get(state, []) for state in first if state in scattering}
+
+
+def apart(one: StateResult, other: StateResult) -> bool:
+    """Whether two members differ in what is taken from their paths."""
+    values, others = dict(quantities(one)), dict(quantities(other))
+    if values.keys() != others.keys():
+        return True
+    return any(
+        (a is None) != (b is None) or (a is not None and b is not None and abs(a - b) > AGREE * abs(a))
+        for a, b in ((values[key], others[key]) for key in values)
+    )
+
+
+def quantities(result: StateResult) -> Iterator[tuple[tuple[str, str], float | None]]:
+    """Yield what is taken from the paths of a state, by direction ("": its settlement) and name."""
+    if result.pushdown is not None:
+        yield ("", "ultimate_movement_m"), result.pushdown["ultimate_movement_m"]
+    for direction, curve in result.pushover.items():
+        for name in QUANTITIES:
+            if name in curve:
+                yield (direction, name), curve[name]
+
+
+def _follow(requests: Sequence[Request], numbers: Sequence[int], workers: Workers) -> Members:
+    """Follow the paths of requests as the members of those numbers do, side by side."""
+    if not requests or not numbers:
+        return {}
+    factors = np.geomspace(*INCREMENTS, max(requests[0].project.scatter - 1, 2))
+    varied = [
+        replace(
+            request,
+            project=in_increments(request.project, float(factors[number])),
+            model=shaken_corners(request.model, number),
+        )
+        for number in numbers
+        for request in requests
+    ]
+    results = iter(analyse_states(varied, workers, "ensemble"))
+    found: Members = {}
+    for _ in numbers:
+        member: dict[str, list[StateResult]] = {}
+        for request in requests:
+            member.setdefault(request.state, []).append(next(results))
+        for state, each in member.items():
+            found.setdefault(state, []).append(each)
+    return found
+
+
+def in_increments(project: Project, factor: float) -> Project:
+    """Return the project with increments of settlements and pushover `factor` times as large."""
+    pushover = project.pushover
+    settlements = tuple(
+        table.model_copy(
+            update={
+                key: value * factor
+                for key in ("increment_m", "increment_rad")
+                if (value := getattr(table, key)) is not None
+            }
+        )
+        for table in project.settlements
+    )
+    return project.model_copy(
+        update={
+            "settlements": settlements,
+            "pushover": pushover
+            and pushover.model_copy(update={"increment_m": pushover.increment_m * factor}),
+        }
+    )
+
+
+def shaken_corners(model: Assembly, seed: int) -> Assembly:
+    """Return the assembly with every corner of its movable blocks moved by NOISE of the block, each its own way."""
+    from mechanics import Assembly
+
+    random = np.random.default_rng(seed)
+    blocks = [
+        block
+        if block.support is not None
+        else replace(
+            block,
+            vertices=block.polygon
+            + NOISE * np.ptp(block.polygon, axis=0).max() * random.uniform(-1.0, 1.0, block.polygon.shape),
+        )
+        for block in model.blocks
+    ]
+    return Assembly(
+        blocks,
+        segments_per_joint=model.segments_per_joint,
+        tolerance=model.tolerance,
+        collisions=model.collisions,
+    )
