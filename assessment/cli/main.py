@@ -41,7 +41,6 @@ EXAMPLES = {  # what the help of each command ends with; "": of all of them
     "": ("assesto new arch --template buttressed-arch", "assesto run arch"),
     "run": ("assesto run arch", "assesto run arch --only pushdown,pushover --out trial"),
     "check": ("assesto check arch", "assesto check arch --out trial"),
-    "status": ("assesto status arch", "assesto status arch --out trial"),
     "new": (
         "assesto new arch --template buttressed-arch",
         "assesto new wall --template wall --set height_m=4.2",
@@ -49,6 +48,7 @@ EXAMPLES = {  # what the help of each command ends with; "": of all of them
     "convert": ("assesto convert arch", "assesto convert ../survey/arch"),
     "schema": ("assesto schema", "assesto schema > project.schema.json"),
     "report": ("assesto report arch", "assesto report arch --out trial"),
+    "status": ("assesto status arch", "assesto status arch --out trial"),
     "benchmark": ("assesto benchmark --quick", "assesto benchmark statics steps --out measured"),
 }
 COMMANDS = tuple(EXAMPLES)[1:]
