@@ -1,5 +1,5 @@
-# make run | test | benchmark | clean; all but clean first build the environment in .venv.
-.PHONY: run test benchmark setup clean
+# make run | test | docs | benchmark | clean; all but clean first build the environment in .venv.
+.PHONY: run test docs benchmark setup clean
 
 run: setup
 	.venv/bin/assesto run projects/buttressed_arch
@@ -10,6 +10,9 @@ test: setup
 	.venv/bin/mypy
 	.venv/bin/lint-imports --no-cache
 	.venv/bin/python -m pytest -n 2
+
+docs: setup
+	.venv/bin/python -m sphinx -q -W --keep-going -b html docs build/docs
 
 benchmark: setup
 	.venv/bin/assesto benchmark

@@ -1,11 +1,14 @@
 """Rigid blocks in dry contact: limit analysis, pushdown, pushover and time histories by one program."""
 
 from mechanics.errors import (
+    ArgumentError,
     CollapseError,
     ControlError,
     ConvergenceError,
     DrawingError,
+    MechanicsError,
     NoEquilibriumError,
+    RecordError,
     UnstableError,
 )
 from mechanics.model.assembly import Assembly, State
@@ -17,6 +20,7 @@ from mechanics.procedures.pushover import pushover
 from mechanics.procedures.time_history import TimeHistory, time_history
 
 __all__ = [
+    "ArgumentError",
     "Assembly",
     "Block",
     "CollapseError",
@@ -24,7 +28,9 @@ __all__ = [
     "ConvergenceError",
     "DrawingError",
     "Material",
+    "MechanicsError",
     "NoEquilibriumError",
+    "RecordError",
     "State",
     "TimeHistory",
     "UnstableError",

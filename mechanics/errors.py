@@ -3,12 +3,28 @@
 from __future__ import annotations
 
 
-class UnstableError(ValueError):
+class MechanicsError(Exception):
+    """Base of all errors of this package."""
+
+
+class ArgumentError(MechanicsError, ValueError):
+    """An argument is not what it must be; the message names it."""
+
+
+class RecordError(MechanicsError, ValueError):
+    """A record cannot be read; the message names file and line."""
+
+
+class UnstableError(MechanicsError, ValueError):
     """Gravity alone cannot be carried: no equilibrium exists in this configuration."""
 
 
-class NoEquilibriumError(ValueError):
+class NoEquilibriumError(MechanicsError, ValueError):
     """No equilibrium near a configuration under its loads: a mechanical statement, the end of a path."""
+
+
+class RunawayError(NoEquilibriumError):
+    """Left to itself the structure moves on and does not come to rest: it collapses."""
 
 
 class CollapseError(NoEquilibriumError):
@@ -19,22 +35,22 @@ class CollapseError(NoEquilibriumError):
         self.path = path
 
 
-class ControlError(ValueError):
+class ControlError(MechanicsError, ValueError):
     """The control point takes no part in the mechanism."""
 
 
-class ConvergenceError(RuntimeError):
+class ConvergenceError(MechanicsError, RuntimeError):
     """A program has, or may have, a solution that no solver found to the required accuracy."""
 
 
-class DrawingError(ValueError):
+class DrawingError(MechanicsError, ValueError):
     """The drawing cannot be read as blocks; the message names layer, entity handle and coordinates."""
 
 
 def require(condition: bool, name: str, value: object, must_be: str) -> None:
-    """Raise ValueError naming the argument unless the condition holds."""
+    """Raise ArgumentError naming the argument unless the condition holds."""
     if not condition:
-        raise ValueError(f"{name} = {value!r}: must be {must_be}")
+        raise ArgumentError(f"{name} = {value!r}: must be {must_be}")
 
 
 class UnsettledError(NoEquilibriumError):

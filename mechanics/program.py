@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechanics.kernels.bed import closures, points_under, under
-from mechanics.kernels.interior_iteration import BED, FRICTION, LIFT, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import rows
 from mechanics.types import Array, Index
 
@@ -154,7 +154,7 @@ def certify(program: Program, forces: Array, alpha: float, displacement: Array) 
     crush = n**2 / (4.0 * half * law[:, STRENGTH])
     margin = ends - crush[:, None]
     slip = v + law[:, SHEAR] * t
-    lifted = u - law[:, LIFT] * abs(slip)
+    lifted = u - law[:, FRICTION] * abs(slip)
     gaps = np.stack([lifted - half * phi, lifted + half * phi], axis=1)
     elastic = law[:, BED] < np.inf
     if elastic.any():

@@ -1,4 +1,4 @@
-"""Draws tools/drawing_guide.svg, the picture of the drawing guide in README.md: python -m tools.drawing_guide.
+"""Draws docs/pictures/drawing.svg, the picture of the drawing guide: python -m tools.drawing_guide.
 
 The joints of the picture are those that the program finds.
 """
@@ -114,7 +114,11 @@ def main() -> None:
     for axes in (top, bottom):
         axes.set_aspect("equal")
         axes.set_axis_off()
-    figure.savefig(Path(__file__).with_suffix(".svg"), metadata={"Date": None}, facecolor="white")
+    figure.savefig(
+        Path(__file__).parents[1] / "docs" / "pictures" / "drawing.svg",
+        metadata={"Date": None},
+        facecolor="white",
+    )
 
 
 if __name__ == "__main__":

@@ -50,7 +50,7 @@ if ! [ "$ready" -nt pyproject.toml ] || ! .venv/bin/python -c "" 2>/dev/null; th
         }
     fi
     echo "installing the Python packages into .venv" >&2
-    .venv/bin/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check -e '.[dev,docs]'
     echo "compiling the loops" >&2
     .venv/bin/python tools/compile_loops.py
     touch "$ready"

@@ -29,13 +29,14 @@ from mechanics import (
     TimeHistory,
     UnstableError,
 )
-from mechanics.kernels.interior_iteration import SEGMENTS
+from mechanics.kernels.law import SEGMENTS
 from mechanics.model.assembly import Behaviour
 from mechanics.procedures.pushdown import Pushdown
 from mechanics.procedures.pushover import Pushover
 from mechanics.program import Program
 from mechanics.solvers import qp_piqp
-from mechanics.steps.static_step import StepProblem, static_system
+from mechanics.steps.static_step import StepProblem
+from mechanics.steps.static_system import static_system
 from mechanics.types import GRAVITY, Array
 
 try:

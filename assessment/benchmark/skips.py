@@ -33,7 +33,8 @@ from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.pushover import Pushover
 from mechanics.records.record import read_record
 from mechanics.steps.dynamic_system import DynamicSystem, Motion, Recorded
-from mechanics.steps.static_step import StepProblem, find_equilibrium
+from mechanics.steps.geometry_iteration import find_equilibrium
+from mechanics.steps.static_step import StepProblem
 from mechanics.types import GRAVITY, Array
 
 if TYPE_CHECKING:

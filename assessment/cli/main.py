@@ -46,7 +46,7 @@ EXAMPLES = {  # what the help of each command ends with; "": of all of them
         "assesto new wall --template wall --set height_m=4.2",
     ),
     "convert": ("assesto convert arch", "assesto convert ../survey/arch"),
-    "schema": ("assesto schema", "assesto schema > project.schema.json"),
+    "schema": ("assesto schema > project.schema.json", "assesto schema --results > results.schema.json"),
     "report": ("assesto report arch", "assesto report arch --out trial"),
     "status": ("assesto status arch", "assesto status arch --out trial"),
     "benchmark": ("assesto benchmark --quick", "assesto benchmark statics steps --out measured"),
@@ -221,8 +221,11 @@ def _parser() -> argparse.ArgumentParser:
     convert.set_defaults(command=_convert)
 
     schema = commands.add_parser(
-        "schema", help="print the JSON schema of project.toml, for editors", **_end("schema")
+        "schema",
+        help="print the JSON schema of project.toml, for editors, or of results.json",
+        **_end("schema"),
     )
+    schema.add_argument("--results", action="store_true", help="that of results.json")
     schema.set_defaults(command=_schema)
 
     report = commands.add_parser(
@@ -404,9 +407,11 @@ def _convert(options: argparse.Namespace) -> int:
     return DONE
 
 
-def _schema(_: argparse.Namespace) -> int:
-    from assessment.project.project import json_schema
-
+def _schema(options: argparse.Namespace) -> int:
+    if options.results:
+        from assessment.results.schema import json_schema
+    else:
+        from assessment.project.project import json_schema
     say(json.dumps(json_schema(), indent=2))
     return DONE
 
@@ -463,9 +468,9 @@ def _is_input_error(error: ValueError | OSError) -> bool:
     (int of a NaN), is a bug of ours.
     """
     from assessment.runtime.errors import ProjectError
-    from mechanics import DrawingError
+    from mechanics import ArgumentError, DrawingError, RecordError
 
-    if isinstance(error, ProjectError | DrawingError | OSError):
+    if isinstance(error, ProjectError | DrawingError | RecordError | ArgumentError | OSError):
         return True
     last = error.__traceback__
     while last and last.tb_next:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from assessment.ntc.calculation import Trace, datum, step
 from mechanics.errors import require
-from mechanics.records.response_spectrum import response_spectrum
+from mechanics.records import response_spectrum
 from mechanics.types import GRAVITY
 
 Array = NDArray[np.float64]

@@ -10,9 +10,7 @@ from assessment.project.plausibility import implausible
 from assessment.runtime.errors import ProjectError
 from mechanics import Assembly, DrawingError, Material
 from mechanics.faults import Fault, FaultyDrawingError
-from mechanics.model.dxf import Drawing, Layer, survey_drawing
-from mechanics.model.joints import default_tolerance
-from mechanics.model.model_checks import survey_layout
+from mechanics.model import Drawing, Layer, default_tolerance, survey_drawing, survey_layout
 
 if TYPE_CHECKING:
     from assessment.project.project import Project

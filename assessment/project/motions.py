@@ -11,7 +11,7 @@ import numpy as np
 
 from assessment.runtime.errors import ProjectError
 from mechanics.faults import visible
-from mechanics.records.record import SAME_TIME, Record, read_record
+from mechanics.records import SAME_TIME, Record, read_record
 from mechanics.types import Array
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from assessment.runtime.errors import ProjectError
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
-    from mechanics.records.record import Record
+    from mechanics.records import Record
 
 STRONGEST, WEAKEST = 2.0, 0.005  # g: beyond them the unit is probably another one
 SHORTEST = 5.0  # s

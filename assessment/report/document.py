@@ -60,6 +60,7 @@ CHAPTERS = (
 DYNAMIC = ("history", "incremental")  # chapters before the comparison, where their stages were asked for
 STUDIES = ("scenarios", "sensitivity")  # likewise
 CAMPAIGN = "campaign"  # likewise, behind them
+ONSET = 0.01  # of α_0: an onset below it by more is that of a part
 
 
 def write_page(results: Results, folder: Path, edited: Markup | None = None) -> None:
@@ -122,6 +123,7 @@ def render_html(
         joint_law=list(joint_law(results, words, "elastic" in _contacts(results))),
         pressures=pressures_told(results, words),
         missing=list(_missing(results, words)),
+        onsets=list(_onsets(results, words)),
         judgement=draft_judgement(results, words),
         worst=list(worst_scenario(results, words)),
         edited=edited,
@@ -290,4 +292,20 @@ def _missing(results: Results, words: Words) -> Iterator[Markup]:
             if not (content.get("pushover") or {}).get(direction):
                 yield words(
                     "text.missing_pushover", state=words.state(name), direction=direction_name(direction)
+                )
+
+
+def _onsets(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield a sentence for each curve that begins, at `alpha_onset`, with a part that moves before the whole does."""
+    for direction in capacity_tables.directions(results):
+        for name, content in results["states"].items():
+            rigid = ((content.get("pushover") or {}).get(direction) or {}).get("rigid") or {}
+            onset, alpha_0 = rigid.get("alpha_onset"), rigid.get("alpha_0")
+            if onset is not None and alpha_0 is not None and onset < (1.0 - ONSET) * alpha_0:
+                yield words(
+                    "text.onset",
+                    state=words.state(name),
+                    direction=direction_name(direction),
+                    onset=words.show(onset),
+                    alpha_0=words.show(alpha_0),
                 )

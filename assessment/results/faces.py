@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from mechanics import Assembly
-from mechanics.kernels.joint import A1, A2, B1, B2, FACE, PX, PZ, QX, QZ, TAX, TAZ, TBX, TBZ, H
-from mechanics.model.contacts import Contacts
+from mechanics.model import A1, A2, B1, B2, FACE, PX, PZ, QX, QZ, TAX, TAZ, TBX, TBZ, Contacts, H
 from mechanics.types import Array, Index, Mask
 
 Numbers = dict[str, Any]

@@ -13,10 +13,8 @@ from assessment.results.faces import Met, shares
 
 if TYPE_CHECKING:
     from mechanics import Assembly
-    from mechanics.model.assembly import State
-    from mechanics.model.contacts import Contacts
-    from mechanics.procedures.pushdown import Pushdown
-    from mechanics.procedures.pushover import Pushover
+    from mechanics.model import Contacts, State
+    from mechanics.procedures import Pushdown, Pushover
     from mechanics.types import Array
 
 Numbers = dict[str, Any]

@@ -11,8 +11,7 @@ import numpy as np
 from assessment.results.faces import faces_of
 from assessment.results.outlines import Array
 from assessment.results.table import Results
-from mechanics.kernels.joint import NX, NZ, H, V
-from mechanics.model.contacts import end_gaps, end_points
+from mechanics.model import NX, NZ, H, V, end_gaps, end_points
 from mechanics.types import Index
 
 IDLE = 1e-6  # of the model's weight: a joint that carries less carries nothing

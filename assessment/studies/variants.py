@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from assessment.project.schema import SettlementTable
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
-    from mechanics.model.assembly import Behaviour, Direction
+    from mechanics.model import Behaviour, Direction
 
 Numbers = dict[str, Any]
 

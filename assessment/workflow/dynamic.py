@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
-    from mechanics.model.assembly import Behaviour
+    from mechanics.model import Behaviour
 
 Results = dict[str, Any]
 PERIODS = np.linspace(0.0, 4.0, 201)  # s

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import tempfile
@@ -79,6 +78,7 @@ def _make(
     from assessment.report.judgement_file import NAME, judgement
     from assessment.report.tables.index import write_tables
     from assessment.report.text.language import words_of
+    from assessment.results.file import as_bytes
 
     opinion = judgement(results, words_of(results), folder)
     if JUDGEMENT in parts:
@@ -97,8 +97,7 @@ def _make(
         if TABLES in parts:
             begun.append(pool.apply(write_tables, new / "tables"))
         if RESULTS in parts:
-            text = json.dumps(results, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-            write_atomically(new / "results.json", text.encode())
+            write_atomically(new / "results.json", as_bytes(results))
         for work in begun:
             result_of(work)
         return [*opinion.warnings, *(result_of(printed) if printed else [])]

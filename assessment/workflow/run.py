@@ -5,7 +5,6 @@ Imports are late: a run in which nothing has changed needs none of the analyses 
 
 from __future__ import annotations
 
-import json
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
     from assessment.runtime.tasks import Show
 
 Results = dict[str, Any]
-NEEDED = ("title", "model", "geometry", "states", "quality")  # of stored results, for a report
 EDITED = (
     "results.json was changed after the run that wrote it: numbers printed from it may not be computed ones"
 )
@@ -101,6 +99,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
     Title page and language are those of the project. Returns warnings. Raises ValueError for results that are not
     there, or that cannot be printed: damaged, edited, of another version. BusyError as `carry_out`.
     """
+    from assessment.results.file import read_results
     from assessment.workflow.output import write
 
     stored = folder / "results.json"
@@ -108,7 +107,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
         raise ValueError(f"{stored}: no stored results; run the project first (assesto run {project.folder})")
     with locked(folder):
         clear(folder)
-        results, last = stored_results(stored), recall(folder)
+        results, last = read_results(stored), recall(folder)
         edited = last is not None and not last.intact(folder, RESULTS)
         warnings = [EDITED] if edited else []
         try:
@@ -117,10 +116,6 @@ def print_again(project: Project, folder: Path) -> list[str]:
             warnings += write(results, folder, jobs=0)
         except (OSError, KilledError):
             raise
-        except KeyError as error:  # what this version prints and another did not keep
-            raise ValueError(
-                f"{stored}: {error} missing: written by another version of assesto; run the project again"
-            ) from error
         except Exception as error:
             if last is not None and not edited and last.results == keys_of(project).results:
                 raise  # a bug: just so they were written
@@ -141,16 +136,3 @@ def _retitle(results: Results, project: Project) -> None:
     page = project.content()
     results["title"] = results["echo"]["title"] = page["title"]
     results["echo"]["report"] = page["report"]
-
-
-def stored_results(path: Path) -> Results:
-    """Return results from their file; ValueError where it holds none."""
-    try:
-        results: Results = json.loads(path.read_text(encoding="utf-8"))
-        results["echo"]["report"]
-        missing = [key for key in NEEDED if key not in results]
-    except (ValueError, LookupError, TypeError, RecursionError):
-        raise ValueError(f"{path}: not readable as results; run the project again") from None
-    if missing:
-        raise ValueError(f"{path}: {', '.join(missing)} missing: results cut short; run the project again")
-    return results

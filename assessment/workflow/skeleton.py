@@ -12,6 +12,7 @@ import numpy as np
 from assessment.analyses.accuracy import accuracy_of
 from assessment.project.schema import ORIGINAL
 from assessment.results.faces import described
+from assessment.results.schema import FORMAT
 from assessment.runtime.fingerprint import installed
 from mechanics.faults import visible
 from mechanics.types import GRAVITY
@@ -40,6 +41,7 @@ def describe(project: Project, model: Model) -> Results:
     """Return results without any analysis: every state is there, and empty."""
     a = model.assembly
     return {
+        "format": FORMAT,
         "assesto": installed("assesto"),
         "title": project.title,
         "inputs": {visible(name): digest for name, digest in project.digests().items()},

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from assessment.project.schema import SettlementTable
     from assessment.runtime.cache import Store
     from mechanics import Assembly
-    from mechanics.model.assembly import Behaviour
+    from mechanics.model import Behaviour
 
 Results = dict[str, Any]
 

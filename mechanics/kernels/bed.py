@@ -7,9 +7,8 @@ at its two ends, N = N₁ + N₂ and P = h(N₂ − N₁):
     W* = 2N³/(9kL N₁)                  where it opens at the first end; likewise at the other
 
 Its gradient are the closures of the ends, its Hessian their compliance; both are continuous. A bed of points at the
-ends
-of n equal segments (the paper's) and one of finite strength have no W* in closed form: there the displacements under
-two forces are found first.
+ends of n equal segments (the paper's) and one of finite strength have no W* in closed form: there the displacements
+under two forces are found first.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ import numpy as np
 
 from mechanics.kernels.jit import compiler
 
-compiled = compiler("contract", "reassoc")
+compiled = compiler("contract", "reassoc", allocates=False)
 
 MOST_SEGMENTS = 64  # of a bed of points
 NEWTON, HALVINGS = 60, 30  # iterations for the displacements of a bed of finite strength, and halvings of one
@@ -285,3 +284,20 @@ def points_under(
         if first == segments - 1 or g1 + (g2 - g1) * first / segments <= 0.0:
             return g1, g2, c / det, b / det, a / det
         first += 1
+
+
+@compiled
+def points(
+    u: float, phi: float, half: float, stiffness: float, segments: int
+) -> tuple[float, float, float, float, float]:
+    """As crushed, of a bed of points at the ends of equal segments."""
+    n, m, c0, c1, c2 = 0.0, 0.0, 0.0, 0.0, 0.0
+    each = 2.0 * half * stiffness / segments
+    for i in range(segments + 1):
+        s = half * (2.0 * i / segments - 1.0)
+        gap = u + phi * s
+        if gap < 0.0:
+            k = 0.5 * each if i in (0, segments) else each
+            n, m = n - k * gap, m - k * gap * s
+            c0, c1, c2 = c0 + k, c1 + k * s, c2 + k * s * s
+    return n, m, c0, c1, c2

@@ -10,280 +10,112 @@ with |T| < μN, their gaps y₁, y₂ > 0 and the slips λ₊, λ₋ > 0:
     work           f_L·x = γ
 
 with σ the strength per length, and G what the forces of an earlier solution change as the geometry does. All but x and
-α
-are eliminated joint by joint, which leaves BᵀDB + M̄ − G, three rows a block; D is written in sums of positive terms,
-since
-differences lose all digits once stick or slip is decided. Predictor and corrector after Mehrotra; the forces that
-follow from stiff joints are refined until equilibrium holds to rounding. Where sliding does not lift (Coulomb) the ends
-do not know the slips, and the bound μN is that of the last iterate.
+α are eliminated joint by joint (joint_elimination), which leaves BᵀDB + M̄ − G, three rows a block. Predictor and
+corrector after Mehrotra, one more corrector after Gondzio; the forces that follow from stiff joints are refined until
+equilibrium holds to rounding.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from mechanics.kernels.bed import (
-    bent_linearised,
-    bent_under,
-    closures,
-    linearised,
-    points_under,
-    softness,
-    under,
-)
 from mechanics.kernels.cholesky import factorise, substitute
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.kernels.joint import H
+from mechanics.kernels.joint_elimination import (
+    BM,
+    BP,
+    C1,
+    C2,
+    DPHI,
+    DU,
+    DV,
+    G1,
+    G2,
+    KNOWN,
+    LM,
+    LP,
+    N1,
+    N2,
+    OFF,
+    RN,
+    RP,
+    RT,
+    Y1,
+    Y2,
+    ZM,
+    ZP,
+    T,
+    agree,
+    aim,
+    change,
+    follow,
+    missing,
+    stiffness,
+)
+from mechanics.kernels.law import BED, FRICTION, STRENGTH
 from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
 from mechanics.kernels.pattern import unpacked
 from mechanics.kernels.signed_factors import factorise_signed, substitute_signed
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
-
-# columns of the law of a joint (j, LAW): friction; friction that lifts (0: Coulomb's); compliance in shear, m/kN;
-# stiffness
-# of the bed, kN/m² (inf: rigid); slip from which the slide counts, m; strength, kN/m; segments of a bed of points (0:
-# exact)
-FRICTION, LIFT, SHEAR, BED, SLID, STRENGTH, SEGMENTS = range(7)
-# and of a bed whose gap is bent, in time stepping: where (from the middle of the overlap), 0: nowhere it is; u and φ
-# of the
-# gaps at the start; by what they are multiplied below and above
-KINK, U0, PHI0, BELOW, ABOVE = range(7, 12)
-LAW = 12
+looped = compiler("contract", "reassoc", allocates=False)
 
 STIFFEST = 1e-11  # compliance, per step and weight, that bounds the stiffness of closed and of stuck joints
 TO_THE_BOUND = 0.995  # share of the way to the bounds that an iteration goes
-CENTRED, BEHIND = (
-    0.3,
-    0.01,
-)  # products left while gaps are missed by more than those; all of them, where by far more
-HOLDING = 1e-8  # stiffness, per weight and step, that holds blocks; its growth; its most
-FIRMER = 10.0
-FIRM = 1.0
-REFINEMENTS, ROUNDING = (
-    3,
-    1e-3,
-)  # of the forces of an iteration, and the share of their imbalance that is left
+CENTRED = 0.3  # of the mean product is the least target while gaps are missed by more,
+BEHIND = 0.01  # and all of it where the products are smaller than this share of what is missed
+HOLDING = 1e-8  # stiffness, per weight and step, that holds blocks
+FIRMER = 10.0  # by which it grows where there is no factor
+FIRM = 1.0  # the most of it
+REFINEMENTS = 3  # of the forces of an iteration
+ROUNDING = 1e-3  # share of the unbalanced force that a refinement may leave
 ROUNDED = 3e-15  # an imbalance, per weight, that is none
 WIDE = 1e-4  # gaps count for so much less than forces and products in what is accepted
-LEAST = 0.1  # of the target: products below, and above the next one, stray
-MOST = 10.0
+LEAST = 0.1  # of the target: smaller products stray
+MOST = 10.0  # of the target: larger products stray
 FARTHER = 1.5  # times as far as a step leads, products are looked at
 IDLE = 10  # iterations without progress after which the method ends
 
-# what an iteration knows of a joint, columns of (j, KNOWN): forces and gaps; what the laws miss; bounds of T; λ/z; D
-# of the
-# ends; a, b/a, and the sums of the elimination; forces aimed at; λ aimed at; corrections of the products; compliance of
-# the bed; motion
-(N1, N2, T, Y1, Y2, LP, LM, G1, G2, BETA, E1, E2, SLIP, OFF, ZP, ZM, PP, PM, D11, D12, D22, A, LEVER, SUM, Q, RN, RP,
-RT, KP,
- KM, C1, C2, BP, BM, S11, S12, S22, DU, DPHI, DV) = range(40)  # fmt: skip
-KNOWN = 40
 
+class Joints(NamedTuple):
+    """What does not change: `row` (j, 2), `places` (j, PLACE), `law` (j, LAW), `curved` (j, 7) or empty.
 
-@compiled
-def missing(
-    p: Array, law: Array, i: int, j: int, x: Array, f: Array, y: Array, unit: float, know: Array
-) -> None:  # fmt: skip
-    """What an iterate misses of the laws of a joint, and the terms of its elimination, into `know` (KNOWN,)."""
-    du, dphi, dv = motion(p, i, j, x)
-    n1, n2, t, h, lift = f[0], f[1], f[2], p[H], law[LIFT]
-    n = n1 + n2
-    w, tilt = p[U] + du - lift * (y[2] + y[3]), h * (p[PHI] + dphi)
-    first, second = w - tilt, w + tilt
-    kappa = 0.25 / (h * law[STRENGTH])
-    beta = 2.0 * kappa * n
-    c11, c12, c22, w1, w2, off = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    if law[BED] < np.inf:
-        soft = 1.0 / (2.0 * h * law[BED])
-        if law[BELOW] != law[ABOVE]:
-            w1, w2, _, _, _ = bent_under(
-                n1, n2, h, law[BED], law[KINK], law[U0], law[PHI0], law[BELOW], law[ABOVE]
-            )
-            y[0], y[1] = _taken(first - w1, y[0]), _taken(second - w2, y[1])
-            off = max(abs(w1 + y[0] - first), abs(w2 + y[1] - second))
-            w1, w2, c11, c12, c22 = bent_linearised(
-                n1,
-                n2,
-                first - second - y[0] + y[1],
-                h,
-                law[BED],
-                law[KINK],
-                law[U0],
-                law[PHI0],
-                law[BELOW],
-                law[ABOVE],
-            )
-        elif law[STRENGTH] < np.inf:
-            w1, w2 = under(n1, n2, h, law[BED], law[STRENGTH])
-            c11, c12, c22 = softness(w1, w2, h, law[BED], law[STRENGTH])
-        elif law[SEGMENTS] > 0.0:
-            w1, w2, c11, c12, c22 = points_under(n1, n2, int(law[SEGMENTS]), soft)
-        else:
-            w1, w2 = closures(n1, n2, soft)
-            # an open end's gap may be the bed's as well as y: where it can, y takes what is missing
-            y[0], y[1] = _taken(first - w1, y[0]), _taken(second - w2, y[1])
-            off = max(abs(w1 + y[0] - first), abs(w2 + y[1] - second))
-            w1, w2, c11, c12, c22 = linearised(n1, n2, first - second - y[0] + y[1], soft)
-    both = y[0] + y[1]
-    know[N1], know[N2], know[T] = n1, n2, t
-    know[Y1], know[Y2], know[LP], know[LM] = y[0], y[1], y[2], y[3]
-    know[G1], know[G2], know[BETA] = n1 - kappa * n * n, n2 - kappa * n * n, beta
-    know[E1], know[E2] = w1 + y[0] - beta * both - first, w2 + y[1] - beta * both - second
-    if off == 0.0:
-        off = max(abs(know[E1]), abs(know[E2]))
-    know[SLIP] = y[2] - y[3] - (p[V] + dv - law[SLID]) - law[SHEAR] * t
-    know[OFF] = max(off, abs(know[SLIP]))
-    know[ZP], know[ZM] = law[FRICTION] * n + t, law[FRICTION] * n - t
-    know[PP], know[PM] = y[2] / know[ZP], y[3] / know[ZM]
-    know[S11], know[S12], know[S22] = c11, c12, c22
-    first, second, cross = y[0] / know[G1], y[1] / know[G2], 2.0 * kappa * both
-    rest = 1.0 - beta
-    c11 += first * rest * rest + second * beta * beta + cross + unit
-    c22 += second * rest * rest + first * beta * beta + cross + unit
-    c12 += (first + second) * beta * rest - cross
-    det = c11 * c22 - c12 * c12
-    know[D11], know[D12], know[D22] = c22 / det, c12 / det, c11 / det
-    a = know[D11] + know[D22] + 2.0 * know[D12]
-    know[A], know[LEVER] = a, h * (know[D22] - know[D11]) / a
-    shear = law[SHEAR] + unit
-    know[SUM] = know[PP] + know[PM] + shear
-    know[Q] = know[SUM] + a * lift * lift * (4.0 * know[PP] * know[PM] + shear * (know[PP] + know[PM]))
-
-
-@compiled
-def _taken(missed: float, y: float) -> float:
-    return missed if 0.1 * y < missed < 10.0 * y else y
-
-
-@compiled
-def stiffness(know: Array, h: float, lift: float, d: Array) -> None:
-    """D (6,) of a joint: −∂(N, P, T)/∂(u, φ, v) at the iterate, its entries uu, uφ, uv, φφ, φv, vv."""
-    a, lever, q = know[A], know[LEVER], know[Q]
-    skew = -a * lift * (know[PP] - know[PM]) / q
-    d[0] = a * know[SUM] / q
-    d[1] = lever * d[0]
-    d[2] = skew
-    # with N held, P = h(N₂ − N₁) resists the turn by 4h²/(det C a)
-    d[3] = 4.0 * h * h * (know[D11] * know[D22] - know[D12] * know[D12]) / a + lever * d[1]
-    d[4] = lever * skew
-    d[5] = (1.0 + a * lift * lift * (know[PP] + know[PM])) / q
-
-
-@compiled
-def aim(know: Array, h: float, lift: float, target: float) -> None:
-    """Forces RN, RP, RT of a joint that bear what it misses, its products becoming `target` less the corrections."""
-    know[KP] = (target - know[LP] * know[ZP] - know[BP]) / know[ZP]
-    know[KM] = (target - know[LM] * know[ZM] - know[BM]) / know[ZM]
-    both, apart = know[KP] + know[KM], know[KP] - know[KM] + know[SLIP]
-    first = (target - know[G1] * know[Y1] - know[C1]) / know[G1]
-    second = (target - know[G2] * know[Y2] - know[C2]) / know[G2]
-    b1 = know[E1] + first - know[BETA] * (first + second)
-    b2 = know[E2] + second - know[BETA] * (first + second)
-    a, skew = know[A], know[PP] - know[PM]
-    n = (know[D11] + know[D12]) * b1 + (know[D22] + know[D12]) * b2
-    tilt = 2.0 * h * (know[D11] * know[D22] - know[D12] * know[D12]) * (b2 - b1) / a
-    lifted = a * lift
-    know[RN] = (know[SUM] * n + lifted * (know[SUM] * both - skew * apart)) / know[Q]
-    know[RP] = tilt + know[LEVER] * know[RN]
-    know[RT] = (
-        apart * (1.0 + lifted * lift * (know[PP] + know[PM])) - skew * lift * (n + lifted * both)
-    ) / know[Q]
-
-
-@compiled
-def follow(d: Array, u: float, phi: float, v: float, df: Array) -> None:
-    """Take D(u, φ, v) off the changes of N, P and T, df (3,)."""
-    df[0] -= d[0] * u + d[1] * phi + d[2] * v
-    df[1] -= d[1] * u + d[3] * phi + d[4] * v
-    df[2] -= d[2] * u + d[4] * phi + d[5] * v
-
-
-@compiled
-def agree(know: Array, h: float, law: Array, df: Array, target: float, stiff: float) -> None:
-    """Let forces that are nearly nothing be those that their wide gaps and slips ask for: changes of N, P, T, df (3,).
-
-    As differences of large forces they would have lost their digits. `stiff`: weight per step.
+    `which` (j,): their places among the joints of the pattern.
     """
-    u, phi, v, lift = know[DU], know[DPHI], know[DV], law[LIFT]
-    one, other = know[LP] * stiff > know[ZP], know[LM] * stiff > know[ZM]
-    if one == other or know[BETA] > 0.0:
-        return
-    slip = v + law[SHEAR] * df[2] - know[SLIP]
-    bound = law[FRICTION] * df[0] if lift > 0.0 else 0.0
-    if one:
-        lm = know[KM] - know[PM] * (bound - df[2])
-        lp = lm + slip
-    else:
-        lp = know[KP] - know[PP] * (bound + df[2])
-        lm = lp - slip
-    couple = df[1] / h
-    d1, d2 = 0.5 * (df[0] - couple), 0.5 * (df[0] + couple)
-    w = u - lift * (lp + lm)
-    if know[Y1] > know[N1] * (1.0 / stiff + know[S11]):
-        y1 = w - h * phi - know[E1] + know[S11] * d1 - know[S12] * d2
-        d1 = (target - know[G1] * know[Y1] - know[C1] - know[G1] * y1) / know[Y1]
-    if know[Y2] > know[N2] * (1.0 / stiff + know[S22]):
-        y2 = w + h * phi - know[E2] + know[S22] * d2 - know[S12] * d1
-        d2 = (target - know[G2] * know[Y2] - know[C2] - know[G2] * y2) / know[Y2]
-    df[0], df[1] = d1 + d2, h * (d2 - d1)
-    bound = law[FRICTION] * df[0] if lift > 0.0 else 0.0
-    if one:
-        df[2] = (target - know[LP] * know[ZP] - know[BP] - know[ZP] * lp) / know[LP] - bound
-    else:
-        df[2] = bound - (target - know[LM] * know[ZM] - know[BM] - know[ZM] * lm) / know[LM]
+
+    row: Any
+    places: Array
+    law: Array
+    curved: Array
+    which: Any
 
 
-@compiled
-def change(know: Array, h: float, law: Array, df: Array, target: float, stiff: float, out: Array) -> None:
-    """Changes of N₁, N₂, T; y₁, y₂, λ₊, λ₋; g₁, g₂, μN ± T that go with motions and forces, into `out` (11,).
+class Direction(NamedTuple):
+    """Of an iteration: what is `known` (j, KNOWN) of joints, `stiffness` (j, 6), and changes.
 
-    Of a wide gap or slip the change is that of the motion, of one that is narrow beside the bed's own compliance, and
-    where joints crush, that which the product asks for.
+    `forces` (j, 3): of N, P and T; `change` (j, 11): of all unknowns, see joint_elimination.change.
     """
-    u, phi, v, beta = know[DU], know[DPHI], know[DV], know[BETA]
-    couple, lift = df[1] / h, law[LIFT]
-    d1, d2 = 0.5 * (df[0] - couple), 0.5 * (df[0] + couple)
-    g1, g2 = d1 - beta * df[0], d2 - beta * df[0]
-    bound = law[FRICTION] * df[0] if lift > 0.0 else 0.0
-    zp, zm = bound + df[2], bound - df[2]
-    lp, lm = know[KP] - know[PP] * zp, know[KM] - know[PM] * zm
-    slip = v + law[SHEAR] * df[2] - know[SLIP]
-    if know[PP] > know[PM]:
-        lp = lm + slip
-    else:
-        lm = lp - slip
-    y1 = (target - know[G1] * know[Y1] - know[C1] - know[Y1] * g1) / know[G1]
-    y2 = (target - know[G2] * know[Y2] - know[C2] - know[Y2] * g2) / know[G2]
-    w = u - lift * (lp + lm)
-    if know[Y1] > know[N1] * (1.0 / stiff + know[S11]) and beta == 0.0:
-        y1 = w - h * phi - know[E1] + know[S11] * d1 - know[S12] * d2
-    if know[Y2] > know[N2] * (1.0 / stiff + know[S22]) and beta == 0.0:
-        y2 = w + h * phi - know[E2] + know[S22] * d2 - know[S12] * d1
-    out[0], out[1], out[2], out[3], out[4], out[5], out[6] = d1, d2, df[2], y1, y2, lp, lm
-    out[7], out[8], out[9], out[10] = g1, g2, zp, zm
+
+    known: Array
+    stiffness: Array
+    forces: Array
+    change: Array
 
 
-@compiled
-def _stray(product: float, target: float) -> float:
-    """What is added to the correction of a product that would become this."""
-    wanted = min(max(product, LEAST * target), MOST * target)
-    return -max(wanted - product, -MOST * target)
-
-
-@compiled
+@looped
 def unbalanced(residual: Array, size: float) -> float:
     """The largest force of a residual (m,), moments by the size of a block."""
     largest = 0.0
-    for i in range(len(residual)):
-        largest = max(largest, abs(residual[i]) / (size if i % 3 == 2 else 1.0))
+    for i in range(0, len(residual), 3):
+        largest = max(largest, abs(residual[i]), abs(residual[i + 1]), abs(residual[i + 2]) / size)
     return largest
 
 
-@compiled
+@looped
 def dot(a: Array, b: Array) -> float:
     """Σ ab."""
     total = 0.0
@@ -298,6 +130,192 @@ def _back(stored: Array, pattern: Any, signed: bool, x: Array) -> None:
         substitute_signed(stored, pattern.places, pattern.last, x)
     else:
         substitute(stored, pattern, x)
+
+
+@looped
+def _evaluate(
+    joints: Any, x: Array, f: Array, y: Array, least: float, known: Array, residual: Array
+) -> tuple[float, float]:
+    """What all joints miss, into `known`; their forces onto `residual`; the most that gaps miss, the mean product."""
+    row, places, law = joints.row, joints.places, joints.law
+    off, total = 0.0, 0.0
+    for k in range(len(row)):
+        i, j, s, p = row[k, 0], row[k, 1], known[k], places[k]
+        missing(p, law[k], i, j, x, f[k], y[k], least, s)
+        push(p, i, j, s[N1] + s[N2], p[H] * (s[N2] - s[N1]), s[T], residual)
+        if len(joints.curved):
+            turn(joints.curved[k], i, j, x, residual)
+        off = max(off, s[OFF])
+        total += s[G1] * s[Y1] + s[G2] * s[Y2] + s[LP] * s[ZP] + s[LM] * s[ZM]
+    return off, total / max(4.0 * len(row), 1.0)
+
+
+@looped
+def _assemble(joints: Any, known: Array, held: Array, d: Array, stored: Array, pattern: Any) -> None:
+    """BᵀDB − G and the diagonal `held` (m,)."""
+    row, places = joints.row, joints.places
+    diagonal(held, stored, pattern)
+    for k in range(len(row)):
+        stiffness(known[k], places[k, H], joints.law[k, FRICTION], d[k])
+        stiffen(joints.which[k], places[k], row[k, 0], row[k, 1], d[k], stored, pattern)
+        if len(joints.curved):
+            bend(joints.which[k], row[k, 0], row[k, 1], joints.curved[k], stored, pattern)
+
+
+@compiled
+def _factorised(joints: Any, direction: Any, held: Array, tied: bool, stored: Array, pattern: Any) -> bool:
+    """Whether the matrix has a factor, then in its place. `tied`: a multiplier, whose work holds one motion.
+
+    With curvature the matrix may then have one negative pivot, beyond the peak.
+    """
+    _assemble(joints, direction.known, held, direction.stiffness, stored, pattern)
+    if len(joints.curved):
+        negative = factorise_signed(stored, pattern.places, pattern.last)
+        return bool(negative == 0 or (negative == 1 and tied))
+    return bool(factorise(stored, pattern))
+
+
+@looped
+def _aim(joints: Any, direction: Any, target: float, dx: Array) -> None:
+    """Forces that bear what all joints miss, which are added to the right-hand side `dx` (m,)."""
+    row, places = joints.row, joints.places
+    for k in range(len(row)):
+        s, df = direction.known[k], direction.forces[k]
+        aim(s, places[k, H], joints.law[k, FRICTION], target)
+        df[0], df[1], df[2] = s[RN], s[RP], s[RT]
+        push(places[k], row[k, 0], row[k, 1], s[RN], s[RP], s[RT], dx)
+        s[DU], s[DPHI], s[DV] = 0.0, 0.0, 0.0
+
+
+@looped
+def _follow(joints: Any, direction: Any, dx: Array, target: float, stiff: float, agreed: bool) -> None:
+    """Let motions and forces of all joints follow displacements dx (m,), and forces `agreed` with gaps."""
+    row, places = joints.row, joints.places
+    for k in range(len(row)):
+        s, df = direction.known[k], direction.forces[k]
+        u, phi, v = motion(places[k], row[k, 0], row[k, 1], dx)
+        s[DU], s[DPHI], s[DV] = s[DU] + u, s[DPHI] + phi, s[DV] + v
+        follow(direction.stiffness[k], u, phi, v, df)
+        if agreed:
+            agree(s, places[k, H], joints.law[k], df, target, stiff)
+
+
+@looped
+def _push_all(joints: Any, forces: Array, dx: Array, total: Array) -> None:
+    """Add to `total` (m,) the changes of forces N, P, T (j, 3), and of those whose direction dx changes."""
+    row, places = joints.row, joints.places
+    for k in range(len(row)):
+        push(places[k], row[k, 0], row[k, 1], forces[k, 0], forces[k, 1], forces[k, 2], total)
+        if len(joints.curved):
+            turn(joints.curved[k], row[k, 0], row[k, 1], dx, total)
+
+
+@looped
+def _change(joints: Any, direction: Any, target: float, stiff: float) -> tuple[float, float]:
+    """Changes of all unknowns of joints; by what share of themselves forces and gaps fall at most."""
+    most_f, most_g = 0.0, 0.0
+    for k in range(len(joints.row)):
+        s, o = direction.known[k], direction.change[k]
+        change(s, joints.places[k, H], joints.law[k], direction.forces[k], target, stiff, o)
+        most_f = max(most_f, -o[7] / s[G1], -o[8] / s[G2], -o[9] / s[ZP], -o[10] / s[ZM])
+        most_g = max(most_g, -o[3] / s[Y1], -o[4] / s[Y2], -o[5] / s[LP], -o[6] / s[LM])
+    return most_f, most_g
+
+
+@looped
+def _predicted(direction: Any, reach_f: float, reach_g: float) -> float:
+    """The sum of products after a predictor so long; its terms of the second order become their corrections."""
+    total = 0.0
+    for k in range(len(direction.known)):
+        s, o = direction.known[k], direction.change[k]
+        s[C1], s[C2], s[BP], s[BM] = o[7] * o[3], o[8] * o[4], o[9] * o[5], o[10] * o[6]
+        total += (s[G1] + reach_f * o[7]) * (s[Y1] + reach_g * o[3])
+        total += (s[G2] + reach_f * o[8]) * (s[Y2] + reach_g * o[4])
+        total += (s[ZP] + reach_f * o[9]) * (s[LP] + reach_g * o[5])
+        total += (s[ZM] + reach_f * o[10]) * (s[LM] + reach_g * o[6])
+    return total
+
+
+@looped
+def _correct_stray(direction: Any, reach_f: float, reach_g: float, target: float) -> None:
+    """Correct the products that would stray from their target (Gondzio)."""
+    for k in range(len(direction.known)):
+        s, o = direction.known[k], direction.change[k]
+        s[C1] += _stray((s[G1] + reach_f * o[7]) * (s[Y1] + reach_g * o[3]), target)
+        s[C2] += _stray((s[G2] + reach_f * o[8]) * (s[Y2] + reach_g * o[4]), target)
+        s[BP] += _stray((s[ZP] + reach_f * o[9]) * (s[LP] + reach_g * o[5]), target)
+        s[BM] += _stray((s[ZM] + reach_f * o[10]) * (s[LM] + reach_g * o[6]), target)
+
+
+@looped
+def _stray(product: float, target: float) -> float:
+    """What is added to the correction of a product that would become this."""
+    wanted = min(max(product, LEAST * target), MOST * target)
+    return -max(wanted - product, -MOST * target)
+
+
+@looped
+def _uncorrected(known: Array) -> None:
+    for k in range(len(known)):
+        known[k, C1], known[k, C2], known[k, BP], known[k, BM] = 0.0, 0.0, 0.0, 0.0
+
+
+@looped
+def _within_all(joints: Any, direction: Any, reach: float) -> float:
+    for k in range(len(joints.row)):
+        reach = _within(joints.law[k], joints.places[k, H], direction.known[k], direction.change[k], reach)
+    return reach
+
+
+@looped
+def _within(law: Array, h: float, know: Array, out: Array, reach: float) -> float:
+    """A reach at which crushing, which is curved, leaves both ends a share of what they had."""
+    if law[STRENGTH] == np.inf:
+        return reach
+    kappa = 0.25 / (h * law[STRENGTH])
+    while True:
+        n1, n2 = know[N1] + reach * out[0], know[N2] + reach * out[1]
+        least = kappa * (n1 + n2) ** 2
+        if n1 - least > (1.0 - TO_THE_BOUND) * know[G1] and n2 - least > (1.0 - TO_THE_BOUND) * know[G2]:
+            return reach
+        reach *= 0.7
+
+
+@looped
+def _advance(change: Array, reach_f: float, reach_g: float, f: Array, y: Array) -> None:
+    for k in range(len(f)):
+        for e in range(3):
+            f[k, e] += reach_f * change[k, e]
+        for e in range(4):
+            y[k, e] += reach_g * change[k, 3 + e]
+
+
+@compiled
+def _refine(
+    joints: Any, direction: Any, load: Array, lateral: Array, mass: Array, swayed: Array, gives: float, dalpha: float,
+    dx: Array, enough: float, size: float, target: float, stiff: float, fine: Array, stored: Array, pattern: Any,
+) -> float:  # fmt: skip
+    """Refine displacements dx and changes of forces until they balance the residual `load` (m,); the new Δα.
+
+    Closed and stuck joints are stiff: forces that follow from motions lose their digits there.
+    """
+    for _ in range(REFINEMENTS):
+        fine[:] = load
+        if len(lateral):
+            fine += dalpha * lateral
+        if len(mass):
+            fine -= mass * dx
+        _push_all(joints, direction.forces, dx, fine)
+        if unbalanced(fine, size) <= enough:
+            break
+        _back(stored, pattern, len(joints.curved) > 0, fine)
+        if len(lateral):
+            more = -dot(lateral, fine) / gives
+            dalpha += more
+            fine += more * swayed
+        _follow(joints, direction, fine, target, stiff, True)
+        dx += fine
+    return dalpha
 
 
 @compiled
@@ -316,15 +334,14 @@ def iterate(
     pattern = unpacked(packed)
     weight, size, step, accepted = scale
     count, c, unit = len(x), len(row), step / weight
-    tied = len(mass) > 0  # forces and gaps, to each other
-    for k in range(c):
-        tied |= law[k, BED] < np.inf
-    know, d, df, out = np.zeros((c, KNOWN)), np.empty((c, 6)), np.empty((c, 3)), np.empty((c, 11))
-    kept, kept_dx, kept_f, kept_g, kept_alpha = np.empty((c, 11)), np.empty(count), 0.0, 0.0, 0.0
+    joints = Joints(row, places, law, curved, which)
+    direction = Direction(np.zeros((c, KNOWN)), np.empty((c, 6)), np.empty((c, 3)), np.empty((c, 11)))
+    tied = len(mass) > 0 or (law[:, BED] < np.inf).any()  # forces and gaps, to each other
+    pushed, signed, stiff, holding = len(lateral) > 0, len(curved) > 0, 1.0 / unit, HOLDING
+    kept_dx, kept_change = np.empty(count), np.empty((c, 11))
     residual, dx, swayed, held, fine = (
         np.empty(count), np.empty(count), np.empty(count), np.empty(count), np.empty(count),
     )  # fmt: skip
-    bent, pushed, holding = len(curved) > 0, len(lateral) > 0, HOLDING
     best, since, iteration = np.inf, 0, 0
     while True:
         residual[:] = load
@@ -332,16 +349,7 @@ def iterate(
             residual += alpha * lateral
         if len(mass):
             residual -= mass * x
-        gap_off, mean = 0.0, 0.0
-        for k in range(c):
-            i, j, s = row[k, 0], row[k, 1], know[k]
-            missing(places[k], law[k], i, j, x, f[k], y[k], unit * STIFFEST, s)
-            push(places[k], i, j, s[N1] + s[N2], places[k, H] * (s[N2] - s[N1]), s[T], residual)
-            if bent:
-                turn(curved[k], i, j, x, residual)
-            gap_off = max(gap_off, s[OFF])
-            mean += s[G1] * s[Y1] + s[G2] * s[Y2] + s[LP] * s[ZP] + s[LM] * s[ZM]
-        mean /= max(4.0 * c, 1.0)
+        gap_off, mean = _evaluate(joints, x, f, y, unit * STIFFEST, direction.known, residual)
         force_off = unbalanced(residual, size)
         lacking = work - dot(lateral, x) if pushed else 0.0
         force, gap, product = (
@@ -352,33 +360,18 @@ def iterate(
             return -1, alpha, np.inf, np.inf, np.inf
         if max(force, WIDE * gap, product) <= accepted:
             break
-        progress = max(off, product)
         since += 1
-        if progress < 0.5 * best:
-            best, since = progress, 0
+        if max(off, product) < 0.5 * best:
+            best, since = max(off, product), 0
         if iteration == most or since > IDLE:
             break
         iteration += 1
-        # the matrix, firmer where rounding outweighs the hold
-        while True:
-            held[:] = holding / unit
+        while True:  # firmer where rounding outweighs the hold
+            held[:] = holding * stiff
             held[2::3] *= size**2
             if len(mass):
                 held += mass
-            diagonal(held, stored, pattern)
-            for k in range(c):
-                i, j = row[k, 0], row[k, 1]
-                stiffness(know[k], places[k, H], law[k, LIFT], d[k])
-                stiffen(which[k], places[k], i, j, d[k], stored, pattern)
-                if bent:
-                    bend(which[k], i, j, curved[k], stored, pattern)
-            if bent:
-                # with a multiplier the matrix may have one negative pivot, beyond the peak: the work holds that motion
-                negative = factorise_signed(stored, pattern.places, pattern.last)
-                definite = negative == 0 or (negative == 1 and pushed)
-            else:
-                definite = factorise(stored, pattern)
-            if definite:
+            if _factorised(joints, direction, held, pushed, stored, pattern):
                 break
             if holding >= FIRM:
                 return -iteration, alpha, force, gap, product
@@ -386,118 +379,53 @@ def iterate(
         gives = 1.0
         if pushed:
             swayed[:] = lateral
-            _back(stored, pattern, bent, swayed)
+            _back(stored, pattern, signed, swayed)
             gives = dot(lateral, swayed)
-        target, dalpha, most_f, most_g, reach_f, reach_g = 0.0, 0.0, 0.0, 0.0, 1.0, 1.0
-        for k in range(c):
-            know[k, C1], know[k, C2], know[k, BP], know[k, BM] = 0.0, 0.0, 0.0, 0.0
+        _uncorrected(direction.known)
+        target, dalpha, most_f, most_g = 0.0, 0.0, 0.0, 0.0
+        kept_f, kept_g, kept_alpha = 0.0, 0.0, 0.0
         for corrects in range(3):
             dx[:] = residual
-            for k in range(c):
-                s = know[k]
-                aim(s, places[k, H], law[k, LIFT], target)
-                df[k, 0], df[k, 1], df[k, 2] = s[RN], s[RP], s[RT]
-                push(places[k], row[k, 0], row[k, 1], s[RN], s[RP], s[RT], dx)
-            _back(stored, pattern, bent, dx)
+            _aim(joints, direction, target, dx)
+            _back(stored, pattern, signed, dx)
             if pushed:
                 dalpha = (lacking - dot(lateral, dx)) / gives
                 dx += dalpha * swayed
-            for k in range(c):
-                u, phi, v = motion(places[k], row[k, 0], row[k, 1], dx)
-                know[k, DU], know[k, DPHI], know[k, DV] = u, phi, v
-                follow(d[k], u, phi, v, df[k])
-                if corrects:
-                    agree(know[k], places[k, H], law[k], df[k], target, 1.0 / unit)
-            for _ in range(REFINEMENTS if corrects else 0):
-                # closed and stuck joints are stiff: forces that follow from motions lose their digits there
-                fine[:] = residual
-                if pushed:
-                    fine += dalpha * lateral
-                if len(mass):
-                    fine -= mass * dx
-                for k in range(c):
-                    push(places[k], row[k, 0], row[k, 1], df[k, 0], df[k, 1], df[k, 2], fine)
-                    if bent:
-                        turn(curved[k], row[k, 0], row[k, 1], dx, fine)
-                if unbalanced(fine, size) <= max(ROUNDING * force_off, ROUNDED * weight):
-                    break
-                _back(stored, pattern, bent, fine)
-                if pushed:
-                    more = -dot(lateral, fine) / gives
-                    dalpha += more
-                    fine += more * swayed
-                for k in range(c):
-                    u, phi, v = motion(places[k], row[k, 0], row[k, 1], fine)
-                    s = know[k]
-                    s[DU], s[DPHI], s[DV] = s[DU] + u, s[DPHI] + phi, s[DV] + v
-                    follow(d[k], u, phi, v, df[k])
-                    agree(s, places[k, H], law[k], df[k], target, 1.0 / unit)
-                dx += fine
-            most_f, most_g, ahead = 0.0, 0.0, 0.0
-            for k in range(c):
-                s, o = know[k], out[k]
-                change(s, places[k, H], law[k], df[k], target, 1.0 / unit, o)
-                most_f = max(most_f, -o[7] / s[G1], -o[8] / s[G2], -o[9] / s[ZP], -o[10] / s[ZM])
-                most_g = max(most_g, -o[3] / s[Y1], -o[4] / s[Y2], -o[5] / s[LP], -o[6] / s[LM])
-                if corrects == 0:
-                    s[C1], s[C2], s[BP], s[BM] = o[7] * o[3], o[8] * o[4], o[9] * o[5], o[10] * o[6]
+            _follow(joints, direction, dx, target, stiff, corrects > 0)
+            if corrects:
+                enough = max(ROUNDING * force_off, ROUNDED * weight)
+                dalpha = _refine(
+                    joints, direction, residual, lateral, mass, swayed, gives, dalpha, dx, enough, size, target, stiff,
+                    fine, stored, pattern,
+                )  # fmt: skip
+            most_f, most_g = _change(joints, direction, target, stiff)
             if tied:
                 most_f = most_g = max(most_f, most_g)
             if corrects == 2:
                 if max(most_f, most_g) > max(kept_f, kept_g):  # the earlier step leads farther
                     most_f, most_g, dalpha = kept_f, kept_g, kept_alpha
-                    dx[:], out[:] = kept_dx, kept
+                    dx[:], direction.change[:] = kept_dx, kept_change
                 break
             reach_f, reach_g = 1.0 / max(most_f, 1.0), 1.0 / max(most_g, 1.0)
             if corrects == 1:
                 if max(most_f, most_g) <= 1.0:
                     break
-                # products that would stray from their target are corrected once more (Gondzio)
                 kept_f, kept_g, kept_alpha = most_f, most_g, dalpha
-                kept_dx[:], kept[:] = dx, out
+                kept_dx[:], kept_change[:] = dx, direction.change
                 to_f, to_g = min(1.0, FARTHER * reach_f + 0.1), min(1.0, FARTHER * reach_g + 0.1)
-                for k in range(c):
-                    s, o = know[k], out[k]
-                    s[C1] += _stray((s[G1] + to_f * o[7]) * (s[Y1] + to_g * o[3]), target)
-                    s[C2] += _stray((s[G2] + to_f * o[8]) * (s[Y2] + to_g * o[4]), target)
-                    s[BP] += _stray((s[ZP] + to_f * o[9]) * (s[LP] + to_g * o[5]), target)
-                    s[BM] += _stray((s[ZM] + to_f * o[10]) * (s[LM] + to_g * o[6]), target)
-            if corrects == 0:
-                for k in range(c):
-                    s, o = know[k], out[k]
-                    ahead += (s[G1] + reach_f * o[7]) * (s[Y1] + reach_g * o[3])
-                    ahead += (s[G2] + reach_f * o[8]) * (s[Y2] + reach_g * o[4])
-                    ahead += (s[ZP] + reach_f * o[9]) * (s[LP] + reach_g * o[5])
-                    ahead += (s[ZM] + reach_f * o[10]) * (s[LM] + reach_g * o[6])
+                _correct_stray(direction, to_f, to_g, target)
+            else:
+                ahead = _predicted(direction, reach_f, reach_g)
                 centre = (ahead / (4.0 * c * mean)) ** 3 if mean > 0.0 else 0.0
                 if off > product:
                     centre = max(centre, CENTRED if product > BEHIND * off else 1.0)
                 target = centre * mean
         reach_f = 1.0 if most_f < TO_THE_BOUND else TO_THE_BOUND / most_f
         reach_g = 1.0 if most_g < TO_THE_BOUND else TO_THE_BOUND / most_g
-        for k in range(c):
-            reach_f = _within(law[k], places[k, H], know[k], out[k], reach_f)
+        reach_f = _within_all(joints, direction, reach_f)
         if tied:
             reach_f = reach_g = min(reach_f, reach_g)
-        for k in range(c):
-            for e in range(3):
-                f[k, e] += reach_f * out[k, e]
-            for e in range(4):
-                y[k, e] += reach_g * out[k, 3 + e]
+        _advance(direction.change, reach_f, reach_g, f, y)
         x += reach_g * dx
         alpha += reach_f * dalpha
     return iteration, alpha, force, gap, product
-
-
-@compiled
-def _within(law: Array, h: float, know: Array, out: Array, reach: float) -> float:
-    """A reach at which crushing, which is curved, leaves both ends a share of what they had."""
-    if law[STRENGTH] == np.inf:
-        return reach
-    kappa = 0.25 / (h * law[STRENGTH])
-    while True:
-        n1, n2 = know[N1] + reach * out[0], know[N2] + reach * out[1]
-        least = kappa * (n1 + n2) ** 2
-        if n1 - least > (1.0 - TO_THE_BOUND) * know[G1] and n2 - least > (1.0 - TO_THE_BOUND) * know[G2]:
-            return reach
-        reach *= 0.7

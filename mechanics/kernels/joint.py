@@ -20,7 +20,7 @@ import numpy as np
 from mechanics.kernels.jit import compiler
 from mechanics.types import Array
 
-compiled = compiler()
+compiled = compiler(allocates=False)
 
 LEVEL = 1e-11  # rad: faces that rounding turns against each other are level, and keep to one of their ends
 
@@ -39,8 +39,7 @@ def place(a: Any, b: Any, faces: Array, positions: Array, tolerance: float, plac
     """Where the joints (j,) of blocks at `positions` (b, 3) are, into `places` (j, PLACE).
 
     The half-length is negative where faces do not overlap, or lie deeper in each other than they overlap: a corner is
-    held
-    by the face into which it has come the least.
+    held by the face into which it has come the least.
     """
     for k in range(len(a)):
         i, j = a[k], b[k]

@@ -12,7 +12,7 @@ from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import LX, LZ, MPHI, MU, MV, NX, NZ
 from mechanics.types import Array
 
-compiled = compiler("contract", "reassoc")
+compiled = compiler("contract", "reassoc", allocates=False)
 
 
 @compiled

@@ -7,8 +7,7 @@ closed at the start, w₀ < 0, the force is −k(w₀ + θΔw), of one that clos
 −k(θ + β/h)(Δw + g), g = w₀ where open and w₀/(θ + β/h) where closed: two beds where a face is partly open.
 
 Rigid joints, at velocity level: M(v₁ − v₀)/h = f + BᵀF and the gap g₀ + h Bv₁ ≥ 0 (Moreau and Jean, without bounce),
-with
-x₁ = x₀ + h((1 − θ)v₀ + θv₁). What a joint that closes takes of the energy is an impact.
+with x₁ = x₀ + h((1 − θ)v₀ + θv₁). What a joint that closes takes of the energy is an impact.
 """
 
 from __future__ import annotations
@@ -18,30 +17,22 @@ from typing import Any
 import numpy as np
 
 from mechanics.kernels.bed import crushed, stored
-from mechanics.kernels.interior_iteration import (
-    ABOVE,
-    BED,
-    BELOW,
-    FRICTION,
-    KINK,
-    PHI0,
-    SHEAR,
-    SLID,
-    U0,
-    iterate,
-)
+from mechanics.kernels.interior_iteration import iterate
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import MPHI, MU, MV, NX, NZ, PHI, PLACE, H, U, V, place
+from mechanics.kernels.law import ABOVE, BED, BELOW, FRICTION, KINK, PHI0, SHEAR, SLID, U0
+from mechanics.kernels.newton_iteration import newton
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
 
-# where the energy of a motion is (energy, 6): stored in springs; taken by friction, impacts, dashpots and the
-# stepping; put in
+# where the energy of a motion is (energy, 6): stored in springs; taken by friction, impacts, dashpots and the stepping;
+# put in
 ELASTIC, RUBBED, IMPACT, VISCOUS, STEPPING, INPUT = range(6)
 ENERGIES = 6
 STANDARD_GRAVITY = 9.80665  # m/s²
-COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a start from nowhere
+ROUGHLY = 1e-4  # missed per weight and span: the joints that slide are known
+COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a cold start
 MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
 PRESSED = 1e-6  # of the weight of a block: a force that is one
 STILL = 1e-3  # of its speed before: a slide that has come to rest
@@ -86,6 +77,74 @@ def _apart(gap: float, rate: float, closed: float, bounce: float) -> float:
 
 
 @compiled
+def _begin_inside(
+    at: Array, laws: Array, weight: float, span: float, pressed: float, cold: bool, f: Array, y: Array
+) -> None:
+    """Bring forces and gaps within their bounds, where the interior point begins.
+
+    `cold`: nothing is known of them but the gaps that are there, and the force `pressed` that stops blocks.
+    """
+    for k in range(len(f)):
+        if cold:
+            for e in range(2):
+                gap = at[k, U] + (2 * e - 1) * at[k, H] * at[k, PHI]
+                y[k, e] = COLD * span + max(gap, 0.0)
+                f[k, e] = pressed * COLD * span / y[k, e]
+            f[k, 2], y[k, 2], y[k, 3] = 0.0, COLD * span, COLD * span
+        f[k, 0], f[k, 1] = max(f[k, 0], 1e-2 * weight), max(f[k, 1], 1e-2 * weight)
+        bound = 0.98 * laws[k, FRICTION] * (f[k, 0] + f[k, 1])
+        f[k, 2] = min(max(f[k, 2], -bound), bound)
+        for e in range(4):
+            least = 1e-2 * span / (max(laws[k, FRICTION], 1.0) if e > 1 else 1.0)
+            y[k, e] = max(y[k, e], least)
+
+
+@compiled
+def _solve(
+    rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any, cold: bool,
+    elastic: bool, pressed: float, stored_matrix: Array, packed: Any, chosen: Any,
+) -> tuple[int, float, float, float]:  # fmt: skip
+    """Displacements dx (m,), forces f (j, 3) and gaps y (j, 4) of a step: iterations and residuals as of `iterate`.
+
+    Elastic joints: by Newton's method from the start of the step; where many joints slide, from what the interior point
+    has found ROUGHLY; else, as with rigid joints, by the interior point, near the dx, f and y given.
+    """
+    weight, size, span, accepted = scale
+    done, none = 0, np.empty(0)
+    if elastic and not cold:
+        moved = np.zeros(len(dx))
+        more, force, gap = newton(
+            rows, at, laws, load, mass, moved, f, y, scale, stored_matrix, packed, chosen
+        )
+        done += more
+        if force <= accepted:
+            dx[:] = moved
+            return done, force, gap, 0.0
+    _begin_inside(at, laws, weight, span, pressed, cold, f, y)
+    if elastic:
+        more, _, force, gap, product = iterate(
+            rows, at, laws, load, none, 0.0, mass, np.empty((0, 7)), dx, 0.0, f, y,
+            (weight, size, span, ROUGHLY), MOST_ITERATIONS, stored_matrix, packed, chosen,
+        )  # fmt: skip
+        done += abs(more)
+        if not max(force, product) <= ROUGHLY:
+            return done, force, gap, product
+        moved = dx.copy()
+        more, force, gap = newton(
+            rows, at, laws, load, mass, moved, f, y, scale, stored_matrix, packed, chosen
+        )
+        done += more
+        if force <= accepted:
+            dx[:] = moved
+            return done, force, gap, 0.0
+    more, _, force, gap, product = iterate(
+        rows, at, laws, load, none, 0.0, mass, np.empty((0, 7)), dx, 0.0, f, y, scale, MOST_ITERATIONS, stored_matrix,
+        packed, chosen,
+    )  # fmt: skip
+    return done + abs(more), force, gap, product
+
+
+@compiled
 def attempt(
     a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, load: Array,
     x: Array, v: Array, past: Array, forces: Array, gaps: Array, shear: Array, slides: Array, energy: Array, h: float,
@@ -96,12 +155,10 @@ def attempt(
 
     `load` (b, 3) kN at the share θ; `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4), near which the solution is sought;
     `shear` (j,) of springs; `energy` (ENERGIES,); `restitution` of velocities at which rigid ends meet; `lifted` (j,):
-    gaps that count as none; `resultants` (j, 3): N, P and T found; `attempts`
-    so far: after one, nothing is known of forces and gaps but the
-    gaps that are there, and that impacts stop the blocks within the step. Returns the iterations, negative where
-    nothing was
-    found, the energy of which impacts, the stepping and slides that turn back leave unsure, and the residuals: force,
-    gap, product.
+    gaps that count as none; `resultants` (j, 3): N, P and T found; `attempts` so far: after one, nothing is known of
+    forces and gaps but the gaps that are there, and that impacts stop the blocks within the step. Returns the
+    iterations, negative where nothing was found, the energy of which impacts, the stepping and slides that turn back
+    leave unsure, and the residuals: force, gap, product.
     """
     weight, size, span, accepted = scale
     c, n, m = len(a), len(x), 0
@@ -126,8 +183,7 @@ def attempt(
         law[k, SLID] = s[V]
         if not elastic:
             # the velocity at the end is along the rows of the end, which differ from those of the middle as these do
-            # from
-            # those of the start
+            # from those of the start
             u0, phi0, _ = relative(s, a[k], b[k], v)
             u1, phi1, _ = relative(p, a[k], b[k], v)
             du, dphi = h * (u1 - u0), h * (phi1 - phi0)
@@ -160,8 +216,7 @@ def attempt(
             elif max(low, high) <= 0.0:
                 p[U], p[PHI] = p[U] * closed, p[PHI] * closed
         # Coulomb: the lift of a slide that goes on as it did is taken back, which leaves that by which it has changed;
-        # where a
-        # slower slide has let rigid faces into each other, it is left until they are out again
+        # where a slower slide has let rigid faces into each other, it is left until they are out again
         lift = law[k, FRICTION] * h * max(slides[k, 0] + h * slides[k, 1], 0.0)
         p[U] += lift if elastic else max(lift + min(s[U] - lifted[k] - s[H] * abs(s[PHI]), 0.0), 0.0)
     share = theta if elastic else 1.0
@@ -176,24 +231,9 @@ def attempt(
                 scaled[j + e] = mass[i, e] / (share * h * h)
                 dx[j + e] = h * v[i, e]
                 pushed[j + e] = load[i, e] + scaled[j + e] * dx[j + e]
-    none = np.empty(0)
-    pressed = COLD * weight * span / (STANDARD_GRAVITY * h * h)
-    for k in range(count):
-        if attempts > 0:
-            for e in range(2):
-                gap = at[k, U] + (2 * e - 1) * at[k, H] * at[k, PHI]
-                y[k, e] = COLD * span + max(gap, 0.0)
-                f[k, e] = pressed * COLD * span / y[k, e]
-            f[k, 2], y[k, 2], y[k, 3] = 0.0, COLD * span, COLD * span
-        f[k, 0], f[k, 1] = max(f[k, 0], 1e-2 * weight), max(f[k, 1], 1e-2 * weight)
-        bound = 0.98 * laws[k, FRICTION] * (f[k, 0] + f[k, 1])
-        f[k, 2] = min(max(f[k, 2], -bound), bound)
-        for e in range(4):
-            least = 1e-2 * span / (max(laws[k, FRICTION], 1.0) if e > 1 else 1.0)
-            y[k, e] = max(y[k, e], least)
-    done, _, force, gap, product = iterate(
-        rows, at, laws, pushed, none, 0.0, scaled, np.empty((0, 7)), dx, 0.0, f, y,
-        (weight, size, span, accepted), MOST_ITERATIONS, stored_matrix, packed, chosen,
+    done, force, gap, product = _solve(
+        rows, at, laws, pushed, scaled, dx, f, y, (weight, size, span, accepted), attempts > 0, elastic,
+        COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen,
     )  # fmt: skip
     if max(force, product) > accepted:
         return -done, 0.0, force, gap, product
@@ -284,12 +324,10 @@ def march(
     """Steps of length h under base accelerations (k + 1, 3), m/s², linear in between, recorded in xs, vs, fs and es.
 
     `sizes`: weight, size of a block and what is accepted of a solution; `halving`: levels down to which a step is
-    halved
-    and the share of the kinetic energy that impacts and the stepping may take before it is; `margin` (m): how far a
-    corner may go from where it has `begun` (b, 3) before contacts are looked for anew, `radius` (b,) of blocks;
-    `counts`
-    (6,): programs, iterations, halvings, cold starts, and the worst residuals. Returns the steps done and why no more:
-    0 all are, 1 a corner has gone that far, 2 a program is not solved (the motion is as before that step).
+    halved and the share of the kinetic energy that impacts and the stepping may take before it is; `margin` (m): how
+    far a corner may go from where it has `begun` (b, 3) before contacts are looked for anew, `radius` (b,) of blocks;
+    `counts` (6,): programs, iterations, halvings, cold starts, and the worst residuals. Returns the steps done and why
+    no more: 0 all are, 1 a corner has gone that far, 2 a program is not solved (the motion is as before that step).
     """
     weight, size, accepted = sizes
     levels, share = halving

@@ -7,7 +7,7 @@ from typing import Any
 from mechanics.kernels.jit import compiler
 from mechanics.types import Array
 
-compiled = compiler("contract", "reassoc")
+compiled = compiler("contract", "reassoc", allocates=False)
 SMALL = 1e-14
 
 

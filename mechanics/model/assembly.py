@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.errors import require
+from mechanics.errors import ArgumentError, require
 from mechanics.kernels.bed import MOST_SEGMENTS
 from mechanics.model.block import Block
 from mechanics.model.contacts import Contacts, drawn_contacts
@@ -128,7 +128,7 @@ class Assembly:
         """Raise ValueError where it is none, or where elastic joints lack a stiffness."""
         require(behaviour in {"rigid", "elastic"}, "contacts", behaviour, '"rigid" or "elastic"')
         if behaviour == "elastic" and np.isnan(self.contacts.bed).any():
-            raise ValueError("normal_stiffness: elastic contacts need it for the material of every block")
+            raise ArgumentError("normal_stiffness: elastic contacts need it for the material of every block")
 
     @cached_property
     def joints_in_a_row(self) -> int:

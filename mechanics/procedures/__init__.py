@@ -1,1 +1,22 @@
-"""The analyses: each reads as its pseudo-code."""
+"""The analyses: each reads as its pseudo-code.
+
+The analyses themselves are public names of `mechanics`; here is what they return, and what goes with them.
+"""
+
+from mechanics.procedures.limit_analysis import limit_in
+from mechanics.procedures.mechanism import hinges, virtual_work_multiplier
+from mechanics.procedures.mirror import Mirror
+from mechanics.procedures.pushdown import Pushdown, whole_movement
+from mechanics.procedures.pushover import Pushover
+from mechanics.procedures.step_control import HALVINGS
+
+__all__ = [
+    "HALVINGS",
+    "Mirror",
+    "Pushdown",
+    "Pushover",
+    "hinges",
+    "limit_in",
+    "virtual_work_multiplier",
+    "whole_movement",
+]

@@ -15,13 +15,10 @@ class Energy:
 
     `kinetic`, `potential` (from the start) and `elastic` (joints) are stored, computed from positions and velocities.
     `input` by the base motion and dissipated by `friction`, `impact`s, `viscous` joint forces and the `integrator` are
-    summed since the start, each from forces and displacements of its own kind. What `integrator` takes is what the
-    scheme
-    is known to: of implicit Euler ½ΔvᵀMΔv a step, impacts in it, and what springs lose where forces are not the mean
-    ones,
-    less the dilation of sliding, which comes back when the gap closes. So the balance is a check: its `residual` is
-    what
-    the solver's tolerance leaves open, and with elastic joints the geometry linearised in a step.
+    summed since the start, each from forces and displacements of its own kind. What the `integrator` takes is known
+    from the scheme: of implicit Euler ½ΔvᵀMΔv a step, impacts in it, and what springs lose where forces are not the
+    mean ones, less the dilation of sliding, which comes back when the gap closes. So the balance is a check: its
+    `residual` is what the solver's tolerance leaves open, and with elastic joints the geometry linearised in a step.
     """
 
     kinetic: Array

@@ -7,17 +7,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mechanics.errors import NoEquilibriumError
-from mechanics.kernels.interior_iteration import FRICTION
 from mechanics.kernels.joint import U
+from mechanics.kernels.law import FRICTION
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.program import LARGEST_MULTIPLIER, Certificate
 from mechanics.solvers import solve
 from mechanics.steps.equilibrium import check_self_weight, closed_program
-from mechanics.steps.static_step import LEVEL, Sliding
+from mechanics.steps.static_system import Sliding
+from mechanics.steps.tolerances import LIMIT
 from mechanics.types import Array
-
-REPEATS = 12  # of a program with Coulomb friction
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,12 +65,12 @@ def limit_in(model: Assembly, direction: Direction, state: State, sliding: Slidi
     solution, iterate = solve(program, closed.layout)
     slips = np.zeros(len(program.law))
     residual = 0.0
-    for _ in range(REPEATS if sliding == "coulomb" else 0):
+    for _ in range(LIMIT.repeats if sliding == "coulomb" else 0):
         if iterate is None:
             break
         before, slips = slips, abs(iterate.gaps[:, 2] - iterate.gaps[:, 3])
         residual = float((program.law[:, FRICTION] * abs(slips - before)).max(initial=0.0)) / program.step
-        if residual <= LEVEL:
+        if residual <= LIMIT.slip_gap:
             break
         places = program.places.copy()
         places[:, U] += program.law[:, FRICTION] * slips

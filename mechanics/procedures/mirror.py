@@ -83,7 +83,7 @@ class Mirror:
             return None
         return replace(
             path,
-            end=self._told(path.end),
+            end=self._mirrored(path.end),
             states=tuple(map(self._state, path.states)),
             steps=tuple(map(self._step, path.steps)),
             mechanism=self._motion(path.mechanism),
@@ -91,7 +91,7 @@ class Mirror:
             contacts=self.model.contacts,
         )
 
-    def _told(self, text: str) -> str:
+    def _mirrored(self, text: str) -> str:
         """A message, its blocks and its direction."""
         swapped = {"+x": "-x", "-x": "+x"}
         return re.sub(

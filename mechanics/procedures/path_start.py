@@ -13,8 +13,11 @@ from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import limit_analysis
 from mechanics.program import Certificate, bed_gaps, end_forces
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
-from mechanics.steps.rest import REST, lifted, motion_to_rest
-from mechanics.steps.static_step import Equilibrium, Sliding, StepProblem, find_equilibrium, static_system
+from mechanics.steps.geometry_iteration import find_equilibrium
+from mechanics.steps.rest import lifted, motion_to_rest
+from mechanics.steps.static_step import Equilibrium, StepProblem
+from mechanics.steps.static_system import Sliding, static_system
+from mechanics.steps.tolerances import REST
 from mechanics.types import Array
 
 
@@ -31,7 +34,7 @@ class StartTolerances:
     soft: float = 1e-2
 
 
-TOLERANCES = StartTolerances()
+START = StartTolerances()
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +61,7 @@ def mechanism_start(
     """The onset of a rigid curve: the mechanism of limit analysis, which see for the errors raised."""
     limit = limit_analysis(model, direction, state, sliding)
     rate = limit.mechanism / float((model.lateral_load(direction) * limit.mechanism).sum())
-    share = 1.0 if state is None else TOLERANCES.settled
+    share = 1.0 if state is None else START.settled
     return PathStart(
         state or model.initial,
         None,
@@ -82,9 +85,9 @@ def elastic_start(
     system = start.system
     lateral = model.lateral_load(direction)
     try:
-        alpha = TOLERANCES.first * limit_analysis(model, direction).alpha
+        alpha = START.first * limit_analysis(model, direction).alpha
     except NoEquilibriumError:  # interlocked rigid blocks have no multiplier to go by
-        alpha = TOLERANCES.first
+        alpha = START.first
     load = model.dead_load + alpha * lateral
     try:
         problem = StepProblem(system, start.state, load, rest_size(model, "elastic"))
@@ -127,7 +130,7 @@ def settled(model: Assembly, state: State | None, sliding: Sliding = "associativ
     half = step.places[:, H]
     compression = -bed_gaps(end_forces(step.forces, half), half, system.law).min(axis=1)
     worst = int(np.argmax(compression))
-    if state is None and compression[worst] > TOLERANCES.soft * model.size:
+    if state is None and compression[worst] > START.soft * model.size:
         first, second = sorted((int(step.contacts.a[worst]), int(step.contacts.b[worst])))
         raise UnstableError(
             f"gravity alone presses blocks {first} and {second} {compression[worst]:.3g} m into each other, more than "

@@ -7,13 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, require
+from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError, require
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.procedures.step_control import Bisection, reach
 from mechanics.program import Certificate
 from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
-from mechanics.steps.rest import REST, lifted, motion_to_rest
-from mechanics.steps.static_step import Equilibrium, Sliding, StaticSystem, StepProblem, static_system
+from mechanics.steps.rest import lifted, motion_to_rest
+from mechanics.steps.static_step import Equilibrium, StepProblem
+from mechanics.steps.static_system import Sliding, StaticSystem, static_system
+from mechanics.steps.tolerances import REST
 from mechanics.types import Array
 
 
@@ -21,16 +23,17 @@ from mechanics.types import Array
 class PushdownTolerances:
     """Of a moving support.
 
-    `onset`: of an increment, at most of a block: a movement that tells the reaction at its beginning; `rides`: of the
-    movement, by how much the blocks of a structure that moves as a whole may differ from it.
+    `onset`: of an increment, at most of a block: the movement at which the reaction at its beginning is taken; `whole`:
+    of the movement, by how much the blocks of a structure that moves as a whole may differ from it; `look_ahead`:
+    expected displacements of a step, within which contacts are looked for.
     """
 
     onset: float = 1e-3
-    rides: float = 1e-6
+    whole: float = 1e-6
+    look_ahead: float = 4.0
 
 
-TOLERANCES = PushdownTolerances()
-WAY = 4.0  # expected displacements of a step, within which contacts are looked for
+PUSHDOWN = PushdownTolerances()
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,11 +71,10 @@ def pushdown(
     """Move a support by `displacement` (2,) m and `rotation` (rad, about its drawn centroid), in increments.
 
     `increment` (m) is of the largest component. With `to_collapse` the movement goes on in the same direction to the
-    last equilibrium, after `final` has been taken. Where no equilibrium lies near, the blocks are let go until they
-    rest; where they do not, the structure has collapsed. Raises UnstableError where the structure as drawn cannot
-    stand,
-    CollapseError where it collapses before the whole movement is applied (it carries the path up to there), ValueError
-    for bad arguments.
+    last equilibrium, after `final` has been taken. Where no equilibrium lies near, the blocks are released until they
+    rest; where they run away, the structure has collapsed. Raises UnstableError where the structure as drawn cannot
+    stand, CollapseError where it collapses before the whole movement is applied (it carries the path up to there),
+    NoEquilibriumError or ConvergenceError where that is not decided, ValueError for bad arguments.
     """
     target = np.asarray(displacement, dtype=float)
     require(
@@ -96,18 +98,19 @@ def pushdown(
         except (NoEquilibriumError, ConvergenceError) as stop:
             if bisection.shorter():
                 continue
-            if isinstance(stop, ConvergenceError) and final is None:
+            collapses = isinstance(stop, RunawayError)
+            if not collapses and final is None:
                 raise
-            ultimate, end = (here if isinstance(stop, NoEquilibriumError) else None), str(stop)
+            ultimate, end = here if collapses else None, str(stop)
             break
         bisection.longer()
         if final is None and path.movement[-1] >= full * (1.0 - 1e-9):
             try:
                 final = path.settle()
-            except NoEquilibriumError as stop:
+            except RunawayError as stop:
                 ultimate, end = here, str(stop)
                 break
-        elif final is not None and rotation == 0.0 and path.rides(by / full * target):
+        elif final is not None and rotation == 0.0 and path.moves_as_a_whole(by / full * target):
             end = "the structure moves with its support as a whole"
             break
     found = path.result(final, ultimate, end)
@@ -124,7 +127,7 @@ def pushdown(
 
 @dataclass(frozen=True, eq=False)
 class _Moving:
-    """A support on its way: by `displacement` (2,) and `rotation` when the movement is `full`."""
+    """A moving support: displaced by `displacement` (2,) and `rotation` when the movement is `full`."""
 
     system: StaticSystem
     support: str
@@ -140,7 +143,7 @@ class _Moving:
         )
 
     @property
-    def swing(self) -> float:
+    def lever(self) -> float:
         """How much farther than the movement a corner of the support goes: a turn may outdo the translation."""
         turned = whole_movement(self.system.model, self.support, (0.0, 0.0), self.rotation)
         return max(1.0, turned / self.full)
@@ -156,7 +159,7 @@ class _Path:
         start = rest(self.system, self.model.initial)
         begun = start
         if self.system.rigid:
-            onset = TOLERANCES.onset * min(increment, self.model.size)
+            onset = PUSHDOWN.onset * min(increment, self.model.size)
             begun = self._step(start, np.zeros_like(start.state.positions), 0.0, onset, onset, True)
         self.steps, self.movement = [start], [0.0]
         self.reactions = [reaction(self.model, begun, self.index)[:2]]
@@ -168,8 +171,8 @@ class _Path:
         self, last: Equilibrium, past: Array, here: float, by: float, size: float, shortest: bool
     ) -> Equilibrium:
         guess = self.moving.moved(last.state.positions + past * by, here + by)
-        expected = max(self.moving.swing * max(by, size), self.smallest)
-        self.system = self.system.around(last.state.positions, WAY * expected)
+        expected = max(self.moving.lever * max(by, size), self.smallest)
+        self.system = self.system.around(last.state.positions, PUSHDOWN.look_ahead * expected)
         problem = StepProblem(self.system, last.state, self.model.dead_load, expected)
         # a structure at rest is no neighbour of one that begins to move: which hinges open is open
         found, self.jumped = reach(problem, guess, last if past.any() else None, shortest)
@@ -200,11 +203,11 @@ class _Path:
         self.certificates.append(rested.certificate)
         return rested.state
 
-    def rides(self, moved: Array) -> bool:
+    def moves_as_a_whole(self, moved: Array) -> bool:
         """Whether every movable block made just the support's translation (2,) in the last step."""
         before, after = (step.state.positions for step in self.steps[-2:])
         apart = abs((after - before)[self.model.movable] - [*moved, 0.0]).max()
-        return bool(apart < TOLERANCES.rides * float(abs(moved).max()))
+        return bool(apart < PUSHDOWN.whole * float(abs(moved).max()))
 
     def result(self, final: State | None, ultimate: float | None, end: str) -> Pushdown:
         """The path as it is handed on."""

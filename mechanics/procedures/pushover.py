@@ -7,7 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError, require
+from mechanics.errors import (
+    ControlError,
+    ConvergenceError,
+    NoEquilibriumError,
+    RunawayError,
+    UnstableError,
+    require,
+)
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import limit_in
@@ -15,7 +22,8 @@ from mechanics.procedures.path_start import elastic_start, mechanism_start, no_w
 from mechanics.procedures.step_control import HALVINGS, Bisection, reach
 from mechanics.program import Certificate
 from mechanics.steps.rest import motion_to_rest
-from mechanics.steps.static_step import Equilibrium, Sliding, StepProblem, static_system
+from mechanics.steps.static_step import Equilibrium, StepProblem
+from mechanics.steps.static_system import Sliding, static_system
 from mechanics.types import Array
 
 
@@ -24,9 +32,8 @@ class PushoverTolerances:
     """Of a capacity curve.
 
     `still`: of the largest displacement, a control point that takes no part; `largest`: increments that a block may
-    move
-    where the control point moves less; `zero`: of the largest multiplier, one that is none, found by at most `chords`;
-    `flat`: of the largest multiplier, a change that is none; `points`: the most.
+    move where the control point moves less; `zero`: of the largest multiplier, one that is none, found by at most
+    `chords`; `flat`: of the largest multiplier, a change that is none; `points`: the most.
     """
 
     still: float = 1e-3
@@ -37,7 +44,7 @@ class PushoverTolerances:
     points: int = 5000
 
 
-TOLERANCES = PushoverTolerances()
+PUSHOVER = PushoverTolerances()
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,29 +92,29 @@ def pushover(
     state: State | None = None,
     until: float = 0.0,
     sliding: Sliding = "associative",
+    tolerances: PushoverTolerances = PUSHOVER,
 ) -> Pushover:
     """Push the assembly over, from onset (rigid) or rest (elastic) until the multiplier has come down to zero.
 
     `control`: drawn point (m) in or on a block; `increment` (m) of its displacement along the push; `until`: the share
     of its peak at which the multiplier has come down far enough. Every point is an equilibrium in its own displaced
     geometry, under a free multiplier whose loads do a given work (eq. 5; with elastic joints the same program traces
-    the
-    curve through its peak). Where no equilibrium lies near, the blocks are let go with that work held, until they
-    rest; where the
-    multiplier comes down to zero, under gravity: where they rest again the curve goes on, elsewhere the structure has
-    collapsed. Raises UnstableError, ValueError for a control point outside every block, ControlError for one that takes
-    no part in the mechanism, NoEquilibriumError where the load meets no mechanism.
+    the curve through its peak). Where no equilibrium lies near, the blocks are released with that work held, until they
+    rest; where the multiplier comes down to zero, under gravity. Where they rest again the curve goes on (with rigid
+    joints at the multiplier that moves them again); where they run away the structure has collapsed. Raises
+    UnstableError, ValueError for a control point outside every block, ControlError for one that takes no part in the
+    mechanism, NoEquilibriumError where the load meets no mechanism.
     """
     require(0.0 < increment < np.inf, "increment", increment, "positive, in m")
     require(0.0 <= until < 1.0, "until", until, "a share of the peak")
-    curve = _Curve(model, control, direction, contacts, increment, state, until, sliding)
+    curve = _Curve(model, control, direction, contacts, increment, state, until, sliding, tolerances)
     bisection = Bisection(increment, curve.first.share * increment)
     while not curve.end:
         try:
             curve.advance(bisection.length, bisection.shortest)
         except (NoEquilibriumError, ConvergenceError) as stop:
             if not bisection.shorter():
-                curve.end, curve.lost = str(stop), isinstance(stop, NoEquilibriumError)
+                curve.end, curve.lost = str(stop), isinstance(stop, RunawayError)
             continue
         bisection.longer()
     return curve.finished()
@@ -126,7 +133,9 @@ class _Curve:
         state: State | None,
         until: float,
         sliding: Sliding,
+        tolerances: PushoverTolerances,
     ) -> None:
+        self.tolerances = tolerances
         self.model, self.increment, self.until, self.drawn = model, increment, until, state is None
         self.control, self.direction = np.asarray(control, dtype=float), direction
         self.block = model.block_at(control)
@@ -159,8 +168,10 @@ class _Curve:
     def advance(self, length: float, shortest: bool) -> None:
         """The next point, about a length (m) further on: whether it is the `shortest` that is tried."""
         fastest = float(abs(self.rate[:, :2]).max())
-        work = length / max(self.control_rate, fastest / TOLERANCES.largest)
+        work = length / max(self.control_rate, fastest / self.tolerances.largest)
         step, jumped = self._step(work, fastest, shortest)
+        if jumped and self.system.rigid and self._go_on_from(step):
+            return  # rigid blocks rest under many multipliers: the one that moves them again is theirs
         if step.alpha >= 0.0:
             self._append(work, step, jumped)
             return
@@ -170,11 +181,11 @@ class _Curve:
         held = self._held_again(step)
         if held is None:
             self.reached, self.end = True, "α = 0"
-        else:
-            self._go_on_from(held)
+        elif not self._go_on_from(held):
+            self.reached, self.end = True, "α = 0, and no push moves the structure where it rests again"
 
     def _step(self, work: float, fastest: float, shortest: bool = True) -> tuple[Equilibrium, bool]:
-        """The equilibrium after so much work (kNm), and whether blocks were let go to find it."""
+        """The equilibrium after so much work (kNm), and whether blocks were released to find it."""
         now = self.states[-1]
         self.system = self.system.around(now.positions, 2.0 * work * fastest)
         problem = StepProblem(self.system, now, self.model.dead_load, work * fastest, self.lateral, work)
@@ -184,8 +195,8 @@ class _Curve:
     def _down_to_zero(self, work: float, fastest: float, step: Equilibrium) -> tuple[float, Equilibrium]:
         """The work that brings the multiplier down to zero, and its step (false position, Illinois rule)."""
         low, high = (0.0, self.multiplier[-1]), (work, step.alpha)
-        tolerance, least = TOLERANCES.zero * max(self.multiplier), work / 2.0**HALVINGS
-        for count in range(TOLERANCES.chords):
+        tolerance, least = self.tolerances.zero * max(self.multiplier), work / 2.0**HALVINGS
+        for count in range(self.tolerances.chords):
             chord = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
             if count and chord < least:
                 break  # the multiplier jumps below zero within that
@@ -211,8 +222,8 @@ class _Curve:
             return None
         return held if self.along(held.state.positions) >= self.displacement[-1] - self.increment else None
 
-    def _go_on_from(self, held: Equilibrium) -> None:
-        """The curve goes on where the structure rests again."""
+    def _go_on_from(self, held: Equilibrium) -> bool:
+        """Whether the curve goes on where the structure rests again, or nothing can be pushed there."""
         try:
             start = (
                 mechanism_start(self.model, self.direction, held.state, self.system.sliding)
@@ -221,17 +232,15 @@ class _Curve:
                     self.model, self.direction, held.state, self.increment, self.system.sliding
                 )
             )
-        except (NoEquilibriumError, ConvergenceError) as stop:
-            self.reached, self.end = True, f"α = 0, and where the structure rests again: {stop}"
-            return
-        here = self.displacement[-1]
+        except (UnstableError, NoEquilibriumError, ConvergenceError):
+            return False
         self._append(1.0, replace(held, alpha=start.alpha), jumped=True)
-        self.crossed.append((here, self.displacement[-1]))
         self.rate = start.rate
         little = 1e-6 * self.model.size / float(abs(self.rate[:, :2]).max())
         self.control_rate = (
             self.along(held.state.positions + little * self.rate) - self.displacement[-1]
         ) / little
+        return True
 
     def _append(self, work: float, step: Equilibrium, jumped: bool) -> None:
         """The next point."""
@@ -246,22 +255,22 @@ class _Curve:
             self.crossed.append((then, now))
         else:
             self.rate, self.control_rate = (step.state.positions - before) / work, (now - then) / work
-        if abs(self.multiplier[-1] - self.plateau[1]) > TOLERANCES.flat * max(self.multiplier):
+        if abs(self.multiplier[-1] - self.plateau[1]) > self.tolerances.flat * max(self.multiplier):
             self.plateau = (now, self.multiplier[-1])
         size, alpha = self.model.size, self.multiplier[-1]
         if now - self.plateau[0] > size:
             self.end = f"the structure slides: α stays {alpha:.4g} over {size:.3g} m, and nothing ends that"
         if not self.end and now > 0.5 * self.increment and alpha <= self.until * max(self.multiplier):
             self.end = f"α has come down to {self.until:g} of its peak"
-        if len(self.states) == TOLERANCES.points and not self.end:
-            self.end = f"{TOLERANCES.points} points"
+        if len(self.states) == self.tolerances.points and not self.end:
+            self.end = f"{self.tolerances.points} points"
 
     def finished(self) -> Pushover:
         """The curve; ControlError where the control point takes no part in it."""
         if len(self.states) == 1 and not self.system.rigid and self.drawn:
             raise no_way_from_rest(self.end)
         moved = float(abs(self.states[-1].positions - self.states[0].positions)[:, :2].max())
-        if len(self.states) == 1 or max(self.displacement) < TOLERANCES.still * moved:
+        if len(self.states) == 1 or max(self.displacement) < self.tolerances.still * moved:
             raise ControlError(
                 f"control = {tuple(self.control.tolist())} takes no part in the mechanism along {self.direction}, "
                 f"or the increment is too large: {self.end}"
@@ -313,10 +322,10 @@ class _Curve:
         fastest = float(abs(mechanism[:, :2]).max())
         little, at = 1e-6 * self.model.size / fastest, self.states[point].positions
         moved = self.along(at + little * mechanism) - self.along(at)
-        return moved >= TOLERANCES.still * little * fastest
+        return moved >= self.tolerances.still * little * fastest
 
 
 def _peak(multiplier: Array) -> int:
     """Index of the largest multiplier (k,), the first of those that differ by no more than rounding."""
     largest = float(multiplier.max())
-    return int(np.argmax(multiplier >= largest - TOLERANCES.zero * abs(largest)))
+    return int(np.argmax(multiplier >= largest - PUSHOVER.zero * abs(largest)))

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from mechanics.errors import ConvergenceError, NoEquilibriumError, UnsettledError
+import numpy as np
+
+from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, UnsettledError
+from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest
-from mechanics.steps.static_step import Equilibrium, StepProblem, find_equilibrium, in_short_steps
+from mechanics.steps.short_steps import in_short_steps
+from mechanics.steps.static_step import Equilibrium, StepProblem
+from mechanics.steps.tolerances import STEP
 from mechanics.types import Array
 
 HALVINGS = 5  # down to which the end of a path is located
@@ -43,13 +48,13 @@ class Bisection:
 def reach(
     problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool
 ) -> tuple[Equilibrium, bool]:
-    """The equilibrium of a step, and whether blocks were let go to find it.
+    """The equilibrium of a step, and whether blocks were released to find it.
 
-    Collapse is a fact and not a failed step: where there is no equilibrium nearby, the motion that follows decides. A
-    step in which blocks came into each other that were too far apart to touch is repeated with their faces in contact.
-    Raises NoEquilibriumError where it runs away, UnsettledError of an elastic step that may be halved: whether it is
-    the
-    `shortest`.
+    Collapse is a fact and not a failed step. Where no equilibrium is found the step is taken in short ones; where
+    blocks fall in these, the motion that follows decides. A step in which blocks came into each other that were too far
+    apart to touch is repeated with their faces in contact. Raises RunawayError where the motion runs away,
+    UnsettledError of an elastic step that may be halved (it is not the `shortest`), ConvergenceError or
+    NoEquilibriumError where nothing is decided.
     """
     while True:
         found, jumped = _reach(problem, guess, last, shortest)
@@ -59,27 +64,35 @@ def reach(
         problem = replace(problem, system=system)
 
 
+def slides(found: Equilibrium, size: float) -> bool:
+    """Whether joints slide in the program that led to an equilibrium, by a share of its step's size (m)."""
+    if found.iterate is None:
+        return False
+    slip = abs(found.iterate.gaps[:, 2] - found.iterate.gaps[:, 3]).max(initial=0.0)
+    return bool(slip > STEP.slip_gap * size)
+
+
 def _reach(
     problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool
 ) -> tuple[Equilibrium, bool]:
-    stop: Exception
+    rigid = problem.system.rigid
     try:
         return find_equilibrium(problem, guess, last), False
-    except UnsettledError as unsettled:
-        # rigid joints that slide settle in shorter steps as little
-        if not problem.system.rigid and not shortest:
-            raise
-        try:
-            return in_short_steps(problem, guess), False
-        except (NoEquilibriumError, ConvergenceError) as error:
-            stop = error
-        stop.__cause__ = unsettled
     except (NoEquilibriumError, ConvergenceError) as error:
-        stop = error
-    begun = problem.start.positions.copy()
-    fixed = ~problem.system.model.movable
-    begun[fixed] = guess[fixed]
+        stop: Exception = error
+    unsettled = isinstance(stop, UnsettledError)
+    if unsettled and not rigid and not shortest:
+        raise stop  # rigid joints that slide settle in shorter steps as little
+    if unsettled or rigid:
+        try:
+            found = in_short_steps(problem, guess)
+            if unsettled or slides(found, problem.size):
+                return found, False  # what only turns is followed exactly, or not at all
+        except (NoEquilibriumError, ConvergenceError) as error:
+            error.__cause__ = stop
+            stop = error
+    begun = np.where(problem.system.model.movable[:, None], problem.start.positions, guess)
     try:
         return motion_to_rest(problem, begun), True
-    except NoEquilibriumError as fall:
-        raise NoEquilibriumError(f"{fall} ({stop})") from stop
+    except RunawayError as fall:
+        raise RunawayError(f"{fall} ({stop})") from stop

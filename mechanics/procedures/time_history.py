@@ -8,15 +8,18 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.errors import NoEquilibriumError, UnstableError, require
+from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError, require
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import end_gaps
 from mechanics.procedures.collapse import ControlPoint, collapse, passing_through
 from mechanics.procedures.energy import Energy
+from mechanics.steps.contact_values import carried, with_springs
 from mechanics.steps.dynamic_system import DynamicSystem, Halving, Motion, Recorded, first_frequency
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
-from mechanics.steps.rest import REST, lifted, motion_to_rest, way
-from mechanics.steps.static_step import StepProblem, carried, static_system, with_springs
+from mechanics.steps.rest import lifted, motion_to_rest, way
+from mechanics.steps.static_step import StepProblem
+from mechanics.steps.static_system import static_system
+from mechanics.steps.tolerances import REST
 from mechanics.types import GRAVITY, Array
 
 Integrator = Literal["auto", "moreau-jean", "second-order", "implicit-euler"]
@@ -190,7 +193,7 @@ def _settled(model: Assembly, contacts: Behaviour, state: State) -> tuple[State,
             and way(state.positions, step.state.positions, model.size) > REST.lifted * model.size
         ):
             check_self_weight(model, state)
-    except (UnstableError, NoEquilibriumError):
+    except (UnstableError, NoEquilibriumError, ConvergenceError):
         return state, None
     return step.state, step.forces
 

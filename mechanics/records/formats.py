@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mechanics.errors import RecordError
 from mechanics.faults import visible
 from mechanics.types import GRAVITY, Array
 
@@ -46,9 +47,9 @@ class RecordText:
         """The lines among which a header may stand, as much of each as it may take."""
         return [line[:HEADER_WIDTH] for line in self.lines[:HEADER_LINES]]
 
-    def error(self, line: int | None, message: str) -> ValueError:
-        """Return a ValueError that reads `FILE: line N: message`."""
-        return ValueError(
+    def error(self, line: int | None, message: str) -> RecordError:
+        """Return a RecordError that reads `FILE: line N: message`."""
+        return RecordError(
             f"{visible(str(self.path))}: {message}"
             if line is None
             else f"{visible(str(self.path))}: line {line}: {message}"
@@ -69,18 +70,18 @@ class Header:
         return cls(text, {key.strip(): (value.strip(), n) for (key, _, value), n in parts})
 
     def value(self, key: str) -> tuple[str, int]:
-        """Value and line of `key`; ValueError if absent."""
+        """Value and line of `key`; RecordError if absent."""
         if key not in self.entries:
             raise self.text.error(None, f"the header has no {key}; get the file again from its source")
         return self.entries[key]
 
     def number(self, key: str) -> float:
-        """Positive number of `key`; ValueError if absent or no such number."""
+        """Positive number of `key`; RecordError if absent or no such number."""
         value, line = self.value(key)
         return _positive(self.text, line, key, value)
 
     def step(self, key: str) -> float:
-        """Time step (s) of `key`; ValueError if absent or no such number."""
+        """Time step (s) of `key`; RecordError if absent or no such number."""
         return _check_step(self.text, self.value(key)[1], self.number(key))
 
 
@@ -96,11 +97,11 @@ def parse_record(path: Path, time_step: float | None) -> Samples:
                 file.read(MOST_BYTES + 1) if 0 < size <= MOST_BYTES else b""
             )  # what has no size may have no end
     except OSError as error:
-        raise ValueError(
+        raise RecordError(
             f"{visible(str(path))}: cannot be read: {error.strerror}; check the name of the record"
         ) from error
     if size > MOST_BYTES:
-        raise ValueError(
+        raise RecordError(
             f"{visible(str(path))}: more than {MOST_BYTES} bytes; give one record, of one component"
         )
     content = raw.decode("utf-8-sig", errors="replace")
@@ -263,7 +264,7 @@ def _positive(text: RecordText, line: int, key: str, value: str) -> float:
 
 
 def _check_step(text: RecordText, line: int | None, step: float) -> float:
-    """Return a time step; ValueError where no record has one like it."""
+    """Return a time step; RecordError where no record has one like it."""
     if not SHORTEST <= step <= LONGEST:
         must = f"must be from {SHORTEST:g} to {LONGEST:g} s: times are in seconds"
         raise text.error(line, f"a time step of {step:.3g} s; {must}")

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from scipy.linalg import solveh_banded
 
-from mechanics.errors import require
+from mechanics.errors import RecordError, require
 from mechanics.faults import visible
 from mechanics.records.formats import parse_record
 from mechanics.types import Array
@@ -144,11 +144,11 @@ def read_record(path: str | Path, time_step: float | None = None) -> Record:
     acceleration, step = parse_record(path, time_step)
     record = Record(acceleration, step, path.stem)
     if np.ptp(acceleration) < LOWEST_PGA:
-        raise ValueError(
+        raise RecordError(
             f"{visible(str(path))}: every sample is {acceleration[0]:g} g; a record must move: get the file again"
         )
     if record.pga > HIGHEST_CREDIBLE_PGA:
-        raise ValueError(
+        raise RecordError(
             f"{visible(str(path))}: peak of {record.pga:.4g} g; the unit is not the one stated (columns: s and g)"
         )
     return record

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError
-from mechanics.kernels.interior_iteration import BED, LIFT, SHEAR, SLID
 from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.kernels.law import BED, SHEAR, SLID
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, Solution, certify
 from mechanics.solvers import interior
@@ -30,10 +30,10 @@ def solve(
 ) -> tuple[Solution, Iterate | None]:
     """The first certified solution, and the iterate near which a next one may be sought (None: PIQP's has none).
 
-    By the interior-point method of our own, from `near` where that is given, then from nowhere; then by PIQP, where the
-    program is a quadratic one. No status is ever trusted. Raises NoEquilibriumError where the loads cannot be balanced
-    (decided by a program of its own, see imbalance), ConvergenceError where they can but no solver shows how, or where
-    not even that program is solved.
+    By the interior-point method of our own, from `near` where that is given, then from a cold start; then by PIQP,
+    where the program is a quadratic one. No status is ever trusted. Raises NoEquilibriumError where the loads cannot be
+    balanced (decided by a program of its own, see imbalance), ConvergenceError where they can but no solver shows how,
+    or where not even that program is solved.
     """
     best: Solution | None = None
     starts = [] if near is None else [near]
@@ -79,15 +79,13 @@ def imbalance(program: Program, layout: Elimination) -> float:
     """The least acceleration, per gravity, with which blocks of mean mass would start to move (Gauss's principle).
 
     Joints count as rigid, and as closed where they may close within the program's step. This auxiliary program always
-    has a
-    solution: zero where the loads (for some multiplier, where there is one) can be balanced.
+    has a solution: zero where the loads (for some multiplier, where there is one) can be balanced.
     """
     places, law = program.places.copy(), program.law.copy()
     low, high = np.where(end_gaps(places) > OPEN * program.step, OPEN * GRAVITY, 0.0).T
     places[:, U], places[:, PHI] = 0.5 * (low + high), 0.5 * (high - low) / np.maximum(places[:, H], 1e-300)
     places[:, V] = 0.0
     law[:, BED], law[:, SHEAR], law[:, SLID] = np.inf, 0.0, 0.0
-    law[:, LIFT] = law[:, 0]
     mass = np.full(len(program.load), program.weight / GRAVITY)
     mass[2::3] *= program.size**2
     gauss = replace(program, places=places, law=law, work=0.0, mass=mass, step=GRAVITY, curved=None)

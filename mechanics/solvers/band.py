@@ -1,4 +1,4 @@
-"""Blocks in an order that makes the matrices of the program narrow-banded (design.md §3)."""
+"""Blocks in an order that makes the matrices of the program narrow-banded."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The program by the iteration of kernels.interior_iteration: begun nowhere, or near an earlier solution."""
+"""The program by the iteration of kernels.interior_iteration: from a cold start, or near an earlier solution."""
 
 from __future__ import annotations
 
@@ -6,15 +6,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mechanics.kernels.interior_iteration import BED, FRICTION, STRENGTH, iterate
+from mechanics.kernels.interior_iteration import iterate
 from mechanics.kernels.joint import H
+from mechanics.kernels.law import FRICTION, STRENGTH
 from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, certify
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.threads import one_thread
 from mechanics.types import Array
 
 MOST_ITERATIONS = 100
-NOWHERE = 3.0  # per weight and step and root of the number of blocks: forces and gaps of a cold start
+COLD = 3.0  # per weight and step and root of the number of blocks: forces and gaps of a cold start
 UNDER_STRENGTH = 0.9  # of the strength of a joint: the most of its force at a cold start
 
 
@@ -58,7 +59,7 @@ class Outcome:
 
 def cold(program: Program) -> Iterate:
     """Where nothing is known: all joints bear and open alike."""
-    far = NOWHERE * np.sqrt(len(program.load) / 3)
+    far = COLD * np.sqrt(len(program.load) / 3)
     mu = np.maximum(program.law[:, FRICTION], 1.0)
     forces = np.zeros((len(program.places), 3))
     forces[:, :2] = 0.5 * far * program.weight
@@ -117,11 +118,6 @@ def solution(program: Program, iterate: Iterate) -> Solution:
         iterate.displacement,
         certify(program, forces, iterate.alpha, iterate.displacement),
     )
-
-
-def is_elastic(program: Program) -> bool:
-    """Whether the joints of a program have beds."""
-    return bool(len(program.law)) and bool(np.isfinite(program.law[0, BED]))
 
 
 def frozen(program: Program) -> Program:

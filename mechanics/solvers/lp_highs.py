@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import linprog
 
+from mechanics.errors import ArgumentError
 from mechanics.program import LARGEST_MULTIPLIER, Program
 from mechanics.solvers.qp_piqp import Answer, StandardForm
 
@@ -15,7 +16,7 @@ def solve(program: Program, method: Literal["highs-ds", "highs-ipm"] = "highs-ds
     """Joint forces (j, 3), multiplier and displacements (m,), or None where HiGHS finds no optimum."""
     form = StandardForm.of(program)
     if form.p.nnz:
-        raise ValueError("a program with beds or mass is not linear")
+        raise ArgumentError("a program with beds or mass is not linear")
     bounds = [(0.0, None)] * form.rays + [(None, LARGEST_MULTIPLIER)] * (program.lateral is not None)
     result = linprog(form.q, A_eq=form.a, b_eq=form.b, bounds=bounds, method=method)
     if result.status != 0:

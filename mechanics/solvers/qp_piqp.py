@@ -3,10 +3,8 @@
 A joint is here a row of contact points, its two ends where it is rigid, those of its segments where it has a bed: their
 forces span the same cone, and friction is bounded on their sum. In the plane the cone of a point is spanned by two unit
 rays along (1, μ) and (1, −μ): with the forces s ≥ 0 along them as unknowns the cone is a bound and the method's
-matrices
-halve. An exact bed stands here as one of POINTS segments. Every call sets up a new solver object: PIQP's update()
-accepts
-a wrong pattern without a word.
+matrices halve. An exact bed stands here as one of POINTS segments. Every call sets up a new solver object: PIQP's
+update() accepts a wrong pattern without a word.
 """
 
 from __future__ import annotations
@@ -17,8 +15,9 @@ import numpy as np
 import piqp
 from scipy import sparse
 
-from mechanics.kernels.interior_iteration import BED, FRICTION, LIFT, SEGMENTS, SHEAR, SLID, STRENGTH
+from mechanics.errors import ArgumentError
 from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import rows
 from mechanics.program import LARGEST_MULTIPLIER, Program
 from mechanics.types import Array, Index
@@ -29,9 +28,8 @@ Answer = tuple[Array, float, Array]
 
 
 def suits(program: Program) -> bool:
-    """Whether the program is a quadratic one: associated friction, and no joint that crushes."""
-    law = program.law
-    return bool((law[:, LIFT] == law[:, FRICTION]).all() and np.isinf(law[:, STRENGTH]).all())
+    """Whether the program is a quadratic one: no joint crushes."""
+    return bool(np.isinf(program.law[:, STRENGTH]).all())
 
 
 def solve(program: Program, tolerance: float, most_iterations: int = 60) -> Answer | None:
@@ -42,7 +40,7 @@ def solve(program: Program, tolerance: float, most_iterations: int = 60) -> Answ
     """
     form = StandardForm.of(program)
     if not all(np.isfinite(v).all() for v in (form.p.data, form.q, form.a.data, form.b)):
-        raise ValueError("the program holds a number that is not finite")
+        raise ArgumentError("the program holds a number that is not finite")
     solver = piqp.SparseSolver()
     solver.settings.eps_abs = solver.settings.eps_rel = tolerance
     solver.settings.eps_duality_gap_abs = solver.settings.eps_duality_gap_rel = tolerance

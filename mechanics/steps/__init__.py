@@ -1,1 +1,12 @@
 """One step of an analysis: an equilibrium, or a time step."""
+
+from mechanics.steps.equilibrium import check_self_weight
+from mechanics.steps.static_system import Sliding, static_system
+from mechanics.steps.tolerances import LIMIT
+
+__all__ = [
+    "LIMIT",
+    "Sliding",
+    "check_self_weight",
+    "static_system",
+]

@@ -14,8 +14,8 @@ from scipy.sparse.csgraph import connected_components
 
 from mechanics.errors import ConvergenceError
 from mechanics.kernels.cholesky import factorise, substitute
-from mechanics.kernels.interior_iteration import BED, SHEAR
 from mechanics.kernels.joint import H
+from mechanics.kernels.law import BED, SHEAR
 from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.kernels.motion_step import ELASTIC, ENERGIES, march, strain_energy
 from mechanics.model.assembly import Assembly, State
@@ -23,7 +23,8 @@ from mechanics.model.contacts import Contacts
 from mechanics.program import end_forces
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.threads import one_thread
-from mechanics.steps.static_step import StaticSystem, moved_over, spring_forces, static_system
+from mechanics.steps.contact_values import moved_over, spring_forces
+from mechanics.steps.static_system import StaticSystem, static_system
 from mechanics.types import Array, Index
 
 ACCEPTED = 1e-7  # what a program may miss, per weight and span
@@ -36,8 +37,8 @@ class Motion:
 
     `x`, `v` (b, 3): positions and velocities; `past` (b, 3): mean acceleration of the last step, 0 after an impact;
     `forces` (j, 3): N₁, N₂, T and `gaps` (j, 4): y₁, y₂, λ₊, λ₋ of the last program; `shear` (j,) kN of springs;
-    `slides` (j, 2): speed (m/s) and acceleration of joints that slide; `energy`
-    (ENERGIES,) kNm: see kernels.motion_step.
+    `slides` (j, 2): speed (m/s) and acceleration of joints that slide;
+    `energy` (ENERGIES,) kNm: see kernels.motion_step.
     """
 
     x: Array
@@ -80,10 +81,8 @@ class DynamicSystem:
     """The system of a motion.
 
     `theta`: the share of a step at which balance holds; `damping` (s): viscous contact force per elastic one and rate
-    of
-    gap; `restitution` of normal velocities; `halving` of steps; `lifted` (j,) m: gaps that count as none. `counts`
-    (6,): programs, iterations, halvings, cold
-    starts, and the worst residuals of force and product.
+    of gap; `restitution` of normal velocities; `halving` of steps; `lifted` (j,) m: gaps that count as none. `counts`
+    (6,): programs, iterations, halvings, cold starts, and the worst residuals of force and product.
     """
 
     system: StaticSystem
@@ -159,8 +158,7 @@ class DynamicSystem:
         """The steps of a motion under base accelerations (k + 1, 3), m/s², one `step` (s) apart; the motion goes on.
 
         Ends early after the step in which a corner has gone farther than the margin. Raises ConvergenceError where a
-        step
-        is not solved, however short.
+        step is not solved, however short.
         """
         model, c = self.model, self.contacts
         steps, count = len(base) - 1, len(c)

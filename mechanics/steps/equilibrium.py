@@ -7,31 +7,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from mechanics.errors import NoEquilibriumError, UnstableError
-from mechanics.kernels.interior_iteration import SLID
 from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.kernels.law import SLID
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import Contacts, end_gaps, rows
 from mechanics.program import Program
 from mechanics.solvers import BALANCED, imbalance
 from mechanics.solvers.elimination import Elimination
+from mechanics.steps.contact_values import carried
+from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest
-from mechanics.steps.static_step import (
-    NEARLY,
-    VANISHED,
-    Equilibrium,
-    Sliding,
-    StaticSystem,
-    StepProblem,
-    carried,
-    find_equilibrium,
-    lay_shear,
-    static_system,
-)
+from mechanics.steps.static_step import Equilibrium, StepProblem, lay_shear
+from mechanics.steps.static_system import Sliding, StaticSystem, static_system
+from mechanics.steps.tolerances import LIMIT, STEP
 from mechanics.types import Array, Index
-
-CLOSED = 1e-3  # of the block size: a gap that is none (dilatant sliding leaves some in a settled state)
-ONSET = 1e-3  # of the block size: the displacement of a mechanism at its onset
-FAR = 1e3  # such displacements: the gap of an end that is open
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,15 +41,15 @@ def closed_program(
     An end of a joint is closed where its gap is none; of one that carries, as far as is known, where it is no more than
     that of the nearer end.
     """
-    step = ONSET * model.size
+    step = LIMIT.onset * model.size
     system = static_system(model, "rigid", sliding).around(state.positions, step)
     places = system.contacts.places(state.positions)
     gaps = end_gaps(places)
     carrying = np.flatnonzero(carried(system.contacts, state))
     gaps[carrying] -= np.maximum(gaps[carrying].min(axis=1), 0.0)[:, None]  # what sliding has lifted
-    closed = gaps <= CLOSED * model.size
-    index = np.flatnonzero(closed.any(axis=1) & (places[:, H] > VANISHED * model.size))
-    low, high = np.where(closed, 0.0, FAR * step).T
+    closed = gaps <= LIMIT.closed * model.size
+    index = np.flatnonzero(closed.any(axis=1) & (places[:, H] > system.no_overlap))
+    low, high = np.where(closed, 0.0, LIMIT.far * step).T
     places[:, U], places[:, PHI] = 0.5 * (low + high), 0.5 * (high - low) / np.maximum(places[:, H], 1e-300)
     places[:, V] = 0.0
     law = system.law.copy()
@@ -86,7 +75,7 @@ def check_self_weight(model: Assembly, state: State | None = None) -> None:
     closed = closed_program(model, state or model.initial)
     acceleration = imbalance(closed.program, closed.layout)
     # a path of equilibrium ends no closer to it than it was followed
-    allowed = BALANCED if state is None or state.carrying is None else NEARLY
+    allowed = BALANCED if state is None or state.carrying is None else STEP.slow
     if acceleration > allowed:
         raise UnstableError(
             "the structure cannot stand under its own weight: some block would start to move with "
@@ -99,7 +88,7 @@ def rest(
 ) -> Equilibrium:
     """The equilibrium under gravity into which a state settles: gaps closed, elastic joints compressed.
 
-    A slender arch goes down by a hundred times what its joints are compressed: where that is far, the blocks are let go
+    A slender arch sinks by a hundred times the compression of its joints: where that is far, the blocks are released
     until they rest. Raises NoEquilibriumError where they do not.
     """
     model = system.model

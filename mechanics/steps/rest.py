@@ -1,52 +1,28 @@
-"""Coming to rest by a motion whose velocity is reset in every step: what no static step can find, or nothing.
+"""Coming to rest by a motion whose velocity is reset in every step: it finds what no static step finds.
 
 A step of implicit Euler from rest, in a time h, is the static program with the mass M/h²: it always has a solution,
-short
-of equilibrium by the inertia alone. Where steps come to rest there is an equilibrium; where they run away, none.
+short of equilibrium by the inertia alone. Where the steps come to rest there is an equilibrium; where they run away
+there is none, and the structure collapses.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from mechanics.errors import NoEquilibriumError
+from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError
 from mechanics.kernels.joint import H
 from mechanics.model.assembly import State
 from mechanics.model.contacts import end_gaps
 from mechanics.program import bed_gaps, end_forces
 from mechanics.solvers import ACCEPTED, interior, solve
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.static_step import (
-    DISTANCE,
-    Equilibrium,
-    StepProblem,
-    displaced,
-    find_equilibrium,
-    iterate_over,
-    over_all,
-    taken,
-)
+from mechanics.steps.contact_values import iterate_over, over_all, taken
+from mechanics.steps.geometry_iteration import find_equilibrium
+from mechanics.steps.static_step import Equilibrium, StepProblem, displaced
+from mechanics.steps.tolerances import REST, STEP, RestTolerances
 from mechanics.types import GRAVITY, Array
-
-
-@dataclass(frozen=True, slots=True)
-class RestTolerances:
-    """When a motion rests, and when it has run away.
-
-    `time`: of a step, in units of √(size/g); `still`: of the block size, what a step at rest moves; `lifted`: the same,
-    gaps under forces; `steps`: the most; `farthest`: of the block size, the longest way.
-    """
-
-    time: float = 0.5
-    still: float = 2e-5
-    lifted: float = 5e-5
-    steps: int = 400
-    farthest: float = 0.3
-
-
-REST = RestTolerances()
 
 
 def way(one: Array, other: Array, size: float) -> float:
@@ -55,73 +31,66 @@ def way(one: Array, other: Array, size: float) -> float:
 
 
 def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerances = REST) -> Equilibrium:
-    """The equilibrium in which blocks come to rest that are let go at `begun` (b, 3).
+    """The equilibrium in which blocks come to rest that are released at `begun` (b, 3).
 
-    Under the problem's load, or pushed until its `work` is done and held there. Raises NoEquilibriumError where they
-    run away, or do not rest.
+    Under the problem's load, or pushed until its `work` is done and held there. Raises RunawayError where the blocks
+    move on and do not rest, ConvergenceError where that is not decided within the `steps` of the tolerances.
     """
-    system, model = problem.system, problem.system.model
-    time = tolerances.time * float(np.sqrt(model.size / GRAVITY))
-    at, iterate, left, since = begun, None, np.inf, problem.start
-    size = max(problem.size, tolerances.still * model.size)
+    model, solves = problem.system.model, 0
+    mass = model.mass / (tolerances.time**2 * model.size / GRAVITY)
+    still = tolerances.still * model.size
+    now, at = replace(problem, size=max(problem.size, still)), begun
+    iterate: Iterate | None = None
     for _ in range(tolerances.steps):
-        # the work counts from the beginning, slips from the last step: what has slid does not come back
-        done = (
-            0.0
-            if problem.lateral is None
-            else float((problem.lateral * (at - problem.start.positions)).sum())
-        )
-        before, system = system, system.around(at, size)
-        iterate = iterate and iterate_over(iterate, before.contacts, system.contacts)
-        step = replace(
-            problem,
-            system=system,
-            start=since,
-            size=size,
-            work=problem.work - done,
-            mass=model.mass / time**2,
-        )
-        moved, iterate = _one(step, at, iterate)
-        since = State(moved, np.zeros_like(moved))
-        left, at = way(at, moved, model.size), moved
-        far = way(begun, at, model.size)
+        before, now = now, replace(now, system=now.system.around(at, now.size))
+        iterate = iterate and iterate_over(iterate, before.system.contacts, now.system.contacts)
+        moved, iterate, more = _step_from_rest(replace(now, mass=mass), at, iterate)
+        solves += more
+        left, far = way(at, moved, model.size), way(begun, moved, model.size)
+        # slips count from the last step: what has slid does not come back
+        start, work = State(moved, np.zeros_like(moved)), problem.work - _work_done(problem, begun, moved)
+        now, at = replace(now, start=start, work=work), moved
         if far > tolerances.farthest * model.size:
-            raise NoEquilibriumError(
+            raise RunawayError(
                 f"the structure falls: left to itself it moves by {far:.2g} m and does not rest"
             )
-        if left <= tolerances.still * model.size:
-            done = 0.0 if problem.lateral is None else float((problem.lateral * (at - begun)).sum())
-            final = replace(
-                problem,
-                system=system,
-                start=State(at, np.zeros_like(at)),
-                size=size,
-                work=problem.work - done,
-            )
-            return find_equilibrium(final, at)
-    raise NoEquilibriumError(
+        if left > still:
+            continue
+        try:
+            found = find_equilibrium(now, moved)
+        except (NoEquilibriumError, ConvergenceError):
+            still = 0.5 * left  # slow, but not at rest: it gains speed, or slows down further
+        else:
+            return replace(found, solves=found.solves + solves)
+    raise ConvergenceError(
         f"left to itself the structure does not come to rest: it goes on by {left:.2g} m a step"
     )
 
 
-def _one(problem: StepProblem, at: Array, iterate: Iterate | None) -> tuple[Array, Iterate | None]:
-    """Positions after one step, and its iterate."""
+def _work_done(problem: StepProblem, begun: Array, at: Array) -> float:
+    """The work (kNm) of the lateral load on the way from `begun` to `at` (b, 3); 0 where there is none."""
+    return 0.0 if problem.lateral is None else float((problem.lateral * (at - begun)).sum())
+
+
+def _step_from_rest(
+    problem: StepProblem, at: Array, iterate: Iterate | None
+) -> tuple[Array, Iterate | None, int]:
+    """Positions after one step from `at` (b, 3), its iterate, and the programs solved."""
     system = problem.system
     program, index = problem.pose(at, None)
-    layout = system.layout.take(index)
+    layout, solves = system.layout.take(index), 0
     starts = [interior.cold(program)]
     if iterate is not None:
-        starts.insert(0, taken(iterate, index).warm(program, DISTANCE))
+        starts.insert(0, taken(iterate, index).warm(program, STEP.begin))
     for start in starts:
         found, outcome = interior.run(program, layout, start, 1e3 * ACCEPTED)
+        solves += 1
         if outcome.accepted:
-            return displaced(system.model, at, found.displacement), over_all(
-                found, index, len(system.contacts)
-            )
-    solution, iterate = solve(program, layout)
-    return displaced(system.model, at, solution.displacement), iterate and over_all(
-        iterate, index, len(system.contacts)
-    )
+            moved = displaced(system.model, at, found.displacement)
+            return moved, over_all(found, index, len(system.contacts)), solves
+    solution, last = solve(program, layout)
+    moved = displaced(system.model, at, solution.displacement)
+    return moved, last and over_all(last, index, len(system.contacts)), solves + 1
 
 
 def lifted(equilibrium: Equilibrium, weight: float) -> float:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Iterator
-from pathlib import Path
 from typing import get_args
 
 import pytest
@@ -18,9 +17,9 @@ from assessment.project.schema_index import annotation_at, table_at, tables_of
 from assessment.report.pdf import APT_COMMAND, COMMANDS
 from tests import ROOT
 
-PAGES = {
-    path.name: path.read_text(encoding="utf-8") for path in [ROOT / "README.md", *ROOT.glob("docs/*.md")]
-}
+FILES = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]
+PAGES = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in FILES}
+KEYS, RUN = "docs/howto/project_file.md", "docs/howto/run.md"
 ABSENT = (None, "", ())  # defaults that mean that a key is left out
 TOP = "top"
 
@@ -64,7 +63,7 @@ def table_of(name: str) -> type[Table]:
     return found
 
 
-TABLES = {cells[0]: cells[1] for cells in rows("table | keys")}
+TABLES = {cells[0]: cells[1] for cells in rows("table | keys", KEYS)}
 
 
 @pytest.mark.parametrize("name", TABLES)
@@ -117,7 +116,7 @@ def parsers() -> dict[str, set[str]]:
 
 
 def test_the_commands_and_the_options_that_are_named_exist():
-    listed = {re.search(r"assesto (\w+)", cells[0])[1]: cells for cells in rows("command | does")}
+    listed = {re.search(r"assesto (\w+)", cells[0])[1]: cells for cells in rows("command | does", RUN)}
     found = parsers()
     assert listed.keys() == found.keys()
     for name, cells in listed.items():
@@ -125,7 +124,7 @@ def test_the_commands_and_the_options_that_are_named_exist():
 
 
 def test_the_templates_and_benchmarks_that_are_named_exist():
-    [new] = [cells[1] for cells in rows("command | does") if cells[0].startswith("`assesto new")]
+    [new] = [cells[1] for cells in rows("command | does", RUN) if cells[0].startswith("`assesto new")]
     assert tuple(re.findall(r"`([a-z-]+)`", new))[: len(cli.TEMPLATES)] == cli.TEMPLATES
 
 
@@ -137,7 +136,7 @@ def test_what_installs_pango_is_what_the_warning_says():
 
 
 def test_the_exit_codes_are_those_of_the_command_line():
-    codes = [int(cells[0]) for cells in rows("code | meaning", "results.md")]
+    codes = [int(cells[0]) for cells in rows("code | meaning", RUN)]
     assert codes == [cli.DONE, cli.WRONG_INPUT, cli.INCOMPLETE]
 
 
@@ -148,7 +147,7 @@ def test_the_dependencies_are_those_of_the_package():
 
 
 def test_the_accuracies_are_those_of_the_program():
-    written = {cells[0]: cells[1:] for cells in rows("value | tolerance", "results.md")}
+    written = {cells[0]: cells[1:] for cells in rows("value | tolerance", "docs/accuracy.md")}
     assert written.pop("a number") == ["that", str(MOST_HALVINGS)]
     assert written.keys() == {f'`"{name}"`' for name in PRESETS}
     for name, accuracy in PRESETS.items():
@@ -163,10 +162,12 @@ def test_the_accuracies_are_those_of_the_program():
 
 
 def test_the_integrators_and_benchmarks_that_are_told_are_all():
-    integrators = [re.sub(r'[`"]', "", cells[0]) for cells in rows("`integrator`", "mechanics.md")]
+    integrators = [re.sub(r'[`"]', "", cells[0]) for cells in rows("`integrator`", "docs/theory.md")]
     assert sorted(integrators) == sorted(get_args(MotionTable.model_fields["integrator"].annotation))
     named = [
-        name for cells in rows("NAME | what", "benchmarks.md") for name in re.findall(r"`(\w+)`", cells[0])
+        name
+        for cells in rows("NAME | what", "docs/benchmarks.md")
+        for name in re.findall(r"`(\w+)`", cells[0])
     ]
     assert sorted(named) == sorted(BENCHMARKS)
 
@@ -181,12 +182,13 @@ def anchors(page: str) -> set[str]:
 
 @pytest.mark.parametrize("name", PAGES)
 def test_links_lead_somewhere(name):
-    folder = ROOT if name == "README.md" else ROOT / "docs"
+    folder = (ROOT / name).parent
     for target in re.findall(r"\]\((?!https?:)([^)\s]+)\)", PAGES[name]):
         file, _, anchor = target.partition("#")
         assert not file or (folder / file).exists(), target
         if anchor:
-            assert anchor in anchors(PAGES[Path(file).name if file else name]), target
+            page = (folder / file).resolve().relative_to(ROOT).as_posix() if file else name
+            assert anchor in anchors(PAGES[page]), target
 
 
 def test_the_readme_is_short():

@@ -19,7 +19,7 @@ from mechanics.errors import ControlError, ConvergenceError, NoEquilibriumError,
 from mechanics.model.contacts import Contacts
 from mechanics.program import Certificate
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.static_step import StaticSystem
+from mechanics.steps.static_system import StaticSystem
 
 USABLE = 1e-6  # the certificate that the program itself asks for (mechanics.solvers)
 REFUSALS = (UnstableError, NoEquilibriumError, ControlError, ConvergenceError)

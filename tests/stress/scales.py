@@ -127,7 +127,7 @@ def mixed(factor: float) -> None:
     base = Block([[-1, -1], [2, -1], [2, 0], [-1, 0]], 1.0, soft, support="base")
     model = Assembly([base, *blocks])
     from mechanics.steps.equilibrium import rest
-    from mechanics.steps.static_step import static_system
+    from mechanics.steps.static_system import static_system
 
     step = rest(static_system(model, "elastic"), model.initial)
     sound(step.certificate, 1e-3)

@@ -90,7 +90,7 @@ def _refuse(name: str) -> None:
 
 
 def contents(folder: Path) -> dict[str, str]:
-    """Files and their digests, without what is kept for later runs: analyses, and the journal of one that was killed."""
+    """Files and their digests, without the analyses kept for later runs and the journal of one that was killed."""
     return {
         str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
         for path in sorted(folder.rglob("*"))

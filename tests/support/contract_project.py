@@ -1,4 +1,4 @@
-"""The example of contract §2 as a project file, with the files that it names."""
+"""A project file with every table that has one, with the files that it names."""
 
 from pathlib import Path
 

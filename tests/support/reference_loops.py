@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechanics.kernels.interior_iteration import FRICTION, LIFT, SHEAR
 from mechanics.kernels.joint import (
     A1,
     A2,
@@ -19,6 +18,7 @@ from mechanics.kernels.joint import (
     TBX,
     TBZ,
 )
+from mechanics.kernels.law import FRICTION, SHEAR
 from mechanics.types import Array
 
 
@@ -76,7 +76,7 @@ def joint_newton(
     Unknown: N₁, N₂, T, y₁, y₂, λ₊, λ₋. `know`: the iterate and what it misses, in its `columns`.
     """
     s = {name: float(know[at]) for name, at in columns.items()}
-    mu, lift, shear = law[FRICTION], law[LIFT], law[SHEAR]
+    mu, shear = law[FRICTION], law[SHEAR]
     kappa2 = s["BETA"] / (s["N1"] + s["N2"])  # 2κ
     both, beta = s["Y1"] + s["Y2"], s["BETA"]
     a, b, c = np.zeros((7, 7)), np.zeros(7), np.zeros((7, 3))
@@ -86,7 +86,7 @@ def joint_newton(
         a[end, :2] = np.array(compliance[end]) - kappa2 * both
         a[end, 3:5] = -beta
         a[end, 3 + end] += 1.0
-        a[end, 5:] = lift
+        a[end, 5:] = mu
         b[end] = -s[f"E{end + 1}"]
         c[end] = 1.0, (-h, h)[end], 0.0
         # (N − κN²) y = τ
@@ -97,7 +97,7 @@ def joint_newton(
     a[2, 2], a[2, 5], a[2, 6] = -shear, 1.0, -1.0
     b[2], c[2] = -s["SLIP"], (0.0, 0.0, 1.0)
     for side, sign, slip, room in ((5, 1.0, "LP", "ZP"), (6, -1.0, "LM", "ZM")):
-        a[side, :2] = mu * s[slip] * (lift > 0.0)
+        a[side, :2] = mu * s[slip]
         a[side, 2] = sign * s[slip]
         a[side, side] = s[room]
         b[side] = target - s[slip] * s[room]

@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from assessment.results.schema import FORMAT
+
 G = 9.80665
 SETTLED = "right support 20 mm"
 DEMAND = {"SLD": (0.104, 2.33, 0.28), "SLV": (0.261, 2.36, 0.35), "SLC": (0.334, 2.40, 0.36)}  # L'Aquila
@@ -25,6 +27,7 @@ def results_example(language: str = "it") -> dict[str, Any]:
         SETTLED: _state(0.02, 0.131, 0.161) | {"settlement": _settlement(), "pushdown": _pushdown()},
     }
     return {
+        "format": FORMAT,
         "assesto": "0.1.0",
         "title": "Arco di prova" if language == "it" else "Trial arch",
         "inputs": {"project.toml": "0" * 64, "geometry.dxf": "1" * 64},
@@ -113,6 +116,18 @@ def results_example(language: str = "it") -> dict[str, Any]:
     }
 
 
+def with_frames(results: dict[str, Any]) -> dict[str, Any]:
+    """Return the results with what the example leaves out for brevity: some configurations of each path."""
+    for state in results["states"].values():
+        pushed = [
+            curves.get(contacts) for curves in state["pushover"].values() for contacts in ("rigid", "elastic")
+        ]
+        for path in filter(None, [*state["pushdown"].values(), *pushed]):
+            path["frames"] = {"index": [0], "configuration": [state["configuration"]]}
+            path["frames"] |= {"force_kN": [None], "centre": [None], "met": []}
+    return results
+
+
 def _rings() -> list[np.ndarray]:
     angles = np.linspace(math.pi, 0.0, 6)
 
@@ -145,8 +160,10 @@ def _geometry() -> dict[str, Any]:
             "centroid_m": ring.mean(axis=0).tolist(),
             "depth_m": 0.1,
             "layer": layer,
+            "handle": f"2{index}",
             "support": role,
             "vertical_load_kN": 0.5 if index == 3 else 0.0,
+            "weight_kN": 11.5 * 0.1 * _shoelace(ring) + (0.5 if index == 3 else 0.0),
         }
         for index, (ring, role, layer) in enumerate(zip(rings, roles, layers, strict=True))
     ]
@@ -168,6 +185,7 @@ def _geometry() -> dict[str, Any]:
         "controls": [{"name": "C1", "point_m": [0.0, 1.236], "block": 3}],
         "joints": joints,
         "joint_tolerance_m": 1e-4,
+        "gravity_m_s2": G,
     }
 
 
@@ -225,7 +243,12 @@ def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
             "control": "C1",
             "rigid": {
                 "alpha_0": a0,
+                "alpha_onset": a0,
                 "d_0_m": d0,
+                "reached_zero": True,
+                "lost": False,
+                "end": "α = 0",
+                "sliding": "associative",
                 "curve": {"displacement_m": (sense * displacement).tolist(), "multiplier": rigid.tolist()},
                 "mechanism": _mechanism(sense, a0, e_star, gamma_star),
                 "mechanism_configuration": _configuration(movement),
@@ -237,7 +260,12 @@ def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
                 "alpha_y": alpha_y,
                 "d_y_m": d_y,
                 "curve": {"displacement_m": (sense * displacement).tolist(), "multiplier": elastic.tolist()},
-                "load_control_peak": alpha_u,
+                "d_u_m": float(displacement[elastic.argmax()]),
+                "peak": int(elastic.argmax()),
+                "end": "α = 0",
+                "sliding": "associative",
+                "reached_zero": True,
+                "rest_configuration": _configuration(movement),
                 "peak_configuration": _configuration(movement),
             },
         }
@@ -245,8 +273,11 @@ def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
     return {
         "configuration": _configuration(movement),
         "settlement": None,
+        "pushdown": {},
         "pushover": pushover,
         "capacity": capacity,
+        "history": [],
+        "incremental": {},
     }
 
 
@@ -257,13 +288,22 @@ def _capacity(
     d_star = np.array([0.0, d_y, crossing, d0]) * gamma_star
     a_star = np.array([0.0, alpha_y, alpha_y, 0.0]) / e_star
     found: dict[str, Any] = {
+        "mechanism": {"hinges": 4, "sliding_joints": 1},
+        "notes": [],
+        "trace": [],
+        "d_0_star_m": float(d_star[-1]),
         "e_star": e_star,
         "gamma_star": gamma_star,
         "T_0_s": 2.0 * math.pi * math.sqrt(d_star[1] / (a_star[1] * G)),
         "model": "trilinear",
         "curve": {"d_star_m": d_star.tolist(), "a_star_g": a_star.tolist()},
     }
-    activation = {"a_star_g": float(a_star[1]), "T_s": found["T_0_s"], "a_g_g": float(a_star[1]) / 1.2}
+    activation = _point("activation", 5.0) | {
+        "d_star_m": float(d_star[1]),
+        "a_star_g": float(a_star[1]),
+        "T_s": found["T_0_s"],
+        "a_g_g": float(a_star[1]) / 1.2,
+    }
     found["SLD"] = activation | _demanded(activation["a_g_g"], "SLD")
     for limit, share, factor, damping in (("SLV", 0.4, 1.68, 8.0), ("SLC", 0.6, 1.56, 10.0)):
         d_limit = share * float(d_star[-1])
@@ -272,7 +312,8 @@ def _capacity(
         spectrum = _spectrum(*DEMAND[limit])
         per_unit = np.interp(period, spectrum["T_s"], spectrum["S_De_m"]) * math.sqrt(10.0 / (5.0 + damping))
         a_g = DEMAND[limit][0] * d_limit / float(per_unit)
-        found[limit] = {"d_star_m": d_limit, "a_star_g": a_limit, "T_s": period, "a_g_g": a_g}
+        found[limit] = _point("nonlinear", damping)
+        found[limit] |= {"d_star_m": d_limit, "a_star_g": a_limit, "T_s": period, "a_g_g": a_g}
         found[limit] |= _demanded(a_g, limit)
     found["SLC"]["trace"] = [
         {
@@ -289,6 +330,15 @@ def _capacity(
         }
     ]
     return found
+
+
+def _point(method: str, damping: float) -> dict[str, Any]:
+    """What a check has beside its numbers; damping in per cent."""
+    beside = {
+        "return_period_years": None,
+        "governing": "activation" if method == "activation" else "0.40 d_0",
+    }
+    return {"method": method, "damping": damping / 100.0, **beside, "notes": [], "trace": []}
 
 
 def _demanded(a_g: float, limit: str) -> dict[str, Any]:
@@ -325,7 +375,7 @@ def _spectrum(a_g: float, F0: float, Tc_star: float, damping: float = 0.05) -> d
 
 
 def _settlement() -> dict[str, Any]:
-    return {"support": "right", "displacement_m": [0.02, -0.02], "rotation_rad": 0.0}
+    return {"support": "right", "displacement_m": [0.02, -0.02], "rotation_rad": 0.0, "increment_m": 0.001}
 
 
 def _pushdown() -> dict[str, Any]:
@@ -340,7 +390,9 @@ def _pushdown() -> dict[str, Any]:
             "applied_movement_m": 0.02,
             "configuration": _configuration(0.02),
             "ultimate_configuration": _configuration(ultimate),
-            "control_displacement_m": (0.5 * movement).tolist(),
+            "control_displacement_m": np.column_stack([0.5 * movement, 0.0 * movement]).tolist(),
+            "end": "the structure falls",
+            "sliding": "associative",
         }
     return stages
 
@@ -357,7 +409,7 @@ def _echo(language: str) -> dict[str, Any]:
         "material": {"unit_weight_kN_m3": 11.5, "friction": 0.6, "normal_stiffness_kN_m3": 1.2e5},
         "layers": {"BASE_LEFT": {"support": "left"}, "BASE_RIGHT": {"support": "right"}},
         "control": [{"name": "C1", "point_m": [0.0, 1.236]}],
-        "settlements": [{"name": SETTLED, **_settlement(), "increment_m": 0.001, "to_collapse": True}],
+        "settlements": [{"name": SETTLED, **_settlement(), "to_collapse": True}],
         "pushover": {
             "contacts": ["rigid", "elastic"],
             "directions": ["+x", "-x"],

@@ -11,7 +11,8 @@ from mechanics.model.assembly import Behaviour
 from mechanics.model.contacts import deformation
 from mechanics.program import Program
 from mechanics.solvers.elimination import Elimination
-from mechanics.steps.static_step import StaticSystem, StepProblem, static_system
+from mechanics.steps.static_step import StepProblem
+from mechanics.steps.static_system import StaticSystem, static_system
 from mechanics.types import GRAVITY
 
 

@@ -52,6 +52,11 @@ def assess(
                     f"virtual work on the mechanism gives α = {virtual_work:.3g}, the curve {told:.3g}: blocks "
                     "slide or move by themselves there, and e*, Γ* are not those of a mechanism"
                 )
+            if elastic is None and assessment.model != "none" and _asked_for_elastic(project):
+                raise CapacityError(
+                    "the elastic pushover was asked for and gave no curve (the warnings say why), and the "
+                    f'{assessment.model} curve needs it; mend that, or set model = "none" (rigid branch alone)'
+                )
             virtual = np.array(mechanism["displacements"])
             part = mechanism_participation(model, virtual, mechanism["control_displacement_x"])
             branch = None if elastic is None else along_push(elastic["curve"], direction)
@@ -67,6 +72,10 @@ def assess(
         warnings += [f"{direction}: {note}" for note in said]
         found[direction] = _numbers(mechanism, part, fit, capacity, checks)
     return found
+
+
+def _asked_for_elastic(project: Project) -> bool:
+    return project.pushover is not None and "elastic" in project.pushover.contacts
 
 
 def along_push(curve: Mapping[str, Any], direction: str) -> Curve:

@@ -19,10 +19,8 @@ from assessment.ntc.capacity import CapacityCurve, capacity_curve
 from assessment.ntc.curve_fit import fit_rigid
 from assessment.ntc.verification import Method, check_activation, check_linear
 from assessment.results.faces import Met
-from mechanics.kernels.joint import H
-from mechanics.model.contacts import Contacts, end_gaps, rows
-from mechanics.steps.equilibrium import CLOSED, ONSET
-from mechanics.steps.static_step import static_system
+from mechanics.model import Contacts, H, end_gaps, rows
+from mechanics.steps import LIMIT, static_system
 from mechanics.types import Index, Mask
 
 if TYPE_CHECKING:
@@ -68,9 +66,9 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion
     Only ends of faces that overlap and are closed count. A joint rubs where its slip exceeds what associative friction
     allows for the opening of a closed end, u_t > u_n/μ: friction there would do work.
     """
-    contacts = static_system(model, "rigid").around(positions, ONSET * model.size).contacts
+    contacts = static_system(model, "rigid").around(positions, LIMIT.onset * model.size).contacts
     places = contacts.places(positions)
-    closed = (end_gaps(places) <= CLOSED * model.size) & (places[:, H] > 0.0)[:, None]
+    closed = (end_gaps(places) <= LIMIT.closed * model.size) & (places[:, H] > 0.0)[:, None]
     relative = np.concatenate([delta[contacts.a], delta[contacts.b]], axis=1)
     u, phi, v = np.einsum("jrc,jc->rj", rows(places), relative)
     half = places[:, H] * phi

@@ -51,7 +51,9 @@ def _capacity(checked: Mapping[str, Any] | None) -> float:
 
 def _joined(numbers: Mapping[str, Any], followed: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Return the numbers of a curve with the ranges of all and the curves of the others."""
-    found = dict(numbers)
+    found = {
+        key: value for key, value in numbers.items() if key != "control"
+    }  # said once for both behaviours
     for name in QUANTITIES:
         if name in found:
             _spread(found, name, followed)

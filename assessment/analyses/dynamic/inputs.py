@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from assessment.project.schema import MotionTable, StatesTable
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
-    from mechanics.model.assembly import Behaviour
+    from mechanics.model import Behaviour
 
 Task: TypeAlias = "tuple[Assembly, BaseMotion, Setting, str, Start]"
 """What one motion, or one search, is made of: the arguments of history."""

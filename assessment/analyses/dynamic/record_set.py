@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assessment.ntc.limit_states import QUOTED
-from mechanics.records.record import Record
-from mechanics.records.response_spectrum import response_spectrum
-from mechanics.records.synthetic import compatible_record
+from mechanics.records import Record, compatible_record, response_spectrum
 from mechanics.types import Array
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from assessment.analyses.dynamic.response import Response, Setting, respond
 from assessment.project.schema import HistoryTable
 from assessment.results.frames import snapshots
 from mechanics import Assembly, ConvergenceError, State
-from mechanics.records.response_spectrum import response_spectrum
+from mechanics.records import response_spectrum
 from mechanics.types import Array
 
 if TYPE_CHECKING:

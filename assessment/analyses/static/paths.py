@@ -26,15 +26,19 @@ from mechanics import (
     pushdown,
     pushover,
 )
-from mechanics.model.assembly import Behaviour, Direction
-from mechanics.procedures.limit_analysis import limit_in
-from mechanics.procedures.mechanism import hinges, virtual_work_multiplier
-from mechanics.procedures.mirror import Mirror
-from mechanics.procedures.pushdown import Pushdown, whole_movement
-from mechanics.procedures.pushover import Pushover
+from mechanics.model import Behaviour, Direction
+from mechanics.procedures import (
+    HALVINGS,
+    Mirror,
+    Pushdown,
+    Pushover,
+    hinges,
+    limit_in,
+    virtual_work_multiplier,
+    whole_movement,
+)
 from mechanics.program import Certificate
-from mechanics.steps.equilibrium import check_self_weight
-from mechanics.steps.static_step import Sliding
+from mechanics.steps import Sliding, check_self_weight
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -161,7 +165,7 @@ def push(
             if found is not None:
                 quality.add(found[1])
         if found is not None:
-            _curve_followed(title, model, behaviour, sliding, direction, *found, result)
+            _curve_followed(title, model, behaviour, sliding, direction, *found, increment, result)
         result.quality.append(quality.numbers())
         result.seconds = time.perf_counter() - began
         parts.append(result)
@@ -220,7 +224,7 @@ def _settle(
         return
     if settlement.to_collapse and path.ultimate is None:
         result.warnings.append(f"{title}: no ultimate movement up to {path.movement[-1]:.3g} m ({path.end})")
-    result.warnings += _crossings(title, path.crossed)
+    result.warnings += crossings(title, path.crossed, whole / settlement.increments)
     result.scatters = turns_on_rounding(model, path)
     quality = Quality(settlement.name, f"pushdown, {behaviour}")
     quality.add(path)
@@ -281,9 +285,10 @@ def _curve_followed(
     direction: Direction,
     control: ControlTable,
     path: Pushover,
+    increment: float,
     result: Part,
 ) -> None:
-    result.warnings += _crossings(title, path.crossed)
+    result.warnings += crossings(title, path.crossed, increment)
     result.scatters = turns_on_rounding(model, path)
     rigid = behaviour == "rigid"
     met = Met(model)
@@ -313,12 +318,17 @@ def _curve_followed(
         )
 
 
-def _crossings(title: str, crossed: NDArray[np.float64]) -> list[str]:
-    """Tell between which displacements (n, 2) parts move by themselves, those that follow each other together."""
+def crossings(title: str, crossed: NDArray[np.float64], increment: float) -> list[str]:
+    """Warnings of where parts move by themselves (n, 2) m, those that follow each other together.
+
+    What is shorter than 1/32 of the increment (m) is below the accuracy of the path and left out.
+    """
     stretches: list[list[float]] = []
-    for left, held in crossed:
+    for left, held in np.sort(crossed, axis=1):
+        if held - left < 0.99 * increment / 2.0**HALVINGS:
+            continue
         if stretches and left <= stretches[-1][1]:
-            stretches[-1][1] = held
+            stretches[-1][1] = max(held, stretches[-1][1])
         else:
             stretches.append([left, held])
     return [

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 from assessment.analyses.static.paths import Part, configuration, push, settle
 from assessment.project.schema import ORIGINAL
 from assessment.runtime.tasks import Workers, large
-from mechanics.procedures.mirror import Mirror
+from mechanics.procedures import Mirror
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import ControlTable, SettlementTable
     from mechanics import Assembly, State
-    from mechanics.model.assembly import Behaviour, Direction
-    from mechanics.steps.static_step import Sliding
+    from mechanics.model import Behaviour, Direction
+    from mechanics.steps import Sliding
 
 WORST = ("worst_equilibrium_residual", "worst_penetration_m", "worst_complementarity", "worst_cone_violation")
 PAST_PEAK = 0.25  # of the peak of an elastic curve

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.runtime.atomic_files import write_atomically
-from mechanics.records.synthetic import compatible_record
+from mechanics.records import compatible_record
 
 RECORD = "records/artificial.csv"
 DURATION, PLATEAU, TIME_STEP = 15.0, 10.0, 0.01  # s

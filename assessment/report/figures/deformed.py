@@ -18,7 +18,7 @@ from assessment.results.faces import faces_of
 from assessment.results.hand_check import BY_HAND, MacroBlock, macro_blocks
 from assessment.results.outlines import Array, Outlines, field, outlines
 from assessment.results.table import sense
-from mechanics.model.contacts import end_points
+from mechanics.model import end_points
 
 Results = Mapping[str, Any]
 Bounds = tuple[float, float, float, float]

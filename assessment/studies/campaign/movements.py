@@ -23,7 +23,7 @@ from assessment.studies.variants import (
     quantity,
     quoted_limit_state,
 )
-from mechanics.procedures.pushdown import whole_movement
+from mechanics.procedures import whole_movement
 
 if TYPE_CHECKING:
     from assessment.project.project import Project

@@ -96,11 +96,12 @@ def test_results_that_are_none(project, capsys, stored):
 
 def test_results_cut_short(project, capsys):
     (project / "output").mkdir()
-    content = {"echo": {"report": {}}, "title": "Block", "model": {}, "states": {}, "quality": {}}
+    content = {"assesto": "0.1.0", "format": 1, "title": "Block", "model": {}, "states": {}}
     (project / "output" / "results.json").write_text(json.dumps(content), encoding="utf-8")
     assert main(["report", str(project)]) == 2
     said = capsys.readouterr().err
-    assert "results.json: geometry missing: results cut short; run the project again" in said
+    assert said.startswith(f"error: {project / 'output' / 'results.json'}: inputs: missing (and ")
+    assert said.endswith("; run the project again\n")
 
 
 def test_results_of_another_version(project, capsys):
@@ -111,7 +112,7 @@ def test_results_of_another_version(project, capsys):
     stored.write_text(json.dumps(content), encoding="utf-8")
     assert main(["report", str(project)]) == 2
     assert (
-        "'weight_kN' missing: written by another version of assesto; run the project again"
+        "model.weight_kN: missing: damaged, or written by another version; run the project again"
         in capsys.readouterr().err
     )
     assert json.loads(stored.read_text(encoding="utf-8")) == content

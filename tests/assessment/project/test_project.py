@@ -1,4 +1,4 @@
-"""The project file (contract §2): what is read."""
+"""The project file: what is read."""
 
 import json
 import math

@@ -159,6 +159,18 @@ def without_assessment(results):
     results["echo"]["assessment"] = None
 
 
+def test_the_report_explains_a_curve_that_begins_below_its_largest_multiplier(tmp_path):
+    """One sentence for the settled state pushed towards +x, none for the others."""
+    results = results_example("en")
+    rigid = [content["pushover"]["+x"]["rigid"] for content in results["states"].values()]
+    for curve, share in zip(rigid, (1.0, 0.3), strict=True):
+        curve["alpha_onset"] = share * curve["alpha_0"]
+    write_figures(Pool(0, results), tmp_path)
+    text = render_html(results, tmp_path, words_of(results))
+    assert text.count("only a part moves, which closes a hinge of the settlement") == 1
+    assert f"State “{SETTLED}”, direction +x: from α = " in text
+
+
 def one_direction(results):
     for content in results["states"].values():
         content["pushover"].pop("-x", None)

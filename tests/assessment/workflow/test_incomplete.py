@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,8 @@ import pytest
 from assessment.analyses.static import paths as stages
 from assessment.cli.main import main
 from assessment.project.catalogue.new_project import write_drawing
-from mechanics import ConvergenceError
+from mechanics import ConvergenceError, pushover
+from mechanics.procedures.pushover import PushoverTolerances
 from tests.support.block_project import ASSESSMENT, PROJECT, edit, read_results, run
 from tests.support.structures import rectangle
 
@@ -64,7 +66,7 @@ def test_the_report_of_what_was_completed(project, drawn):
 
 
 def test_an_analysis_that_does_not_converge_is_reported_as_such(project, monkeypatch):
-    def fail(*_: object) -> None:
+    def fail(*_: object, **__: object) -> None:
         raise ConvergenceError("equilibrium exists, but no solver found it")
 
     monkeypatch.setattr(stages, "pushover", fail)
@@ -75,8 +77,8 @@ def test_an_analysis_that_does_not_converge_is_reported_as_such(project, monkeyp
 
 
 def test_a_path_cut_short_has_no_capacity(project, monkeypatch):
-    procedure = importlib.import_module("mechanics.procedures.pushover")
-    monkeypatch.setattr(procedure, "TOLERANCES", procedure.PushoverTolerances(points=3))
+    few = PushoverTolerances(points=3)
+    monkeypatch.setattr(stages, "pushover", partial(pushover, tolerances=few))
     (project / "project.toml").write_text(PROJECT + ASSESSMENT, encoding="utf-8")
     run(project)
     found = read_results(project / "output")["states"]["original"]

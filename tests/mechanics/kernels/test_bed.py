@@ -69,7 +69,7 @@ def test_forces_are_minus_the_gradient_of_the_energy_and_stiffness_its_derivativ
 
 
 def dual(n1: float, n2: float, half: float, k: float) -> float:
-    """W* of exact_joint §3: quadratic while the whole bed is pressed, else 2N²/(9k(L/2 − |e|))."""
+    """W* of an elastic bed: quadratic while the whole bed is pressed, else 2N²/(9k(L/2 − |e|))."""
     n, length = n1 + n2, 2.0 * half
     e = abs(half * (n2 - n1)) / n
     if e <= length / 6.0:

@@ -7,12 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics.kernels import interior_iteration as loops
-from mechanics.kernels.interior_iteration import BED, FRICTION, KNOWN, LAW, LIFT, SHEAR, STRENGTH
+from mechanics.kernels import joint_elimination as loops
 from mechanics.kernels.joint import H, curvature
+from mechanics.kernels.joint_elimination import KNOWN
+from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
 from mechanics.model.contacts import rows
-from mechanics.steps.static_step import static_system
+from mechanics.steps.static_system import static_system
 from mechanics.types import Array
 from tests.mechanics.solvers.test_dissection import dense
 from tests.support.reference_loops import joint_newton
@@ -77,7 +78,7 @@ def test_the_matrix_is_the_sum_of_the_joints_stiffness_and_mass(name, behaviour)
     assert found @ x + change == pytest.approx(expected @ x, rel=1e-10, abs=1e-9)
 
 
-LAWS = ["rigid", "elastic", "crushing", "points", "Coulomb"]
+LAWS = ["rigid", "elastic", "crushing", "points"]
 
 
 def any_joint(seed: int, kind: str) -> tuple[Array, Array, Array, Array, Array]:
@@ -87,13 +88,12 @@ def any_joint(seed: int, kind: str) -> tuple[Array, Array, Array, Array, Array]:
     place = model.contacts.places(shaken(model, seed % 100).positions)[seed % len(model.contacts)]
     law = np.zeros(LAW)
     law[FRICTION] = rng.uniform(0.1, 1.5)
-    law[LIFT] = 0.0 if kind == "Coulomb" else law[FRICTION]
     law[BED], law[STRENGTH] = np.inf, np.inf
     forces = np.r_[rng.uniform(0.1, 2.0, 2), 0.0]
     if kind != "rigid":
         law[BED], law[SHEAR] = 10.0 ** rng.uniform(3.0, 6.0), 10.0 ** rng.uniform(-6.0, -4.0)
     if kind == "points":
-        law[loops.SEGMENTS] = 5
+        law[SEGMENTS] = 5
     if kind == "crushing":
         law[STRENGTH] = 3.0 * forces.sum() ** 2 / (4.0 * place[H] * forces[:2].min())
     forces[2] = rng.uniform(-0.9, 0.9) * law[FRICTION] * forces.sum()
@@ -110,11 +110,11 @@ def test_a_joint_eliminated_is_its_linear_system_solved(seed, kind, target):
     rest, per_motion = joint_newton(half, law, know, COLUMNS, target)
     to_resultants = np.array([[1.0, 1.0, 0.0], [-half, half, 0.0], [0.0, 0.0, 1.0]])
     d, df, out = np.empty(6), np.empty(3), np.empty(11)
-    loops.stiffness(know, half, law[LIFT], d)
+    loops.stiffness(know, half, law[FRICTION], d)
     full = np.array([[d[0], d[1], d[2]], [d[1], d[3], d[4]], [d[2], d[4], d[5]]])
     expected = -to_resultants @ per_motion[:3]
     assert full == pytest.approx(expected, rel=1e-7, abs=1e-7 * abs(expected).max())
-    loops.aim(know, half, law[LIFT], target)
+    loops.aim(know, half, law[FRICTION], target)
     df[:] = know[[loops.RN, loops.RP, loops.RT]]
     at_rest = to_resultants @ rest[:3]
     assert df == pytest.approx(at_rest, rel=1e-7, abs=1e-7 * abs(at_rest).max())
@@ -134,7 +134,7 @@ def test_stiffness_of_a_joint_is_symmetric_and_positive(seed, kind):
     place, law, forces, gaps, _ = any_joint(seed, kind)
     know, d = np.zeros(KNOWN), np.empty(6)
     loops.missing(place, law, -1, -1, np.zeros(3), forces, gaps, 1e-12, know)
-    loops.stiffness(know, place[H], law[LIFT], d)
+    loops.stiffness(know, place[H], law[FRICTION], d)
     full = np.array([[d[0], d[1], d[2]], [d[1], d[3], d[4]], [d[2], d[4], d[5]]])
     scale = np.sqrt(np.diag(full))
     assert np.linalg.eigvalsh(full / np.outer(scale, scale)).min() > 0.0

@@ -21,7 +21,7 @@ from mechanics import (
     time_history,
 )
 from mechanics.kernels.joint import H
-from mechanics.steps.static_step import static_system
+from mechanics.steps.static_system import static_system
 from tests.support.structures import rectangle
 
 NONE = 1e-6  # a friction that is next to none: associated sliding then lifts nothing

@@ -101,7 +101,17 @@ def test_a_control_point_that_takes_no_part_at_alpha_0_is_told_with_the_point_th
     result = Part()
     control = ControlTable(name="top", point_m=(0.6, 4.2))
     later = replace(path, formed=path.peak + 2)
-    _curve_followed("original, pushover +x, rigid contacts", model, "rigid", "+x", control, later, result)
+    _curve_followed(
+        "original, pushover +x, rigid contacts",
+        model,
+        "rigid",
+        "associative",
+        "+x",
+        control,
+        later,
+        0.05,
+        result,
+    )
     alpha = later.multiplier[later.formed]
     [warning] = result.warnings
     assert f"d = {later.displacement[later.formed]:.4g} m, α = {alpha:.4g}" in warning

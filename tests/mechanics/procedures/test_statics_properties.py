@@ -19,7 +19,9 @@ from mechanics.model.contacts import end_gaps
 from mechanics.procedures.mechanism import virtual_work_multiplier
 from mechanics.solvers import lp_highs
 from mechanics.steps.equilibrium import closed_program, reaction, rest
-from mechanics.steps.static_step import StepProblem, find_equilibrium, static_system
+from mechanics.steps.geometry_iteration import find_equilibrium
+from mechanics.steps.static_step import StepProblem
+from mechanics.steps.static_system import static_system
 from tests import ROOT
 from tests.stress.corpus import assemblies
 from tests.support.drawn_projects import drawn

@@ -14,7 +14,7 @@ from mechanics.kernels.pattern import Pattern
 from mechanics.solvers import elimination
 from mechanics.solvers.dissection import SMALLEST, dissected, fronts
 from mechanics.solvers.elimination import Elimination
-from mechanics.steps.static_step import static_system
+from mechanics.steps.static_system import static_system
 from mechanics.types import Array, Index
 from tests.support.structures import arch_on_piers, running_bond
 

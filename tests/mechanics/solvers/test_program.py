@@ -21,13 +21,15 @@ from mechanics import (
     limit_analysis,
     solvers,
 )
-from mechanics.kernels.interior_iteration import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.kernels.joint import PHI, H, U
+from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import rows
 from mechanics.program import Program, Solution, certify
 from mechanics.solvers import imbalance, interior, lp_highs, qp_piqp, solve
 from mechanics.steps.equilibrium import check_self_weight, closed_program, rest
-from mechanics.steps.static_step import StepProblem, find_equilibrium, static_system
+from mechanics.steps.geometry_iteration import find_equilibrium
+from mechanics.steps.static_step import StepProblem
+from mechanics.steps.static_system import static_system
 from tests.stress.corpus import assemblies
 from tests.support.drawn_projects import drawn
 from tests.support.steps import euler_step, posed, shaken, static_step

@@ -7,11 +7,11 @@ import pytest
 from scipy.linalg import eigh
 
 from mechanics import Assembly, Block, Material, time_history
-from mechanics.kernels.interior_iteration import BED, SHEAR
 from mechanics.kernels.joint import H
+from mechanics.kernels.law import BED, SHEAR
 from mechanics.model.contacts import rows
 from mechanics.steps.dynamic_system import RIGID_SHEAR, first_frequency
-from mechanics.steps.static_step import static_system
+from mechanics.steps.static_system import static_system
 from tests.support.structures import arch_on_piers, block_on_base, rectangle, running_bond, semicircular_arch
 
 STONE = Material(20.0, 0.6, 1e5)

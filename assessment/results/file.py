@@ -1,0 +1,63 @@
+"""The file results.json: written as its schema says, and read only where it is so."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from assessment.results.schema import FORMAT, Results
+
+AGAIN = "run the project again"
+
+
+class UndocumentedError(RuntimeError):
+    """Results that are not as the schema says: a fault of the program."""
+
+
+def as_bytes(results: Mapping[str, Any]) -> bytes:
+    """Return results as they are written. Raises UndocumentedError where a key is missing or not described."""
+    try:
+        Results.model_validate(results)
+    except ValidationError as error:
+        raise UndocumentedError(f"results.json: {_said(error)}") from None
+    return json.dumps(results, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
+
+
+def read_results(path: Path) -> dict[str, Any]:
+    """Return results from their file.
+
+    Raises ValueError naming file and key for a file that holds none, that is of another version, or damaged.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        found = content.get("format") if "assesto" in content else None
+    except (ValueError, TypeError, AttributeError, RecursionError):
+        content = None
+    if content is None or "assesto" not in content:
+        raise ValueError(f"{path}: not readable as results; {AGAIN}")
+    if found != FORMAT:
+        written = "no format" if found is None else f"format {found!r}"
+        raise ValueError(
+            f"{path}: format: {written}, this version reads {FORMAT}: written by another version of assesto; {AGAIN}"
+        )
+    try:
+        Results.model_validate(content)
+    except ValidationError as error:
+        raise ValueError(f"{path}: {_said(error)}: damaged, or written by another version; {AGAIN}") from None
+    results: dict[str, Any] = content
+    return results
+
+
+def _said(error: ValidationError) -> str:
+    """Return the key of the first error, what is wrong there, and how many more there are."""
+    errors = error.errors(include_url=False, include_input=False)
+    place = ""
+    for part in errors[0]["loc"]:
+        place += f"[{part}]" if isinstance(part, int) else f"{'.' * bool(place)}{part}"
+    wrong = {"missing": "missing", "extra_forbidden": "unknown key"}.get(errors[0]["type"], errors[0]["msg"])
+    more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
+    return f"{place or 'the whole'}: {wrong}{more}"

@@ -1,0 +1,74 @@
+"""results.json: every key with its type, unit and meaning; what is written and read is held against it."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from assessment.results.schema.campaign import Campaign
+from assessment.results.schema.checks import (
+    Capacity,
+    ComparisonRow,
+    Direction,
+    GivenMechanism,
+    Governing,
+    SafetyIndex,
+    Spectrum,
+)
+from assessment.results.schema.dynamic import History, Incremental, Motion
+from assessment.results.schema.model import Echo, Geometry, ModelSummary, Quality, Software
+from assessment.results.schema.part import Configuration, Part, key, optional
+from assessment.results.schema.static import Pushdowns, Pushovers, Settlement
+from assessment.results.schema.studies import Convergence, Scenarios, Sensitivity
+
+FORMAT = 1
+"""Of the file: it changes where a key goes, or gets another meaning."""
+
+
+class State(Part):
+    """`states.NAME`: the structure as drawn ("original"), or after a settlement of that name."""
+
+    configuration: Configuration = key(
+        "x, z, ω of each block against the drawing; zeros where the state was not reached", "m, rad"
+    )
+    settlement: Settlement | None = key("the movement that leads to it; null: as drawn")
+    pushdown: Pushdowns = key("the movement")
+    pushover: dict[Direction, Pushovers] = key("horizontal loads, by direction")
+    capacity: dict[Direction, Capacity] = key("capacity and checks, by direction")
+    history: list[History] = key("time histories")
+    incremental: Incremental = key("incremental dynamic analysis")
+    governing: Governing | None = optional("the least ratio of all checks; null: none has a number")
+    safety_index: SafetyIndex | None = optional("the least ζ_E at SLV and SLC; null: none has a number")
+
+
+class Results(Part):
+    """The whole file."""
+
+    format: Literal[1] = key("format of the file; a file of another one is refused")
+    assesto: str = key("version of the program")
+    title: str = key("title of the project")
+    inputs: dict[str, str] = key("SHA-256 of each file that was read, by name")
+    model: ModelSummary = key("what was read from the drawing")
+    geometry: Geometry = key("blocks, joints, control points")
+    echo: Echo = key("the project file")
+    states: dict[str, State] = key("every state, by name")
+    spectra: dict[str, Spectrum] | None = optional("the demand, by limit state")
+    mechanisms: list[GivenMechanism] | None = optional("the mechanisms of the project file")
+    motions: list[Motion] | None = optional("the records of [[history]]")
+    comparison: list[ComparisonRow] = key("settled states beside the original one")
+    scenarios: Scenarios | None = optional("all movements side by side")
+    sensitivity: Sensitivity | None = optional("every state with each property lower and higher")
+    campaign: Campaign | None = optional("fragility and loss of capacity against movement")
+    convergence: Convergence = key("estimated errors")
+    quality: Quality = key("certificates and warnings")
+    timing_s: dict[str, float] = key("computing time by analysis", "s")
+    software: Software = key("versions")
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON schema (draft 2020-12) of results.json."""
+    schema = Results.model_json_schema(mode="serialization")
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **schema,
+        "title": "results.json of assesto",
+    }

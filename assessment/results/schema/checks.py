@@ -1,0 +1,163 @@
+"""Capacity and checks to NTC 2018."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from assessment.results.schema.model import Face, Line
+from assessment.results.schema.part import Configuration, Part, Point, key, optional
+
+Direction = Literal["+x", "-x"]
+
+
+class CapacityCurve(Part):
+    """`capacity.+x.curve`: capacity of the equivalent oscillator."""
+
+    d_star_m: list[float] = key("displacement d*", "m")
+    a_star_g: list[float] = key("acceleration a*, divided by the confidence factor", "g")
+
+
+class Check(Part):
+    """A check of a limit state."""
+
+    method: Literal["activation", "linear", "nonlinear"] = key("which check")
+    d_star_m: float | None = key("displacement that counts; null: the check has none", "m")
+    a_star_g: float | None = key("acceleration that counts; null: not defined", "g")
+    T_s: float | None = key("period that counts; null: not defined", "s")
+    a_g_g: float | None = key("capacity a_g; null: not defined, `notes` say why", "g")
+    a_g_g_range: list[float | None] | None = optional("least and largest of an ensemble", "g")
+    demand_a_g_g: float = key("demand a_g", "g")
+    zeta_E: float | None = key(
+        "ratio of a_g S borne to that demanded: the index ζ_E at SLV and SLC, a ratio at SLO and SLD", "–"
+    )
+    zeta_E_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
+    verified: bool | None = key("whether the ratio is 1 or more")
+    damping: float | None = key("damping ratio of the demand", "–")
+    return_period_years: float | None = key(
+        "of the capacity; null: the hazard of the site is not known", "years"
+    )
+    governing: str = key("what gave a_g")
+    notes: list[str] = key("what to know about it")
+    trace: list[Line] = key("its calculation")
+
+
+class Count(Part):
+    """`capacity.+x.mechanism`: the mechanism that the capacity is of."""
+
+    hinges: int = key("joints that turn")
+    sliding_joints: int = key("joints that slide")
+
+
+class Capacity(Part):
+    """`capacity.+x`, `.-x`: the capacity in a direction and its checks, each where its limit state was asked for."""
+
+    mechanism: Count = key("the mechanism")
+    e_star: float = key("share of the mass that takes part, e*", "–")
+    gamma_star: float = key("participation factor Γ*", "–")
+    T_0_s: float | None = key("period of the elastic branch; null: the curve is rigid", "s")
+    model: str = key("fitted curve: trilinear, bilinear, none")
+    d_0_star_m: float | None = key("displacement where the capacity vanishes, d_0*", "m")
+    notes: list[str] = key("what to know about the fitted curve")
+    curve: CapacityCurve = key("capacity curve")
+    trace: list[Line] = key("calculation of the curve")
+    SLO: Check | None = optional("check at SLO")
+    SLD: Check | None = optional("check at SLD: activation")
+    SLV_linear: Check | None = optional("linear check at SLV, with the behaviour factor", alias="SLV linear")
+    SLV: Check | None = optional("nonlinear check at SLV")
+    SLC: Check | None = optional("nonlinear check at SLC")
+
+
+class Governing(Part):
+    """`governing`: the least ratio of all checks of a state."""
+
+    direction: Direction = key("direction of the push")
+    limit_state: str = key("which check")
+    ratio: float = key("a_g S borne per a_g S demanded", "–")
+
+
+class SafetyIndex(Part):
+    """`safety_index`: the least ζ_E at SLV and SLC of a state (NTC 2018, §8.3)."""
+
+    direction: Direction = key("direction of the push")
+    limit_state: str = key("which check")
+    zeta_E: float = key("the index", "–")
+
+
+class Spectrum(Part):
+    """`spectra.SLV`, …: the demand at a limit state."""
+
+    kind: Literal["ground", "floor", "record"] = key("whose spectrum")
+    a_g_g: float = key("a_g, or the peak of a record", "g")
+    S: float = key("S = S_S S_T; 1 for a record", "–")
+    T_s: list[float] = key("periods", "s")
+    S_e_g: list[float] = key("accelerations at 5 % damping", "g")
+    S_De_m: list[float] = key("displacements at 5 % damping", "m")
+    damping: float = key("damping ratio of the check", "–")
+    damped_S_e_g: list[float] = key("accelerations at that damping", "g")
+    damped_S_De_m: list[float] = key("displacements at that damping", "m")
+    F0: float | None = optional("F_0 of the site", "–")
+    Tc_star_s: float | None = optional("T_C* of the site", "s")
+    soil: str | None = optional("soil category")
+    topography: str | None = optional("topographic category")
+    T_B_s: float | None = optional("start of the plateau", "s")
+    T_C_s: float | None = optional("end of the plateau", "s")
+    T_D_s: float | None = optional("start of constant displacement", "s")
+    return_period_years: float | None = optional(
+        "return period of the demand, where a grid gives the hazard", "years"
+    )
+    trace: list[Line] | None = optional("its calculation")
+
+
+class GivenMacroBlock(Part):
+    """`mechanisms[].macro_blocks[]`: a macro-block of a mechanism of the user's."""
+
+    about_m: Point = key("centre of rotation: x, z", "m")
+    rotation: float = key("virtual rotation, anticlockwise", "rad")
+    blocks: list[int] = key("numbers of its blocks")
+
+
+class GivenCheck(Part):
+    """A linear check of a mechanism of the user's."""
+
+    a_g_g: float | None = key("capacity a_g", "g")
+    demand_a_g_g: float = key("demand a_g", "g")
+    zeta_E: float | None = key("ratio of a_g S borne to that demanded", "–")
+    verified: bool | None = key("whether it is 1 or more")
+    return_period_years: float | None = key("of the capacity; null: not known", "years")
+    trace: list[Line] = key("its calculation")
+
+
+class GivenMechanism(Part):
+    """`mechanisms[]`: a mechanism of the project file; one that is refused has nothing but the reason."""
+
+    name: str = key("name in the project file")
+    state: str = key("state that it starts from")
+    refused: str | None = optional("why it cannot move as given")
+    direction: Direction | None = optional("direction of the loads that start it")
+    alpha_0: float | None = optional("multiplier by virtual work", "–")
+    alpha_0_limit: float | None = optional("α_0 of its state in that direction; null: not known", "–")
+    e_star: float | None = optional("share of the mass that takes part", "–")
+    a_0_star_g: float | None = optional("acceleration that starts it, divided by the confidence factor", "g")
+    moving_weight_kN: float | None = optional("seismic weight that moves", "kN")
+    macro_blocks: list[GivenMacroBlock] | None = optional("its macro-blocks")
+    displacements: Configuration | None = optional("x, z, ω of each block, the largest being 1 m", "m, rad")
+    penetration: float | None = optional("deepest penetration per largest displacement", "–")
+    sliding_joints: list[int] | None = optional("numbers of the joints that slide")
+    met: list[Face] | None = optional("pairs of faces that touch in its state and not as drawn")
+    notes: list[str] | None = optional("what to know about it")
+    trace: list[Line] | None = optional("its calculation")
+    SLO: GivenCheck | None = optional("activation at SLO")
+    SLD: GivenCheck | None = optional("activation at SLD")
+    SLV_linear: GivenCheck | None = optional("linear check at SLV", alias="SLV linear")
+
+
+class ComparisonRow(Part):
+    """`comparison[]`: a settled state beside the original one."""
+
+    state: str = key("the settled state")
+    direction: Direction | None = key("direction of the push; null: no pushover")
+    limit_state: str | None = key("the farthest one checked, of which the static capacity is")
+    static_pga_g: float | None = key("capacity a_g of the state", "g")
+    static_reduction: float | None = key("1 − a_g(settled)/a_g(original)", "–")
+    dynamic_pga_g: float | None = key("PGA at collapse of the state", "g")
+    dynamic_reduction: float | None = key("1 − PGA(settled)/PGA(original)", "–")

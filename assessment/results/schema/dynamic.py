@@ -1,0 +1,163 @@
+"""Time histories and incremental dynamic analysis of a state, and the motions behind them."""
+
+from __future__ import annotations
+
+from assessment.results.schema.model import Face
+from assessment.results.schema.part import Configuration, Part, Point, key, optional
+
+Range = list[float | None]
+"""Least and largest of the members of an ensemble; null: a collapse, beyond any value."""
+
+
+class Motion(Part):
+    """`motions[]`: a record as it shakes the base, thinned for figures."""
+
+    name: str = key("name of the record")
+    pga_g: float = key("largest acceleration in the window, scale included", "g")
+    scale: float = key("factor on the record", "–")
+    window_s: Point = key("start and end in the file", "s")
+    time_s: list[float] = key("times in the file", "s")
+    acceleration_g: list[float] = key("accelerations, positive along x", "g")
+    T_s: list[float] = key("periods of the spectrum", "s")
+    S_a_g: list[float] = key("accelerations at 5 % damping", "g")
+    S_d_m: list[float] = key("displacements at 5 % damping", "m")
+    vertical: bool = key("whether a vertical record shakes too")
+
+
+class Course(Part):
+    """`curve`: horizontal displacement of the control point from the state's own rest, thinned."""
+
+    time_s: list[float] = key("times in the record's file", "s")
+    displacement_m: list[float] = key("displacement along x", "m")
+
+
+class Band(Part):
+    """`band`: between what displacements all members of an ensemble are, at the times of `curve`."""
+
+    low_m: list[float] = key("least displacement", "m")
+    high_m: list[float] = key("largest displacement", "m")
+
+
+class Snapshots(Part):
+    """`snapshots`: where the blocks are at some times; joints as in `frames` of a static path."""
+
+    time_s: list[float] = key("times in the record's file", "s")
+    displacement_m: list[float] = key("of the control point along x", "m")
+    configuration: list[Configuration] = key("x, z, ω of each block against the drawing", "m, rad")
+    force_kN: list[list[Point] | None] = key("N and T of each joint; null: not known", "kN")
+    centre: list[list[float | None] | None] = key("where N presses, as a share of the joint; null: idle", "–")
+    met: list[Face] = key("none: joints of the drawing only")
+
+
+class AnimationFrames(Part):
+    """`frames` of a history: configurations at equal times, for the GIF."""
+
+    time_s: list[float] = key("times in the record's file", "s")
+    configuration: list[Configuration] = key("x, z, ω of each block against the drawing", "m, rad")
+
+
+class Energy(Part):
+    """`energy`: the balance of a motion from its beginning to its end."""
+
+    kinetic_kNm: float = key("change of the kinetic energy", "kNm")
+    potential_kNm: float = key("change of the potential energy of the weights", "kNm")
+    elastic_kNm: float = key("change of what the joints store", "kNm")
+    input_kNm: float = key("work of the base's motion", "kNm")
+    friction_kNm: float = key("dissipated by friction and crushing", "kNm")
+    impact_kNm: float = key("dissipated at impacts", "kNm")
+    viscous_kNm: float = key("dissipated by viscous damping", "kNm")
+    integrator_kNm: float = key("taken by the integrator itself", "kNm")
+    residual_kNm: float = key("what does not balance", "kNm")
+
+
+class History(Part):
+    """`history[]`: one record from the state at rest; without a start only the reason is there."""
+
+    record: str = key("name of the record")
+    pga_g: float = key("its largest acceleration in the window, scale included", "g")
+    scale: float = key("factor on the record", "–")
+    time_step_s: float = key("time step", "s")
+    contacts: str = key("rigid or elastic")
+    integrator: str | None = key("integrator used")
+    amplitude: float = key("factor of the member that the numbers are of: 1, or within 1 % of it", "–")
+    control: str = key("control point")
+    peak_displacement_m: float | None = key("largest displacement of the control point, either way", "m")
+    residual_displacement_m: float | None = key("displacement at the end; null: collapse", "m")
+    collapsed: bool | None = key("whether it ends in collapse; null: not computed")
+    time_of_collapse_s: float | None = key("when, in the record's file; null: it stands", "s")
+    reason: str | None = key("of the collapse, or why it was not computed")
+    sustained_displacement_m: float | None = optional("largest one from which the structure came back", "m")
+    time_of_peak_s: float | None = optional("when that is", "s")
+    free_motion_from_s: float | None = optional(
+        "when the record ends, where motion goes on; null: it does not", "s"
+    )
+    curve: Course | None = optional("displacement in time")
+    snapshots: Snapshots | None = optional("some of its configurations")
+    peak_configuration: Configuration | None = optional("at `time_of_peak_s`", "m, rad")
+    final_configuration: Configuration | None = optional("at the end", "m, rad")
+    energy: Energy | None = optional("its energies")
+    integrator_chosen: str | None = optional("why that integrator")
+    integrator_share: float | None = optional("of all that was dissipated, taken by the integrator", "–")
+    programs: int | None = optional("programs solved")
+    halvings: int | None = optional("halvings of the time step where a step was not solved")
+    notes: list[str] | None = optional("what to know about it")
+    seconds: float | None = optional("computing time", "s")
+    frames: AnimationFrames | None = optional("for the animation")
+    members: int | None = optional("members of the ensemble that were run")
+    members_collapsed: int | None = optional("members that collapse")
+    peak_displacement_range: Range | None = optional("of the members' peaks; null: a collapse", "m")
+    peak_displacement_median_m: float | None = optional("median of the members; null: a collapse", "m")
+    band: Band | None = optional("where all members are")
+
+
+class Level(Part):
+    """`points[]` of a search: what its members come to at one PGA."""
+
+    pga_g: float = key("level", "g")
+    peak_displacement_m: float | None = key("largest peak; null: a collapse", "m")
+    peak_displacement_range: Range = key("least and largest peak; null: a collapse", "m")
+    members: int = key("members that were run")
+    members_collapsed: int = key("members that collapse")
+    collapsed: bool = key("whether any collapses")
+    time_of_collapse_s: float | None = key("of the first to collapse", "s")
+    reason: str | None = key("of its collapse")
+
+
+class Search(Part):
+    """`incremental.records[]`: the PGA at incipient collapse of one record."""
+
+    record: str = key("name of the record")
+    record_pga_g: float = key("its own PGA", "g")
+    pga_collapse_g: float | None = key("least PGA at which a member collapses; null: none found", "g")
+    pga_collapse_range: Range | None = optional(
+        "from there to where all members collapse; null: not reached", "g"
+    )
+    pga_safe_g: float | None = key("largest PGA below at which all stand; null: not known", "g")
+    runs: int = key("motions computed")
+    resurrections_g: list[float] = key("levels above at which the structure stands again", "g")
+    points: list[Level] = key("every level that was tried")
+    reason: str | None = key("why there is no answer")
+    seconds: float | None = optional("computing time", "s")
+
+
+class Fragility(Part):
+    """`fragility`: lognormal distribution of the PGA at collapse."""
+
+    median_g: float = key("median", "g")
+    dispersion: float = key("standard deviation of ln PGA, β", "–")
+    records: int = key("records that it is of")
+    censored: int = key("of these, records that make nothing collapse")
+
+
+class Incremental(Part):
+    """`incremental`: the searches of all records, and what NTC 2018 §7.3.5 takes of them; empty: not asked for."""
+
+    records: list[Search] | None = optional("the searches")
+    mean_pga_collapse_g: float | None = optional("mean of the records; null: one is open", "g")
+    lowest_pga_collapse_g: float | None = optional(
+        "lowest of the records; null: an open one may be lower", "g"
+    )
+    rule: str | None = optional("what counts: the mean of seven records or more, otherwise the lowest")
+    pga_collapse_g: float | None = optional("what counts; null: open", "g")
+    pga_collapse_range: Range | None = optional("from there to where all members collapse", "g")
+    fragility: Fragility | None = optional("distribution; null: fewer than two different levels of collapse")

@@ -1,0 +1,152 @@
+"""The model as read: its size, its blocks and joints, and what the run was made with."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import ConfigDict
+
+from assessment.results.schema.part import Part, Point, key, optional
+
+
+class ModelSummary(Part):
+    """`model`: what was read from the drawing."""
+
+    blocks: int = key("blocks, those of supports included")
+    movable_blocks: int = key("blocks that are no support")
+    joints: int = key("joints found in the drawing")
+    unknowns: int = key("internal forces: three a joint")
+    paper_contact_points: int = key("contact points that the paper's discretisation would have")
+    weight_kN: float = key("weight of the movable blocks with their vertical loads", "kN")
+    self_weight_stable: bool = key("whether the structure stands as drawn; false: nothing else was computed")
+    warnings: list[str] = key("what is odd in the drawing")
+
+
+class Block(Part):
+    """`geometry.blocks[]`: a block as drawn; the number of a block is its place in this list, from 0."""
+
+    vertices_m: list[Point] = key("corners, anticlockwise: x, z", "m")
+    centroid_m: Point = key("centroid as drawn: x, z", "m")
+    depth_m: float = key("depth out of plane", "m")
+    layer: str = key("layer of the drawing")
+    handle: str = key("handle of its polyline in the drawing")
+    support: str | None = key("name of the support that it belongs to; null: it moves")
+    vertical_load_kN: float = key("load at its centroid, downward", "kN")
+    weight_kN: float = key("own weight with the vertical load", "kN")
+
+
+class Control(Part):
+    """`geometry.controls[]`: a control point."""
+
+    name: str = key("name in the project file")
+    point_m: Point = key("x, z as drawn", "m")
+    block: int = key("number of the block that it moves with")
+
+
+class Face(Part):
+    """A pair of faces that may press on each other."""
+
+    blocks: list[int] = key("numbers of the two blocks")
+    middle_m: list[Point] = key("a point of the face of either block, from which slips count: x, z", "m")
+    faces_m: list[list[Point]] = key("start and end of the face of either block, as drawn: x, z", "m")
+    friction: float | None = key("coefficient of friction; null: it does not slide", "–")
+    depth_m: float = key("depth out of plane, the lesser of the two", "m")
+    compressive_strength_kN_m2: float | None = key("strength; null: it does not crush", "kN/m²")
+
+
+class Joint(Face):
+    """`geometry.joints[]`: a joint of the drawing; its number is its place in this list, from 0."""
+
+    ends_m: list[Point] = key("the two ends of the joint as drawn: x, z", "m")
+
+
+class Geometry(Part):
+    """`geometry`: blocks, joints and control points as read from the drawing."""
+
+    blocks: list[Block] = key("the blocks")
+    controls: list[Control] = key("the control points, the default one first")
+    joints: list[Joint] = key("the joints")
+    joint_tolerance_m: float = key("edges closer than this form a joint", "m")
+    gravity_m_s2: float = key("acceleration of gravity", "m/s²")
+
+
+class EchoedReport(Part):
+    """`echo.report`: language and title page."""
+
+    language: str = key("it or en")
+    client: str = key("client, as on the title page")
+    engineer: str = key("engineer, as on the title page")
+    location: str = key("place, as on the title page")
+
+
+class Echo(Part):
+    """`echo`: the project file as it was read, defaults filled in; its other keys are those of `assesto schema`."""
+
+    model_config = ConfigDict(extra="allow")
+
+    title: str = key("title of the project")
+    report: EchoedReport = key("title page")
+    geometry: dict[str, Any] = key("[geometry]")
+    material: dict[str, Any] = key("[material]")
+
+
+class Software(Part):
+    """`software`: what the results were computed with."""
+
+    version: str = key("version of assesto")
+    python: str = key("version of Python")
+    platform: str = key("operating system")
+    packages: dict[str, str] = key("versions of the libraries by name")
+
+
+class QualityRow(Part):
+    """`quality.by_stage[]`: the worst certificate of the programs that an analysis solved."""
+
+    state: str | None = key("state; null: of several")
+    stage: str = key("which analysis")
+    solves: int = key("programs solved")
+    worst_equilibrium_residual: float = key("largest unbalanced force, per weight", "–")
+    worst_penetration_m: float | None = optional("deepest penetration of two blocks", "m")
+    worst_complementarity: float = key(
+        "largest product of a contact force and its gap, per weight and step", "–"
+    )
+    worst_cone_violation: float | None = optional("largest force outside the friction cone, per weight", "–")
+
+
+class Quality(Part):
+    """`quality`: the certificates of all programs, and every warning of the run."""
+
+    solves: int = key("programs solved in all")
+    worst_equilibrium_residual: float | None = optional("the worst of all analyses", "–")
+    worst_penetration_m: float | None = optional("the worst of all analyses", "m")
+    worst_complementarity: float | None = optional("the worst of all analyses", "–")
+    worst_cone_violation: float | None = optional("the worst of all analyses", "–")
+    warnings: list[str] = key("what the reader has to know")
+    by_stage: list[QualityRow] = key("the same of every analysis")
+
+
+class Line(Part):
+    """A line of a calculation (`trace[]`): symbol = formula(inputs) = result."""
+
+    symbol: str = key("name of the result")
+    formula: str = key("plain arithmetic in the names of the inputs; empty: a datum")
+    inputs: dict[str, float] = key("the numbers put in")
+    result: float = key("the result", "that of `unit`")
+    unit: str = key("unit of the result")
+    paragraph: str = key("paragraph of the standard, or source of a datum")
+
+
+__all__ = [
+    "Block",
+    "Control",
+    "Echo",
+    "Face",
+    "Geometry",
+    "Joint",
+    "Line",
+    "ModelSummary",
+    "Quality",
+    "QualityRow",
+    "Software",
+    "optional",
+]

@@ -1,0 +1,33 @@
+"""What every part of results.json is made of: exact types, finite numbers, no key that is not described."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Point = list[float]
+Configuration = list[list[float]]
+"""Of each block: displacement x, z (m) and rotation (rad) from the drawing."""
+
+
+class Part(BaseModel):
+    """A table of results.json. A missing optional key was not asked for; null was asked for and not reached."""
+
+    model_config = ConfigDict(
+        strict=True, extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True
+    )
+
+
+def key(meaning: str, unit: str = "", alias: str | None = None) -> Any:
+    """Describe a key that is always there; `unit` where its name does not tell it, or tells it too."""
+    return Field(description=meaning, alias=alias, json_schema_extra=_of(unit))
+
+
+def optional(meaning: str, unit: str = "", alias: str | None = None) -> Any:
+    """Describe a key that is there only where it was asked for, or where it has a meaning."""
+    return Field(default=None, description=meaning, alias=alias, json_schema_extra=_of(unit))
+
+
+def _of(unit: str) -> dict[str, Any] | None:
+    return {"unit": unit} if unit else None

@@ -1,0 +1,143 @@
+"""Pushdown and pushover of a state."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from assessment.results.schema.model import Face
+from assessment.results.schema.part import Configuration, Part, Point, key, optional
+
+Sliding = Literal["associative", "coulomb"]
+
+
+class Frames(Part):
+    """`frames`: where the blocks are at some points of a path, and what the joints carry there; for pictures."""
+
+    index: list[int] = key("which points of the path")
+    configuration: list[Configuration] = key("x, z, ω of each block against the drawing", "m, rad")
+    force_kN: list[list[Point] | None] = key(
+        "N and T of each joint, those of the drawing and then `met`; null: not known", "kN"
+    )
+    centre: list[list[float | None] | None] = key("where N presses, as a share of the joint; null: idle", "–")
+    met: list[Face] = key("pairs of faces that touch on the path and not as drawn")
+
+
+class PushdownPath(Part):
+    """`pushdown.rigid`, `.elastic`: a support moves as the settlement asks, and on to collapse where asked for."""
+
+    movement_m: list[float] = key("largest component of the movement along the path", "m")
+    reaction_x_kN: list[float] = key("force of the moved support on the structure", "kN")
+    reaction_z_kN: list[float] = key("the same, vertical", "kN")
+    ultimate_movement_m: float | None = key(
+        "largest component of the movement at which the structure falls; null: not reached or not looked for",
+        "m",
+    )
+    ultimate_movement_m_range: list[float | None] | None = optional("least and largest of an ensemble", "m")
+    sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
+    applied_movement_m: float = key("largest component of the movement that the settlement asks for", "m")
+    end: str = key("why the path ends")
+    configuration: Configuration = key("after the whole movement, or where the structure falls", "m, rad")
+    ultimate_configuration: Configuration | None = key("just before collapse; null: not reached", "m, rad")
+    control_displacement_m: list[Point] | None = key("x, z of the first control point along the path", "m")
+    frames: Frames = key("some of its configurations")
+
+
+class Pushdowns(Part):
+    """`pushdown`: the movement with rigid and with elastic joints; each where asked for and found."""
+
+    rigid: PushdownPath | None = optional("rigid joints")
+    elastic: PushdownPath | None = optional("elastic joints")
+
+
+class Curve(Part):
+    """`curve`: multiplier over displacement of the control point, from the state's own rest."""
+
+    displacement_m: list[float] = key("along x: negative in a push towards −x", "m")
+    multiplier: list[float] = key("horizontal forces per seismic weight, α", "–")
+
+
+class Mechanism(Part):
+    """`mechanism`: virtual displacements at the activation (where α_0 is reached)."""
+
+    point: int = key("which point of the curve")
+    alpha: float = key("multiplier there", "–")
+    hinges: int = key("joints that turn")
+    e_star: float | None = key("share of the mass that takes part, e*; null: not defined", "–")
+    gamma_star: float | None = key("participation factor Γ*; null: not defined", "–")
+    displacements: Configuration = key(
+        "x, z, ω of each block; the control point moves by 1 m along x", "m, rad"
+    )
+    control_displacement_x: float = key(
+        "that of the control point: 1, −1, or less where it hardly moves", "m"
+    )
+    hinge_points_m: list[Point] = key("x, z of each hinge in its configuration", "m")
+    sliding_joints: list[int] = key("numbers of the joints that slide")
+    moving_weight_kN: float = key("weight of the blocks that move", "kN")
+
+
+class RigidPush(Part):
+    """`pushover.+x.rigid`: the capacity curve with rigid joints."""
+
+    alpha_0: float = key("largest multiplier of the curve, α_0", "–")
+    alpha_0_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
+    alpha_onset: float = key("its first multiplier; above it an open hinge of a settlement may close", "–")
+    d_0_m: float | None = key("displacement capacity, along the push; null: the path was cut short", "m")
+    d_0_m_range: list[float | None] | None = optional("least and largest of an ensemble", "m")
+    alpha_0_associative: float | None = optional(
+        "α_0 where what slides lifts, if it differs by 1 % or more", "–"
+    )
+    alpha_0_coulomb: float | None = optional(
+        "α_0 where what slides does not lift, if it differs by 1 % or more", "–"
+    )
+    sliding_residual: float | None = optional(
+        "how far the lift taken back is from settled, per largest displacement of the mechanism", "–"
+    )
+    reached_zero: bool = key("whether the curve falls to α = 0")
+    lost: bool = key("whether equilibrium is lost before, where the capacity ends")
+    end: str = key("why the path ends")
+    curve: Curve = key("the curve")
+    members: list[Curve] | None = optional("curves of the other members of the ensemble")
+    sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
+    mechanism: Mechanism = key("the mechanism at its activation")
+    virtual_work_alpha: float | None = key(
+        "multiplier by virtual work over all blocks; null: no load works", "–"
+    )
+    mechanism_configuration: Configuration = key("where the mechanism starts", "m, rad")
+    final_configuration: Configuration = key("at the end of the curve", "m, rad")
+    frames: Frames = key("some of its configurations")
+
+
+class ElasticPush(Part):
+    """`pushover.+x.elastic`: the curve with elastic joints."""
+
+    alpha_u: float = key("largest multiplier, α_u", "–")
+    alpha_u_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
+    d_u_m: float = key("displacement where it is reached, along the push", "m")
+    peak: int = key("which point of the curve that is")
+    alpha_y: float | None = key("plateau of the fitted capacity curve; null: none was fitted", "–")
+    d_y_m: float | None = key("end of its elastic branch, along the push; null: none was fitted", "m")
+    end: str = key("why the path ends")
+    reached_zero: bool = key("whether the curve falls to α = 0")
+    curve: Curve = key("the curve")
+    members: list[Curve] | None = optional("curves of the other members of the ensemble")
+    sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
+    rest_configuration: Configuration = key("at rest, before the push", "m, rad")
+    peak_configuration: Configuration = key("at the peak", "m, rad")
+    frames: Frames = key("some of its configurations")
+
+
+class Pushovers(Part):
+    """`pushover.+x`, `.-x`: the pushover in a direction; each curve where asked for and found."""
+
+    control: str = key("control point that was followed")
+    rigid: RigidPush | None = optional("rigid joints")
+    elastic: ElasticPush | None = optional("elastic joints")
+
+
+class Settlement(Part):
+    """`settlement`: the movement that leads to the state."""
+
+    support: str = key("name of the support that moves")
+    displacement_m: Point = key("x, z", "m")
+    rotation_rad: float = key("about the centroid of the support, anticlockwise", "rad")
+    increment_m: float = key("increment of the largest component", "m")

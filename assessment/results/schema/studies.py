@@ -1,0 +1,90 @@
+"""Convergence, scenarios and sensitivity."""
+
+from __future__ import annotations
+
+from assessment.results.schema.part import Part, key, optional
+
+
+class ConvergenceRow(Part):
+    """`convergence.rows[]` and `.incremental[]`: estimated errors of one state's results.
+
+    Errors are of the finest level, in the unit of the quantity; null: not known, as not every level reaches it.
+    """
+
+    state: str = key("state")
+    direction: str | None = optional("of a pushover")
+    record: str | None = optional("of a motion")
+    halvings: int | None = optional("of the increments or of the time step behind the result")
+    alpha_0_error: float | None = optional("estimated error of α_0", "–")
+    d_0_error_m: float | None = optional("estimated error of d_0", "m")
+    alpha_u_error: float | None = optional("estimated error of α_u", "–")
+    a_g_error_g: float | None = optional("estimated error of a_g at the farthest limit state", "g")
+    peak_displacement_error_m: float | None = optional("estimated error of the peak", "m")
+    peak_displacement_scatter_m: float | None = optional(
+        "how far the peaks of a pair are apart, where that is more than time steps differ", "m"
+    )
+    pga_collapse_error_g: float | None = optional("estimated error of the PGA at collapse", "g")
+    pga_collapse_scatter_g: float | None = optional(
+        "its scatter, where that is more than time steps differ", "g"
+    )
+    order: float | None = optional("order that the last levels show; null: none", "–")
+    relative_error: float | None = optional("the largest error, relative; null: not known", "–")
+    relative_scatter: float | None = optional("the scatter, relative", "–")
+    met: bool = key("whether the tolerance is met")
+    levels: dict[str, list[float | None]] = key("what each level gave, by quantity; null: not reached")
+
+
+class Convergence(Part):
+    """`convergence`: how far the results are from converged."""
+
+    tolerance: float | None = key("relative; null: no error was estimated", "–")
+    rows: list[ConvergenceRow] = key("pushovers and histories")
+    incremental: list[ConvergenceRow] | None = optional("PGA at collapse")
+
+
+class Capacities(Part):
+    """What a study keeps of one state in one direction."""
+
+    collapses: bool = key("whether the structure falls before the whole movement")
+    alpha_0: float | None = optional("largest multiplier, rigid joints; null: not reached", "–")
+    d_0_m: float | None = optional("displacement capacity; null: not reached", "m")
+    alpha_u: float | None = optional("largest multiplier, elastic joints; null: not reached", "–")
+    a_g_g: float | None = optional("capacity at `limit_state`; null: not defined", "g")
+    zeta_E: float | None = optional("ratio to the demand", "–")
+
+
+class ScenarioPoint(Capacities):
+    """`scenarios.points[]`: a part of a movement."""
+
+    state: str = key("settlement that it is a part of")
+    share: float = key("of the whole movement", "–")
+    movement_m: float = key("largest component", "m")
+    direction: str = key("direction of the push")
+    reduction: float | None = key("of `quantity` from the original state in the same direction", "–")
+
+
+class Scenarios(Part):
+    """`scenarios`: all movements side by side."""
+
+    quantity: str = key("key that they are compared by")
+    limit_state: str | None = key("limit state of a_g and ζ_E; null: no assessment")
+    points: list[ScenarioPoint] = key("every part of every movement")
+    worst: ScenarioPoint | None = key("the worst of them; null: none is known")
+    warnings: list[str] = key("of the single runs")
+
+
+class SensitivityRun(Capacities):
+    """`sensitivity.runs[]`: a state with one property multiplied."""
+
+    state: str = key("state")
+    property: str = key("friction, stiffness, unit_weight or depth")
+    factor: float = key("factor on it", "–")
+    direction: str = key("direction of the push")
+
+
+class Sensitivity(Part):
+    """`sensitivity`: every state with each property lower and higher."""
+
+    limit_state: str | None = key("limit state of a_g and ζ_E; null: no assessment")
+    runs: list[SensitivityRun] = key("two to a property, state and direction")
+    warnings: list[str] = key("of the single runs")

@@ -1,0 +1,203 @@
+"""The dynamic program over elastic joints by Newton's method on the displacements, joints that slide taken as such.
+
+The bed's forces N and P are functions of the motion, T is that of the slide or, in a joint that sticks, an unknown:
+
+    equilibrium    f + Bᵀ(N, P, T) − M̄x = 0            N, P: of the bed under u − μ|λ| and φ
+    sticks         λ = v − v₀ + T/k_t = 0              as long as |T| ≤ μN
+    slides         λ = v − v₀ + T/k_t, T = ∓μN         as long as λ has the sign that it had
+
+A joint that finds itself beyond its bound changes from one to the other (a primal-dual active set). Near a solution
+this takes two to four iterations. Nothing guarantees that it converges: where it does not, or where many joints change,
+the interior point is asked.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mechanics.kernels.bed import bent, crushed, points
+from mechanics.kernels.cholesky import solve
+from mechanics.kernels.interior_iteration import unbalanced
+from mechanics.kernels.jit import compiler
+from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.kernels.law import ABOVE, BED, BELOW, FRICTION, KINK, PHI0, SEGMENTS, SHEAR, SLID, STRENGTH, U0
+from mechanics.kernels.matrix import diagonal, motion, push, stiffen
+from mechanics.kernels.pattern import unpacked
+from mechanics.types import Array
+
+compiled = compiler("contract", "reassoc")
+looped = compiler("contract", "reassoc", allocates=False)
+
+STICKING = 1e-8  # compliance, per step and weight, that bounds the stiffness of joints that stick
+STUCK = 1e-6  # of the step: a slip of a joint that sticks that is none
+BEYOND = 1e-9  # of the weight: a force beyond the bound of friction that is not
+NEWTON = 30  # iterations for the force of a joint that slides on a spring
+MOST = 12  # iterations
+FEW, MANY = (
+    3,
+    0.1,
+)  # joints, and share of all, that may change after the first iteration; more do not settle soon
+
+# columns of what an iteration knows of a joint (j, KNOWN): N, P, T; the slip λ, with its sign where the joint slides;
+# −1, 0 or 1: how it slides; D's entries; what a joint that sticks misses, and its compliance
+N, P, T, SLIP, SLIDES, DUU, DUP, DUV, DPP, DPV, DVV, MISS, SOFT = range(13)
+KNOWN = 13
+
+
+class Joints(NamedTuple):
+    """`row` (j, 2), `places` (j, PLACE) and `law` (j, LAW); `which` (j,): places among the joints of the pattern."""
+
+    row: Any
+    places: Array
+    law: Array
+    which: Any
+
+
+@looped
+def pressed_bed(law: Array, h: float, u: float, phi: float) -> tuple[float, float, float, float, float]:
+    """N, P and −∂N/∂u, −∂N/∂φ, −∂P/∂φ of a joint's bed."""
+    if law[BELOW] != law[ABOVE]:
+        return bent(u, phi, h, law[BED], law[KINK], law[U0], law[PHI0], law[BELOW], law[ABOVE])
+    if law[SEGMENTS] > 0.0:
+        return points(u, phi, h, law[BED], int(law[SEGMENTS]))
+    return crushed(u, phi, h, law[BED], law[STRENGTH])
+
+
+@looped
+def _slide(law: Array, h: float, u: float, phi: float, v: float, sign: float, s: Array) -> None:
+    """Forces and stiffness of a joint that slides by |λ| = ±v − μN/k_t, into `s`; u − μ|λ| is the bed's."""
+    mu, shear = law[FRICTION], law[SHEAR]
+    w, give = u - mu * sign * v, mu * mu * shear
+    force = max(s[N], 0.0)
+    n, m, c0, c1, c2 = pressed_bed(law, h, w + give * force, phi)
+    if give > 0.0:
+        for _ in range(NEWTON):
+            change = (n - force) / (1.0 + give * c0)
+            force += change
+            n, m, c0, c1, c2 = pressed_bed(law, h, w + give * force, phi)
+            if abs(change) <= 1e-14 * force:
+                break
+    share = 1.0 / (1.0 + give * c0)
+    s[N], s[P], s[T], s[SLIP], s[SLIDES] = n, m, -sign * mu * n, v - sign * shear * mu * n, sign
+    s[DUU], s[DUP], s[DUV] = share * c0, share * c1, -mu * sign * share * c0
+    s[DPP], s[DPV], s[DVV] = c2 - c1 * c1 * give * share, -mu * sign * share * c1, mu * mu * share * c0
+    s[MISS], s[SOFT] = 0.0, 0.0
+
+
+@looped
+def _stick(law: Array, h: float, u: float, phi: float, v: float, least: float, s: Array) -> None:
+    """Forces and stiffness of a joint that sticks with the force T, into `s`."""
+    s[N], s[P], s[DUU], s[DUP], s[DPP] = pressed_bed(law, h, u, phi)
+    s[SLIP], s[SLIDES], s[DUV], s[DPV] = 0.0, 0.0, 0.0, 0.0
+    s[MISS], s[SOFT] = v + law[SHEAR] * s[T], max(law[SHEAR], least)
+    s[DVV] = 1.0 / s[SOFT]
+
+
+@looped
+def _evaluate(
+    joints: Any, x: Array, weight: float, least: float, known: Array, residual: Array
+) -> tuple[int, float]:
+    """Forces of all joints at x onto `residual`; how many change between sticking and sliding; the most they miss."""
+    row, places, law = joints.row, joints.places, joints.law
+    changed, missed = 0, 0.0
+    for k in range(len(row)):
+        p, s, mu = places[k], known[k], law[k, FRICTION]
+        du, dphi, dv = motion(p, row[k, 0], row[k, 1], x)
+        u, phi, v = p[U] + du, p[PHI] + dphi, p[V] + dv - law[k, SLID]
+        if s[SLIDES] == 0.0:
+            _stick(law[k], p[H], u, phi, v, least, s)
+            if abs(s[T]) > mu * s[N] + BEYOND * weight:
+                changed += 1
+                _slide(law[k], p[H], u, phi, v, -1.0 if s[T] > 0.0 else 1.0, s)
+        else:
+            sign = s[SLIDES]
+            _slide(law[k], p[H], u, phi, v, sign, s)
+            if sign * s[SLIP] < 0.0:
+                changed += 1
+                _stick(law[k], p[H], u, phi, v, least, s)
+        missed = max(missed, abs(s[MISS]))
+        push(p, row[k, 0], row[k, 1], s[N], s[P], s[T], residual)
+    return changed, missed
+
+
+@looped
+def _assemble(joints: Any, known: Array, mass: Array, dx: Array, stored: Array, pattern: Any) -> None:
+    """The matrix; and onto `dx` (m,) the forces that bear what joints that stick miss."""
+    row, places = joints.row, joints.places
+    diagonal(mass, stored, pattern)
+    for k in range(len(row)):
+        s = known[k]
+        stiffen(joints.which[k], places[k], row[k, 0], row[k, 1], s[DUU:], stored, pattern)
+        if s[MISS] != 0.0:
+            push(places[k], row[k, 0], row[k, 1], 0.0, 0.0, -s[MISS] / s[SOFT], dx)
+
+
+@looped
+def _follow(joints: Any, known: Array, dx: Array) -> None:
+    """Let the forces of joints that stick follow displacements dx (m,)."""
+    for k in range(len(known)):
+        s = known[k]
+        if s[SLIDES] == 0.0:
+            _, _, v = motion(joints.places[k], joints.row[k, 0], joints.row[k, 1], dx)
+            s[T] -= (s[MISS] + v) / s[SOFT]
+
+
+@looped
+def _begin(law: Array, f: Array, y: Array, unit: float, known: Array) -> None:
+    """Joints whose slip in the solution f, y was wider, per step, than their force was below its bound slide on."""
+    for k in range(len(f)):
+        s, n = known[k], f[k, 0] + f[k, 1]
+        bound, slid = law[k, FRICTION] * n, y[k, 2] - y[k, 3]
+        s[N], s[T] = n, min(max(f[k, 2], -bound), bound)
+        s[SLIDES] = 0.0
+        if abs(slid) > unit * (bound - abs(s[T])):
+            s[SLIDES] = 1.0 if slid > 0.0 else -1.0
+
+
+@looped
+def _end(joints: Any, x: Array, known: Array, f: Array, y: Array) -> None:
+    """Forces, gaps and slips as those of the interior point."""
+    row, places = joints.row, joints.places
+    for k in range(len(row)):
+        p, s = places[k], known[k]
+        couple = s[P] / p[H]
+        f[k, 0], f[k, 1], f[k, 2] = 0.5 * (s[N] - couple), 0.5 * (s[N] + couple), s[T]
+        du, dphi, _ = motion(p, row[k, 0], row[k, 1], x)
+        u, tilt = p[U] + du - joints.law[k, FRICTION] * abs(s[SLIP]), p[H] * (p[PHI] + dphi)
+        y[k, 0], y[k, 1] = max(u - tilt, 0.0), max(u + tilt, 0.0)
+        y[k, 2], y[k, 3] = max(s[SLIP], 0.0), max(-s[SLIP], 0.0)
+
+
+@compiled
+def newton(
+    row: Any, places: Array, law: Array, load: Array, mass: Array, x: Array, f: Array, y: Array, scale: Any,
+    stored: Array, packed: Any, which: Any,
+) -> tuple[int, float, float]:  # fmt: skip
+    """Iterate on x (m,) from where it is; f (j, 3) and y (j, 4) as in interior_iteration, changed where it converges.
+
+    `scale`: weight, size and step, and what is accepted of unbalanced forces per weight. Returns the number of
+    iterations, the unbalanced force per weight, infinite where it has not converged, and the gaps missed, per step.
+    """
+    pattern = unpacked(packed)
+    weight, size, step, accepted = scale
+    joints, known = Joints(row, places, law, which), np.empty((len(row), KNOWN))
+    residual, least = np.empty(len(x)), STICKING * step / weight
+    _begin(law, f, y, step / weight, known)
+    for iteration in range(MOST + 1):
+        residual[:] = load - mass * x
+        changed, missed = _evaluate(joints, x, weight, least, known, residual)
+        force, gap = unbalanced(residual, size) / weight, missed / step
+        if force <= accepted and gap <= STUCK and changed == 0:
+            _end(joints, x, known, f, y)
+            return iteration, force, gap
+        unsettled = iteration > 0 and changed > FEW + MANY * len(row)
+        if iteration == MOST or unsettled or not force < np.inf:
+            break
+        _assemble(joints, known, mass, residual, stored, pattern)
+        if not solve(stored, pattern, residual):
+            break
+        _follow(joints, known, residual)
+        x += residual
+    return iteration, np.inf, gap

@@ -1,0 +1,193 @@
+"""The equilibrium of a static step in its own displaced geometry: a sequence of programs, the geometry updated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mechanics.errors import UnsettledError
+from mechanics.kernels.joint import H
+from mechanics.kernels.law import FRICTION
+from mechanics.model.contacts import end_gaps
+from mechanics.program import certify
+from mechanics.solvers import interior
+from mechanics.solvers.interior import Iterate
+from mechanics.steps.contact_values import iterate_over, moved_over, over_all, spread, state_at_rest, taken
+from mechanics.steps.static_step import (
+    Equilibrium,
+    StepProblem,
+    check_motion,
+    displaced,
+    penetration,
+    solve_program,
+)
+from mechanics.steps.static_system import StaticSystem
+from mechanics.steps.tolerances import STEP
+from mechanics.types import Array, Index
+
+
+@dataclass(frozen=True, eq=False)
+class _Round:
+    """What one program of the sequence leaves to the next.
+
+    `at` (b, 3): positions; `forces` (j, 3): N, P and T; `iterate` of all joints, and the `distance` from the bounds at
+    which the next program begins; `slips` (j,): those whose lift is taken back; `touching`: the joints of the program;
+    `solves`: programs so far.
+    """
+
+    at: Array
+    forces: Array | None
+    iterate: Iterate | None
+    distance: float
+    slips: Array | None = None
+    touching: Index | None = None
+    alpha: float = 0.0
+    solves: int = 0
+
+
+def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | None = None) -> Equilibrium:
+    """The equilibrium near a `guess` (b, 3) of the positions; those of the supports are imposed.
+
+    A sequence of programs. Each is convex in the geometry of the positions at which it begins, and includes what the
+    last forces change as that geometry does (Newton's method for geometry and forces together); the first ones are
+    solved roughly. With Coulomb friction each takes back the lift of the last slips: where these settle, sliding does
+    not lift. `last`: a point of the path near which this one is sought. Raises NoEquilibriumError where none lies near,
+    UnsettledError where geometry and forces do not come to agree, ConvergenceError where neither can be decided.
+    """
+    system, model = problem.system, problem.system.model
+    residuals, repeats = STEP.residuals(system.behaviour), STEP.rounds(system.behaviour)
+    stages = residuals + (residuals[-1],) * repeats
+    now, best, relaxation = _begin(system, guess, last), None, Relaxation()
+    for stage, residual in enumerate(stages):
+        before, now = now, _solve_round(problem, now, residual, update_slips=stage <= STEP.slip_rounds)
+        if stage < len(residuals) - 1:
+            continue
+        if stage < STEP.slip_rounds and _slips_changed(problem, now):
+            continue
+        others = _other_contacts(system, now)
+        if others is not None:
+            now = replace(now, touching=others)
+            continue
+        found = _equilibrium(problem, now)
+        if found.certificate.worst(problem.size) <= STEP.certificate:
+            return found
+        best = _nearer(best, found)
+        way = (now.at - before.at)[model.movable] * (1.0, 1.0, model.size)
+        relaxation = relaxation.after(way)
+        now = replace(now, at=before.at + relaxation.factor * (now.at - before.at))
+    if best is not None and best.certificate.worst(problem.size) <= STEP.slow:
+        return best
+    assert now.iterate is not None
+    block = np.flatnonzero(model.movable)[_farthest(now.iterate.displacement)]
+    raise UnsettledError(f"the geometry of the step does not settle, at block {block} first")
+
+
+def _begin(system: StaticSystem, guess: Array, last: Equilibrium | None) -> _Round:
+    """Where the sequence begins: at a guess (b, 3), with the forces of a point of the path."""
+    if last is None:
+        return _Round(guess, None, None, STEP.begin)
+    forces = moved_over(last.forces, last.contacts, system.contacts)
+    iterate = last.iterate and iterate_over(last.iterate, last.contacts, system.contacts)
+    return _Round(guess, forces, iterate, STEP.begin)
+
+
+def _solve_round(problem: StepProblem, last: _Round, residual: float, update_slips: bool) -> _Round:
+    """The program in the geometry of the last round, solved to a residual."""
+    system, slips, iterate = problem.system, last.slips, last.iterate
+    if system.sliding == "coulomb" and iterate is not None and update_slips:
+        slips = _slips(iterate)
+    program, index = problem.pose(last.at, last.forces, slips, last.touching)
+    near = None if iterate is None else taken(iterate, index).warm(program, last.distance)
+    found, solves = solve_program(program, system.layout.take(index), near, residual, first=last.solves == 0)
+    at = displaced(system.model, last.at, found.displacement)
+    check_motion(problem, at)
+    count = len(system.contacts)
+    return _Round(
+        at,
+        spread(interior.solution(program, found).forces, index, count),
+        over_all(found, index, count),
+        STEP.go_on * residual,
+        slips,
+        index,
+        found.alpha,
+        last.solves + solves,
+    )
+
+
+def _slips(iterate: Iterate) -> Array:
+    """The slips (j,) m of an iterate, either way."""
+    return np.asarray(abs(iterate.gaps[:, 2] - iterate.gaps[:, 3]))
+
+
+def _slips_changed(problem: StepProblem, now: _Round) -> bool:
+    """Whether the slips differ from those whose lift was taken back, so that a gap is left."""
+    if now.slips is None or now.iterate is None:
+        return False
+    gap = abs(problem.system.law[:, FRICTION] * (_slips(now.iterate) - now.slips)).max(initial=0.0)
+    return bool(gap > STEP.slip_gap * problem.size)
+
+
+def _other_contacts(system: StaticSystem, now: _Round) -> Index | None:
+    """The joints that touch at the positions; None where they are those of the program.
+
+    Joints that carry beyond their faces are left out, those whose faces lie in each other come in.
+    """
+    assert now.forces is not None and now.touching is not None
+    places = system.contacts.places(now.at)
+    apart = places[:, H] <= system.no_overlap
+    wrong = apart & (now.forces[:, 0] > system.least_force)
+    inside = ~apart & (end_gaps(places).min(axis=1) < -STEP.inside * system.model.size)
+    inside[now.touching] = False
+    if not wrong.any() and not inside.any():
+        return None
+    touching = np.zeros(len(places), dtype=bool)
+    touching[now.touching] = True
+    return np.flatnonzero((touching & ~wrong) | inside)
+
+
+def _equilibrium(problem: StepProblem, now: _Round) -> Equilibrium:
+    """The forces and positions of a round, with the certificate of these forces in the geometry of these positions."""
+    assert now.forces is not None and now.touching is not None
+    system = problem.system
+    program, index = problem.pose(now.at, now.forces, now.slips, now.touching)
+    places = system.contacts.places(now.at)
+    return Equilibrium(
+        state_at_rest(system, now.at, now.forces),
+        system,
+        places,
+        now.forces,
+        now.alpha,
+        now.iterate,
+        certify(program, now.forces[index], now.alpha, np.zeros(len(program.load))),
+        penetration(system, places, now.forces),
+        now.solves,
+    )
+
+
+def _nearer(one: Equilibrium | None, other: Equilibrium) -> Equilibrium:
+    """The one that is nearer to equilibrium, the first of equal ones."""
+    if one is None or other.certificate.equilibrium < one.certificate.equilibrium:
+        return other
+    return one
+
+
+def _farthest(displacement: Array) -> int:
+    """Which of the movable blocks moves the farthest in displacements (m,)."""
+    return int(np.argmax(abs(displacement.reshape(-1, 3)[:, :2]).max(axis=1)))
+
+
+@dataclass(frozen=True, eq=False)
+class Relaxation:
+    """Aitken's relaxation of a fixed-point iteration: the `factor` of its last `residual`, of any shape."""
+
+    factor: float = 1.0
+    residual: Array | None = None
+
+    def after(self, residual: Array) -> Relaxation:
+        """The relaxation that the next residual asks for, between 0.1 and 1."""
+        if self.residual is None:
+            return Relaxation(self.factor, residual)
+        change = residual - self.residual
+        secant = -self.factor * (self.residual * change).sum() / max((change * change).sum(), 1e-300)
+        return Relaxation(float(np.clip(secant, 0.1, 1.0)), residual)

@@ -1,0 +1,114 @@
+"""The system of a static path: what does not change from step to step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Literal
+
+import numpy as np
+
+from mechanics.kernels.joint import H
+from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
+from mechanics.model.assembly import Assembly, Behaviour
+from mechanics.model.contacts import Contacts, end_gaps
+from mechanics.model.proximity import near
+from mechanics.solvers.elimination import Elimination
+from mechanics.steps.tolerances import STEP
+from mechanics.types import Array, Index
+
+Sliding = Literal["coulomb", "associative"]
+
+
+@dataclass(frozen=True, eq=False)
+class StaticSystem:
+    """What does not change along a path: an assembly, how its joints behave, and where blocks touch.
+
+    `law` (j, LAW): see kernels.law, but for the slip from which slides count. The contacts are those of
+    configurations whose corners are within `reach` (m) of where they are at `seen` (b, 3); None: no others than drawn.
+    """
+
+    model: Assembly
+    behaviour: Behaviour
+    sliding: Sliding
+    contacts: Contacts
+    seen: Array | None = None
+    reach: float = np.inf
+
+    def __getstate__(self) -> dict[str, object]:
+        """What is pickled: matrices are laid out anew where the system is used again."""
+        return {name: value for name, value in self.__dict__.items() if name not in {"layout", "law", "dof"}}
+
+    def around(self, positions: Array, way: float) -> StaticSystem:
+        """The system with the contacts of configurations within a `way` (m) of positions (b, 3)."""
+        model = self.model
+        if not model.collisions:
+            return self
+        if self.seen is not None and model.farthest(self.seen, positions) + way <= self.reach:
+            return self
+        reach = 2.0 * way + STEP.look_ahead * model.size
+        contacts = near(model.outlines, model.contacts, self.contacts, positions, 2.0 * reach)
+        found = replace(self, contacts=contacts, seen=positions.copy(), reach=reach)
+        if np.array_equal(contacts.edges, self.contacts.edges):
+            found.__dict__["layout"] = self.layout  # the same pairs of blocks
+        return found
+
+    def met_inside(self, before: StaticSystem, positions: Array) -> bool:
+        """Whether faces that the system `before` did not know lie in each other at positions (b, 3)."""
+        known = set(map(tuple, before.contacts.edges.tolist()))
+        new = np.array([tuple(e) not in known for e in self.contacts.edges.tolist()], dtype=bool)
+        places = self.contacts.take(np.flatnonzero(new)).places(positions)
+        inside = end_gaps(places).min(axis=1) < -STEP.inside * self.model.size
+        return bool((inside & (places[:, H] > 0.0)).any())
+
+    @property
+    def rigid(self) -> bool:
+        """Whether joints are rigid."""
+        return self.behaviour == "rigid"
+
+    @cached_property
+    def law(self) -> Array:
+        """What each joint obeys (j, LAW)."""
+        c = self.contacts
+        law = np.zeros((len(c), LAW))
+        law[:, FRICTION] = np.maximum(c.friction, STEP.least_friction)
+        law[:, STRENGTH], law[:, BED] = c.strength, np.inf
+        if not self.rigid:
+            law[:, BED], law[:, SEGMENTS] = c.bed, c.segments
+            with np.errstate(divide="ignore"):
+                law[:, SHEAR] = np.where(np.isinf(c.shear), 0.0, 1.0 / c.shear)
+        return law
+
+    @cached_property
+    def dof(self) -> Index:
+        """Degrees of freedom (j, 6) of blocks a and b of each joint."""
+        dof = self.model.dof
+        return np.concatenate([dof[self.contacts.a], dof[self.contacts.b]], axis=1)
+
+    @cached_property
+    def layout(self) -> Elimination:
+        """In which order the matrices are eliminated; signed factors, of elastic joints, stand in a band."""
+        centres = self.model.initial.positions[self.model.movable, :2]
+        return Elimination.of(self.dof, centres, banded=not self.rigid)
+
+    @property
+    def weight(self) -> float:
+        """The size of a force, kN: the mean weight of the movable blocks."""
+        return self.model.weight / float(self.model.movable.sum())
+
+    @property
+    def no_overlap(self) -> float:
+        """Half an overlap (m) that is none."""
+        return STEP.no_overlap * self.model.size
+
+    @property
+    def least_force(self) -> float:
+        """The least force (kN) of a joint that carries."""
+        return STEP.carrying * self.model.weight
+
+
+@lru_cache(maxsize=8)
+def static_system(model: Assembly, behaviour: Behaviour, sliding: Sliding = "associative") -> StaticSystem:
+    """The system of an assembly with its joints as drawn."""
+    model.check_behaviour(behaviour)
+    return StaticSystem(model, behaviour, sliding, model.contacts)

@@ -1,0 +1,61 @@
+"""Capacities that are refused, and what is said of them."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from pathlib import Path
+
+import pytest
+
+from assessment.analyses.checks.capacity import CONTRADICTION, assess
+from assessment.analyses.static.paths import crossings
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.report.text.language import words_of
+from assessment.report.text.messages import translated
+from tests.support.analysed import analysed, arch
+
+
+@pytest.fixture(scope="module")
+def capacities(tmp_path_factory):
+    """What the assessment makes of the small arch pushed towards +x, its curves changed by a function."""
+    folder: Path = arch(tmp_path_factory.mktemp("refused") / "arch")
+    project = load_project(folder)
+    model, demands = build_model(project).assembly, {}
+
+    def of(change):
+        pushovers, warnings = deepcopy(analysed()["states"]["original"]["pushover"]), []
+        change(pushovers["+x"])
+        return assess(project, model, pushovers, demands, None, warnings), warnings
+
+    return of
+
+
+@pytest.mark.parametrize(("share", "refused"), [(0.9, False), (1.1, True), (-1.1, True)])
+def test_a_mechanism_that_virtual_work_contradicts_has_no_capacity(capacities, share, refused):
+    def contradict(curves):
+        rigid = curves["rigid"]
+        rigid["virtual_work_alpha"] = (1.0 + share * CONTRADICTION) * rigid["mechanism"]["alpha"]
+
+    found, warnings = capacities(contradict)
+    assert ("+x" in found) is not refused
+    assert "-x" in found
+    assert (
+        any("+x: no capacity: virtual work on the mechanism gives α" in text for text in warnings) is refused
+    )
+
+
+def test_an_elastic_pushover_that_failed_is_not_asked_for_again(capacities):
+    found, warnings = capacities(lambda curves: curves.pop("elastic"))
+    assert "+x" not in found and "-x" in found
+    [said] = [text for text in warnings if text.startswith("+x: no capacity")]
+    assert "was asked for and gave no curve" in said and "ask for contacts" not in said
+    reason = said.removeprefix("+x: ")
+    assert "è stato richiesto" in translated(reason, words_of(analysed("it")))
+
+
+def test_jumps_below_the_accuracy_of_the_path_are_left_out():
+    """Increments of 0.5 mm, located to 1/32: the first jump is rounding, told twice; the next two are one."""
+    jumps = [[7.757e-12, 7.272e-12], [7.757e-12, 7.272e-12], [0.002, 0.003], [0.003, 0.0035]]
+    [said] = crossings("a wall", jumps, 0.0005)
+    assert said.startswith("a wall: between d = 0.002 and 0.0035 m")

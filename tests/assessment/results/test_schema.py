@@ -1,0 +1,176 @@
+"""results.json and its schema: what is written is described, and what is not as described is refused."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Iterator
+from types import UnionType
+from typing import Any, Union, get_args, get_origin
+
+import pytest
+from pydantic import BaseModel
+
+from assessment.cli.main import main
+from assessment.results.file import UndocumentedError, as_bytes, read_results
+from assessment.results.schema import FORMAT, Results, json_schema
+from tests.support.analysed import analysed
+from tests.support.results_example import results_example, with_frames
+
+UNITS = {"m": "m", "kN": "kN", "kNm": "kNm", "g": "g", "s": "s", "rad": "rad", "m2": "kN/m²", "s2": "m/s²"}
+
+
+def parts(annotation: Any = Results) -> Iterator[type[BaseModel]]:
+    """Every table below an annotation."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+        for field in annotation.model_fields.values():
+            yield from parts(field.annotation)
+    for inner in get_args(annotation):
+        yield from parts(inner)
+
+
+TABLES = sorted(set(parts()), key=lambda table: table.__name__)
+
+
+def plain(annotation: Any) -> set[Any]:
+    """What a value is made of in the end."""
+    if get_origin(annotation) in (Union, UnionType, list):
+        return {each for inner in get_args(annotation) for each in plain(inner)}
+    return {annotation}
+
+
+@pytest.mark.parametrize("table", TABLES, ids=lambda table: table.__name__)
+def test_every_key_has_a_meaning_and_every_number_a_unit(table):
+    assert table.__doc__
+    for name, field in table.model_fields.items():
+        assert field.description, name
+        unit = (field.json_schema_extra or {}).get("unit")
+        if float in plain(field.annotation):
+            assert unit, name
+        suffix = name.rpartition("_")[2]
+        if suffix in UNITS and unit and unit != "m, rad":
+            assert unit == UNITS[suffix], name
+
+
+def test_the_words_are_plain_enough_for_a_table():
+    """A bar would end a cell of the page that is made of them."""
+    for table in TABLES:
+        for name, field in table.model_fields.items():
+            assert "|" not in field.description and "\n" not in field.description, name
+
+
+@pytest.fixture(scope="module")
+def results() -> dict[str, Any]:
+    return analysed()
+
+
+def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """The path of every table of results, one of each list."""
+    if isinstance(value, dict):
+        yield path
+        for key, inner in value.items():
+            yield from places(inner, (*path, key))
+    elif isinstance(value, list) and value:
+        yield from places(value[0], (*path, 0))
+
+
+def at(value: Any, path: tuple[Any, ...]) -> Any:
+    for part in path:
+        value = value[part]
+    return value
+
+
+FREE = {"echo", "inputs", "packages", "timing_s", "levels"}
+"""Tables whose keys are names."""
+
+
+def described(results: dict[str, Any]) -> list[tuple[Any, ...]]:
+    """Tables of results whose keys the schema knows, one of each kind."""
+    named = {"states", "spectra", "pushover", "capacity"}  # one level of names
+    found: dict[tuple[Any, ...], tuple[Any, ...]] = {}
+    for path in places(results):
+        if not FREE & {*path} and not (path and path[-1] in named):
+            kind = tuple(part for part, above in zip(path, (None, *path), strict=False) if above not in named)
+            found.setdefault(kind, path)
+    return list(found.values())
+
+
+def test_an_undocumented_key_is_refused_in_every_table(results):
+    for path in described(results):
+        at(results, path)["undocumented"] = 1.0
+        with pytest.raises(UndocumentedError, match=r"undocumented: unknown key$"):
+            as_bytes(results)
+        del at(results, path)["undocumented"]
+    as_bytes(results)
+
+
+def test_a_missing_key_is_refused(results):
+    """The schema knows which ones a table has always: those named as required in the JSON schema."""
+    required = {
+        name: set(table["required"]) for name, table in json_schema()["$defs"].items() if "required" in table
+    }
+    wanted = {
+        "ModelSummary": ("model",),
+        "Block": ("geometry", "blocks", 0),
+        "History": ("states", "original", "history", 0),
+        "RigidPush": ("states", "original", "pushover", "+x", "rigid"),
+    }
+    for name, path in wanted.items():
+        table = at(results, path)
+        assert required[name] <= table.keys()
+        for key in required[name]:
+            value = table.pop(key)
+            with pytest.raises(UndocumentedError, match=rf"\.{key}: missing$"):
+                as_bytes(results)
+            table[key] = value
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), "0.1", True, [0.1]])
+def test_a_number_is_a_number(results, value):
+    changed = copy.deepcopy(results)
+    changed["model"]["weight_kN"] = value
+    with pytest.raises(UndocumentedError, match=r"^results\.json: model\.weight_kN: "):
+        as_bytes(changed)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            lambda c: c.pop("format"),
+            f"format: no format, this version reads {FORMAT}: written by another version",
+        ),
+        (lambda c: c.update(format=FORMAT + 1), f"format: format {FORMAT + 1}, this version reads {FORMAT}"),
+        (lambda c: c["model"].pop("weight_kN"), "model.weight_kN: missing: damaged, or written by another"),
+        (
+            lambda c: c["geometry"]["blocks"][1].update(depth_m=None),
+            "geometry.blocks[1].depth_m: Input should be",
+        ),
+        (lambda c: c["quality"].update(a=1, b=2), "quality.a: unknown key (and 1 more): damaged"),
+        (lambda c: c.pop("geometry"), "geometry: missing: damaged"),
+    ],
+    ids=["no format", "newer", "missing", "null", "unknown", "cut short"],
+)
+def test_what_is_read_is_held_against_the_schema(results, tmp_path, change, said):
+    """One message that names file and key."""
+    content = copy.deepcopy(results)
+    change(content)
+    path = tmp_path / "results.json"
+    path.write_text(json.dumps(content), encoding="utf-8")
+    with pytest.raises(ValueError) as caught:
+        read_results(path)
+    assert str(caught.value).startswith(f"{path}: {said}")
+    assert str(caught.value).endswith("; run the project again")
+
+
+def test_the_schema_of_results_is_printed(capsys):
+    assert main(["schema", "--results"]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    assert schema == json_schema()
+    assert schema["properties"]["timing_s"]["unit"] == "s"
+    assert schema["$defs"]["Check"]["properties"]["zeta_E"]["description"].startswith("ratio of a_g S")
+
+
+def test_the_example_of_other_tests_is_results():
+    as_bytes(with_frames(results_example()))
