@@ -19,6 +19,7 @@ from assessment.project.schema import (
     ORIGINAL,
     VARIED,
     AssessmentTable,
+    CampaignTable,
     FloorTable,
     KeyPath,
     KnowledgeTable,
@@ -28,6 +29,7 @@ from assessment.project.schema import (
     SensitivityTable,
     SettlementTable,
     SiteTable,
+    StatesTable,
 )
 from assessment.runtime.errors import nearest
 
@@ -168,6 +170,8 @@ def _stiffness(project: ProjectContent) -> Iterator[Problem]:
         needed_by.append("pushover.contacts")
     if incremental and incremental.contacts == "elastic":
         needed_by.append("incremental.contacts")
+    if project.campaign and project.campaign.contacts == "elastic":
+        needed_by.append("campaign.contacts")
     if assessment and assessment.model != "none":
         needed_by.append("assessment.model")
     if needed_by:
@@ -179,7 +183,8 @@ def _stiffness(project: ProjectContent) -> Iterator[Problem]:
 
 
 def _control(project: ProjectContent) -> Iterator[Problem]:
-    if not project.control and (project.pushover or project.history or project.incremental):
+    moved = project.pushover or project.history or project.incremental or project.campaign
+    if not project.control and moved:
         yield Problem(("control",), "no control point; add [[control]] with name and point_m")
         return
     references: list[tuple[KeyPath, str | None]] = [
@@ -192,6 +197,8 @@ def _control(project: ProjectContent) -> Iterator[Problem]:
         references += [(("pushover", "control"), control)] if isinstance(control, str) else []
     if project.incremental:
         references.append((("incremental", "control"), project.incremental.control))
+    if project.campaign:
+        references.append((("campaign", "control"), project.campaign.control))
     for path, name in references:
         if name is not None:
             yield from _known(path, name, [point.name for point in project.control], "control point")
@@ -227,16 +234,69 @@ def _motions(project: ProjectContent, folder: Path) -> Iterator[Problem]:
         if history.scale == 0.0:
             yield Problem((*path, "scale"), "0 leaves no motion; write 1.0 for the record as it is")
         yield from _motion(project, path, history)
+        yield from _states(project, path, history)
     if project.incremental:
-        for index, pattern in enumerate(project.incremental.records):
-            try:
-                found = matches(folder, pattern)
-            except ValueError as error:
-                yield Problem(("incremental", "records", index), f'"{pattern}": {error}')
-                continue
-            if not found:
-                yield from _file(folder, ("incremental", "records", index), pattern)
+        yield from _records(folder, ("incremental", "records"), project.incremental.records)
         yield from _motion(project, ("incremental",), project.incremental)
+        yield from _states(project, ("incremental",), project.incremental)
+    if project.campaign:
+        yield from _campaign(project, project.campaign, folder)
+
+
+def _records(folder: Path, path: KeyPath, patterns: Iterable[str]) -> Iterator[Problem]:
+    for index, pattern in enumerate(patterns):
+        try:
+            found = matches(folder, pattern)
+        except ValueError as error:
+            yield Problem((*path, index), f'"{pattern}": {error}')
+            continue
+        if not found:
+            yield from _file(folder, (*path, index), pattern)
+
+
+def _campaign(project: ProjectContent, campaign: CampaignTable, folder: Path) -> Iterator[Problem]:
+    path: KeyPath = ("campaign",)
+    generated = [name for name in campaign.records if name.startswith("generate:")]
+    if generated and not campaign.generated:
+        text = f'"{generated[0]}" is no number of records; write "generate:7" or another number from 1 to 999'
+        yield Problem((*path, "records"), text)
+    elif generated and len(campaign.records) > 1:
+        yield Problem((*path, "records"), f'"{generated[0]}" stands alone; write it, or files')
+    elif not generated:
+        yield from _records(folder, (*path, "records"), campaign.records)
+    yield from _motion(project, path, campaign)
+    if not project.settlements:
+        yield Problem((*path, "settlements"), "no movement; add [[settlements]] with name and support")
+    for index, name in enumerate(campaign.settlements or ()):
+        yield from _known((*path, "settlements", index), name, project.states[1:], "settlement")
+    if campaign.measure == "Sa(T)" and campaign.period_s is None:
+        yield Problem(
+            (*path, "period_s"), 'missing, but measure = "Sa(T)" asks for it; add the period T, in s'
+        )
+    if campaign.measure == "PGA" and campaign.period_s is not None:
+        yield Problem((*path, "period_s"), 'the PGA has no period; leave it out or write measure = "Sa(T)"')
+    if campaign.method == "stripes" and campaign.levels_g is None:
+        yield Problem((*path, "levels_g"), 'missing, but method = "stripes" asks for it; add levels in g')
+    if campaign.method == "incremental" and campaign.levels_g is not None:
+        text = 'the incremental search finds its own levels; leave it out or write method = "stripes"'
+        yield Problem((*path, "levels_g"), text)
+    for key in ("shares", "levels_g"):
+        values = getattr(campaign, key) or ()
+        if list(values) != sorted(values):
+            yield Problem((*path, key), "not in order; write the smallest first")
+    for key in ("periods_s", "scale_limits"):
+        low, high = getattr(campaign, key)
+        if not low < high:
+            yield Problem((*path, key), f"[{low:g}, {high:g}]: write the lower one, then the higher one")
+    by_site = project.assessment and project.assessment.site and project.assessment.spectrum == "ntc"
+    if (campaign.generated or campaign.spectrum_compatible) and not by_site:
+        text = 'the spectrum of the site is asked for; add [assessment.site], with spectrum = "ntc"'
+        yield Problem((*path, "records" if campaign.generated else "spectrum_compatible"), text)
+
+
+def _states(project: ProjectContent, path: KeyPath, motion: StatesTable) -> Iterator[Problem]:
+    for index, name in enumerate(motion.states or ()):
+        yield from _known((*path, "states", index), name, project.states, "state")
 
 
 def _motion(project: ProjectContent, path: KeyPath, motion: MotionTable) -> Iterator[Problem]:
@@ -247,8 +307,6 @@ def _motion(project: ProjectContent, path: KeyPath, motion: MotionTable) -> Iter
     if motion.integrator == "moreau-jean" and motion.contacts == "elastic":
         text = 'moreau-jean is for rigid contacts; write "auto", "second-order" or "implicit-euler"'
         yield Problem((*path, "integrator"), text)
-    for index, name in enumerate(motion.states or ()):
-        yield from _known((*path, "states", index), name, project.states, "state")
 
 
 def _assessment(project: ProjectContent, assessment: AssessmentTable) -> Iterator[Problem]:

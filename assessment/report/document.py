@@ -22,6 +22,7 @@ from assessment.report.judgement import all_warnings, draft_judgement, worst_sce
 from assessment.report.pdf import command, load_weasyprint
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import index as tables
+from assessment.report.tables.campaign import reported_campaign
 from assessment.report.tables.convergence import convergence_tables, reported
 from assessment.report.tables.dynamic import (
     energy,
@@ -64,6 +65,7 @@ CHAPTERS = (
 )
 DYNAMIC = ("history", "incremental")  # chapters before the comparison, where their stages were asked for
 STUDIES = ("scenarios", "sensitivity")  # likewise
+CAMPAIGN = "campaign"  # likewise, behind them
 ONSET = 0.01  # of α_0: an onset below it by more is that of a part
 
 
@@ -174,6 +176,7 @@ def _chapters(results: Results) -> list[str]:
     """Return the chapters of the report: those of studies and dynamic stages only where they were asked for."""
     asked = [name for name in STUDIES if results.get(name)]
     asked += [name for name in DYNAMIC if any(content.get(name) for content in results["states"].values())]
+    asked += [CAMPAIGN] if results.get(CAMPAIGN) else []
     place = CHAPTERS.index("comparison")
     return [*CHAPTERS[:place], *asked, *CHAPTERS[place:]]
 
@@ -197,7 +200,9 @@ class Counter:
 
 def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[dict[str, object]]]:
     """Return per chapter PNG file, caption and data address of each figure; as images, their ids cannot clash."""
-    found: dict[str, list[dict[str, object]]] = {chapter: [] for chapter in (*CHAPTERS, *STUDIES, *DYNAMIC)}
+    found: dict[str, list[dict[str, object]]] = {
+        chapter: [] for chapter in (*CHAPTERS, *STUDIES, *DYNAMIC, CAMPAIGN)
+    }
     for picture in pictures(results):
         svg = base64.b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()
         what = words(f"caption.{picture.caption}", **picture.fields)
@@ -245,6 +250,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         energy(results),
         incremental(results),
         incremental_states(results),
+        *reported_campaign(results),
         static_dynamic(results),
         *(reported(table, words) for table in convergence_tables(results)),
         tables.quality(results),

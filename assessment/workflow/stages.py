@@ -49,13 +49,15 @@ def run(
     fresh: bool = False,
     show: Show = SILENCE,
     meanwhile: Callable[[], object] | None = None,
+    scheduler: str | None = None,
 ) -> Outcome:
     """Carry out every stage that the project asks for.
 
-    `jobs`: processes, 0: as many as help; `store`: where finished analyses are kept, and taken from unless `fresh`;
+    `jobs`: processes, 0: as many as help; `scheduler`: of a Dask cluster in their place; `store`: where finished
+    analyses are kept, and taken from unless `fresh`;
     `meanwhile`: what this process does, once, while others compute.
     """
-    with Workers(jobs, store, fresh, show, meanwhile=meanwhile) as workers:
+    with Workers(jobs, store, fresh, show, meanwhile=meanwhile, scheduler=scheduler) as workers:
         results, complete = _stages(project, model, workers)
     if store:
         store.prune()
@@ -127,7 +129,9 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
         results["timing_s"]["assessment"] = time.perf_counter() - began
     if project.mechanism:
         results["mechanisms"] = assess_chosen(project, assembly, states, demands, hazard, warnings)
-    studied = add_studies(results, project, assembly, stages, converged.halvings, demands, hazard, workers)
+    studied = add_studies(
+        results, project, assembly, stages, converged.halvings, demands, hazard, motions.campaign, workers
+    )
     shaken = add_dynamics(results, project, assembly, motions, stages, workers)
     if project.assessment or project.incremental:
         results["comparison"] = _comparison(states)

@@ -9,6 +9,7 @@ from typing import Any
 from assessment.ntc.limit_states import CHECKS
 from assessment.report.cracks import cracks
 from assessment.report.joints import edge_pressures
+from assessment.report.tables.campaign import campaign_tables
 from assessment.report.tables.capacity import (
     action,
     capacity_curves,
@@ -88,6 +89,7 @@ def tables(results: Results) -> list[Table]:
         *index_tables(results),
         *study_tables(results),
         *dynamic_tables(results),
+        *campaign_tables(results),
         *convergence_tables(results),
     ]
 

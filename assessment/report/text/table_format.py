@@ -38,6 +38,7 @@ MILLIMETRES = {
     "highest_peak_m",
 }
 PERCENT = {"PAM", "damping", "reduction", "static_reduction", "dynamic_reduction"}
+PERCENT |= {"dynamic_loss", "dynamic_loss_low", "dynamic_loss_high", "static_loss"}
 PERCENT |= {"deviation", "hand_deviation", "relative_error", "relative_scatter", "integrator_share"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
 TEXT |= {
@@ -66,6 +67,8 @@ TEXT |= {
     "collapsed",
     "resurrections",
     "integrator",
+    "settlement",
+    "rule",
 }
 Label = TypeVar("Label", str, Markup)
 ROCK_COLUMNS = {
@@ -203,7 +206,7 @@ def _name(column: str, value: Any, words: Words) -> str:
         return words.state(value)
     if column == "direction":
         return direction_name(value)
-    if column in {"contacts", "property"}:
+    if column in {"contacts", "property", "rule"}:
         return words.plain(f"value.{value}")
     if column == "verified" and value is not None:
         return words.plain("value.verified" if value else "value.not_verified")

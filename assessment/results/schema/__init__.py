@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
+from assessment.results.schema.campaign import Campaign
 from assessment.results.schema.checks import (
     Capacity,
     ComparisonRow,
@@ -59,6 +60,7 @@ class Results(Part):
     comparison: list[ComparisonRow] = key("settled states beside the original one")
     scenarios: Scenarios | None = optional("all movements side by side")
     sensitivity: Sensitivity | None = optional("every state with each property lower and higher")
+    campaign: Campaign | None = optional("fragility and loss of capacity against movement")
     convergence: Convergence = key("estimated errors")
     quality: Quality = key("certificates and warnings")
     timing_s: dict[str, float] = key("computing time by analysis", "s")
