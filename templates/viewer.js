@@ -21,12 +21,14 @@
   };
   const drawn = bounds(data.blocks.flatMap((block) => block.vertices));
   const size = Math.max(drawn[2] - drawn[0], drawn[3] - drawn[1]);
-  let path, frame, configuration, force, centre, joints, times, playing = null;
+  let path, frame, configuration, force, centre, joints, times, over = null, playing = null;
 
   // ---- geometry ----
-  const motion = (block) => configuration.subarray(3 * (frame * data.blocks.length + block)).subarray(0, 3);
-  const placed = ([x, z], block, magnified = times) => {
-    const [dx, dz, turn] = motion(block), [cx, cz] = data.blocks[block].centroid;
+  const motion = (block, of = configuration, at = frame) =>
+    of.subarray(3 * (at * data.blocks.length + block)).subarray(0, 3);
+  const placed = (point, block, magnified = times) => displaced(point, block, motion(block), magnified);
+  const displaced = ([x, z], block, [dx, dz, turn], magnified) => {
+    const [cx, cz] = data.blocks[block].centroid;
     const [c, s] = [Math.cos(turn), Math.sin(turn)], [ax, az] = [x - cx, z - cz];
     return [x + magnified * (dx + c * ax - s * az - ax), z + magnified * (dz + s * ax + c * az - az)];
   };
@@ -103,6 +105,10 @@
       if (["partial", "sliding", "idle"].includes(joint.condition))
         parts.push(`<polyline class="joint ${joint.condition}" points="${line(joint.ends)}"/>`);
     });
+    if (over) data.blocks.forEach((block, index) => {
+      const moved = motion(index, over.configuration, nearest(over.path, path.frames.x[frame]));
+      parts.push(`<polygon class="over" points="${outline(block, (v) => displaced(v, index, moved, times))}"/>`);
+    });
     if ($("viewer-forces").checked) parts.push(...forces(states));
     states.forEach((joint, index) =>
       parts.push(`<polyline class="touch" data-joint="${index}" points="${line(joint.ends)}"/>`));
@@ -139,7 +145,12 @@
     if (high - low < 1e-12) high = low + 1;
     return Object.assign((v) => from + ((v - low) / (high - low)) * (to - from), { low, high });
   };
-  const finite = (key) => path.series.flatMap((each) => each[key]).filter(Number.isFinite);
+  const nearest = (other, x) => {
+    const off = other.frames.x.map((value) => Math.abs(value - x));
+    return off.indexOf(Math.min(...off));
+  };
+  const shownTogether = () => [...path.series, ...(over ? over.path.series : [])];
+  const finite = (key) => shownTogether().flatMap((each) => each[key]).filter(Number.isFinite);
   const drawCurve = () => {
     scaleX = scale(finite("x"), M.left, W - M.right);
     scaleY = scale(finite("y"), H - M.bottom, M.top);
@@ -153,6 +164,10 @@
     path.series.forEach((each, k) => {
       const points = each.x.map((x, i) => `${scaleX(x).toFixed(2)},${scaleY(each.y[i]).toFixed(2)}`).join(" ");
       parts.push(`<polyline class="series s${k}" points="${points}"/>`);
+    });
+    if (over) over.path.series.forEach((each) => {
+      const points = each.x.map((x, i) => `${scaleX(x).toFixed(2)},${scaleY(each.y[i]).toFixed(2)}`).join(" ");
+      parts.push(`<polyline class="series over" points="${points}"/>`);
     });
     parts.push(`<text x="${(M.left + W - M.right) / 2}" y="${H - 8}" text-anchor="middle">${safe(path.x_label)}</text>`,
       `<text transform="translate(12 ${(M.top + H - M.bottom) / 2}) rotate(-90)" text-anchor="middle">${safe(path.y_label)}</text>`,
@@ -169,8 +184,9 @@
       marker.setAttribute("cx", scaleX(x)); marker.setAttribute("cy", scaleY(y));
       return `${each.label} = ${number(y)}`;
     });
-    $("viewer-values").textContent =
-      `${frame + 1}/${path.frames.x.length}   ${path.x_label}: ${number(x)}   ${shown.join("   ")}`;
+    const said = [`${frame + 1}/${path.frames.x.length}`, `${path.x_label}: ${number(x)}`, ...shown];
+    $("viewer-values").textContent = said.join("   ");
+    slider.setAttribute("aria-valuetext", said.join("; "));
   };
 
   // ---- state ----
@@ -199,9 +215,34 @@
     joints = [...data.joints, ...path.frames.met].map(faced);
     slider.max = path.frames.x.length - 1;
     frame = 0;
+    offer(index);
     magnify();
     drawCurve();
     show(0);
+  };
+  const offer = (index) => {
+    // the jumps of this path, and the paths of the same axes that can lie over it
+    $("viewer-jumps").replaceChildren(...path.jumps.map(({ label, x }) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = `${label} = ${number(x)} mm`;
+      button.addEventListener("click", () => { stop(); show(nearest(path, x)); });
+      return button;
+    }));
+    const select = $("viewer-over");
+    while (select.options.length > 1) select.remove(1);
+    data.paths.forEach((each, other) => {
+      if (other !== index && each.x_label === path.x_label && each.y_label === path.y_label)
+        select.add(new Option(each.title, other));
+    });
+    select.value = "";
+    over = null;
+  };
+  const lay = () => {
+    const chosen = $("viewer-over").value, other = chosen === "" ? null : data.paths[+chosen];
+    over = other && { path: other, configuration: floats(other.frames.configuration) };
+    drawCurve();
+    show(frame);
   };
   const magnify = () => { times = +$("viewer-times").value; fit(); };
   const stop = () => { clearInterval(playing); playing = null; $("viewer-play").textContent = "▶"; };
@@ -252,6 +293,7 @@
   choice.addEventListener("change", () => { stop(); select(+choice.value); });
   slider.addEventListener("input", () => { stop(); show(+slider.value); });
   $("viewer-times").addEventListener("change", () => { magnify(); show(frame); });
+  $("viewer-over").addEventListener("change", lay);
   $("viewer-forces").addEventListener("change", () => show(frame));
   $("viewer-play").addEventListener("click", play);
   shape.addEventListener("pointermove", hover);

@@ -1,4 +1,4 @@
-"""The command line: assesto run, check, new, convert, schema, report, benchmark."""
+"""The command line: assesto run, check, status, new, convert, schema, report, benchmark."""
 
 from __future__ import annotations
 
@@ -27,7 +27,16 @@ BENCHMARKS = (
     "statics", "dynamics", "ensembles", "dissipation", "collapse", "steps", "growth", "walls", "chain", "skips"
 )  # fmt: skip
 TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
-STAGES = ("pushdown", "pushover", "history", "incremental", "assessment", "scenarios", "sensitivity")
+STAGES = (
+    "pushdown",
+    "pushover",
+    "history",
+    "incremental",
+    "campaign",
+    "assessment",
+    "scenarios",
+    "sensitivity",
+)
 EXAMPLES = {  # what the help of each command ends with; "": of all of them
     "": ("assesto new arch --template buttressed-arch", "assesto run arch"),
     "run": ("assesto run arch", "assesto run arch --only pushdown,pushover --out trial"),
@@ -39,6 +48,7 @@ EXAMPLES = {  # what the help of each command ends with; "": of all of them
     "convert": ("assesto convert arch", "assesto convert ../survey/arch"),
     "schema": ("assesto schema > project.schema.json", "assesto schema --results > results.schema.json"),
     "report": ("assesto report arch", "assesto report arch --out trial"),
+    "status": ("assesto status arch", "assesto status arch --out trial"),
     "benchmark": ("assesto benchmark --quick", "assesto benchmark statics steps --out measured"),
 }
 COMMANDS = tuple(EXAMPLES)[1:]
@@ -162,6 +172,11 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--jobs", type=_jobs, default=0, metavar="N", help="processes (default: as many as help)"
     )
+    run.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="a running Dask cluster that computes instead, such as tcp://host:8786",
+    )
     run.add_argument("--no-report", action="store_true", help="numbers, tables and figures only")
     run.add_argument(
         "--fresh", action="store_true", help="compute again what an earlier run has already computed"
@@ -177,6 +192,15 @@ def _parser() -> argparse.ArgumentParser:
         "--out", type=_folder, metavar="DIR", help="folder of model.svg (default: PROJECT/output)"
     )
     check.set_defaults(command=_check)
+
+    status = commands.add_parser(
+        "status", help="tell what a run under way is at, what failed, and how long it takes", **_end("status")
+    )
+    _add_project(status)
+    status.add_argument(
+        "--out", type=_folder, metavar="DIR", help="folder of the results (default: PROJECT/output)"
+    )
+    status.set_defaults(command=_status)
 
     new = commands.add_parser("new", help="make a new project folder from a template", **_end("new"))
     new.add_argument("folder", type=_folder, metavar="DIR", nargs="?", help="the folder to make")
@@ -282,7 +306,13 @@ def _run(options: argparse.Namespace) -> int:
     folder = _writable(options.out or project.folder / "output")
     with progress() as show:
         outcome, warnings = carry_out(
-            project, folder, options.jobs, options.fresh, not options.no_report, show
+            project,
+            folder,
+            options.jobs,
+            options.fresh,
+            not options.no_report,
+            show,
+            options.scheduler,
         )
     say((as_json if options.json else summary)(outcome, folder, warnings))
     return DONE if outcome.complete else INCOMPLETE
@@ -328,6 +358,15 @@ def _check(options: argparse.Namespace) -> int:
     say(f"drawing of the model: {drawing}")
     for line in told(results["model"]["warnings"]):
         say(line)
+    return DONE
+
+
+def _status(options: argparse.Namespace) -> int:
+    from assessment.runtime.status import status
+
+    if not options.project.is_dir():
+        raise ValueError(f"{options.project}: no such folder; give the folder of the project")
+    say(status(options.out or options.project / "output"))
     return DONE
 
 

@@ -31,11 +31,39 @@ class Solved:
     notes: tuple[str, ...]
 
 
-def solve_activation(capacity: CapacityCurve, spectrum: Spectrum, method: Method, q: float = 1.0) -> Solved:
-    """Return where S_e(0) = q a_0* or, with an elastic branch (2019), S_e(T_0) = q a_y* at 5 % damping."""
-    d_star, a_star, T, symbol = None, capacity.a_0_star, 0.0, "a_0_star"
-    if method.circular == "2019" and capacity.a_y_star is not None and capacity.T_0 is not None:
-        d_star, a_star, T, symbol = capacity.d_y_star, capacity.a_y_star, capacity.T_0, "a_y_star"
+def solve_linear(capacity: CapacityCurve, spectrum: Spectrum, method: Method, q: float = 1.0) -> Solved:
+    """Return where S_e(0) = q a_0*, of the rigid multiplier: a_g S at the ground, a_Z at height (C8.7.1.2)."""
+    return _solve_acceleration(capacity.a_0_star, "a_0_star", None, 0.0, spectrum, method, q)
+
+
+def solve_elastic(capacity: CapacityCurve, spectrum: Spectrum, method: Method) -> Solved:
+    """Return where S_e(T_0) = a_y*, the end of the elastic branch (Circolare 7/2019, C8.7.1.2).
+
+    Raises CapacityError where the capacity curve has no elastic branch.
+    """
+    if capacity.a_y_star is None or capacity.T_0 is None:
+        raise CapacityError("the capacity curve has no elastic branch")
+    return _solve_acceleration(
+        capacity.a_y_star, "a_y_star", capacity.d_y_star, capacity.T_0, spectrum, method
+    )
+
+
+def solve_activation(capacity: CapacityCurve, spectrum: Spectrum, method: Method) -> Solved:
+    """Return where the capacity curve is left: at a_y* and T_0, or at a_0* where it is rigid (and in 2009)."""
+    rigid = method.circular == "2009" or capacity.T_0 is None
+    return (solve_linear if rigid else solve_elastic)(capacity, spectrum, method)
+
+
+def _solve_acceleration(
+    a_star: float,
+    symbol: str,
+    d_star: float | None,
+    T: float,
+    spectrum: Spectrum,
+    method: Method,
+    q: float = 1.0,
+) -> Solved:
+    """Return where S_e(T) = q a* at 5 % damping, with the symbol that a* has in the steps."""
 
     def demand(s: Spectrum) -> float:
         return float(s.acceleration(T))
@@ -44,7 +72,7 @@ def solve_activation(capacity: CapacityCurve, spectrum: Spectrum, method: Method
     S_e = demand(base)
     a_g = base.ag * q * a_star / S_e
     numbers = {"a_g": base.ag, symbol: a_star, "S_e": S_e}
-    name, formula, governing = "a_g_act", f"a_g*{symbol}/S_e", "activation"
+    name, formula, governing = "a_g_act", f"a_g*{symbol}/S_e", "activation" if T == 0.0 else "elastic branch"
     if q != 1.0:
         name, formula, governing = "a_g_linear", f"q*{formula}", "q times activation"
         numbers["q"] = q
@@ -111,14 +139,20 @@ def _limit(
     symbol = "d_u" if method.circular == "2009" else f"d_{limit_state}"
     share, law = f"{rule.share:g}*d_0_star", LAW[method.circular]
     d, governing = rule.share * d_0, f"{rule.share:.2f} d_0"
-    local = method.local_limits.get(limit_state)
-    if local is None:
+    local, elastic = method.local_limits.get(limit_state), capacity.fit.elastic_end
+    limits = {"d_local": (local, "local limit"), "d_elastic": (elastic, "end of the elastic curve")}
+    known = {name: (value, reason) for name, (value, reason) in limits.items() if value is not None}
+    if not known:
         return d, governing, step(symbol, share, d, "m", law, d_0_star=d_0)
-    if local * Gamma < d:
-        d, governing = local * Gamma, "local limit"
-    source = f"{law}; local limit: {method.local_reason or 'given, without a reason'}"
-    line = step(symbol, f"min({share}, d_local*Gamma_star)", d, "m", source, d_0_star=d_0, d_local=local,
-                Gamma_star=Gamma)  # fmt: skip
+    for value, reason in known.values():
+        if value * Gamma < d:
+            d, governing = value * Gamma, reason
+    source = (
+        law if local is None else f"{law}; local limit: {method.local_reason or 'given, without a reason'}"
+    )
+    formula = ", ".join((share, *(f"{name}*Gamma_star" for name in known)))
+    line = step(symbol, f"min({formula})", d, "m", source, d_0_star=d_0, Gamma_star=Gamma,
+                **{name: value for name, (value, _) in known.items()})  # fmt: skip
     return d, governing, line
 
 

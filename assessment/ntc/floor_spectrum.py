@@ -39,6 +39,12 @@ class Mode:
         require(0.0 < self.damping < 1.0, "damping", self.damping, "a fraction of critical: 0.05 for 5 %")
 
 
+def fundamental_period(building_height: float) -> Step:
+    """Return the step of T_1 = C_1 H^(3/4) (s), C_1 = 0.05, H (m) up to 40 (C7.3.3.2 [k])."""
+    T_1 = 0.05 * float(building_height**0.75)
+    return step("T_1", "0.05*H**0.75", T_1, "s", "Circolare 7/2019, C7.3.3.2", H=building_height)
+
+
 def first_mode(
     period: float, storeys: int, height: float, building_height: float, damping: float = 0.05
 ) -> Mode:

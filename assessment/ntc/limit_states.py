@@ -1,5 +1,10 @@
-"""The limit states of NTC 2018, §2.1, in the orders that checks, quotations and indices use."""
+"""The limit states of NTC 2018, §2.1, in the orders that checks, quotations and indices use; references of a_g."""
 
-CHECKS = ("SLO", "SLD", "SLV linear", "SLV", "SLC")  # beside the nonlinear check at SLV the linear one
+# SLO, SLD and "SLV linear" are the linear kinematic check (a_0* of the rigid multiplier); "elastic" is the end of the
+# elastic branch of a curve that has one; SLV and SLC are the nonlinear check
+CHECKS = ("SLO", "SLO elastic", "SLD", "SLD elastic", "SLV linear", "SLV", "SLC")
+LINEAR = ("SLO", "SLD", "SLV linear")
 QUOTED = ("SLC", "SLV", "SLD", "SLO")  # the farthest first
 INDEXED = ("SLV", "SLC")  # where the ratio of a_g borne to a_g demanded is the index ζ_E (NTC 2018, §8.3)
+
+ROCK, SURFACE = "rock", "surface"  # of an acceleration: on rigid ground (category A) without S, or with it

@@ -41,7 +41,8 @@ class Method:
     [T_0, T], which differs from S_De(T) for records and beyond T_E; "at_period": S_De(T), as in the paper.
     local_limits: displacement of the control point (m) at which an element is lost (a beam unseats), per
     limit state; local_reason: what is lost, for the calculation. site_acceleration: a_g S of the site (g) per
-    limit state, compared with the peak acceleration where the spectrum is a record's.
+    limit state, compared with the peak acceleration where the spectrum is a record's. return_periods: T_R of the
+    demand (years) per limit state, where it is known.
     """
 
     behaviour_factor: float = 2.0
@@ -52,6 +53,7 @@ class Method:
     local_limits: Mapping[str, float] = field(default_factory=dict)
     local_reason: str = ""
     site_acceleration: Mapping[str, float] = field(default_factory=dict)
+    return_periods: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         require(self.behaviour_factor >= 1.0, "behaviour_factor", self.behaviour_factor, "1 or more")

@@ -11,25 +11,33 @@ from fnmatch import fnmatch
 from itertools import islice
 from pathlib import Path
 
+from assessment.ntc.hazard import return_period
+from assessment.ntc.indices import COMPONENTS, confidence_factor
 from assessment.project.errors import Problem
 from assessment.project.schema import (
     MOST_ENTRIES,
     ORIGINAL,
     VARIED,
     AssessmentTable,
+    CampaignTable,
     FloorTable,
     KeyPath,
+    KnowledgeTable,
     LimitState,
     MotionTable,
     ProjectContent,
     SensitivityTable,
     SettlementTable,
     SiteTable,
+    StatesTable,
 )
 from assessment.runtime.errors import nearest
 
 _MOST_INCREMENTS = 100_000
+HIGHEST = 40.0  # m: of a building whose period the standard's formula gives
+RETURN_PERIOD_TOL = 0.02  # relative: 50, 475 and 975 years stand for 50.3, 474.6 and 974.8
 MOST_LOOKED_AT = 20_000  # names in folders, to find the files that a pattern means
+PICTURES = (".png", ".jpg", ".jpeg")  # that a report can hold
 LEAST_ROTATION = 1e-6  # of a macro-block, relative to the others'
 _WILD = re.compile(r"[*?[]")
 
@@ -48,9 +56,13 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
     for index, settlement in enumerate(project.settlements):
         yield from _settlement(project, ("settlements", index), settlement)
     yield from _motions(project, folder)
+    for index, name in enumerate(project.report.attachments):
+        yield from _attachment(folder, ("report", "attachments", index), name)
     yield from _mechanisms(project)
     if project.assessment:
         yield from _assessment(project, project.assessment)
+        if project.assessment.knowledge:
+            yield from _knowledge(project.assessment.knowledge, project.assessment.confidence_factor)
         if project.assessment.floor:
             yield from _floor(project.assessment.floor, project.assessment)
         if project.assessment.site:
@@ -102,6 +114,24 @@ def _is_file(path: Path) -> bool:
         return False
 
 
+def _attachment(folder: Path, path: KeyPath, name: str) -> Iterator[Problem]:
+    """Open a picture of the report as a run opens it."""
+    from PIL import Image  # late: few projects have any
+
+    if missing := list(_file(folder, path, name)):
+        yield from missing
+    elif Path(name).suffix.lower() not in PICTURES:
+        yield Problem(
+            path, f'"{name}" is no {" or ".join(PICTURES)} file; export it, a PDF page by page, as one'
+        )
+    else:
+        try:
+            with Image.open(folder / name) as picture:
+                picture.load()
+        except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+            yield Problem(path, f'"{name}" cannot be read as a picture ({error}); export it again')
+
+
 def _file(folder: Path, path: KeyPath, name: str | None) -> Iterator[Problem]:
     if name is not None and not _is_file(folder / name):
         parent = Path(name).parent
@@ -140,6 +170,8 @@ def _stiffness(project: ProjectContent) -> Iterator[Problem]:
         needed_by.append("pushover.contacts")
     if incremental and incremental.contacts == "elastic":
         needed_by.append("incremental.contacts")
+    if project.campaign and project.campaign.contacts == "elastic":
+        needed_by.append("campaign.contacts")
     if assessment and assessment.model != "none":
         needed_by.append("assessment.model")
     if needed_by:
@@ -151,7 +183,8 @@ def _stiffness(project: ProjectContent) -> Iterator[Problem]:
 
 
 def _control(project: ProjectContent) -> Iterator[Problem]:
-    if not project.control and (project.pushover or project.history or project.incremental):
+    moved = project.pushover or project.history or project.incremental or project.campaign
+    if not project.control and moved:
         yield Problem(("control",), "no control point; add [[control]] with name and point_m")
         return
     references: list[tuple[KeyPath, str | None]] = [
@@ -164,6 +197,8 @@ def _control(project: ProjectContent) -> Iterator[Problem]:
         references += [(("pushover", "control"), control)] if isinstance(control, str) else []
     if project.incremental:
         references.append((("incremental", "control"), project.incremental.control))
+    if project.campaign:
+        references.append((("campaign", "control"), project.campaign.control))
     for path, name in references:
         if name is not None:
             yield from _known(path, name, [point.name for point in project.control], "control point")
@@ -199,16 +234,69 @@ def _motions(project: ProjectContent, folder: Path) -> Iterator[Problem]:
         if history.scale == 0.0:
             yield Problem((*path, "scale"), "0 leaves no motion; write 1.0 for the record as it is")
         yield from _motion(project, path, history)
+        yield from _states(project, path, history)
     if project.incremental:
-        for index, pattern in enumerate(project.incremental.records):
-            try:
-                found = matches(folder, pattern)
-            except ValueError as error:
-                yield Problem(("incremental", "records", index), f'"{pattern}": {error}')
-                continue
-            if not found:
-                yield from _file(folder, ("incremental", "records", index), pattern)
+        yield from _records(folder, ("incremental", "records"), project.incremental.records)
         yield from _motion(project, ("incremental",), project.incremental)
+        yield from _states(project, ("incremental",), project.incremental)
+    if project.campaign:
+        yield from _campaign(project, project.campaign, folder)
+
+
+def _records(folder: Path, path: KeyPath, patterns: Iterable[str]) -> Iterator[Problem]:
+    for index, pattern in enumerate(patterns):
+        try:
+            found = matches(folder, pattern)
+        except ValueError as error:
+            yield Problem((*path, index), f'"{pattern}": {error}')
+            continue
+        if not found:
+            yield from _file(folder, (*path, index), pattern)
+
+
+def _campaign(project: ProjectContent, campaign: CampaignTable, folder: Path) -> Iterator[Problem]:
+    path: KeyPath = ("campaign",)
+    generated = [name for name in campaign.records if name.startswith("generate:")]
+    if generated and not campaign.generated:
+        text = f'"{generated[0]}" is no number of records; write "generate:7" or another number from 1 to 999'
+        yield Problem((*path, "records"), text)
+    elif generated and len(campaign.records) > 1:
+        yield Problem((*path, "records"), f'"{generated[0]}" stands alone; write it, or files')
+    elif not generated:
+        yield from _records(folder, (*path, "records"), campaign.records)
+    yield from _motion(project, path, campaign)
+    if not project.settlements:
+        yield Problem((*path, "settlements"), "no movement; add [[settlements]] with name and support")
+    for index, name in enumerate(campaign.settlements or ()):
+        yield from _known((*path, "settlements", index), name, project.states[1:], "settlement")
+    if campaign.measure == "Sa(T)" and campaign.period_s is None:
+        yield Problem(
+            (*path, "period_s"), 'missing, but measure = "Sa(T)" asks for it; add the period T, in s'
+        )
+    if campaign.measure == "PGA" and campaign.period_s is not None:
+        yield Problem((*path, "period_s"), 'the PGA has no period; leave it out or write measure = "Sa(T)"')
+    if campaign.method == "stripes" and campaign.levels_g is None:
+        yield Problem((*path, "levels_g"), 'missing, but method = "stripes" asks for it; add levels in g')
+    if campaign.method == "incremental" and campaign.levels_g is not None:
+        text = 'the incremental search finds its own levels; leave it out or write method = "stripes"'
+        yield Problem((*path, "levels_g"), text)
+    for key in ("shares", "levels_g"):
+        values = getattr(campaign, key) or ()
+        if list(values) != sorted(values):
+            yield Problem((*path, key), "not in order; write the smallest first")
+    for key in ("periods_s", "scale_limits"):
+        low, high = getattr(campaign, key)
+        if not low < high:
+            yield Problem((*path, key), f"[{low:g}, {high:g}]: write the lower one, then the higher one")
+    by_site = project.assessment and project.assessment.site and project.assessment.spectrum == "ntc"
+    if (campaign.generated or campaign.spectrum_compatible) and not by_site:
+        text = 'the spectrum of the site is asked for; add [assessment.site], with spectrum = "ntc"'
+        yield Problem((*path, "records" if campaign.generated else "spectrum_compatible"), text)
+
+
+def _states(project: ProjectContent, path: KeyPath, motion: StatesTable) -> Iterator[Problem]:
+    for index, name in enumerate(motion.states or ()):
+        yield from _known((*path, "states", index), name, project.states, "state")
 
 
 def _motion(project: ProjectContent, path: KeyPath, motion: MotionTable) -> Iterator[Problem]:
@@ -219,8 +307,6 @@ def _motion(project: ProjectContent, path: KeyPath, motion: MotionTable) -> Iter
     if motion.integrator == "moreau-jean" and motion.contacts == "elastic":
         text = 'moreau-jean is for rigid contacts; write "auto", "second-order" or "implicit-euler"'
         yield Problem((*path, "integrator"), text)
-    for index, name in enumerate(motion.states or ()):
-        yield from _known((*path, "states", index), name, project.states, "state")
 
 
 def _assessment(project: ProjectContent, assessment: AssessmentTable) -> Iterator[Problem]:
@@ -246,11 +332,39 @@ def _assessment(project: ProjectContent, assessment: AssessmentTable) -> Iterato
         yield Problem(("assessment", "method"), text)
 
 
+def _knowledge(knowledge: KnowledgeTable, factor: float) -> Iterator[Problem]:
+    """Compare confidence_factor with the level of knowledge or the components that it follows from."""
+    path: KeyPath = ("assessment", "knowledge")
+    given = knowledge.components
+    if (knowledge.level is None) == (not given):
+        yield Problem(path, f"write level, or {', '.join(COMPONENTS)}, not both")
+        return
+    if given and len(given) < len(COMPONENTS):
+        yield Problem(
+            path, f"{', '.join(COMPONENTS.keys() - given.keys())} missing; the four components go together"
+        )
+        return
+    for key, value in given.items():
+        if value not in COMPONENTS[key]:
+            choices = ", ".join(f"{each:g}" for each in COMPONENTS[key])
+            yield Problem((*path, key), f"{value:g} is none of {choices}; write one of these")
+            return
+    follows = confidence_factor(knowledge.level, given).factor
+    if abs(follows - factor) > 1e-9:
+        text = (
+            f"{factor:g}, but {'.'.join(map(str, path))} makes {follows:g}; write {follows:g}, or correct it"
+        )
+        yield Problem(("assessment", "confidence_factor"), text)
+
+
 def _floor(floor: FloorTable, assessment: AssessmentTable) -> Iterator[Problem]:
     path: KeyPath = ("assessment", "floor")
     if floor.height_m > floor.building_height_m:
         text = f"{floor.height_m:g} is above building_height_m ({floor.building_height_m:g}); correct one of them"
         yield Problem((*path, "height_m"), text)
+    if floor.period_s is None and floor.building_height_m > HIGHEST:
+        text = f"missing; T_1 = 0.05 H^(3/4) holds up to a building_height_m of {HIGHEST:g}"
+        yield Problem((*path, "period_s"), f"{text}; write the period, in s")
     if len(floor.higher_periods_s) != len(floor.higher_participations):
         text = "write one γ_k ψ_k for each of higher_periods_s, in the same order"
         yield Problem((*path, "higher_participations"), text)
@@ -313,10 +427,26 @@ def _site(site: SiteTable, limit_states: Iterable[LimitState], folder: Path) -> 
     elif placed:
         return
     elif typed:
+        for key, table in by_state.items():
+            if table is not None and table.return_period_years is not None:
+                yield from _return_period(
+                    (*path, key, "return_period_years"), key, table.return_period_years, site
+                )
         for key in limit_states:
             if key not in typed:
                 text = "missing, but assessment.limit_states asks for it; add its ag_g, F0 and Tc_star_s"
                 yield Problem((*path, key), text)
     else:
         text = "no hazard; add latitude, longitude and grid, or ag_g, F0 and Tc_star_s per limit state"
+        yield Problem(path, text)
+
+
+def _return_period(path: KeyPath, limit_state: str, given: float, site: SiteTable) -> Iterator[Problem]:
+    """Compare the return period of a typed hazard with that of nominal life and use class; both are rounded."""
+    by_life = return_period(limit_state, site.nominal_life_years, site.use_class)
+    if abs(given / by_life - 1.0) > RETURN_PERIOD_TOL:
+        text = (
+            f"{given:g} years, but nominal_life_years = {site.nominal_life_years:g} and use_class = "
+            f'"{site.use_class}" make {by_life:.4g} at {limit_state}; correct one of them'
+        )
         yield Problem(path, text)

@@ -80,15 +80,32 @@ def incremental_motions(project: Project) -> list[BaseMotion]:
     ]
 
 
+def campaign_motions(project: Project) -> list[BaseMotion]:
+    """Base motion, unscaled, of each record file of [campaign]; errors as history_motions."""
+    if project.campaign is None:
+        return []
+    return [_motion(project, "campaign", project.campaign, path) for path in project.campaign_records()]
+
+
 def _motion(
     project: Project, key: str, table: MotionTable, path: Path, history: HistoryTable | None = None
 ) -> BaseMotion:
-    if table.damping_ratio and table.contacts == "rigid":
-        text = 'rigid contacts have no stiffness to damp; leave it out or write contacts = "elastic"'
-        raise ProjectError(f"{project.source}: {key}.damping_ratio: {text}")
     scale = history.scale if history else 1.0
     record = read_record(path, table.time_step_s).scaled(scale)
     original = replace(record, name=history.name if history and history.name else visible(record.name))
+    motion = replace(motion_of(project, key, table, original), scale=scale)
+    if history and history.vertical_record:
+        path = project.path(history.vertical_record)
+        vertical = _vertical(project, key, history, path, motion.record, motion.start)
+        return replace(motion, vertical=vertical)
+    return motion
+
+
+def motion_of(project: Project, key: str, table: MotionTable, original: Record) -> BaseMotion:
+    """Return what a record shakes the base with: in the window of a table, at its time step; errors as above."""
+    if table.damping_ratio and table.contacts == "rigid":
+        text = 'rigid contacts have no stiffness to damp; leave it out or write contacts = "elastic"'
+        raise ProjectError(f"{project.source}: {key}.damping_ratio: {text}")
     try:
         window = original.arias_window() if table.window_s == "arias" else table.window_s
         cut = original.windowed(*window) if window else original
@@ -99,21 +116,18 @@ def _motion(
             )
         record = cut.resampled(table.time_step_s or cut.time_step)
     except ValueError as error:
-        raise ProjectError(f"{project.source}: {key}: {path.name}: {error}") from None
+        raise ProjectError(f"{project.source}: {key}: {original.name}: {error}") from None
     # the window begins at the first sample inside it
     start = (
         float(original.time[original.time > window[0] - SAME_TIME * original.time_step][0]) if window else 0.0
     )
-    vertical = None
-    if history and history.vertical_record:
-        vertical = _vertical(project, key, history, project.path(history.vertical_record), record, start)
     notes: tuple[str, ...] = ()
     if cut.pga < (1.0 - WHOLE) * original.pga:
         notes = (
             f"{original.name}: the window leaves out the peak of {original.pga:.3g} g; PGA means {cut.pga:.3g} g, "
             "the largest acceleration inside it",
         )
-    return BaseMotion(record, original, cut.pga, scale, start, vertical, notes)
+    return BaseMotion(record, original, cut.pga, 1.0, start, None, notes)
 
 
 def _vertical(

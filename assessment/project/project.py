@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +41,7 @@ class Project(ProjectContent):
     def elastic(self) -> bool:
         """Whether any analysis asks for elastic contacts."""
         asked = [self.pushover.contacts] if self.pushover else []
-        asked += [(motion.contacts,) for motion in (*self.history, self.incremental) if motion]
+        asked += [(motion.contacts,) for motion in (*self.history, self.incremental, self.campaign) if motion]
         return any("elastic" in contacts for contacts in asked)
 
     def control_point(self, name: str | None = None) -> ControlTable:
@@ -54,8 +55,19 @@ class Project(ProjectContent):
 
     def incremental_records(self) -> tuple[Path, ...]:
         """Record files of [incremental], patterns expanded, each file once, sorted within a pattern."""
-        patterns = self.incremental.records if self.incremental else ()
+        return self._files(self.incremental.records) if self.incremental else ()
+
+    def campaign_records(self) -> tuple[Path, ...]:
+        """Record files of [campaign], likewise; none where its records are generated."""
+        table = self.campaign
+        return () if table is None or table.generated else self._files(table.records)
+
+    def _files(self, patterns: Iterable[str]) -> tuple[Path, ...]:
         return tuple(dict.fromkeys(file for pattern in patterns for file in matches(self.folder, pattern)))
+
+    def attachments(self) -> tuple[Path, ...]:
+        """Pictures that end the report."""
+        return tuple(map(self.path, self.report.attachments))
 
     def digests(self) -> dict[str, str]:
         """Return the SHA-256 of every file that a run reads, the project file first, by names with slashes."""
@@ -64,7 +76,7 @@ class Project(ProjectContent):
             names.append(self.assessment.site.grid)
         for history in self.history:
             names += [name for name in (history.record, history.vertical_record) if name]
-        names += map(self._name, self.incremental_records())
+        names += map(self._name, (*self.incremental_records(), *self.campaign_records()))
         return {name: file_digest(self.path(name)) for name in names}
 
     def _name(self, path: Path) -> str:

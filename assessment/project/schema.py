@@ -9,9 +9,10 @@ become the comments of a new project file and the texts of the JSON schema.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+import re
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
 KeyPath = tuple[str | int, ...]
 """Where a value stands in the project's content, list entries counted from 0."""
@@ -21,6 +22,11 @@ VARIED = ("friction", "stiffness", "unit_weight", "depth")
 
 ORIGINAL = "original"
 """Name of the state before any settlement."""
+
+GENERATE = re.compile(r"generate:([1-9]\d{0,2})")
+"""In the place of record files: so many records are made."""
+
+Entry = TypeVar("Entry", str, float, int)
 
 # Nothing invisible: what cannot be seen in an editor or held by a spreadsheet cell is a typing slip.
 _UNSEEN = r"\x00-\x08\x0b-\x1f\x7f-\x9f\u200b\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ufffe\uffff"
@@ -32,7 +38,7 @@ MOST_LAYERS = 10_000
 """Of tables [layers.NAME]."""
 
 
-def _unique(items: tuple[str, ...]) -> tuple[str, ...]:
+def _unique(items: tuple[Entry, ...]) -> tuple[Entry, ...]:
     if len(set(items)) < len(items):
         raise ValueError("an entry appears twice; write each entry once")
     return items
@@ -81,6 +87,7 @@ Window = Annotated[tuple[Instant, Instant], Field(strict=False)]
 Varied = Annotated[float, Field(ge=1e-2, le=1e2)]
 Factors = Annotated[tuple[Varied, Varied], Field(strict=False)]
 Tolerance = Annotated[float, Field(ge=1e-6, lt=1)]
+Share = Annotated[float, Field(ge=0, le=1)]
 Name = Annotated[str, Field(max_length=200, pattern=rf"^[^\s{_UNSEEN}]([^\t\n{_UNSEEN}]*[^\s{_UNSEEN}])?$")]
 Text = Annotated[str, StringConstraints(strip_whitespace=True, max_length=2000, pattern=rf"^[^{_UNSEEN}]*$")]
 _ENTRIES = Field(strict=False, min_length=1, max_length=MOST_ENTRIES, json_schema_extra={"uniqueItems": True})
@@ -92,6 +99,16 @@ LimitState = Literal["SLD", "SLV", "SLC"]
 ContactsList = Annotated[tuple[Contacts, ...], _ENTRIES, AfterValidator(_unique)]
 Directions = Annotated[tuple[Direction, ...], _ENTRIES, AfterValidator(_unique)]
 LimitStates = Annotated[tuple[LimitState, ...], _ENTRIES, AfterValidator(_unique)]
+
+
+RecordSet = Annotated[
+    tuple[Name, ...], BeforeValidator(lambda given: (given,) if isinstance(given, str) else given), _ENTRIES,
+    AfterValidator(_unique),
+]  # fmt: skip
+Shares = Annotated[tuple[Share, ...], _ENTRIES, AfterValidator(_unique)]
+Signs = Annotated[tuple[Literal[1, -1], ...], _ENTRIES, AfterValidator(_unique)]
+Levels = Annotated[tuple[Acceleration, ...], _ENTRIES, AfterValidator(_unique)]
+Periods = Annotated[tuple[Seconds, Seconds], Field(strict=False)]
 
 
 class Table(BaseModel):
@@ -231,7 +248,7 @@ class PushoverTable(Table):
 
 
 class MotionTable(Table):
-    """What [[history]] and [incremental] have in common."""
+    """What [[history]], [incremental] and [campaign] have in common: how a motion is integrated."""
 
     time_step_s: Seconds | None = Field(
         default=None,
@@ -248,12 +265,17 @@ class MotionTable(Table):
     )
     damping_ratio: Damping | None = Field(default=None, description="viscous damping ratio of the contacts")
     control: Name | None = Field(default=None, description="control point; default the first")
+
+
+class StatesTable(MotionTable):
+    """What [[history]] and [incremental] have in common: motions from states of the project."""
+
     states: Names | None = Field(
         default=None, description='states to analyse: "original" and names of settlements; default all'
     )
 
 
-class HistoryTable(MotionTable):
+class HistoryTable(StatesTable):
     """[[history]]: a time history of one record, from every state."""
 
     record: Name = Field(
@@ -267,12 +289,49 @@ class HistoryTable(MotionTable):
     animation: bool = Field(default=False, description="also write the motion from every state as a GIF")
 
 
-class IncrementalTable(MotionTable):
+class IncrementalTable(StatesTable):
     """[incremental]: incremental dynamic analysis, PGA at incipient collapse per record and state."""
 
     records: Names = Field(description='record files; patterns such as "records/*.acc" are expanded')
     tolerance_g: Acceleration = Field(default=0.01, description="tolerance of the PGA at collapse, g")
     max_scale: Factor = Field(default=5.0, description="largest factor on a record that is tried")
+
+
+class CampaignTable(MotionTable):
+    """[campaign]: records x movements x shares of them x signs; fragility and loss of capacity against movement."""
+
+    records: RecordSet = Field(
+        description='record files, patterns such as "records/*.acc" are expanded; or "generate:7": so many records '
+        "made to the spectrum of the site"
+    )
+    settlements: Names | None = Field(default=None, description="names of settlements; default all")
+    shares: Shares = Field(default=(0.0, 0.25, 0.5, 0.75, 1.0), description="parts of each movement, 0 to 1")
+    signs: Signs = Field(default=(1, -1), description="factors on each record: 1, -1 or both")
+    measure: Literal["PGA", "Sa(T)"] = Field(
+        default="PGA",
+        description="intensity: PGA, or Sa(T), the spectral acceleration at period_s, 5 % damping",
+    )
+    period_s: Seconds | None = Field(default=None, description="period T of Sa(T), s")
+    method: Literal["incremental", "stripes"] = Field(
+        default="incremental",
+        description="incremental: the level at collapse of each combination is searched; stripes: all at levels_g",
+    )
+    levels_g: Levels | None = Field(default=None, description="levels of the stripes, g, of the measure")
+    tolerance: Annotated[float, Field(ge=1e-3, le=0.5)] = Field(
+        default=0.05, description="tolerance of the level at collapse, relative to it"
+    )
+    max_scale: Factor = Field(default=5.0, description="largest factor on a record that is tried")
+    spectrum_compatible: bool = Field(
+        default=False, description="scale each record to the spectrum of the site between periods_s"
+    )
+    periods_s: Periods = Field(default=(0.15, 2.0), description="first and last period of that spectrum, s")
+    scale_limits: Factors = Field(default=(0.5, 2.0), description="least and largest factor of that scaling")
+
+    @property
+    def generated(self) -> int:
+        """Number of records to generate, 0 where files are named."""
+        found = GENERATE.fullmatch(self.records[0])
+        return int(found[1]) if found else 0
 
 
 class HazardTable(Table):
@@ -281,6 +340,10 @@ class HazardTable(Table):
     ag_g: Acceleration = Field(description="peak ground acceleration on rigid level ground, g")
     F0: Annotated[float, Field(ge=1, le=100)] = Field(description="largest amplification of the spectrum")
     Tc_star_s: Seconds = Field(description="T_C*, s: reference for the end of the constant branch")
+    return_period_years: Annotated[float, Field(ge=1, le=1e5)] | None = Field(
+        default=None,
+        description="return period of this hazard, years; it must be that of nominal life and use class",
+    )
 
 
 class SiteTable(Table):
@@ -322,7 +385,10 @@ class FloorTable(Table):
     )
     building_height_m: Length = Field(description="height H of the building, m")
     storeys: Annotated[int, Field(ge=1, le=1000)] = Field(description="number of storeys n")
-    period_s: Seconds = Field(description="period T_1 of the building's first mode, s")
+    period_s: Seconds | None = Field(
+        default=None,
+        description="period T_1 of the building's first mode, s; default 0.05 H^(3/4), C7.3.3.2, H up to 40 m",
+    )
     damping_ratio: Annotated[float, Field(ge=1e-3, lt=1)] = Field(
         default=0.05, description="viscous damping ratio of the building's modes"
     )
@@ -332,6 +398,54 @@ class FloorTable(Table):
     higher_participations: Annotated[tuple[Ratio, ...], Field(strict=False, max_length=100)] = Field(
         default=(), description="their products γ_k ψ_k(z), participation times shape at the height z"
     )
+
+
+class KnowledgeTable(Table):
+    """[assessment.knowledge]: what the confidence factor follows from: a level, or four components 1 + ΣF_Ck."""
+
+    level: Literal["LC1", "LC2", "LC3"] | None = Field(
+        default=None, description="level of knowledge, Circolare 7/2019, C8.5.4: F_C 1.35, 1.20 or 1.00"
+    )
+    geometry: Annotated[float, Field(ge=0, le=0.2)] | None = Field(
+        default=None, description="F_C1 of DPCM 9/2/2011: geometrical survey, 0.05 or 0.0"
+    )
+    construction: Annotated[float, Field(ge=0, le=0.2)] | None = Field(
+        default=None, description="F_C2: survey of materials and details, 0.12, 0.06 or 0.0"
+    )
+    mechanical: Annotated[float, Field(ge=0, le=0.2)] | None = Field(
+        default=None, description="F_C3: mechanical properties, 0.12, 0.06 or 0.0"
+    )
+    ground: Annotated[float, Field(ge=0, le=0.2)] | None = Field(
+        default=None, description="F_C4: ground and foundations, 0.06, 0.03 or 0.0"
+    )
+    evaluation: Literal["LV1", "LV2", "LV3"] | None = Field(
+        default=None, description="level of evaluation of DPCM 9/2/2011: LV1, LV2 or LV3"
+    )
+    investigations: Text = Field(default="", description="investigations carried out, printed in the report")
+    geometry_origin: Text = Field(default="", description="survey of the geometry: by whom, when, how")
+    construction_origin: Text = Field(
+        default="", description="survey of materials and details of construction"
+    )
+    ground_origin: Text = Field(default="", description="ground and foundations: investigations and report")
+    unit_weight_origin: Text = Field(default="", description="origin of the unit weights")
+    friction_origin: Text = Field(default="", description="origin of the coefficients of friction")
+    normal_stiffness_origin: Text = Field(default="", description="origin of the stiffness of the joints")
+    compressive_strength_origin: Text = Field(default="", description="origin of the compressive strength")
+    loads_origin: Text = Field(default="", description="origin of the loads")
+
+    @property
+    def origins(self) -> dict[str, str]:
+        """Where each parameter comes from, by its name, those that are told."""
+        named = {key.removesuffix("_origin"): getattr(self, key) for key in type(self).model_fields}
+        return {
+            key: text for key, text in named.items() if f"{key}_origin" in type(self).model_fields and text
+        }
+
+    @property
+    def components(self) -> dict[str, float]:
+        """The components F_Ck that are given, by name."""
+        named = {key: getattr(self, key) for key in ("geometry", "construction", "mechanical", "ground")}
+        return {key: value for key, value in named.items() if value is not None}
 
 
 class AssessmentTable(Table):
@@ -368,6 +482,9 @@ class AssessmentTable(Table):
     )
     local_displacement_reason: Text = Field(
         default="", description="what is lost there and how it was found, printed with the limit"
+    )
+    knowledge: KnowledgeTable | None = Field(
+        default=None, description="what confidence_factor follows from, printed with its origins"
     )
     floor: FloorTable | None = Field(
         default=None, description="building below a mechanism at height; absent: at the ground"
@@ -434,6 +551,10 @@ class ReportTable(Table):
     client: Text = Field(default="", description="client, free text of the title page")
     engineer: Text = Field(default="", description="engineer, free text of the title page")
     location: Text = Field(default="", description="location, free text of the title page")
+    attachments: Annotated[tuple[Name, ...], Field(strict=False, max_length=MOST_ENTRIES)] = Field(
+        default=(),
+        description="photographs and survey drawings (PNG or JPEG files) that end the report; their names are captions",
+    )
 
 
 class ProjectContent(Table):
@@ -468,6 +589,9 @@ class ProjectContent(Table):
         default=(), description="time histories, one per record and state"
     )
     incremental: IncrementalTable | None = Field(default=None, description="incremental dynamic analysis")
+    campaign: CampaignTable | None = Field(
+        default=None, description="fragility and loss of capacity against movement"
+    )
     assessment: AssessmentTable | None = Field(default=None, description="check against the standard")
     mechanism: Annotated[tuple[MechanismTable, ...], _TABLES] = Field(
         default=(), description="mechanisms chosen by the user, one entry per macro-block"

@@ -50,6 +50,17 @@ def traces(results: Results, words: Words) -> Iterator[Grid]:
         for name, direction, capacity in capacity_tables.capacities(results)
     }
     yield from _parts(directions, action, "capacity_curve", "trace", words)
+    indices = {
+        words.state(name): _column(state["indices"]["trace"], [])
+        for name, state in results["states"].items()
+        if state.get("indices")
+    }
+    yield from _tables(indices, words("caption.trace_indices"), words)
+    known = (results.get("knowledge") or {}).get("trace")
+    if known:
+        yield from _tables(
+            {words.plain("value.whole_structure"): _column(known, [])}, words("caption.knowledge"), words
+        )
     chosen = {given["name"]: dict(capacity_tables.traces(given)) for given in results.get("mechanisms") or []}
     yield from _parts(chosen, action, "virtual_work", "trace_chosen", words)
 
@@ -62,14 +73,15 @@ def _parts(
     words: Words,
 ) -> Iterator[Grid]:
     """Yield the tables of each part of some calculations: what their checks share, then check by check."""
-    for part in (SHARED, *CHECKS):
+    named = {SHARED: shared} | {part: part for part in capacity_tables.BESIDE}
+    for part in (SHARED, *CHECKS, *capacity_tables.BESIDE):
         said = action.get(part.split()[0], [])
         columns = {
             title: _column(parts[part], said if part == SHARED else [*said, *parts.get(SHARED, [])])
             for title, parts in calculations.items()
             if part in parts
         }
-        title = words.plain(f"value.{shared}") if part == SHARED else check_name(part, words)
+        title = words.plain(f"value.{named[part]}") if part in named else check_name(part, words)
         yield from _tables(columns, words(f"caption.{caption}", limit=title), words)
 
 

@@ -12,13 +12,17 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
+from assessment.report.attachments import caption, stored
 from assessment.report.calculation_annex import traces
+from assessment.report.cracks import PRINTED as CRACKS_PRINTED
+from assessment.report.cracks import SEEN, reported_cracks
 from assessment.report.figures.index import pictures
-from assessment.report.joints import joint_law, pressures_told, reported_pressures
+from assessment.report.joints import assumptions, pressures_told, reported_pressures
 from assessment.report.judgement import all_warnings, draft_judgement, worst_scenario
 from assessment.report.pdf import command, load_weasyprint
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import index as tables
+from assessment.report.tables.campaign import reported_campaign
 from assessment.report.tables.convergence import convergence_tables, reported
 from assessment.report.tables.dynamic import (
     energy,
@@ -28,14 +32,16 @@ from assessment.report.tables.dynamic import (
     ranges,
     static_dynamic,
 )
+from assessment.report.tables.indices import index_tables
 from assessment.report.tables.studies import reported_studies
+from assessment.report.text.input_table import echoed
 from assessment.report.text.language import Words, direction_name, words_of
-from assessment.report.text.messages import translated
-from assessment.report.text.table_format import Grid, echoed, grid, ranges_grid, summary_grids
+from assessment.report.text.messages import sentence, translated
+from assessment.report.text.table_format import Grid, grid, ranges_grid, summary_grids
 from assessment.report.viewer import Viewer, viewer
 from assessment.results.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check
 from assessment.results.reactions import balance, reactions
-from assessment.results.table import Row, Table
+from assessment.results.table import Row, Table, reference_of
 from assessment.runtime.atomic_files import write_atomically
 
 Results = Mapping[str, Any]
@@ -55,9 +61,11 @@ CHAPTERS = (
     "quality",
     "hand_check",
     "judgement",
+    "references",
 )
 DYNAMIC = ("history", "incremental")  # chapters before the comparison, where their stages were asked for
 STUDIES = ("scenarios", "sensitivity")  # likewise
+CAMPAIGN = "campaign"  # likewise, behind them
 ONSET = 0.01  # of α_0: an onset below it by more is that of a part
 
 
@@ -88,6 +96,14 @@ def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> l
     return []
 
 
+def write_docx(results: Results, folder: Path, edited: Markup | None = None) -> None:
+    """Write report.docx into `folder` as `write_page` does report.html; its figures are the PNG files."""
+    from assessment.report.docx import to_docx  # late: only reports need it
+
+    page = render_html(results, folder / "figures", words_of(results), edited)
+    write_atomically(folder / "report.docx", to_docx(page, folder))
+
+
 def render_html(
     results: Results,
     figures: Path,
@@ -104,13 +120,19 @@ def render_html(
         lstrip_blocks=True,
     )
     environment.filters["unit_kept"] = _unit_kept
-    annexes = ["echo", "trace"] if any(traces(results, words)) else ["echo"]
+    attached = _attached(results, figures.parent)
+    annexes = [
+        "echo",
+        *(["trace"] if any(traces(results, words)) else []),
+        *(["attachments"] if attached else []),
+    ]
     return environment.get_template("report.html.j2").render(
         w=words,
         results=results,
         style=Markup((files("templates") / "report.css").read_text(encoding="utf-8")),
         chapters=_chapters(results),
         annexes=annexes,
+        attached=attached,
         count=Counter(),
         viewer=interactive,
         figures=_embedded(results, figures, words),
@@ -118,8 +140,10 @@ def render_html(
         summaries=list(summary_grids(capacity_tables.summary(results), results, words)),
         traces=list(traces(results, words)),
         contacts=_contacts(results),
-        joint_law=list(joint_law(results, words, "elastic" in _contacts(results))),
+        assumptions=list(assumptions(results, words, "elastic" in _contacts(results))),
+        references=references(),
         pressures=pressures_told(results, words),
+        cracks_shown={"seen": words.comma(f"{1000.0 * SEEN:g}"), "printed": CRACKS_PRINTED},
         missing=list(_missing(results, words)),
         onsets=list(_onsets(results, words)),
         judgement=draft_judgement(results, words),
@@ -127,7 +151,7 @@ def render_html(
         edited=edited,
         macro_blocks=list(_macro_blocks(results, words)),
         too_many=list(_too_many(results, words)),
-        warnings=[translated(warning, words) for warning in all_warnings(results)],
+        warnings=[sentence(warning, words) for warning in all_warnings(results)],
         local=_local_limit(results, words),
         refused=[
             given | {"refused": translated(given["refused"], words)}
@@ -137,10 +161,22 @@ def render_html(
     )
 
 
+def _shown(echo: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the input to be printed: nominal life and use class only where the hazard is known to follow from them."""
+    assessment = echo.get("assessment") or {}
+    site = assessment.get("site") or {}
+    typed = [site[limit] for limit in ("SLD", "SLV", "SLC") if site.get(limit)]
+    if not typed or all(hazard.get("return_period_years") for hazard in typed):
+        return echo
+    kept = {key: value for key, value in site.items() if key not in {"nominal_life_years", "use_class"}}
+    return {**echo, "assessment": {**assessment, "site": kept}}
+
+
 def _chapters(results: Results) -> list[str]:
     """Return the chapters of the report: those of studies and dynamic stages only where they were asked for."""
     asked = [name for name in STUDIES if results.get(name)]
     asked += [name for name in DYNAMIC if any(content.get(name) for content in results["states"].values())]
+    asked += [CAMPAIGN] if results.get(CAMPAIGN) else []
     place = CHAPTERS.index("comparison")
     return [*CHAPTERS[:place], *asked, *CHAPTERS[place:]]
 
@@ -163,12 +199,29 @@ class Counter:
 
 
 def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[dict[str, object]]]:
-    """Return per chapter the caption and data address of each figure; as images, their ids cannot clash."""
-    found: dict[str, list[dict[str, object]]] = {chapter: [] for chapter in (*CHAPTERS, *STUDIES, *DYNAMIC)}
+    """Return per chapter PNG file, caption and data address of each figure; as images, their ids cannot clash."""
+    found: dict[str, list[dict[str, object]]] = {
+        chapter: [] for chapter in (*CHAPTERS, *STUDIES, *DYNAMIC, CAMPAIGN)
+    }
     for picture in pictures(results):
         svg = base64.b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()
-        caption = words(f"caption.{picture.caption}", **picture.fields)
-        found[picture.section].append({"caption": caption, "address": f"data:image/svg+xml;base64,{svg}"})
+        what = words(f"caption.{picture.caption}", **picture.fields)
+        address = f"data:image/svg+xml;base64,{svg}"
+        file = f"figures/{picture.name}.png"
+        found[picture.section].append({"file": file, "caption": what, "address": address})
+    return found
+
+
+def _attached(results: Results, folder: Path) -> list[dict[str, str]]:
+    """Return file, caption and data address of each picture that the project attaches."""
+    found = []
+    for number, name in enumerate((results["echo"].get("report") or {}).get("attachments") or [], 1):
+        file = stored(number, name)
+        kind = "png" if file.endswith("png") else "jpeg"
+        content = base64.b64encode((folder / file).read_bytes()).decode()
+        found.append(
+            {"file": file, "caption": caption(name), "address": f"data:image/{kind};base64,{content}"}
+        )
     return found
 
 
@@ -178,14 +231,18 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         _validation(words),
         tables.layers(results),
         tables.settlements(results),
+        reported_cracks(results),
         tables.mechanisms(results),
         reactions(results),
         balance(results),
         reported_pressures(results),
         _without(capacity_tables.verification(results), "d_star_m", "a_star_g", "T_s"),  # in the summary
         capacity_tables.action(results),
+        *index_tables(results),
         _without(capacity_tables.chosen_mechanisms(results), "refused"),
         capacity_tables.chosen_checks(results),
+        capacity_tables.linear_checks(results),
+        capacity_tables.scalings(results),
         Table("comparison", _compared(results), tables.COMPARISON),
         *reported_studies(results),
         histories(results),
@@ -193,14 +250,21 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         energy(results),
         incremental(results),
         incremental_states(results),
+        *reported_campaign(results),
         static_dynamic(results),
         *(reported(table, words) for table in convergence_tables(results)),
         tables.quality(results),
         hand_check(results),
-        Table("echo", list(echoed(results["echo"], words)), ("table", "settings")),
+        Table("echo", list(echoed(_shown(results["echo"]), words)), ("table", "setting", "value")),
     ]
     found = {
-        table.name: grid(table, words, words(f"caption.{table.name}"), 4 if table.name == "hand_check" else 3)
+        table.name: grid(
+            table,
+            words,
+            words(f"caption.{table.name}"),
+            4 if table.name == "hand_check" else 3,
+            reference_of(results),
+        )
         for table in made
         if table.rows
     }
@@ -216,11 +280,16 @@ def _validation(words: Words) -> Table:
             **case[words.language],
             "expected": words.comma(case["expected"]),
             "computed": words.comma(case["computed"]),
-            "test": case["test"],
         }
         for case in cases
     ]
-    return Table("validation", rows, ("case", "source", "expected", "computed", "test"))
+    return Table("validation", rows, ("case", "source", "expected", "computed"))
+
+
+def references() -> list[str]:
+    """Return the standards and the literature that the report rests on, each in full."""
+    text = (files("templates") / "references.toml").read_text(encoding="utf-8")
+    return list(tomllib.loads(text)["references"])
 
 
 def _without(table: Table, *columns: str) -> Table:

@@ -16,6 +16,14 @@ COLUMNS = ("joint", "block_a", "block_b", "edge_pressure_kN_m2", "uncrushed_pres
 WHERE = ("state", "direction", "contacts")
 
 
+def assumptions(results: Results, words: Words, elastic: bool) -> Iterator[Markup]:
+    """Yield what the model assumes of blocks, joints and supports; `elastic`: whether any joint is."""
+    for key in ("blocks_rigid", "plane", "no_tension"):
+        yield words(f"text.{key}")
+    yield from joint_law(results, words, elastic)
+    yield words("text.supports_rigid")
+
+
 def joint_law(results: Results, words: Words, elastic: bool) -> Iterator[Markup]:
     """Yield the sentences on joints: how they are found, press, crush, slide and meet; `elastic`: whether any is."""
     echo = results["echo"]
@@ -26,6 +34,11 @@ def joint_law(results: Results, words: Words, elastic: bool) -> Iterator[Markup]
     said = "; ".join(words.number(each) for each in limits)
     key = "no_strength" if not limits else "some_strength" if None in strengths else "strength"
     yield words(f"text.{key}", strength=said)
+    if pressed := edge_pressures(results).rows:
+        most = pressed[0]
+        pressure = words.number(most["edge_pressure_kN_m2"])
+        blocks = {"first": most["block_a"], "second": most["block_b"]}
+        yield words("text.greatest_pressure", pressure=pressure, state=words.state(most["state"]), **blocks)
     coulomb = (echo.get("contacts") or {}).get("sliding") == "coulomb"
     yield words("text.sliding_coulomb" if coulomb else "text.sliding")
     collide = (echo.get("contacts") or {}).get("collisions", True)

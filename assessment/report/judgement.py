@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from assessment.ntc.limit_states import CHECKS
 from assessment.report.tables.capacity import capacities, chosen_checks, summary, verification
+from assessment.report.tables.convergence import convergence_tables
 from assessment.report.tables.index import mechanisms
 from assessment.report.tables.studies import tornado
 from assessment.report.text.language import Words, direction_name
@@ -164,12 +165,12 @@ def _multiplier_loss(results: Results, words: Words) -> Iterator[Markup]:
 
 def _dynamic(results: Results, words: Words) -> Iterator[Markup]:
     for row in results.get("comparison") or []:
-        if row.get("dynamic_pga_g") is not None and row.get("static_pga_g") is not None:
+        if row.get("dynamic_pga_g") is not None and row.get("static_surface_pga_g") is not None:
             yield words(
                 "judgement.dynamic",
                 **_where(row, words),
                 dynamic=row["dynamic_pga_g"],
-                static=row["static_pga_g"],
+                static=row["static_surface_pga_g"],
             )
 
 
@@ -246,6 +247,8 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
         yield words("judgement.poor_certificates", what=words(f"judgement.{name}"), residual=known[name])
     if len(known) == len(RESIDUALS) and not poor:
         yield words("judgement.certificates", **known)
+    yield from _converged(results, words)
+    yield from _limit_analysis(results, words)
     deviations = [
         abs(row[key]) for row in hand_check(results).rows for key in ("deviation", "hand_deviation")
     ]
@@ -259,6 +262,31 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
     warnings = all_warnings(results)
     if warnings:
         yield words("judgement.warnings", count=len(warnings))
+
+
+def _converged(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield what refinement says of the discretisation error."""
+    tolerance = (results.get("convergence") or {}).get("tolerance")
+    if not tolerance:
+        yield words("judgement.no_convergence")
+        return
+    rows = [row for table in convergence_tables(results) for row in table.rows]
+    found = [row.get("relative_error") for row in rows]
+    known = [float(error) for error in found if error is not None]
+    if known:
+        good = max(known) <= tolerance and len(known) == len(found)
+        key = "judgement.converged" if good else "judgement.not_converged"
+        yield words(key, error=100.0 * max(known), tolerance=100.0 * tolerance)
+
+
+def _limit_analysis(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield how far the multiplier of the path is from that of limit analysis, in the state as drawn."""
+    pushovers = (results["states"].get("original") or {}).get("pushover") or {}
+    rigid = [each["rigid"] for each in pushovers.values() if each and each.get("rigid")]
+    pairs = [(each["alpha_0"], each.get("alpha_onset")) for each in rigid]
+    deviations = [abs(path / limit - 1.0) for path, limit in pairs if path and limit]
+    if deviations:
+        yield words("judgement.limit_analysis", deviation=100.0 * max(deviations))
 
 
 def all_warnings(results: Results) -> list[str]:

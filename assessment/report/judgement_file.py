@@ -5,13 +5,11 @@ from __future__ import annotations
 import codecs
 import hashlib
 import re
-from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import groupby
 from pathlib import Path
 
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
 from assessment.report.judgement import draft_judgement
 from assessment.report.text.language import Words
@@ -20,7 +18,8 @@ from assessment.runtime.errors import ProjectError
 
 NAME = "judgement.md"
 MARK = re.compile(r"<!-- draft ([0-9a-f]{16})")
-BULLET, HEADING = re.compile(r"[-*] +"), re.compile(r"#+ +")
+COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+TAGS = dict.fromkeys(("h1", "h2", "h4", "h5", "h6"), "h3") | {"strong": "b", "em": "i"}  # those of the report
 
 
 @dataclass(frozen=True)
@@ -69,57 +68,15 @@ def read_judgement(path: Path) -> str:
 
 
 def to_html(markdown: str) -> Markup:
-    """Return paragraphs, headings, bullets, **bold** and *italic* text as HTML; everything else is plain text."""
-    return Markup("\n").join(_blocks(_without_comments(markdown).splitlines()))
+    """Return paragraphs, headings, lists, **bold** and *italic* text as HTML; everything else is plain text."""
+    from markdown_it import MarkdownIt
 
-
-def _without_comments(text: str) -> str:
-    """Leave out what stands between <!-- and -->; one that is not closed is text."""
-    first, *others = text.split("<!--")
-    kept, open_ = [first], ""
-    for part in others:
-        open_ += f"<!--{part}"
-        _, end, after = part.partition("-->")
-        if end:
-            kept.append(after)
-            open_ = ""
-    return "".join(kept) + open_
-
-
-def _blocks(lines: Iterable[str]) -> Iterator[Markup]:
-    def kind(line: str) -> str:
-        if HEADING.match(line):
-            return "heading"
-        return "bullet" if BULLET.match(line) else "text" if line.strip() else "blank"
-
-    for name, group in groupby(_joined(lines), kind):
-        if name == "bullet":
-            items = (Markup("<li>{}</li>").format(_inline(BULLET.sub("", line, count=1))) for line in group)
-            yield Markup("<ul>{}</ul>").format(Markup("").join(items))
-        elif name == "heading":
-            for line in group:
-                yield Markup("<h3>{}</h3>").format(_inline(HEADING.sub("", line, count=1)))
-        elif name == "text":
-            yield Markup("<p>{}</p>").format(_inline(" ".join(group)))
-
-
-def _joined(lines: Iterable[str]) -> Iterator[str]:
-    """Join the indented lines that continue a bullet to it."""
-    parts: list[str] = []
-    for line in lines:
-        if parts and BULLET.match(parts[0]) and line.startswith(" ") and line.strip():
-            parts.append(line.strip())
-            continue
-        if parts:
-            yield " ".join(parts)
-        parts = [line]
-    if parts:
-        yield " ".join(parts)
-
-
-def _inline(text: str) -> Markup:
-    html = re.sub(r"\*\*(.+?)\*\*", r"<b>\1</b>", str(escape(text.strip())))
-    return Markup(re.sub(r"\*(.+?)\*", r"<i>\1</i>", html))
+    parser = MarkdownIt("zero").enable(["heading", "list", "emphasis", "escape", "newline"])
+    tokens = parser.parse(COMMENT.sub("", markdown))
+    for block in tokens:
+        for token in (block, *(block.children or ())):
+            token.tag = TAGS.get(token.tag, token.tag)
+    return Markup(parser.renderer.render(tokens, parser.options, {}).rstrip("\n"))
 
 
 def _plain(sentence: Markup) -> str:

@@ -12,9 +12,12 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
+from assessment.ntc.limit_states import QUOTED
 from assessment.report.text.language import Words, direction_name
 from assessment.results.joint_states import EDGE, FRICTION, IDLE
-from assessment.results.table import Results
+from assessment.results.table import Results, sense
+
+NEAR = 0.01  # of a path's reach: so far beyond its end is at its end
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,7 @@ def _pushdowns(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                 ]
                 yield {
                     "title": _title(words, "pushdown", name, words.plain(f"value.{contacts}")),
+                    "jumps": [],
                     "x_label": words.plain("figure.movement"),
                     "y_label": words.plain("viewer.reactions"),
                     "series": series,
@@ -84,11 +88,23 @@ def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                     where = f"{direction_name(direction)}, {words.plain(f'value.{contacts}')}"
                     yield {
                         "title": _title(words, "pushover", name, where),
+                        "jumps": list(_jumps(content, direction, max(map(abs, along)))),
                         "x_label": words.plain("figure.x_displacement"),
                         "y_label": words.plain("figure.multiplier"),
                         "series": series,
                         "frames": _frames(stage["frames"], series),
                     }
+
+
+def _jumps(content: Mapping[str, Any], direction: str, reach: float) -> Iterator[dict[str, Any]]:
+    """Yield the control displacements (mm, along x) of the limit states, d = d*/Γ*, that a path of this reach has."""
+    capacity = (content.get("capacity") or {}).get(direction) or {}
+    for limit in reversed(QUOTED):
+        d_star = (capacity.get(limit) or {}).get("d_star_m")
+        if d_star is not None and capacity.get("gamma_star"):
+            d = sense(direction) * 1000.0 * d_star / capacity["gamma_star"]
+            if abs(d) <= (1.0 + NEAR) * reach:
+                yield {"label": f"d_{limit}", "x": float(f"{d:.6g}")}
 
 
 def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
@@ -99,6 +115,7 @@ def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                 displacement = [1000.0 * value for value in curve["displacement_m"]]
                 yield {
                     "title": _title(words, "history", name, entry["record"]),
+                    "jumps": [],
                     "x_label": words.plain("figure.time"),
                     "y_label": words.plain("figure.x_displacement"),
                     "series": [_series("d", curve["time_s"], displacement)],

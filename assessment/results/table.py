@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from assessment.ntc.limit_states import CHECKS, INDEXED, QUOTED
+from assessment.ntc.limit_states import CHECKS, INDEXED, QUOTED, ROCK, SURFACE
 
 Results = Mapping[str, Any]
 Row = dict[str, Any]
@@ -41,6 +41,25 @@ def static_pga(capacity: Mapping[str, Any] | None) -> float | None:
     limit_state = quoted_limit_state(capacity)
     value: float | None = capacity[limit_state]["a_g_g"] if capacity and limit_state else None
     return value
+
+
+def nominal_pga(capacity: Mapping[str, Any] | None) -> float | None:
+    """Return the static capacity of a direction on the reference of a dynamic one: PGA at the surface, F_C = 1, g."""
+    value: float | None = ((capacity or {}).get("nominal") or {}).get("pga_g")
+    return value
+
+
+def brought_together(capacity: Mapping[str, Any] | None, dynamic: float | None) -> Row:
+    """Return the static capacity at the surface with F_C = 1 (g), and the dynamic one over it."""
+    static = nominal_pga(capacity)
+    ratio = dynamic / static if static and dynamic is not None else None
+    return {"static_surface_pga_g": static, "dynamic_to_static": ratio}
+
+
+def reference_of(results: Results) -> str:
+    """Return where the a_g of the checks is: on "rock", or at the "surface" where the spectrum is a record's."""
+    kinds = {spectrum.get("kind") for spectrum in (results.get("spectra") or {}).values()}
+    return SURFACE if kinds == {"record"} else ROCK
 
 
 def ratios(capacity: Mapping[str, Any]) -> dict[str, float]:

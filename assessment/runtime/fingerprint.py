@@ -25,7 +25,9 @@ PRINTING = (
     "matplotlib",
     "pillow",
     "jinja2",
+    "markdown-it-py",
     "weasyprint",
+    "python-docx",
     "pydantic",
 )  # that only products depend on
 

@@ -53,6 +53,18 @@ def locked(folder: Path) -> Iterator[None]:
                 folder.rmdir()
 
 
+def holder(folder: Path) -> str | None:
+    """Return which process writes into a folder; None where none does."""
+    try:
+        descriptor = os.open(folder / NAME, os.O_RDWR)
+    except OSError:
+        return None
+    try:
+        return None if _lock(descriptor) else os.read(descriptor, 200).decode(errors="replace")
+    finally:
+        os.close(descriptor)
+
+
 def _claimed(path: Path) -> int:
     """Return the descriptor of a lock that is ours alone."""
     while True:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -74,6 +74,11 @@ class Bars:
         now, done = time.perf_counter(), int(task.completed) + 1
         each = (now - self.began) / (done - self.taken)
         self.progress.update(self.task, advance=1, left=TimeLeft(now + each * (self.total - done)))
+
+    def fault(self, title: str, reasons: Sequence[str]) -> None:
+        """See Show."""
+        for reason in reasons:
+            self.progress.console.print(f"✗ {title}: {reason}", highlight=False, markup=False)
 
     def end(self) -> None:
         """See Show."""

@@ -18,7 +18,9 @@ from assessment.runtime.errors import ProjectError
 
 SCRATCH = ".assesto-"  # folders where files are made before they take their place
 LAST = "results.json"  # where it is new, all is; while others are moved it is away
-OWN = frozenset({"figures", "tables", ".stages"})  # folders that may be within one that is exchanged
+OWN = frozenset(
+    {"figures", "tables", "attachments", ".stages"}
+)  # folders that may be within one that is exchanged
 HERE, EXCHANGE = -100, 2  # AT_FDCWD; RENAME_EXCHANGE of Linux, RENAME_SWAP of macOS
 
 

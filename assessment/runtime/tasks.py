@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar, TypeVarTuple
 
@@ -35,8 +36,21 @@ class Show(Protocol):
     def advance(self) -> None:
         """Tell that one more analysis of the stage is finished."""
 
+    def fault(self, title: str, reasons: Sequence[str]) -> None:
+        """Tell why an analysis, computed or taken over, could not be completed."""
+
     def end(self) -> None:
         """Tell that the stage is finished."""
+
+
+class Engine(Protocol):
+    """What computes beside this process: processes of this machine, or a cluster."""
+
+    def submit(self, function: Callable[[*Arguments], Result], *arguments: *Arguments) -> Future[Result]:
+        """Begin function(*arguments); KilledError, the future's, where what computes it was ended from outside."""
+
+    def close(self, at_once: bool) -> None:
+        """End it: `at_once`, with what it is at, where something went wrong."""
 
 
 class Silence:
@@ -51,6 +65,9 @@ class Silence:
     def advance(self) -> None:
         """See Show."""
 
+    def fault(self, title: str, reasons: Sequence[str]) -> None:
+        """See Show."""
+
     def end(self) -> None:
         """See Show."""
 
@@ -62,7 +79,8 @@ SILENCE = Silence()
 class Workers:
     """How analyses are computed, and how many were.
 
-    `jobs`: processes, 0: one per core if the work is worth starting them. `store`: where finished analyses are kept and
+    `jobs`: processes, 0: one per core if the work is worth starting them; `scheduler`: address of a Dask cluster that
+    computes in their place. `store`: where finished analyses are kept and
     looked for, None: nowhere; `fresh`: they are kept, but not looked for. `meanwhile`: what this process does, once,
     while others compute.
     """
@@ -74,7 +92,8 @@ class Workers:
     computed: int = 0
     taken: int = 0
     meanwhile: Callable[[], object] | None = None
-    pool: Pool | None = None
+    scheduler: str | None = None
+    engine: Engine | None = None
 
     def each(
         self,
@@ -97,6 +116,8 @@ class Workers:
         if not tasks:
             return []
         self.show.begin(stage, len(tasks), len(known))
+        for number, result in known.items():
+            self._tell(titles[number], result)
         try:
             for number, text in self._compute(function, tasks, titles, unknown, worthwhile):
                 if self.store:
@@ -104,10 +125,16 @@ class Workers:
                 known[number] = unpacked(text)  # now, while other processes are at work
                 self.computed += 1
                 self.show.advance()
+                self._tell(titles[number], known[number])
         except KilledError as error:
             raise KilledError(f"{stage}: {error}") from None
         self.show.end()
         return [known[number] for number in range(len(tasks))]
+
+    def _tell(self, title: str, result: Any) -> None:
+        parts = result if isinstance(result, list) else [result]
+        if reasons := [text for part in parts for text in getattr(part, "failures", ())]:
+            self.show.fault(title, reasons)
 
     def _find(self, key: str) -> str | None:
         return self.store.find(key) if self.store else None
@@ -124,33 +151,40 @@ class Workers:
 
         Long work is left to another process even where there is one task: a solver in C hears no interruption.
         """
-        if not numbers or not (worthwhile or (self.jobs > 1 and len(numbers) > 1)):
+        several = len(numbers) > 1 and (self.jobs > 1 or self.scheduler is not None)
+        if not numbers or not (worthwhile or several):
             for number in numbers:
                 self.show.under_way(titles[number])
                 yield number, _packed(function, tasks[number])
             return
-        pool = self._pool()
-        begun = {pool.submit(_packed, function, tasks[number]): number for number in numbers}
+        engine = self._engine()
+        begun = {engine.submit(_packed, function, tasks[number]): number for number in numbers}
         if self.meanwhile is not None:
             self.meanwhile()
             self.meanwhile = None
         yield from finished(begun)
 
-    def _pool(self) -> Pool:
-        """Return the processes, started when first needed and kept for the stages to come."""
-        if self.pool is None:
+    def _engine(self) -> Engine:
+        """Return the processes, or the cluster, begun when first needed and kept for the stages to come."""
+        if self.engine is None:
             gc.freeze()  # nor need it be looked through for garbage, here or there: a tenth of a second each time
-            self.pool = Pool(processes(self.jobs))
-        return self.pool
+            self.engine = _cluster(self.scheduler) if self.scheduler else Pool(processes(self.jobs))
+        return self.engine
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if self.pool is not None:
-            self.pool.close(at_once=kind is not None)
+        if self.engine is not None:
+            self.engine.close(at_once=kind is not None)
             gc.unfreeze()
-            self.pool = None
+            self.engine = None
+
+
+def _cluster(address: str) -> Engine:
+    from assessment.runtime.cluster import Cluster  # late: few runs have one
+
+    return Cluster(address)
 
 
 def large(*models: Assembly) -> bool:

@@ -65,7 +65,8 @@ def scenarios(
         for k in range(1, finer.settlements[number].steps or 1)
     ]
     variants = [
-        Variant(f"part {k} of {whole.steps}", finer, model, part(whole, k)) for finer, whole, k in swept
+        Variant(f"part {k} of {whole.steps}", finer, model, part(whole, k / (whole.steps or 1)))
+        for finer, whole, k in swept
     ]
     keys = [(whole.name, k) for _, whole, k in swept]
     parts = dict(zip(keys, analyse(variants, demands, workers, study, "scenarios"), strict=True))
@@ -91,9 +92,8 @@ def scenarios(
     }
 
 
-def part(whole: SettlementTable, k: int) -> SettlementTable:
-    """Return the settlement by k of the `steps` equal parts of a movement, not taken on to collapse."""
-    share = k / (whole.steps or 1)
+def part(whole: SettlementTable, share: float) -> SettlementTable:
+    """Return the settlement by a share of a movement, not taken on to collapse."""
     x, z = whole.displacement_m
     moved = {"displacement_m": (share * x, share * z), "rotation_rad": share * whole.rotation_rad}
     return whole.model_copy(update=moved | {"to_collapse": False, "steps": None})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,9 +11,15 @@ import numpy as np
 from assessment.analyses.dynamic.errors import Estimates, collapses_again
 from assessment.analyses.dynamic.histories import histories
 from assessment.analyses.dynamic.incremental import searches, summarise
-from assessment.analyses.dynamic.inputs import Campaign, starts_of
+from assessment.analyses.dynamic.inputs import Campaign, starts_of, ultimates
 from assessment.analyses.dynamic.time_history import StageResult, motion_numbers
-from assessment.project.motions import BaseMotion, history_motions, incremental_motions
+from assessment.project.motions import (
+    BaseMotion,
+    campaign_motions,
+    history_motions,
+    incremental_motions,
+)
+from assessment.project.record_set import check_record_set, doubtful_records
 
 if TYPE_CHECKING:
     from assessment.analyses.static.states import StateResult
@@ -28,26 +34,32 @@ PERIODS = np.linspace(0.0, 4.0, 201)  # s
 
 @dataclass(frozen=True)
 class Motions:
-    """The base motions of [[history]] and [incremental], read before anything is analysed."""
+    """The base motions of [[history]], [incremental] and the files of [campaign], read before anything is analysed."""
 
     history: list[BaseMotion]
     incremental: list[BaseMotion]
+    campaign: list[BaseMotion]
 
     @property
     def notes(self) -> list[str]:
         """What the user should know about the records."""
-        return [note for motion in (*self.history, *self.incremental) for note in motion.notes]
+        told = [
+            note for motion in (*self.history, *self.incremental, *self.campaign) for note in motion.notes
+        ]
+        return [*told, *doubtful_records(self.campaign)]
 
 
 def read_motions(project: Project) -> Motions:
     """Read every record that the project names; ProjectError or ValueError naming file, line or key."""
-    return Motions(history_motions(project), incremental_motions(project))
+    found = Motions(history_motions(project), incremental_motions(project), campaign_motions(project))
+    check_record_set(project, found.campaign)
+    return found
 
 
 def dynamic_contacts(project: Project) -> list[Behaviour]:
     """Contact behaviours of the dynamic stages: each needs its own settled state."""
-    tables = [*project.history, *([project.incremental] if project.incremental else [])]
-    return list(dict.fromkeys(table.contacts for table in tables))
+    tables = [*project.history, project.incremental, project.campaign]
+    return list(dict.fromkeys(table.contacts for table in tables if table))
 
 
 def add_dynamics(
@@ -63,7 +75,7 @@ def add_dynamics(
     Returns whether every run was completed. A project without them costs nothing and is left as it is.
     """
     starts = starts_of(dynamic_contacts(project), model, stages)
-    campaign = Campaign(project, model, starts, _ultimates(results["states"]), workers)
+    campaign = Campaign(project, model, starts, ultimates(results["states"]), workers)
     warnings = results["quality"]["warnings"]
     complete = True
 
@@ -101,16 +113,3 @@ def _tell(results: Results, study: str, found: Estimates) -> None:
         results["quality"]["warnings"] += found.warnings
         name = f"{study} error"
         results["timing_s"][name] = results["timing_s"].get(name, 0.0) + found.seconds
-
-
-def _ultimates(states: Mapping[str, Any]) -> dict[tuple[str, str], float]:
-    """Displacement at which the static capacity vanishes, m, by state and control point, where both sides have one."""
-    found = {}
-    for state, content in states.items():
-        curves = content["pushover"]
-        sides = [curves.get(direction, {}) for direction in ("+x", "-x")]
-        ends = [side["rigid"]["d_0_m"] for side in sides if side.get("rigid", {}).get("reached_zero")]
-        controls = {side.get("control") for side in sides}
-        if len(ends) == 2 and len(controls) == 1:
-            found[state, controls.pop()] = max(ends)
-    return found

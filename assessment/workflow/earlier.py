@@ -25,7 +25,7 @@ PLACES = {  # of the files of each part; whatever else is there is somebody else
     FIGURES: tuple(f"figures/*.{kind}" for kind in ("svg", "png", "dxf", "gif")),
     TABLES: ("tables/*.csv",),
     JUDGEMENT: ("judgement.md",),
-    REPORT: ("report.html", "report.pdf"),
+    REPORT: ("report.html", "report.pdf", "report.docx", "attachments/*.png", "attachments/*.jpg"),
 }
 ENTRY = "last"  # its name in the store
 
@@ -63,7 +63,8 @@ def keys_of(project: Project) -> Keys:
 def keys_with(results: str, project: Project, source: str | None) -> Keys:
     """Return the keys of results with the project's title page; `source`: digest of the project file they are of."""
     content = project.content()
-    page = fingerprint.digest([content["title"], content["report"], source])
+    attached = [file_digest(path) for path in project.attachments()]
+    page = fingerprint.digest([content["title"], content["report"], attached, source])
     return Keys(results, page, project.report.language)
 
 

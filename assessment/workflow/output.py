@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
@@ -44,11 +44,13 @@ def write(
     parts: Collection[str] = EVERYTHING,
     kept: Collection[str] = (),
     jobs: int = 1,
+    attachments: Sequence[Path] = (),
 ) -> list[str]:
     """Write parts of what is made of results into `folder`, all at once; each set appears whole or not at all.
 
     Parts `kept` stand there as they are; those of earlier results that are neither go. A judgement.md that was edited
-    is kept and printed. Returns warnings (a PDF that could not be made). `jobs`: processes, 0: one per core. Raises
+    is kept and printed. Returns warnings (a PDF that could not be made). `jobs`: processes, 0: one per core;
+    `attachments`: pictures that end the report. Raises
     KilledError where one of them was ended from outside, OSError that names a file; nothing is changed then.
     """
     folder.mkdir(parents=True, exist_ok=True)
@@ -58,7 +60,7 @@ def write(
         try:
             for name in files_of(folder, kept):  # the report is made with them
                 _linked(folder / name, new / name)
-            warnings = _make(results, folder, new, parts, jobs)
+            warnings = _make(results, folder, new, parts, jobs, attachments)
             gone = files_of(folder, EVERYTHING - {*kept}) if ours else []
             put_in_place(new, folder, files_of(new, parts), gone)
         except KilledError as error:
@@ -69,10 +71,16 @@ def write(
 
 
 def _make(
-    results: Mapping[str, Any], folder: Path, new: Path, parts: Collection[str], jobs: int
+    results: Mapping[str, Any],
+    folder: Path,
+    new: Path,
+    parts: Collection[str],
+    jobs: int,
+    attachments: Sequence[Path],
 ) -> list[str]:
     """Make the parts in the folder `new`; return warnings."""
-    from assessment.report.document import write_page, write_pdf
+    from assessment.report.attachments import write_attachments
+    from assessment.report.document import write_docx, write_page, write_pdf
     from assessment.report.figures.animation import write_animations
     from assessment.report.figures.index import write_figures, write_images
     from assessment.report.judgement_file import NAME, judgement
@@ -86,16 +94,23 @@ def _make(
     number = processes(jobs)
     with Pool(number if number > 1 else 0, results) as pool:
         begun: list[Future[Any]] = []
+        images: list[Future[None]] = []
         printed: Future[list[str]] | None = None
         if FIGURES in parts:
             write_figures(pool, new / "figures")
         if REPORT in parts:
+            write_attachments(attachments, new)
             printed = pool.apply(write_pdf, new, opinion.edited)  # first: it takes longest
             begun.append(pool.apply(write_page, new, opinion.edited))
         if FIGURES in parts:
-            begun += [*write_animations(pool, new / "figures"), *write_images(pool, new / "figures")]
+            images = write_images(pool, new / "figures")
+            begun += write_animations(pool, new / "figures")
         if TABLES in parts:
             begun.append(pool.apply(write_tables, new / "tables"))
+        for work in images:
+            result_of(work)
+        if REPORT in parts:  # its figures are the images
+            begun.append(pool.apply(write_docx, new, opinion.edited))
         if RESULTS in parts:
             write_atomically(new / "results.json", as_bytes(results))
         for work in begun:

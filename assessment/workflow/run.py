@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from assessment.runtime.journal import journal
 from assessment.runtime.lock import locked
 from assessment.runtime.outcome import Outcome
 from assessment.runtime.pool import KilledError
@@ -36,12 +37,19 @@ EDITED = (
 
 
 def carry_out(
-    project: Project, folder: Path, jobs: int, fresh: bool, report: bool, show: Show
+    project: Project,
+    folder: Path,
+    jobs: int,
+    fresh: bool,
+    report: bool,
+    show: Show,
+    scheduler: str | None = None,
 ) -> tuple[Outcome, list[str]]:
     """Carry out every stage that the project asks for and write what is made of the results into `folder`.
 
     Where an earlier run left just that, nothing is computed or written; where only the title page or the language has
-    changed, nothing is computed. `jobs`: processes, 0: as many as help; `fresh`: nothing is taken over. Returns what
+    changed, nothing is computed. `jobs`: processes, 0: as many as help; `scheduler`: address of a Dask cluster in their
+    place; `fresh`: nothing is taken over. Returns what
     the run came to, and warnings of the writing. Raises BusyError while another run is at work in the folder.
     """
     parts, keys = EVERYTHING if report else NO_REPORT, keys_of(project)
@@ -56,12 +64,13 @@ def carry_out(
             _retitle(outcome.results, project)
             outcome.results["inputs"][project.source] = project.digests()[project.source]
         else:
-            outcome = _analysed(project, folder, jobs, fresh, report, show)
+            with journal(folder, show) as told:
+                outcome = _analysed(project, folder, jobs, fresh, report, told, scheduler)
         standing = last.standing(folder, keys) if last else frozenset()
         show.begin("report" if report else "figures and tables", 1, 0)
         from assessment.workflow.output import write
 
-        warnings = write(outcome.results, folder, parts - standing, standing, jobs)
+        warnings = write(outcome.results, folder, parts - standing, standing, jobs, project.attachments())
         if last and REPORT in standing:
             warnings = [*last.warnings, *warnings]
         remember(folder, outcome, keys, parts | standing, warnings)
@@ -69,7 +78,9 @@ def carry_out(
     return outcome, warnings
 
 
-def _analysed(project: Project, folder: Path, jobs: int, fresh: bool, report: bool, show: Show) -> Outcome:
+def _analysed(
+    project: Project, folder: Path, jobs: int, fresh: bool, report: bool, show: Show, scheduler: str | None
+) -> Outcome:
     from assessment.project.model import build_model
     from assessment.report.judgement_file import NAME, read_judgement
     from assessment.runtime.cache import FOLDER, Store
@@ -79,7 +90,7 @@ def _analysed(project: Project, folder: Path, jobs: int, fresh: bool, report: bo
     if (folder / NAME).is_file():
         read_judgement(folder / NAME)  # what cannot be read is told before any analysis
     model = build_model(project)
-    return run(project, model, jobs, Store(folder / FOLDER), fresh, show, partial(prepare, report))
+    return run(project, model, jobs, Store(folder / FOLDER), fresh, show, partial(prepare, report), scheduler)
 
 
 def print_again(project: Project, folder: Path) -> list[str]:
@@ -102,7 +113,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
         try:
             results["quality"]["warnings"] += warnings
             _retitle(results, project)
-            warnings += write(results, folder, jobs=0)
+            warnings += write(results, folder, jobs=0, attachments=project.attachments())
         except (OSError, KilledError):
             raise
         except Exception as error:

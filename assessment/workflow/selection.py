@@ -15,6 +15,7 @@ STAGES = {  # stage: table
     "pushover": "pushover",
     "history": "history",
     "incremental": "incremental",
+    "campaign": "campaign",
     "assessment": "assessment",
     "scenarios": "settlements",
     "sensitivity": "sensitivity",
@@ -34,6 +35,8 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
             raise ProjectError(f"--only: {name}: no such stage; {nearest(name, STAGES)}")
     if "sensitivity" in wanted and "assessment" not in wanted:
         wanted.append("assessment")
+    if "campaign" in wanted and project.campaign:  # which sets the static check beside
+        wanted += ["assessment"] if project.assessment else ["pushover"]
     if {"assessment", "scenarios"} & {*wanted} and "pushover" not in wanted:
         wanted.append("pushover")
     by_record = project.assessment is not None and project.assessment.spectrum == "record"

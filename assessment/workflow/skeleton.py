@@ -92,7 +92,7 @@ def _spelt(value: Any) -> Any:
 
 
 def _states(project: Project) -> Iterable[tuple[str, Results | None]]:
-    if project.pushover or project.history or project.incremental or project.mechanism:
+    if project.pushover or project.history or project.incremental or project.campaign or project.mechanism:
         yield ORIGINAL, None
     for s in project.settlements:
         yield (

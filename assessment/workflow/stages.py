@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.checks.capacity import assess, assess_chosen, governing, safety_index
 from assessment.analyses.checks.demand import demand_spectra, spectra_numbers
+from assessment.analyses.checks.indices import knowledge_numbers, state_indices
 from assessment.analyses.checks.ranges import Assess, with_ranges
 from assessment.analyses.static.ensemble import members
 from assessment.analyses.static.paths import stand
 from assessment.analyses.static.states import Request, StateResult, analyse_states
+from assessment.ntc.limit_states import SURFACE
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.schema import ORIGINAL
-from assessment.results.table import quoted_limit_state, reduction, static_pga
+from assessment.results.table import brought_together, quoted_limit_state, reduction, static_pga
 from assessment.runtime.outcome import Outcome
 from assessment.runtime.tasks import SILENCE, Show, Workers, large
 from assessment.studies.convergence import converge
@@ -47,13 +49,15 @@ def run(
     fresh: bool = False,
     show: Show = SILENCE,
     meanwhile: Callable[[], object] | None = None,
+    scheduler: str | None = None,
 ) -> Outcome:
     """Carry out every stage that the project asks for.
 
-    `jobs`: processes, 0: as many as help; `store`: where finished analyses are kept, and taken from unless `fresh`;
+    `jobs`: processes, 0: as many as help; `scheduler`: of a Dask cluster in their place; `store`: where finished
+    analyses are kept, and taken from unless `fresh`;
     `meanwhile`: what this process does, once, while others compute.
     """
-    with Workers(jobs, store, fresh, show, meanwhile=meanwhile) as workers:
+    with Workers(jobs, store, fresh, show, meanwhile=meanwhile, scheduler=scheduler) as workers:
         results, complete = _stages(project, model, workers)
     if store:
         store.prune()
@@ -117,12 +121,17 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
         if project.assessment:
             state["capacity"] = capacity
             state["governing"], state["safety_index"] = governing(capacity), safety_index(capacity)
+            state["indices"] = state_indices(project, capacity)
     if project.assessment:
+        if project.assessment.knowledge:
+            results["knowledge"] = knowledge_numbers(project.assessment.knowledge)
         results["spectra"] = spectra_numbers(project, demands, hazard)
         results["timing_s"]["assessment"] = time.perf_counter() - began
     if project.mechanism:
         results["mechanisms"] = assess_chosen(project, assembly, states, demands, hazard, warnings)
-    studied = add_studies(results, project, assembly, stages, converged.halvings, demands, hazard, workers)
+    studied = add_studies(
+        results, project, assembly, stages, converged.halvings, demands, hazard, motions.campaign, workers
+    )
     shaken = add_dynamics(results, project, assembly, motions, stages, workers)
     if project.assessment or project.incremental:
         results["comparison"] = _comparison(states)
@@ -171,7 +180,8 @@ def told_of(ensemble: Sequence[Sequence[StateResult]]) -> Iterator[str]:
 def _comparison(states: Mapping[str, Any]) -> list[Results]:
     """Capacities of each settled state beside the original one's; the dynamic one is the same in every direction.
 
-    `limit_state`: the farthest one checked, of which the static capacity is.
+    `limit_state`: the farthest one checked, of which the static capacity is, on rock with F_C; the dynamic one is at
+    the surface without it, where `static_surface_pga_g` brings the static one before `dynamic_to_static` is taken.
     """
     rows: list[Results] = []
     original = states.get(ORIGINAL)
@@ -184,16 +194,20 @@ def _comparison(states: Mapping[str, Any]) -> list[Results]:
         for direction in original["pushover"] or ([None] if state["incremental"] else []):
             checked = [each["capacity"].get(direction) for each in (original, state)]
             before, after = map(static_pga, checked)
+            limit = next(filter(None, map(quoted_limit_state, checked)), None)
             rows.append(
                 {
                     "state": name,
                     "direction": direction,
-                    "limit_state": next(filter(None, map(quoted_limit_state, checked)), None),
+                    "limit_state": limit,
                     "static_pga_g": after,
                     "static_reduction": reduction(before, after),
                     "dynamic_pga_g": dynamic,
                     "dynamic_reduction": reduction(original["incremental"].get("pga_collapse_g"), dynamic),
+                    "static_reference": (checked[1] or {}).get(limit, {}).get("reference"),
+                    "dynamic_reference": None if dynamic is None else SURFACE,
                 }
+                | (brought_together(checked[1], dynamic) if dynamic is not None else {})
             )
     return rows
 

@@ -1,4 +1,4 @@
-"""The studies of a run, scenarios and sensitivity, and their place in the results."""
+"""The studies of a run, scenarios, sensitivity and campaign, and their place in the results."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from assessment.analyses.static.states import StateResult, joined_quality
+from assessment.studies.campaign.stage import campaign
 from assessment.studies.scenarios import asks_for_scenarios, scenarios
 from assessment.studies.sensitivity import sensitivity
 from assessment.studies.variants import Demands, Numbers, Study
@@ -13,6 +14,7 @@ from assessment.studies.variants import Demands, Numbers, Study
 if TYPE_CHECKING:
     from assessment.ntc.hazard import HazardCurve
     from assessment.ntc.spectrum import Spectrum
+    from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
@@ -28,11 +30,13 @@ def add_studies(
     halvings: Mapping[str, int],
     spectra: Mapping[str, Spectrum],
     hazard: HazardCurve | None,
+    records: Sequence[BaseMotion],
     workers: Workers,
 ) -> bool:
-    """Set the scenarios side by side and vary the properties, where asked for; return whether all was completed.
+    """Set the scenarios side by side, vary the properties, run the campaign, where asked for.
 
-    `halvings`: of each state's increments behind `stages`; the studies of a state take the same.
+    Returns whether all was completed. `records`: of the files that [campaign] names; `halvings`:
+    of each state's increments behind `stages`; the studies of a state take the same.
     """
     demands = Demands(spectra, hazard)
     made: dict[str, Callable[[Study], Numbers]] = {}
@@ -42,21 +46,29 @@ def add_studies(
         )
     if project.sensitivity:
         made["sensitivity"] = lambda study: sensitivity(project, halvings, demands, workers, study)
+    if project.campaign:
+        made["campaign"] = lambda study: campaign(
+            project, model, records, results["states"], stages, halvings, demands, workers, study
+        )
     complete = True
     for name, make in made.items():
         study = Study()
         results[name] = make(study)
         results["timing_s"][name] = study.seconds
         results[name]["warnings"] = study.warnings
-        results["quality"]["warnings"] += [*_in_short(name, study.warnings), *study.findings, *study.failures]
+        results["quality"]["warnings"] += [
+            *_in_short(name, study.warnings),
+            *study.findings,
+            *_in_short(name, study.failures, "failures"),
+        ]
         if study.quality:
             results["quality"]["by_stage"].append(joined_quality(None, name, study.quality))
         complete = complete and not study.failures
     return complete
 
 
-def _in_short(name: str, warnings: Sequence[str]) -> list[str]:
-    """Return warnings one by one if they are few; the runs of a study repeat those of the states they vary."""
-    if len(warnings) <= FEW:
-        return list(warnings)
-    return [f"{name}: {len(warnings)} warnings of single runs, in results.json; the first: {warnings[0]}"]
+def _in_short(name: str, told: Sequence[str], what: str = "warnings") -> list[str]:
+    """Return messages one by one if they are few; the runs of a study repeat those of the states they vary."""
+    if len(told) <= FEW:
+        return list(told)
+    return [f"{name}: {len(told)} {what} of single runs, in results.json; the first: {told[0]}"]

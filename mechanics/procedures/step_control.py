@@ -95,4 +95,5 @@ def _reach(
     try:
         return motion_to_rest(problem, begun), True
     except RunawayError as fall:
-        raise RunawayError(f"{fall} ({stop})") from stop
+        same = str(fall) == str(stop)  # the motion was stopped by what had stopped the step
+        raise RunawayError(str(fall) if same else f"{fall} ({stop})") from stop

@@ -55,7 +55,7 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
         solves += more
         at = displaced(model, posed, found.displacement)
         check_motion(short, at)
-        if inertia(program, found.displacement) > STEP.inertia:
+        if inertia(program, found.displacement) > (STEP.inertia if problem.lateral is None else STEP.pushed):
             raise NoEquilibriumError(f"the structure falls: in a step of {short.size:.3g} m it gains speed")
         iterate = over_all(found, index, len(system.contacts))
         forces = spread(interior.solution(program, found).forces, index, len(system.contacts))

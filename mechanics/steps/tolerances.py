@@ -19,15 +19,15 @@ class StepTolerances:
 
     What is accepted. `certificate`: of the forces in the geometry to which they lead; `slow`: the same where forces and
     geometry approach each other only slowly. `fall`: a motion so many times the step is a fall, not a path of
-    equilibrium; `turn` (rad): a step that turns a
-    block by more leaves the range in which its geometry is linear.
+    equilibrium; `turn` (rad): a step that turns a block by more leaves the range in which its geometry is linear.
 
     Contacts. `carrying`: of the weight, the least force of a joint that carries; of the block size, `no_overlap`: an
     overlap that is none, `inside`: a penetration that is one, `look_ahead`: how far beyond a step contacts are looked
     for. `least_friction`: of a joint without friction.
 
     Short steps. `short`: of the block size, their length; `fewest`: of a step; `short_time`: of each, in units of
-    √(size/g), so long that inertia hardly counts; `inertia`: of a block's weight, the inertia of one that falls.
+    √(size/g), so long that inertia hardly counts; `inertia`: of a block's weight, the inertia of one that falls;
+    `pushed`: the same under a free multiplier, from which inertia is taken off.
     """
 
     rigid: tuple[float, ...] = (1e-5, 1e-8)
@@ -50,7 +50,8 @@ class StepTolerances:
     short: float = 1e-2
     fewest: int = 4
     short_time: float = 4.5
-    inertia: float = 1e-2
+    inertia: float = 1e-5
+    pushed: float = 1e-2
 
     def residuals(self, behaviour: Behaviour) -> tuple[float, ...]:
         """The residuals to which the programs of joints of a behaviour are solved before the last one is repeated."""
@@ -66,15 +67,15 @@ class RestTolerances:
     """Of a motion with reset velocities.
 
     `time`: of a step, in units of √(size/g); of the block size, `still`: what a step at rest moves, `lifted`: the gaps
-    of joints that carry, `farthest`: the longest way, beyond which it has run away, as in a time history (a turn of
-    1 rad counts as 1; what falls less may rest on the block below); `steps`: the most.
+    of joints that carry, `farthest`: the longest way, beyond which it has run away (a turn of 1 rad counts as 1): what
+    leaves its seat or topples has collapsed, though it may rest where it fell; `steps`: the most.
     """
 
     time: float = 0.5
     still: float = 2e-5
     lifted: float = 5e-5
     steps: int = 400
-    farthest: float = 1.0
+    farthest: float = 0.3
 
 
 @dataclass(frozen=True, slots=True)

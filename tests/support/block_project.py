@@ -12,6 +12,7 @@ from typing import Any
 from assessment.cli.main import main
 from assessment.project.catalogue.new_project import template_layout, write_drawing
 from assessment.runtime.cache import FOLDER
+from assessment.runtime.journal import NAME as JOURNAL
 from tests import ROOT
 
 
@@ -89,11 +90,11 @@ def _refuse(name: str) -> None:
 
 
 def contents(folder: Path) -> dict[str, str]:
-    """Files and their digests, without the analyses kept for later runs."""
+    """Files and their digests, without the analyses kept for later runs and the journal of one that was killed."""
     return {
         str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
         for path in sorted(folder.rglob("*"))
-        if path.is_file() and FOLDER not in path.parts
+        if path.is_file() and not {FOLDER, JOURNAL} & {*path.parts}
     }
 
 

@@ -298,7 +298,7 @@ def _capacity(
         "model": "trilinear",
         "curve": {"d_star_m": d_star.tolist(), "a_star_g": a_star.tolist()},
     }
-    activation = _point("activation", 5.0) | {
+    activation = _point("linear", 5.0) | {
         "d_star_m": float(d_star[1]),
         "a_star_g": float(a_star[1]),
         "T_s": found["T_0_s"],
@@ -336,7 +336,7 @@ def _point(method: str, damping: float) -> dict[str, Any]:
     """What a check has beside its numbers; damping in per cent."""
     beside = {
         "return_period_years": None,
-        "governing": "activation" if method == "activation" else "0.40 d_0",
+        "governing": "activation" if method == "linear" else "0.40 d_0",
     }
     return {"method": method, "damping": damping / 100.0, **beside, "notes": [], "trace": []}
 
@@ -429,5 +429,6 @@ def _echo(language: str) -> dict[str, Any]:
             "client": "Comune <A & B>",
             "engineer": "ing. N. Nome",
             "location": "L'Aquila",
+            "attachments": [],
         },
     }

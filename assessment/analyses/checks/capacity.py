@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from assessment.analyses.checks.chosen_mechanism import MechanismError, compared, evaluate
-from assessment.analyses.checks.demand import site_acceleration
+from assessment.analyses.checks.demand import demand_return_periods, site_acceleration
 from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
+from assessment.ntc.capacity_return_period import stated
 from assessment.ntc.curve_fit import CapacityError, Curve, CurveFit, fit_curve
 from assessment.ntc.hazard import HazardCurve
+from assessment.ntc.limit_states import QUOTED
 from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.verification import Check, Method, verify
 from assessment.project.mechanisms import chosen_mechanisms
@@ -61,6 +64,7 @@ def assess(
             part = mechanism_participation(model, virtual, mechanism["control_displacement_x"])
             branch = None if elastic is None else along_push(elastic["curve"], direction)
             fit = fit_curve(assessment.model, rigid_branch(rigid, direction), branch)
+            fit = replace(fit, elastic_end=_elastic_end(elastic) if assessment.model != "none" else None)
             capacity = capacity_curve(fit, part.e_star, part.gamma_star, assessment.confidence_factor)
             checks = verify(capacity, demands, method_of(project, hazard))
         except CapacityError as refusal:
@@ -71,7 +75,39 @@ def assess(
         said = dict.fromkeys(note for check in checks.values() for note in check.notes)
         warnings += [f"{direction}: {note}" for note in said]
         found[direction] = _numbers(mechanism, part, fit, capacity, checks)
+        if hazard is not None and "SLV" in demands:
+            method = method_of(project, hazard)
+            found[direction]["scalings"] = _scalings(capacity, checks["SLV"], demands["SLV"], method)
+        if project.incremental:
+            found[direction]["nominal"] = _nominal(capacity, demands, method_of(project, hazard))
     return found
+
+
+def _elastic_end(elastic: Mapping[str, Any] | None) -> float | None:
+    """Where the structure with elastic contacts has no equilibrium any more, m; None where its curve was cut before."""
+    if elastic is None or not (elastic.get("lost") or elastic.get("reached_zero")):
+        return None
+    return max(map(abs, elastic["curve"]["displacement_m"]))
+
+
+def _scalings(capacity: CapacityCurve, used: Check, spectrum: Spectrum, method: Method) -> dict[str, Any]:
+    """SLV by both ways of following the demand up to the capacity; the trace of the one `used` is the check's."""
+    ways = {"shape": "demand-shape", "return_period": "grid"}
+    found = {ways[method.scaling]: _check(used, 0) | {"trace": [], "used": True}}
+    for scaling in ways.keys() - {method.scaling}:
+        other = verify(capacity, {"SLV": spectrum}, replace(method, scaling=scaling))["SLV"]
+        found[ways[scaling]] = _check(other, len(capacity.steps())) | {"used": False}
+    return found
+
+
+def _nominal(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method) -> dict[str, Any]:
+    """The check of the farthest limit state without confidence factor, for comparison with the dynamic capacity.
+
+    A dynamic analysis shakes the model as it is, at the surface: its PGA at collapse has no F_C and no factor S.
+    """
+    limit = next(limit for limit in QUOTED if limit in demands)
+    check = verify(replace(capacity, confidence_factor=1.0), {limit: demands[limit]}, method)[limit]
+    return {"limit_state": limit} | _check(check, 0)
 
 
 def _asked_for_elastic(project: Project) -> bool:
@@ -111,6 +147,7 @@ def method_of(project: Project, hazard: HazardCurve | None) -> Method:
         displacement_demand=assessment.record_demand if assessment.spectrum == "record" else "maximum",
         hazard=hazard,
         site_acceleration=site_acceleration(project),
+        return_periods=demand_return_periods(project),
         local_limits={} if limit is None else dict.fromkeys(("SLV", "SLC"), limit),
         local_reason=assessment.local_displacement_reason,
     )
@@ -181,6 +218,7 @@ def _numbers(
 ) -> dict[str, Any]:
     return {
         "mechanism": {"hinges": mechanism["hinges"], "sliding_joints": len(mechanism["sliding_joints"])},
+        "alpha_0": fit.alpha_0,
         "e_star": part.e_star,
         "gamma_star": part.gamma_star,
         "T_0_s": capacity.T_0,
@@ -202,10 +240,17 @@ def _check(check: Check, common: int) -> dict[str, Any]:
         "T_s": check.T,
         "a_g_g": check.a_g,
         "demand_a_g_g": check.demand_a_g,
+        "demand_a_star_g": check.demand_a_star,
+        "pga_g": check.pga,
+        "demand_pga_g": check.demand_pga,
+        "S": check.S,
+        "demand_S": check.demand_S,
+        "reference": check.reference,
         "zeta_E": check.zeta_E,
         "verified": check.verified,
         "damping": check.damping,
         "return_period_years": check.return_period,
+        "return_period_stated": stated(check.return_period),
         "governing": check.governing,
         "notes": list(check.notes),
         "trace": numbers(check.trace[common:]),

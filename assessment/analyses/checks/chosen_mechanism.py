@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from assessment.analyses.checks.virtual_work import virtual_displacements, virtual_work
 from assessment.ntc.calculation import numbers, step
 from assessment.ntc.capacity import CapacityCurve, capacity_curve
+from assessment.ntc.capacity_return_period import stated
 from assessment.ntc.curve_fit import fit_rigid
-from assessment.ntc.verification import Method, check_activation, check_linear
+from assessment.ntc.verification import Method, check_linear
 from assessment.results.faces import Met
 from mechanics.model import Contacts, H, end_gaps, rows
 from mechanics.steps import LIMIT, static_system
@@ -138,21 +139,23 @@ def evaluate(
 
 
 def _checks(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method) -> Numbers:
-    """Return the linear checks: activation at SLD, q times it at SLV (C8.7.1.2)."""
+    """Return the linear checks of the limit states up to SLV (C8.7.1.2)."""
     answers = {}
     for limit_state, spectrum in demands.items():
-        if limit_state == "SLV":
-            answers["SLV linear"] = check_linear(capacity, limit_state, spectrum, method)
-        elif limit_state != "SLC":
-            answers[limit_state] = check_activation(capacity, limit_state, spectrum, method)
+        if limit_state != "SLC":
+            name = "SLV linear" if limit_state == "SLV" else limit_state
+            answers[name] = check_linear(capacity, limit_state, spectrum, method)
     common = len(capacity.steps())
     return {
         name: {
+            "a_star_g": check.a_star,
             "a_g_g": check.a_g,
             "demand_a_g_g": check.demand_a_g,
+            "demand_a_star_g": check.demand_a_star,
             "zeta_E": check.zeta_E,
             "verified": check.verified,
             "return_period_years": check.return_period,
+            "return_period_stated": stated(check.return_period),
             "trace": numbers(check.trace[common:]),
         }
         for name, check in answers.items()

@@ -8,9 +8,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assessment.ntc.calculation import Trace, numbers
-from assessment.ntc.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
+from assessment.ntc.floor_spectrum import (
+    FloorSpectrum,
+    FloorSpectrum2009,
+    Mode,
+    first_mode,
+    fundamental_period,
+)
 from assessment.ntc.hazard import HazardCurve, return_period, return_period_steps, site_curve
 from assessment.ntc.hazard_grid import HazardError
+from assessment.ntc.limit_states import ROCK, SURFACE
 from assessment.ntc.methods import ACTIVATION_DAMPING, RULES
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
 from assessment.runtime.errors import ProjectError
@@ -57,6 +64,24 @@ def site_acceleration(project: Project) -> dict[str, float]:
     }
 
 
+def demand_return_periods(project: Project) -> dict[str, float]:
+    """Return T_R (years) of the demand per limit state: from V_N and C_U with a grid, as told with a typed hazard.
+
+    A typed hazard without its return period is of no known one; nothing then follows from V_N and C_U.
+    """
+    assessment = project.assessment
+    if assessment is None or assessment.spectrum == "record" or assessment.site is None:
+        return {}
+    site = assessment.site
+    if site.grid is not None:
+        return {
+            name: return_period(name, site.nominal_life_years, site.use_class)
+            for name in assessment.limit_states
+        }
+    typed = {name: getattr(site, name).return_period_years for name in assessment.limit_states}
+    return {name: T_R for name, T_R in typed.items() if T_R is not None}
+
+
 def _site_spectra(
     project: Project, assessment: AssessmentTable
 ) -> tuple[dict[str, Spectrum], HazardCurve | None]:
@@ -81,9 +106,8 @@ def _at_height(ground: ElasticSpectrum, assessment: AssessmentTable) -> Spectrum
     floor = assessment.floor
     if floor is None or floor.height_m == 0.0:
         return ground
-    first = first_mode(
-        floor.period_s, floor.storeys, floor.height_m, floor.building_height_m, floor.damping_ratio
-    )
+    T_1 = floor.period_s or fundamental_period(floor.building_height_m).result
+    first = first_mode(T_1, floor.storeys, floor.height_m, floor.building_height_m, floor.damping_ratio)
     if assessment.circular == 2009:
         return FloorSpectrum2009(ground, first)
     higher = zip(floor.higher_periods_s, floor.higher_participations, strict=True)
@@ -106,7 +130,7 @@ def spectra_numbers(
 ) -> dict[str, Any]:
     """The demand spectra as numbers: ordinates at 5 % and at the damping of the check, parameters, calculation."""
     assert project.assessment is not None
-    found = {}
+    found, periods = {}, demand_return_periods(project)
     for name, spectrum in demands.items():
         rule = RULES.get((str(project.assessment.circular), name))
         damped = spectrum.with_damping(rule.damping if rule else ACTIVATION_DAMPING)
@@ -114,6 +138,8 @@ def spectra_numbers(
             "kind": _kind(spectrum),
             "a_g_g": spectrum.ag,
             "S": spectrum.S,
+            "pga_g": spectrum.ag * spectrum.S,
+            "reference": SURFACE if isinstance(spectrum, RecordSpectrum) else ROCK,
             "T_s": PERIODS.tolist(),
             "S_e_g": spectrum.acceleration(PERIODS).tolist(),
             "S_De_m": spectrum.displacement(PERIODS).tolist(),
@@ -124,12 +150,15 @@ def spectra_numbers(
         }
         site = project.assessment.site
         steps: Trace = ()
+        if name in periods:
+            found[name]["return_period_years"] = periods[name]
         if hazard is not None and site is not None:
             by_life = return_period_steps(name, site.nominal_life_years, site.use_class)
-            found[name]["return_period_years"] = by_life[-1].result
             steps = (*by_life, *hazard.steps(by_life[-1].result)[1:])
-        ground = _ground(spectrum)
+        ground, floor = _ground(spectrum), project.assessment.floor
         if ground is not None:
+            if floor is not None and floor.period_s is None and ground is not spectrum:
+                steps = (*steps, fundamental_period(floor.building_height_m))
             found[name]["trace"] = numbers((*steps, *ground.parameter_steps()))
     return found
 

@@ -25,7 +25,7 @@ def with_ranges(
     """
     for behaviour, numbers in state["pushdown"].items():
         others = [pushdown.get(behaviour) or {} for pushdown, _ in members]
-        _spread(numbers, "ultimate_movement_m", [numbers, *others])
+        _with_range(numbers, "ultimate_movement_m", [numbers, *others])
     capacity = {}
     for direction, own in state["pushover"].items():
         followed = [own, *(curves[direction] for _, curves in members if direction in curves)]
@@ -56,7 +56,7 @@ def _joined(numbers: Mapping[str, Any], followed: Sequence[Mapping[str, Any]]) -
     }  # said once for both behaviours
     for name in QUANTITIES:
         if name in found:
-            _spread(found, name, followed)
+            _with_range(found, name, followed)
     found["members"] = [each["curve"] for each in followed if each is not numbers]
     return found
 
@@ -73,12 +73,12 @@ def _checks(least: Mapping[str, Any], known: Sequence[Mapping[str, Any]]) -> dic
         if lowest is not least:  # another capacity curve: its steps belong to the check
             check["trace"] = [*lowest["trace"], *check["trace"]]
         for name in CHECKED:
-            _spread(check, name, [each[limit_state] for each in asked])
+            _with_range(check, name, [each[limit_state] for each in asked])
         found[limit_state] = check
     return found
 
 
-def _spread(numbers: dict[str, Any], name: str, members: Sequence[Mapping[str, Any]]) -> None:
+def _with_range(numbers: dict[str, Any], name: str, members: Sequence[Mapping[str, Any]]) -> None:
     """Let a quantity be the least of the members', with its range beside it."""
     values = [each[name] for each in members if each.get(name) is not None]
     if values:

@@ -31,14 +31,21 @@ class Bracket:
         return 0.0 if self.collapse is None else self.collapse - self.safe
 
 
-def find_collapse(some: Judge, every: Judge, first: float, largest: float, tolerance: float) -> Bracket:
+def find_collapse(
+    some: Judge, every: Judge, first: float, largest: float, tolerance: float, relative: float = 0.0
+) -> Bracket:
     """Bracket the lowest level at which `some` member and at which `every` one collapses, within `tolerance`; in g.
+
+    `relative`: to the level, where that is a wider tolerance.
 
     From `first` by doubling, up to `largest`, or halving to a level on each side, then by bisection between levels
     that were both run. A structure that falls at one level may stand at a higher one: levels on a coarse grid below
     and above are tried too, and a collapse found below starts the bisection again. At zero the state stands by itself.
     """
     tried: dict[float, bool] = {}
+
+    def within(level: float) -> float:
+        return max(tolerance, relative * level)
 
     def falls(level: float) -> bool:
         if level not in tried:
@@ -60,12 +67,12 @@ def find_collapse(some: Judge, every: Judge, first: float, largest: float, toler
             level = min(2.0 * level, largest)
     while True:
         collapse = lowest()
-        if collapse is not None and collapse - safe_below(collapse) > tolerance:
+        if collapse is not None and collapse - safe_below(collapse) > within(collapse):
             falls(0.5 * (collapse + safe_below(collapse)))
             continue
         about = collapse or largest
         wanted = [share * about for share in GRID if share * about <= largest]
-        new = [level for level in wanted if min(abs(level - other) for other in tried) > tolerance]
+        new = [level for level in wanted if min(abs(level - other) for other in tried) > within(level)]
         if not new:
             break
         falls(new[0])
@@ -73,11 +80,13 @@ def find_collapse(some: Judge, every: Judge, first: float, largest: float, toler
         return Bracket(largest, None, None, ())
     reached = [level for level, fallen in tried.items() if fallen]
     above = (level for level, fallen in tried.items() if not fallen and level > collapse)
-    certain = _certain(every, sorted(reached), largest, tolerance)
+    certain = _certain(every, sorted(reached), largest, within)
     return Bracket(safe_below(collapse), collapse, certain, tuple(sorted(above)))
 
 
-def _certain(every: Judge, reached: list[float], largest: float, tolerance: float) -> float | None:
+def _certain(
+    every: Judge, reached: list[float], largest: float, within: Callable[[float], float]
+) -> float | None:
     """Return the lowest level at which all collapse: the first of those `reached` by some, then by bisection."""
     below, top = 0.0, None
     level = reached[0]
@@ -89,7 +98,7 @@ def _certain(every: Judge, reached: list[float], largest: float, tolerance: floa
         else:
             below = level
             level = next((other for other in reached if other > below), min(2.0 * below, largest))
-    while top > reached[0] and top - below > tolerance:
+    while top > reached[0] and top - below > within(top):
         middle = 0.5 * (below + top)
         below, top = (below, middle) if every(middle) else (middle, top)
     return top

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from assessment.analyses.static.states import StateResult
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
-    from assessment.project.schema import MotionTable
+    from assessment.project.schema import MotionTable, StatesTable
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
     from mechanics.model import Behaviour
@@ -38,7 +38,7 @@ class Campaign:
     ultimates: Mapping[tuple[str, str], float]
     workers: Workers
 
-    def tasks(self, table: MotionTable, motions: Iterable[BaseMotion]) -> list[Task]:
+    def tasks(self, table: StatesTable, motions: Iterable[BaseMotion]) -> list[Task]:
         """The motions from every state that the table asks for."""
         control = self.project.control_point(table.control)
         return [
@@ -89,3 +89,16 @@ def starts_of(
             reason = "; ".join(stage.failures) or "the settled state was not reached"
             starts[stage.state, stage.behaviour] = reason if stage.reached is None else stage.reached
     return starts
+
+
+def ultimates(states: Mapping[str, Any]) -> dict[tuple[str, str], float]:
+    """Displacement at which the static capacity vanishes, m, by state and control point, where both sides have one."""
+    found = {}
+    for state, content in states.items():
+        curves = content["pushover"]
+        sides = [curves.get(direction, {}) for direction in ("+x", "-x")]
+        ends = [side["rigid"]["d_0_m"] for side in sides if side.get("rigid", {}).get("reached_zero")]
+        controls = {side.get("control") for side in sides}
+        if len(ends) == 2 and len(controls) == 1:
+            found[state, controls.pop()] = max(ends)
+    return found

@@ -142,8 +142,8 @@ def _together(request: Request) -> list[tuple[Direction, ...]]:
 
 
 def joined_quality(state: str | None, stage: str, rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return one row of quality for the programs of several."""
-    worst = {key: max(row[key] for row in rows) for key in WORST}
+    """Return one row of quality for the programs of several; those of motions have no penetration."""
+    worst = {key: max(found) for key in WORST if (found := [row[key] for row in rows if key in row])}
     return {"state": state, "stage": stage, "solves": sum(row["solves"] for row in rows)} | worst
 
 

@@ -42,9 +42,9 @@ ASSESSMENT = {
         "topography": "T1",
         "nominal_life_years": 50,
         "use_class": "II",
-        "SLD": {"ag_g": 0.104, "F0": 2.33, "Tc_star_s": 0.28},
-        "SLV": {"ag_g": 0.261, "F0": 2.36, "Tc_star_s": 0.35},
-        "SLC": {"ag_g": 0.334, "F0": 2.40, "Tc_star_s": 0.36},
+        "SLD": {"ag_g": 0.104, "F0": 2.33, "Tc_star_s": 0.28, "return_period_years": 50},
+        "SLV": {"ag_g": 0.261, "F0": 2.36, "Tc_star_s": 0.35, "return_period_years": 475},
+        "SLC": {"ag_g": 0.334, "F0": 2.40, "Tc_star_s": 0.36, "return_period_years": 975},
     },
 }
 
@@ -84,7 +84,7 @@ def _point(name: str, x: float, z: float) -> dict[str, Any]:
 def _outward(movement: float, increment: float) -> dict[str, Any]:
     """Return the paper's movement: the right support goes outward and down by equal parts."""
     return {
-        "name": f"right support {1e3 * movement:.4g} mm",
+        "name": f"appoggio destro {1e3 * movement:.4g} mm",
         "support": "right",
         "displacement_m": [movement, -movement],
         "increment_m": increment,
@@ -95,21 +95,23 @@ def _outward(movement: float, increment: float) -> dict[str, Any]:
 def _block(values: Values) -> dict[str, Any]:
     half, height = 0.5 * values["width_m"], values["height_m"]
     return _content(
-        "Rocking block",
+        "Blocco oscillante",
         depth=1.0,
         material=_stone(18.0, 0.7, 5e8),
         layers={"BASE": {"support": "base"}},
-        control=[_point("top right", half, height), _point("top left", -half, height)],
+        control=[_point("in alto a destra", half, height), _point("in alto a sinistra", -half, height)],
         settlements=[
             {
-                "name": "base turned 20 mrad",
+                "name": "base ruotata 20 mrad",
                 "support": "base",
                 "rotation_rad": -0.02,
                 "increment_rad": 0.001,
                 "to_collapse": True,
             }
         ],
-        pushover=_pushover(round(0.01 * values["width_m"], 6), right="top right", left="top left"),
+        pushover=_pushover(
+            round(0.01 * values["width_m"], 6), right="in alto a destra", left="in alto a sinistra"
+        ),
     )
 
 
@@ -118,20 +120,22 @@ def _wall(values: Values) -> dict[str, Any]:
     height = values["courses"] * values["block_height_m"]
     settlement = round(0.1 * values["block_height_m"], 6)
     return _content(
-        "Running-bond wall",
+        "Parete a corsi sfalsati",
         depth=0.3,
         material=_stone(18.0, 0.65, 1e6),
         layers={"BASE_LEFT": {"support": "left"}, "BASE_RIGHT": {"support": "right"}},
-        control=[_point("top right", length, height), _point("top left", 0.0, height)],
+        control=[_point("in alto a destra", length, height), _point("in alto a sinistra", 0.0, height)],
         settlements=[
             {
-                "name": f"right support {1e3 * settlement:.4g} mm",
+                "name": f"appoggio destro {1e3 * settlement:.4g} mm",
                 "support": "right",
                 "displacement_m": [0.0, -settlement],
                 "increment_m": round(settlement / 10.0, 7),
             }
         ],
-        pushover=_pushover(round(0.02 * values["block_length_m"], 6), right="top right", left="top left"),
+        pushover=_pushover(
+            round(0.02 * values["block_length_m"], 6), right="in alto a destra", left="in alto a sinistra"
+        ),
     )
 
 
@@ -140,20 +144,20 @@ def _arch(values: Values) -> dict[str, Any]:
     crown = max(float(polygon[:, 1].max()) for polygons in layout.values() for polygon in polygons)
     movement = round(0.01 * values["span_m"], 6)
     return _content(
-        "Arch",
+        "Arco",
         depth=1.0,
         material=_stone(20.0, 0.6, 1e6),
         layers={"BASE_LEFT": {"support": "left"}, "BASE_RIGHT": {"support": "right"}},
-        control=[_point("crown", 0.0, crown)],
+        control=[_point("chiave", 0.0, crown)],
         settlements=[_outward(movement, round(0.05 * movement, 7))],
-        pushover=_pushover(round(0.001 * values["span_m"], 6), both="crown"),
+        pushover=_pushover(round(0.001 * values["span_m"], 6), both="chiave"),
     )
 
 
 def _buttressed_arch(values: Values) -> dict[str, Any]:
     outer, top = 0.5 * values["span_m"] + values["pier_width_m"], values["pier_height_m"]
     return _content(
-        "Buttressed arch, model 1:10",
+        "Arco su piedritti, modello 1:10",
         depth=0.1,
         material=_stone(11.5, 0.6, 1.2e5),
         layers={
@@ -169,7 +173,7 @@ def _buttressed_arch(values: Values) -> dict[str, Any]:
 def _triumphal_arch(values: Values) -> dict[str, Any]:
     outer, top = 0.5 * values["span_m"] + values["wall_thickness_m"], values["height_m"]
     return _content(
-        "Triumphal arch",
+        "Arco trionfale",
         depth=0.6,
         material=_stone(16.0, 0.65, 5.33e6),
         layers={

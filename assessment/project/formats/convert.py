@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assessment.project.formats.comments import commented_toml
+from assessment.project.formats.toml import read_toml, updated_toml
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.runtime.atomic_files import write_atomically
 from assessment.runtime.errors import ProjectError
@@ -25,14 +26,28 @@ def source_bytes(source: str, content: Mapping[str, Any]) -> bytes:
 def convert(project: Project) -> tuple[Path, Path]:
     """Write a project's file in the other form; return it, and where the earlier one is kept.
 
-    Only what the earlier file says is written; its own comments stay behind in it. Raises ProjectError where an
-    earlier one is kept already, OSError where the folder cannot be written.
+    Only what the earlier file says is written. A spreadsheet has no place for the comments of a TOML file: they stay in
+    the one that is kept, and come back with it where the spreadsheet is turned into TOML again. Raises ProjectError
+    where an earlier file is kept already, OSError where the folder cannot be written.
     """
     old = project.path(project.source)
     new = old.with_name(XLSX if project.source == TOML else TOML)
     kept = old.with_name(f"{old.name}.old")
     if kept.exists():
         raise ProjectError(f"{kept}: file: exists, and {old.name} would take its place; move it away")
-    write_atomically(new, source_bytes(new.name, project.content(defaults=False)))
+    content = project.content(defaults=False)
+    before = new.with_name(f"{new.name}.old")
+    write_atomically(new, _with_comments_of(before, content) or source_bytes(new.name, content))
     old.replace(kept)
     return new, kept
+
+
+def _with_comments_of(earlier: Path, content: Mapping[str, Any]) -> bytes | None:
+    """Return the earlier TOML file of a project, brought to say `content`; None where there is none that can be."""
+    if earlier.suffixes[-2:] != [".toml", ".old"] or not earlier.is_file():
+        return None
+    try:
+        read_toml(earlier)  # what is refused here is nothing to parse
+        return updated_toml(earlier.read_text(encoding="utf-8-sig"), content).encode()
+    except ValueError:
+        return None

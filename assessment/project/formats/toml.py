@@ -11,7 +11,6 @@ from typing import Any
 from assessment.project.schema import KeyPath
 from assessment.runtime.errors import ProjectError, shortened
 
-_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 _DECIMAL_COMMA = re.compile(r"(?<![\w.,])([+-]?\d+),(\d+(?:[eE][+-]?\d+)?)(?![\w.]|,\d)")
 _TEXT = re.compile(r"\"[^\"]*\"|'[^']*'|#.*")  # in which no number is looked for
@@ -55,6 +54,38 @@ def to_toml(content: Mapping[str, Any]) -> str:
     return "\n".join(lines).strip() + "\n"
 
 
+def updated_toml(text: str, content: Mapping[str, Any]) -> str:
+    """Return a TOML text that says `content`, with the comments and the order that it has where it says the same.
+
+    Entries of a list are known by their place in it. Raises ValueError where the text is no TOML.
+    """
+    import tomlkit
+
+    document = tomlkit.parse(text)
+    _update(document, content)
+    return tomlkit.dumps(document)
+
+
+def _update(table: Any, content: Mapping[str, Any]) -> None:
+    """Let a table of a TOML document say `content`: what it says already stays as it is written."""
+    for key in [
+        key for key in table if key not in content and table[key] != ""
+    ]:  # a spreadsheet has no empty text
+        del table[key]
+    for key, value in content.items():
+        if isinstance(value, Mapping) and isinstance(table.get(key), Mapping):
+            _update(table[key], value)
+        elif _is_tables(value) and _is_tables(table.get(key)):
+            for entry, given in zip(table[key], value, strict=False):
+                _update(entry, given)
+            for given in value[len(table[key]) :]:
+                table[key].append(given)
+            while len(table[key]) > len(value):
+                del table[key][-1]
+        elif key not in table or table[key] != value:
+            table[key] = value
+
+
 def toml_tables(table: Mapping[str, Any], path: KeyPath = ()) -> Iterator[tuple[KeyPath, Mapping[str, Any]]]:
     """Yield the tables of the content with their paths, in the order of the file; not those of tables only."""
     if plain_values(table) or not table:
@@ -80,7 +111,9 @@ def toml_header(path: KeyPath) -> list[str]:
 
 def toml_line(key: str, value: Any) -> str:
     """Return a key with its value."""
-    return f"{_key(key)} = {_value(value)}"
+    import tomlkit
+
+    return f"{_key(key)} = {tomlkit.item(value).as_string()}"
 
 
 def _syntax(text: str, message: str) -> str:
@@ -110,23 +143,6 @@ def _is_tables(value: Any) -> bool:
 
 
 def _key(key: str) -> str:
-    return key if _BARE_KEY.fullmatch(key) else _text(key)
+    import tomlkit  # late: a run that only reads does not need it
 
-
-def _value(value: Any) -> str:
-    if isinstance(value, str):
-        return _text(value)
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, list | tuple):
-        return f"[{', '.join(map(_value, value))}]"
-    return repr(value)
-
-
-def _text(text: str) -> str:
-    named = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t"}
-    return (
-        '"'
-        + "".join(named.get(c) or (c if c >= " " and c != "\x7f" else f"\\u{ord(c):04x}") for c in text)
-        + '"'
-    )
+    return tomlkit.key(key).as_string()

@@ -1,6 +1,6 @@
 """A project's content as a spreadsheet, read and written: one sheet per table.
 
-Single tables (project, geometry, material, pushover, incremental, assessment, site, report) are sheets of
+Single tables (project, geometry, material, pushover, incremental, campaign, assessment, site, report) are sheets of
 key | value | comment; "project" holds the title, and a table within a table is written with a point
 (`control.+x`, `SLV.ag_g`). Lists of tables (layers, control, settlements, history, mechanism) have a header of keys
 and one row per entry; the first column of "layers" is the layer's name. A list stands in one cell,

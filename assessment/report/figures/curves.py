@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from assessment.report.figures.style import DASHES, chart
+from assessment.report.figures.style import COLOURS, DASHES, chart, state_style
 from assessment.report.text.language import Words, direction_name
 from assessment.results.outlines import Array
 from assessment.results.table import sense
@@ -55,28 +55,29 @@ def _keep_rounding_small(axes: Axes, pushdown: Mapping[str, Any]) -> None:
 def draw_pushover(results: Results, words: Words, direction: str) -> Figure:
     """Draw the pushover curves of all states in one direction, and their first branch enlarged.
 
-    Rigid contacts are thin, elastic ones thick; each state has its dashes; α0, (d_y, α_y), d_0 are marked.
+    Rigid contacts are thin, elastic ones thick; each state has its colour and dashes; α0, (d_y, α_y), d_0 are marked.
     Displacements are counted along the push.
     """
     states = {name: content["pushover"][direction] for name, content in pushed(results, direction).items()}
     yields = [p["elastic"]["d_y_m"] for p in states.values() if "elastic" in p and p["elastic"]["d_y_m"]]
     figure, panels = chart(words, columns=2 if yields else 1, height_mm=85.0)
     for axes in panels:
-        for dashes, pushover in zip(_dashes(len(states)), states.values(), strict=True):
+        for number, pushover in enumerate(states.values()):
             for contacts in ("rigid", "elastic"):
                 if contacts in pushover:
                     curve = pushover[contacts]["curve"]
                     for other in pushover[contacts].get("members", []):  # of the ensemble
                         others = sense(direction) * _mm(other["displacement_m"]), other["multiplier"]
-                        axes.plot(*others, color="0.65", linewidth=0.4, linestyle=dashes)
+                        axes.plot(
+                            *others, color="0.65", linewidth=0.4, linestyle=state_style(number)["linestyle"]
+                        )
                     axes.plot(
                         sense(direction) * _mm(curve["displacement_m"]),
                         curve["multiplier"],
-                        color="0.0",
                         linewidth=WIDTHS[contacts],
-                        linestyle=dashes,
+                        **state_style(number),
                     )
-            _key_points(axes, pushover, names_yield=len(panels) == 1 or axes is panels[1])
+            _key_points(axes, pushover, COLOURS[number % len(COLOURS)], len(panels) == 1 or axes is panels[1])
         along = words.plain("figure.push_displacement", direction=direction_name(direction))
         axes.set(xlabel=along, ylabel=words.plain("figure.multiplier"))
         axes.set_ylim(bottom=0.0)
@@ -86,8 +87,8 @@ def draw_pushover(results: Results, words: Words, direction: str) -> Figure:
         panels[1].set_title(words.plain("figure.first_branch"))
         panels[1].set_xlim(0.0, 6000.0 * max(yields))
     handles = [
-        Line2D([], [], color="0.0", linestyle=dashes, label=_key_numbers(name, pushover, words))
-        for dashes, (name, pushover) in zip(_dashes(len(states)), states.items(), strict=True)
+        Line2D([], [], **state_style(number), label=_key_numbers(name, pushover, words))
+        for number, (name, pushover) in enumerate(states.items())
     ]
     handles += [
         Line2D([], [], color="0.0", linewidth=WIDTHS[contacts], label=words.plain(f"figure.{contacts}_line"))
@@ -103,8 +104,8 @@ def pushed(results: Results, direction: str) -> dict[str, Any]:
     return {n: s for n, s in results["states"].items() if (s.get("pushover") or {}).get(direction)}
 
 
-def _key_points(axes: Axes, pushover: Mapping[str, Any], names_yield: bool) -> None:
-    mark: dict[str, Any] = {"color": "0.0", "markerfacecolor": "1.0", "linestyle": "none", "clip_on": True}
+def _key_points(axes: Axes, pushover: Mapping[str, Any], colour: str, names_yield: bool) -> None:
+    mark: dict[str, Any] = {"color": colour, "markerfacecolor": "1.0", "linestyle": "none", "clip_on": True}
     rigid, elastic = pushover.get("rigid"), pushover.get("elastic")
     text: dict[str, Any] = {"textcoords": "offset points", "annotation_clip": True, "parse_math": True}
     if rigid:
@@ -114,16 +115,16 @@ def _key_points(axes: Axes, pushover: Mapping[str, Any], names_yield: bool) -> N
         axes.annotate("$\\alpha_0$", onset, (5, 3), **text)
         if rigid["d_0_m"] is not None:
             axes.plot(1000.0 * rigid["d_0_m"], 0.0, marker="^", markersize=5.0, **(mark | {"clip_on": False}))
-            axes.annotate("$d_0$", (1000.0 * rigid["d_0_m"], 0.0), (0, 6), ha="center", **text)
+            axes.annotate("$d_0$", (1000.0 * rigid["d_0_m"], 0.0), (-2, 7), ha="right", **text)
     if elastic and elastic["alpha_y"] is not None and elastic["d_y_m"] is not None:
         axes.plot(1000.0 * elastic["d_y_m"], elastic["alpha_y"], marker="s", markersize=4.0, **mark)
         if names_yield:
             place = (1000.0 * elastic["d_y_m"], elastic["alpha_y"])
-            axes.annotate("$d_y, \\alpha_y$", place, (-5, 2), ha="right", **text)
+            axes.annotate("$d_y, \\alpha_y$", place, (0, 5), ha="center", **text)
 
 
 def _key_numbers(name: str, pushover: Mapping[str, Any], words: Words) -> str:
-    """Return the state's line of the legend, in plain letters: formula glyphs are set one by one in a PDF."""
+    """Return the state's line of the legend."""
     rigid, elastic = pushover.get("rigid"), pushover.get("elastic")
     parts = []
     if rigid:
@@ -153,10 +154,6 @@ def _movement_lines(axes: Axes, content: Mapping[str, Any], words: Words) -> Non
 
 def _legend_below(figure: Figure, axes: Axes) -> None:
     figure.legend(*axes.get_legend_handles_labels(), loc="lower center", ncols=2)
-
-
-def _dashes(count: int) -> list[Any]:
-    return [DASHES[index % len(DASHES)] for index in range(count)]
 
 
 def _mm(metres: Sequence[float]) -> Array:

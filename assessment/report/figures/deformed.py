@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 
+from assessment.report.figures.labels import Labels
 from assessment.report.figures.style import WIDTH_MM, Sheet, nice, sheet
 from assessment.report.text.language import Words, direction_name
 from assessment.results.faces import faces_of
@@ -23,6 +24,7 @@ from mechanics.model import end_points
 Results = Mapping[str, Any]
 Bounds = tuple[float, float, float, float]
 INK, FAINT, SUPPORT, MOVING = "0.0", "0.55", "0.55", "0.82"
+LIGHT = 0.01  # of the moving weight: a macro-block that is lighter is not numbered
 LETTER_MM, KEY_MM = (
     1.4,
     9.0,
@@ -98,7 +100,7 @@ def _draw_mechanisms(words: Words, views: Sequence[Mechanism], direction: str) -
     )
     for axes, view in zip(page.panels, views, strict=True):
         axes.set_title(words.state(view.state))
-        view.draw(axes)
+        view.draw(page, axes)
         push_arrow(page, axes, view.swept.bounds, direction)
     handles: list[Any] = [
         ghost_handle(words.plain("figure.start_outline")),
@@ -120,8 +122,7 @@ HINGE: dict[str, Any] = {
     "markeredgewidth": 1.2,
 }
 LABEL: dict[str, Any] = {
-    "ha": "center",
-    "va": "center",
+    "fontsize": 7.0,
     "fontweight": "bold",
     "bbox": {"facecolor": "1.0", "edgecolor": INK, "linewidth": 0.4, "pad": 1.4},
 }
@@ -168,7 +169,7 @@ class Mechanism:
         self.sliding = faces.contacts.take(sliding)
         self.slides = end_points(self.sliding, faces.positions(self.configuration))
 
-    def draw(self, axes: Axes) -> None:
+    def draw(self, page: Sheet, axes: Axes) -> None:
         """Draw start outline, displaced blocks, hinges and sliding joints."""
         axes.add_patch(PathPatch(self.start.path(_all(self.start)), **GHOST))
         fill(axes, self.swept, np.flatnonzero(~self.moving), "1.0")
@@ -180,15 +181,20 @@ class Mechanism:
             owner = np.array([self.start.nearest(point) for point in self.hinges])
             points = self._carried(np.asarray(self.hinges, dtype=float), owner)
             axes.plot(points[:, 0], points[:, 1], **HINGE)
-        self._number_macro_blocks(axes)
+        self._number_macro_blocks(page, axes)
 
-    def _number_macro_blocks(self, axes: Axes) -> None:
-        """Write the number of each macro-block, as in the table of the hand check, at its centroid."""
+    def _number_macro_blocks(self, page: Sheet, axes: Axes) -> None:
+        """Write the numbers of the macro-blocks, as in the table of the hand check, near their centroids.
+
+        Those of less than LIGHT of the moving weight have none.
+        """
+        labels = Labels(page, axes)
+        whole_weight = sum(each.weight for each in self.macro_blocks)
         for number, whole in enumerate(self.macro_blocks, 1):
-            nearest = min(
-                whole.members, key=lambda b: float(np.hypot(*(self.start.centroids[b] - whole.centroid)))
-            )
-            axes.annotate(str(number), self.swept.centroids[nearest], **LABEL)
+            if whole.weight >= LIGHT * whole_weight:
+                away = np.hypot(*(self.start.centroids[list(whole.members)] - whole.centroid).T)
+                nearest = np.array(whole.members)[np.argsort(away, kind="stable")]
+                labels.write(str(number), list(self.swept.centroids[nearest]), **LABEL)
 
     def _rate(self, points: Array, owner: Any) -> Array:
         return field(points, owner, self.start.centroids, self.velocity)

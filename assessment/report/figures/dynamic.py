@@ -12,9 +12,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 
+from assessment.ntc.limit_states import SURFACE
 from assessment.report.figures.deformed import GHOST, INK, SUPPORT
-from assessment.report.figures.style import DASHES, chart, sheet
+from assessment.report.figures.style import DASHES, chart, sheet, state_style
 from assessment.report.text.language import Words
+from assessment.report.text.table_format import referenced
 from assessment.results.outlines import Outlines, outlines
 
 Results = Mapping[str, Any]
@@ -24,15 +26,20 @@ FALLING = 0.03  # of the model's size: how far the curve of a collapse is follow
 AROUND = 0.5  # of the model's size: how far from it fallen blocks are still drawn
 
 
+def _at_surface(label: str, words: Words) -> str:
+    """Return the label of an axis of accelerations of the ground: those of records are at the surface."""
+    return referenced(words.plain(f"figure.{label}"), words, SURFACE)
+
+
 def draw_motion(results: Results, words: Words, index: int) -> Figure:
     """Draw a base motion over time and its acceleration spectrum at 5 % damping."""
     motion = results["motions"][index]
     figure, panels = chart(words, columns=2, height_mm=62.0, foot_mm=0.0)
     panels[0].plot(motion["time_s"], motion["acceleration_g"], color="0.0", linewidth=0.5)
-    panels[0].set(xlabel=words.plain("figure.time"), ylabel=words.plain("figure.ground_acceleration"))
+    panels[0].set(xlabel=words.plain("figure.time"), ylabel=_at_surface("ground_acceleration", words))
     panels[0].set_xlim(motion["window_s"])
     panels[1].plot(motion["T_s"], motion["S_a_g"], color="0.0")
-    panels[1].set(xlabel=words.plain("figure.period"), ylabel=words.plain("figure.spectral_acceleration"))
+    panels[1].set(xlabel=words.plain("figure.period"), ylabel=_at_surface("spectral_acceleration", words))
     panels[1].set(xlim=(0.0, motion["T_s"][-1]), ylim=(0.0, None))
     return figure
 
@@ -46,12 +53,12 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
     falls = [entry for entry in found.values() if entry["collapsed"]]
     sustained = [1.3 * entry["sustained_displacement_m"] for entry in found.values()]
     bound = max([*sustained, *(min(FALLING * size, entry["peak_displacement_m"]) for entry in falls)])
-    for dashes, entry in zip(_cycle(len(found)), found.values(), strict=True):
+    for number, entry in enumerate(found.values()):
         time, displacement = (np.asarray(entry["curve"][key]) for key in ("time_s", "displacement_m"))
         if "band" in entry:
             low, high = (1000.0 * np.asarray(entry["band"][key]) for key in ("low_m", "high_m"))
             axes.fill_between(time, low, high, color=BAND, linewidth=0.0)
-        axes.plot(time, 1000.0 * displacement, color="0.0", linewidth=0.9, linestyle=dashes)
+        axes.plot(time, 1000.0 * displacement, linewidth=0.9, **state_style(number))
         if entry["collapsed"]:
             out = int(np.flatnonzero(abs(displacement) <= bound)[-1])
             place = 1000.0 * displacement[out]
@@ -65,8 +72,8 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
     if bound > 0.0:
         axes.set_ylim(-1050.0 * bound, 1050.0 * bound)
     handles: list[Artist] = [
-        Line2D([], [], color="0.0", linewidth=0.9, linestyle=dashes, label=_outcome(state, entry, words))
-        for dashes, (state, entry) in zip(_cycle(len(found)), found.items(), strict=True)
+        Line2D([], [], linewidth=0.9, label=_outcome(state, entry, words), **state_style(number))
+        for number, (state, entry) in enumerate(found.items())
     ]
     if falls:
         label = words.plain("figure.collapse")
@@ -124,7 +131,7 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
             axes.axhspan(low, high, color=BAND, linewidth=0.0, zorder=0.5)
         if each["pga_collapse_g"] is not None:
             axes.axhline(each["pga_collapse_g"], color="0.0", linewidth=0.6, linestyle=DASHES[1])
-        axes.set(xlabel=words.plain("figure.peak_displacement"), ylabel=words.plain("figure.pga"))
+        axes.set(xlabel=words.plain("figure.peak_displacement"), ylabel=_at_surface("pga", words))
         axes.set(title=words.state(name), ylim=(0.0, 1.15 * max(tops, default=1.0)))
         axes.set_xlim(0.0, 1000.0 * reach if reach > 0.0 else None)
     for axes in panels[len(states) :]:
@@ -161,18 +168,19 @@ def draw_fragility(results: Results, words: Words) -> Figure:
         for fit in (each["fragility"] for each in found.values())
     )
     pga = np.linspace(1e-3 * top, top, 200)
-    for dashes, (state, each) in zip(_cycle(len(found)), found.items(), strict=True):
+    for number, (state, each) in enumerate(found.items()):
         fit = each["fragility"]
         label = words.plain(
             "figure.fragility", state=words.state(state), median=fit["median_g"], dispersion=fit["dispersion"]
         )
         curve = ndtr(np.log(pga / fit["median_g"]) / fit["dispersion"])
-        axes.plot(pga, curve, color="0.0", linestyle=dashes, label=label)
+        style = state_style(number)
+        axes.plot(pga, curve, label=label, **style)
         fallen = sorted(r["pga_collapse_g"] for r in each["records"] if r["pga_collapse_g"] is not None)
         share = (np.arange(len(fallen)) + 0.5) / len(each["records"])
-        axes.plot(fallen, share, linestyle="none", marker="o", markersize=3.5, color="0.0",
-                  markerfacecolor="1.0" if state != "original" else "0.0")  # fmt: skip
-    axes.set(xlabel=words.plain("figure.pga"), ylabel=words.plain("figure.probability"))
+        axes.plot(fallen, share, linestyle="none", marker="o", markersize=3.5, color=style["color"],
+                  markerfacecolor="1.0" if state != "original" else style["color"])  # fmt: skip
+    axes.set(xlabel=_at_surface("pga", words), ylabel=words.plain("figure.probability"))
     axes.set(xlim=(0.0, top), ylim=(0.0, 1.0))
     figure.legend(loc="lower center", ncols=1)
     return figure

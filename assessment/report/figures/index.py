@@ -11,6 +11,15 @@ from typing import Any, TypeVar
 
 from matplotlib.figure import Figure
 
+from assessment.report.cracks import cracks
+from assessment.report.figures.campaign import (
+    draw_campaign_curves,
+    draw_campaign_fragility,
+    draw_campaign_loss,
+    fragile_shares,
+    moved,
+)
+from assessment.report.figures.cracks import draw_cracks
 from assessment.report.figures.curves import draw_pushdown, draw_pushover, pushed
 from assessment.report.figures.deformed import draw_chosen, draw_mechanisms, draw_overturned, draw_settlement
 from assessment.report.figures.dynamic import (
@@ -91,6 +100,11 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
             found.append(
                 Picture(f"settlement_{slug(results, name)}", "settlements", draw, "settlement", fields)
             )
+            if cracks(results, [name]).rows:
+                draw = partial(draw_cracks, results, words, name)
+                found.append(
+                    Picture(f"cracks_{slug(results, name)}", "settlements", draw, "cracks_drawing", fields)
+                )
         if content.get("pushdown"):
             draw = partial(draw_pushdown, results, words, name)
             found.append(Picture(f"pushdown_{slug(results, name)}", "pushdown", draw, "pushdown", fields))
@@ -106,7 +120,7 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
         found.append(Picture("spectrum", "action", partial(draw_demand, results, words), "spectrum"))
     for direction in ("+x", "-x"):
         found += _of_direction(results, words, direction)
-    return found + _studies(results, words) + _dynamic(results, words)
+    return found + _studies(results, words) + _dynamic(results, words) + _campaign(results, words)
 
 
 def _studies(results: Mapping[str, Any], words: Words) -> list[Picture]:
@@ -146,6 +160,23 @@ def _dynamic(results: Mapping[str, Any], words: Words) -> list[Picture]:
     if fragile(results):
         draw = partial(draw_fragility, results, words)
         found.append(Picture("fragility", "incremental", draw, "fragility"))
+    return found
+
+
+def _campaign(results: Mapping[str, Any], words: Words) -> list[Picture]:
+    if not results.get("campaign"):
+        return []
+    loss: Callable[[], Figure] = partial(draw_campaign_loss, results, words)
+    found = [Picture("campaign_loss", "campaign", loss, "campaign_losses")]
+    for number, name in enumerate(moved(results)):
+        fields: dict[str, object] = {"settlement": name}
+        if fragile_shares(results, name):
+            draw = partial(draw_campaign_fragility, results, words, name)
+            stem = _numbered("campaign_fragility", number)
+            found.append(Picture(stem, "campaign", draw, "campaign_fragility_curves", fields))
+        draw = partial(draw_campaign_curves, results, words, name)
+        stem = _numbered("campaign_curves", number)
+        found.append(Picture(stem, "campaign", draw, "campaign_curves", fields))
     return found
 
 

@@ -34,7 +34,7 @@ def draw_spectra(results: Results, words: Words, states: Sequence[str], directio
     for axes, name, capacity in zip(panels, states, capacities, strict=False):
         point = capacity[limit]
         spectrum = (results.get("spectra") or {}).get(limit)
-        _period_lines(axes, (0.5, 1.0, 2.0, 3.0), reach, top)
+        _period_lines(axes, words, (0.5, 1.0, 2.0, 3.0), reach, top)
         curve = capacity["curve"]
         axes.plot(1000.0 * np.asarray(curve["d_star_m"]), curve["a_star_g"], color="0.0", linewidth=1.9)
         if spectrum is not None:
@@ -97,14 +97,14 @@ def _secant(displacement: float, period: float) -> float:
     return float((2.0 * np.pi / period) ** 2 * displacement / GRAVITY)
 
 
-def _period_lines(axes: Axes, periods: Sequence[float], reach: float, top: float) -> None:
+def _period_lines(axes: Axes, words: Words, periods: Sequence[float], reach: float, top: float) -> None:
     for period in periods:
         edge = min(reach, top / _secant(1.0, period))
         axes.plot([0.0, 1000.0 * edge], [0.0, _secant(edge, period)], color="0.7", linewidth=0.5)
         axes.annotate(
-            f"{period:g} s",
+            words.comma(f"{period:g} s"),
             (1000.0 * edge, _secant(edge, period)),
-            (-2.0, -2.0),
+            (-4.0, -3.0),
             ha="right",
             va="top",
             color="0.45",

@@ -10,9 +10,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from assessment.report.figures.style import DASHES, chart
+from assessment.report.figures.style import chart, state_style
 from assessment.report.tables.studies import ROUNDING, tornado
 from assessment.report.text.language import Words, direction_name
+from assessment.report.text.table_format import referenced
+from assessment.results.table import reference_of
 
 Results = Mapping[str, Any]
 MARKS = {"+x": (">", "0.0"), "-x": ("<", "1.0")}  # of the directions: full to the right, empty to the left
@@ -32,7 +34,7 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
     names = list(dict.fromkeys(point["state"] for point in points if point["movement_m"] > 0.0))
     figure, (axes,) = chart(words, height_mm=95.0, foot_mm=9.0 + 5.0 * len(names))
     for number, name in enumerate(names, 1):
-        dashes = DASHES[(number - 1) % len(DASHES)]
+        style = state_style(number - 1)
         for direction, (marker, face) in MARKS.items():
             own = [
                 point
@@ -43,7 +45,12 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
             ]
             x, y = [1000.0 * point["movement_m"] for point in own], [point[by] for point in own]
             axes.plot(
-                x, y, color="0.0", linestyle=dashes, marker=marker, markerfacecolor=face, markersize=4.5
+                x,
+                y,
+                marker=marker,
+                markerfacecolor=style["color"] if face != "1.0" else face,
+                markersize=4.5,
+                **style,
             )
             if own and own[-1]["state"] == name:
                 _label(axes, str(number), x[-1], y[-1])
@@ -55,6 +62,7 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
     label = words.plain(f"figure.capacity_{by}", limit=found["limit_state"])
+    label = referenced(label, words, reference_of(results))
     axes.set(xlabel=words.plain("figure.movement"), ylabel=label)
     figure.legend(handles=_scenario_legend(results, names, words), loc="lower center", ncols=2)
     return figure
@@ -82,7 +90,9 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
         base = words.show(own[0]["a_g_base_g"])
         axes.set_title(words.plain("figure.tornado_base", state=words.state(state), capacity=base))
     limit = results["sensitivity"]["limit_state"]
-    panels[-1].set_xlabel(words.plain("figure.capacity_a_g_g", limit=limit))
+    panels[-1].set_xlabel(
+        referenced(words.plain("figure.capacity_a_g_g", limit=limit), words, reference_of(results))
+    )
     handles = [Patch(**BARS[side], label=words.plain(f"figure.{side}_factor")) for side in ("low", "high")]
     figure.legend(handles=handles, loc="lower center", ncols=2)
     return figure
@@ -146,7 +156,7 @@ def _ring(axes: Axes, worst: Mapping[str, Any] | None, by: str) -> None:
 def _scenario_legend(results: Results, names: Sequence[str], words: Words) -> list[Line2D]:
     found = results["scenarios"]
     handles = [
-        Line2D([], [], color="0.0", linestyle=DASHES[(number - 1) % len(DASHES)], label=f"{number}  {name}")
+        Line2D([], [], label=f"{number}  {name}", **state_style(number - 1))
         for number, name in enumerate(names, 1)
     ]
     none: dict[str, Any] = {"color": "0.0", "linestyle": "none"}

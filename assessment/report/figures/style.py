@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +15,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter
+from matplotlib.transforms import Bbox
 from PIL import Image
 
 from assessment.report.figures.svg import lightened
@@ -23,6 +26,8 @@ from assessment.runtime.atomic_files import write_atomically
 
 WIDTH_MM = 168.0  # column of an A4 page with 20 mm margins, a little air included
 MM = 1.0 / 25.4  # inches
+SHADES = 64  # of a PNG in colours
+BAND_MM = 1.0  # of white that is left above and below a figure
 PNG_DPI = 200  # sharp enough on paper at the column's width
 STYLE = {
     "font.family": "DejaVu Sans",  # shipped with matplotlib; any sans-serif will do to read the figure
@@ -35,7 +40,7 @@ STYLE = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.titlesize": 8.0,
-    "patch.facecolor": "0.0",  # figures are black, white and grey, heads of arrows too
+    "patch.facecolor": "0.0",  # drawings are black, white and grey, heads of arrows too
     "axes.titley": 1.0,  # no labels above axes that a title would have to clear: measuring them all takes time
     "axes.grid": True,
     "grid.linewidth": 0.3,
@@ -45,27 +50,70 @@ STYLE = {
     "lines.linewidth": 1.0,
 }
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)), (0, (3, 3)), (0, (8, 2)))
+COLOURS = (
+    "#000000",
+    "#1b4f9c",
+    "#a33c0a",
+    "#2f6b2a",
+    "#6b2c82",
+    "#5a4a1f",
+)  # of states: dark, so that grey prints
+SYMBOL = re.compile(r"(?<![\w$\\])(α_[yu]|α₀|d_y|d₀|S_De|S_e|a_g|T₀)(?!\w)")
 SCALES = tuple(step * 10.0**power for power in range(5) for step in (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.5))
+
+
+def state_style(number: int) -> dict[str, Any]:
+    """Return the line of the state of that number (from 0): its colour, and dashes for who prints in grey."""
+    return {"color": COLOURS[number % len(COLOURS)], "linestyle": DASHES[number % len(DASHES)]}
+
+
+def typeset(figure: Figure) -> Figure:
+    """Set the symbols in the words of a figure as symbols: a_g with its subscript; a name's own dollars stay."""
+    for text in figure.findobj(Text):
+        words = text.get_text()
+        if not text.get_parse_math() and SYMBOL.search(words):
+            text.set_text(SYMBOL.sub(_symbol, words.replace("$", r"\$")))
+            text.set_parse_math(True)
+    return figure
+
+
+def _symbol(found: re.Match[str]) -> str:
+    letter, _, index = found[1].replace("₀", "_0").partition("_")
+    return f"${letter}_{{\\mathrm{{{index}}}}}$"
 
 
 def save_svg(draw: Callable[[], Figure], path: Path) -> None:
     """Draw in the common style and write an SVG whose bytes depend on nothing but the drawing."""
     buffer = io.BytesIO()
     with mpl.rc_context(STYLE):  # type: ignore[arg-type]
-        draw().savefig(buffer, format="svg", metadata={"Date": None})
+        figure = typeset(draw())
+        figure.savefig(buffer, format="svg", metadata={"Date": None}, bbox_inches=_without_bands(figure))
     write_atomically(path, lightened(buffer.getvalue()))
 
 
 def save_png(draw: Callable[[], Figure], path: Path) -> None:
-    """Draw in the common style and write a PNG in grey, whose bytes depend on nothing but the drawing."""
+    """Draw in the common style and write a PNG, grey if it can be, whose bytes depend on nothing but the drawing."""
     buffer = io.BytesIO()
     with mpl.rc_context(STYLE):  # type: ignore[arg-type]
-        canvas = FigureCanvasAgg(draw())
+        canvas = FigureCanvasAgg(typeset(draw()))
         canvas.figure.set_dpi(PNG_DPI)
         canvas.draw()  # type: ignore[no-untyped-call]
-    picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("L")  # type: ignore[no-untyped-call]
+    pixels = np.asarray(canvas.buffer_rgba())[:, :, :3]  # type: ignore[no-untyped-call]
+    rows = np.flatnonzero((pixels < 255).any(axis=(1, 2)))
+    pad = round(BAND_MM * MM * PNG_DPI)
+    pixels = pixels[max(0, rows[0] - pad) : rows[-1] + pad + 1]
+    picture = Image.fromarray(pixels)
+    grey = bool((pixels == pixels[:, :, :1]).all())
+    picture = picture.convert("L") if grey else picture.quantize(SHADES, dither=Image.Dither.NONE)
     picture.save(buffer, format="png", dpi=(PNG_DPI, PNG_DPI))
     write_atomically(path, buffer.getvalue())
+
+
+def _without_bands(figure: Figure) -> Bbox:
+    """Return the figure in inches, in its whole width, without the empty bands above and below what is drawn."""
+    drawn = figure.get_tightbbox()
+    width, height = figure.get_size_inches()
+    return Bbox([[0.0, max(0.0, drawn.y0 - BAND_MM * MM)], [width, min(height, drawn.y1 + BAND_MM * MM)]])
 
 
 @dataclass(frozen=True)
@@ -98,7 +146,7 @@ def sheet(
     rows = math.ceil(count / columns)
     head_mm = 9.0
     room_x = WIDTH_MM / columns - 2.0 * border_mm
-    most = 130.0 if count == 1 else 85.0  # of several, so that two figures stand on a page
+    most = 105.0 if count == 1 else 85.0  # of several, so that two figures stand on a page
     room_z = min(most, (height_mm - foot_mm) / rows - head_mm) - 2.0 * border_mm
     needed = max(width / room_x, height / room_z) * 1000.0
     scale = next((s for s in SCALES if s >= needed - 1e-9), needed)

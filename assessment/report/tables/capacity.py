@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from assessment.ntc.limit_states import CHECKS
+from assessment.ntc.limit_states import CHECKS, LINEAR
 from assessment.results.table import Results, Row, Table, reduction
 
 VERIFICATION: tuple[str, ...] = (
@@ -14,18 +14,25 @@ VERIFICATION: tuple[str, ...] = (
     "T_s",
     "a_g_g",
     "demand_a_g_g",
+    "pga_g",
+    "demand_pga_g",
     "zeta_E",
     "verified",
     "return_period_years",
     "governing",
     "mechanism",
 )
+SCALINGS = ("a_g_g", "pga_g", "demand_pga_g", "zeta_E", "return_period_years")
+OTHER_SCALING = "other_scaling"  # SLV by the way of scaling that the checks did not take
+NOMINAL = "nominal"  # the check without confidence factor that is compared with a dynamic capacity
+BESIDE = (OTHER_SCALING, NOMINAL)
 SPECTRUM = ("limit_state", "T_s", "S_e_g", "S_De_m", "damping", "damped_S_e_g", "damped_S_De_m")
 ACTION = (
     "limit_state",
     "kind",
     "return_period_years",
     "a_g_g",
+    "pga_g",
     "F0",
     "Tc_star_s",
     "soil",
@@ -46,6 +53,18 @@ CHOSEN = (
     "e_star",
     "a_0_star_g",
     "refused",
+)
+LINEAR_CHECK = (
+    "state",
+    "direction",
+    "limit_state",
+    "mechanism",
+    "alpha_0",
+    "e_star",
+    "a_0_star_g",
+    "demand_a_star_g",
+    "ratio",
+    "verified",
 )
 CHOSEN_CHECK = ("a_g_g", "demand_a_g_g", "zeta_E", "verified", "return_period_years")
 
@@ -144,6 +163,46 @@ def chosen_checks(results: Results) -> Table:
     return Table("chosen_checks", rows, ("mechanism", "state", "limit_state", *CHOSEN_CHECK))
 
 
+def linear_checks(results: Results) -> Table:
+    """List the linear kinematic checks, of mechanisms found and chosen: a_0* against a_g S/q, or a_Z/q at height."""
+    rows = [
+        {"state": name, "direction": direction, "limit_state": limit, "mechanism": mechanism}
+        | {
+            "alpha_0": content["alpha_0"],
+            "e_star": content["e_star"],
+            "a_0_star_g": content[limit]["a_star_g"],
+        }
+        | {"demand_a_star_g": content[limit]["demand_a_star_g"], "ratio": content[limit]["zeta_E"]}
+        | {"verified": content[limit]["verified"]}
+        for name, direction, mechanism, content in _mechanisms_checked(results)
+        for limit in LINEAR
+        if (content.get(limit) or {}).get("demand_a_star_g") is not None
+    ]
+    return Table("linear_checks", rows, LINEAR_CHECK)
+
+
+def _mechanisms_checked(results: Results) -> Iterator[tuple[str, str, str, Mapping[str, Any]]]:
+    """Yield state, direction, name and checks of every mechanism: those found, then those chosen."""
+    for name, direction, capacity in capacities(results):
+        text = mechanism_text(capacity["mechanism"]) if "mechanism" in capacity else ""
+        yield name, direction, text, capacity
+    for given in results.get("mechanisms") or []:
+        if "alpha_0" in given:
+            yield given["state"], given["direction"], given["name"], given
+
+
+def scalings(results: Results) -> Table:
+    """Set the capacity at SLV by both ways of scaling side by side; `counts`: the one that the checks took."""
+    rows = [
+        {"state": name, "direction": direction, "limit_state": "SLV", "scaling": scaling}
+        | {key: check[key] for key in SCALINGS if key in check}
+        | {"counts": check["used"]}
+        for name, direction, capacity in capacities(results)
+        for scaling, check in (capacity.get("scalings") or {}).items()
+    ]
+    return Table("scalings", rows, ("state", "direction", "limit_state", "scaling", *SCALINGS, "counts"))
+
+
 def traces(content: Mapping[str, Any]) -> Iterator[tuple[str, list[Mapping[str, Any]]]]:
     """Yield the traces of a direction or of a chosen mechanism: "capacity" for what its checks share, then theirs."""
     if content.get("trace"):
@@ -151,6 +210,11 @@ def traces(content: Mapping[str, Any]) -> Iterator[tuple[str, list[Mapping[str, 
     for limit in CHECKS:
         if (content.get(limit) or {}).get("trace"):
             yield limit, content[limit]["trace"]
+    for scaling in (content.get("scalings") or {}).values():
+        if scaling.get("trace"):
+            yield OTHER_SCALING, scaling["trace"]
+    if (content.get(NOMINAL) or {}).get("trace"):
+        yield NOMINAL, content[NOMINAL]["trace"]
 
 
 def trace(results: Results) -> Table:
@@ -176,6 +240,9 @@ def _all_traces(results: Results) -> Iterator[tuple[str, str, str, list[Mapping[
     for name, direction, capacity in capacities(results):
         for part, steps in traces(capacity):
             yield name, direction, part, steps
+    for name, content in results["states"].items():
+        yield name, "", "indices", (content.get("indices") or {}).get("trace") or []
+    yield "", "", "knowledge", (results.get("knowledge") or {}).get("trace") or []
     for given in results.get("mechanisms") or []:
         for part, steps in traces(given):
             yield given["state"], given["direction"], f"{given['name']}: {part}", steps

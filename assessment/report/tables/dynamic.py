@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from assessment.results.table import Results, Row, Table, quoted_limit_state, reduction, static_pga
+from assessment.results.table import (
+    Results,
+    Row,
+    Table,
+    brought_together,
+    quoted_limit_state,
+    reduction,
+    static_pga,
+)
 
 HISTORY = (
     "state",
@@ -68,6 +76,7 @@ COMPARED = (
     "static_reduction",
     "dynamic_pga_g",
     "dynamic_reduction",
+    "static_surface_pga_g",
     "dynamic_to_static",
 )
 
@@ -191,7 +200,10 @@ def incremental_curves(results: Results) -> Table:
 
 
 def static_dynamic(results: Results) -> Table:
-    """Set the PGA of the static check beside the one of the incremental analysis, with what a settlement costs."""
+    """Set the a_g of the static check beside the PGA of the incremental analysis, with what a settlement costs.
+
+    They are compared at the surface and without confidence factor: `static_surface_pga_g`.
+    """
     found = dict(_incrementals(results))
     original = results["states"].get("original") or {}
     rows: list[Row] = []
@@ -208,8 +220,7 @@ def static_dynamic(results: Results) -> Table:
                 row["dynamic_reduction"] = reduction(
                     (found.get("original") or {}).get("pga_collapse_g"), dynamic["pga_collapse_g"]
                 )
-            if static and dynamic["pga_collapse_g"] is not None:
-                row["dynamic_to_static"] = dynamic["pga_collapse_g"] / static
+            row |= brought_together((content.get("capacity") or {}).get(direction), dynamic["pga_collapse_g"])
             rows.append(row)
     return Table("static_dynamic", rows, COMPARED)
 

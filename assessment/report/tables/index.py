@@ -7,12 +7,16 @@ from pathlib import Path
 from typing import Any
 
 from assessment.ntc.limit_states import CHECKS
+from assessment.report.cracks import cracks
 from assessment.report.joints import edge_pressures
+from assessment.report.tables.campaign import campaign_tables
 from assessment.report.tables.capacity import (
     action,
     capacity_curves,
     chosen_checks,
     chosen_mechanisms,
+    linear_checks,
+    scalings,
     spectrum,
     summary,
     trace,
@@ -20,6 +24,7 @@ from assessment.report.tables.capacity import (
 )
 from assessment.report.tables.convergence import convergence_tables
 from assessment.report.tables.dynamic import dynamic_tables
+from assessment.report.tables.indices import index_tables
 from assessment.report.tables.studies import study_tables
 from assessment.results.hand_check import hand_check, macro_block_table, outline_area
 from assessment.results.reactions import balance, joint_table, reactions
@@ -70,6 +75,7 @@ def tables(results: Results) -> list[Table]:
         balance(results),
         joint_table(results),
         edge_pressures(results),
+        cracks(results),
         macro_block_table(results),
         hand_check(results),
         quality(results),
@@ -77,9 +83,13 @@ def tables(results: Results) -> list[Table]:
         action(results),
         chosen_mechanisms(results),
         chosen_checks(results),
+        linear_checks(results),
+        scalings(results),
         trace(results),
+        *index_tables(results),
         *study_tables(results),
         *dynamic_tables(results),
+        *campaign_tables(results),
         *convergence_tables(results),
     ]
 

@@ -12,12 +12,14 @@ from collections.abc import Sequence
 from functools import cache
 from importlib.resources import files
 
-from assessment.report.text.language import Words, direction_name
+from assessment.report.text.language import SUPERSCRIPTS, Words, direction_name
 
 NESTED = ("text", "reason", "block")  # fields that are messages themselves, or made of them
 KINDS = {"contacts": "rigid|elastic", "limit": "SL[A-Z]", "direction": "[+-]x", "a": r"\d+", "b": r"\d+"}
 _FIELD = re.compile(r"\{(\w+)\}")
 _POINT = re.compile(r"(?<=\d)\.(?=\d)")
+_POWER = re.compile(r"(?<=\d)e([+−-]?\d+)\b")
+_WORD = re.compile(r"[a-zà-ù]{2}")
 
 Entry = tuple[re.Pattern[str], str]
 
@@ -29,6 +31,28 @@ def translated(message: str, words: Words) -> str:
         if words.language == "en"
         else _translated(message, words, _entries(words.language)) or message
     )
+
+
+def sentence(message: str, words: Words) -> str:
+    """Return a message as a sentence of the report: in its language, with a capital, a full stop and powers of ten."""
+    text = translated(message, words) if words.language != "en" else _dressed(message)
+    text = _POWER.sub(_power, text)
+    start = text[0].upper() if _WORD.match(text) else text[0]
+    return f"{start}{text[1:].rstrip('.')}."
+
+
+def _power(found: re.Match[str]) -> str:
+    exponent = int(found[1].replace("−", "-"))
+    return f"·10{str(exponent).translate(SUPERSCRIPTS)}"
+
+
+def _dressed(message: str) -> str:
+    """Name the state of an English message as one: "State “moved”, pushover towards +x, …"."""
+    for pattern, text in _entries("en"):
+        if found := pattern.fullmatch(message):
+            return text.format(**{name: direction_name(part) if name == "direction" else part
+                                  for name, part in found.groupdict().items()})  # fmt: skip
+    return message
 
 
 def _translated(

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import groupby
-from typing import Any
+from typing import Any, TypeVar
 
 from markupsafe import Markup
 
+from assessment.ntc.capacity_return_period import stated
 from assessment.ntc.hazard_grid import RETURN_PERIODS
-from assessment.ntc.limit_states import INDEXED
+from assessment.ntc.limit_states import CHECKS, INDEXED, ROCK, SURFACE
 from assessment.report.tables.capacity import directions
 from assessment.report.text.language import Words, direction_name
-from assessment.results.table import Row, Table
+from assessment.results.table import Row, Table, reference_of
 
 MILLIMETRES = {
     "d_y_m",
@@ -27,6 +27,9 @@ MILLIMETRES = {
     "peak_displacement_m",
     "residual_displacement_m",
     "movement_m",
+    "opening_m",
+    "other_opening_m",
+    "slip_m",
     "d_0_error_m",
     "peak_displacement_error_m",
     "peak_displacement_scatter_m",
@@ -34,24 +37,62 @@ MILLIMETRES = {
     "median_peak_m",
     "highest_peak_m",
 }
-PERCENT = {"damping", "reduction", "static_reduction", "dynamic_reduction"}
+PERCENT = {"PAM", "damping", "reduction", "static_reduction", "dynamic_reduction"}
+PERCENT |= {"dynamic_loss", "dynamic_loss_low", "dynamic_loss_high", "static_loss"}
 PERCENT |= {"deviation", "hand_deviation", "relative_error", "relative_scatter", "integrator_share"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
-TEXT |= {"mechanism", "governing", "kind", "soil", "topography", "refused"}
-TEXT |= {"property", "collapses", "table", "settings", "expected", "computed", "verified"}
+TEXT |= {
+    "use_class",
+    "IS_V_class",
+    "PAM_class",
+    "risk_class",
+    "parameter",
+    "origin",
+    "scaling",
+    "counts",
+    "mechanism",
+    "governing",
+    "kind",
+    "soil",
+    "topography",
+    "refused",
+}
+TEXT |= {"property", "collapses", "table", "setting", "value", "expected", "computed", "verified"}
 TEXT |= {
     "case",
     "source",
-    "test",
     "record",
     "contacts",
     "control",
     "collapsed",
     "resurrections",
     "integrator",
+    "settlement",
+    "rule",
 }
+Label = TypeVar("Label", str, Markup)
+ROCK_COLUMNS = {
+    "a_g_g",
+    "demand_a_g_g",
+    "static_pga_g",
+    "a_g_error_g",
+    "a_g_low_g",
+    "a_g_base_g",
+    "a_g_high_g",
+}
+SURFACE_COLUMNS = {
+    "pga_g",
+    "demand_pga_g",
+    "dynamic_pga_g",
+    "static_surface_pga_g",
+    "record_pga_g",
+    "pga_safe_g",
+}
+SURFACE_COLUMNS |= {"pga_collapse_g", "pga_all_collapse_g", "mean_pga_collapse_g", "lowest_pga_collapse_g"}
+SURFACE_COLUMNS |= {"median_g", "pga_collapse_error_g"}
 LETTERS = 125.0  # of average width in a row of a table
 CENTRES = {"x_C_m", "z_C_m"}  # a block that does not turn has none
+AT_ONSET = {name for name in CHECKS if name not in INDEXED}
 ROUNDING = 1e-9  # a reduction no larger is none
 REDUCTIONS = 3  # settled states beside the original in one table
 
@@ -90,15 +131,28 @@ def _room(text: str) -> float:
     return len(text) + 0.4 * capitals + 0.15 * digits
 
 
-def grid(table: Table, words: Words, caption: Markup, significant: int = 3) -> Grid:
-    """Write a table for the report, without the columns that no row has."""
+def grid(table: Table, words: Words, caption: Markup, significant: int = 3, reference: str = ROCK) -> Grid:
+    """Write a table for the report, without the columns that no row has; `reference`: of a_g, rock or surface."""
     columns = [column for column in table.columns if any(column in row for row in table.rows)]
     return Grid(
         caption,
-        [words(f"column.{column}") for column in columns],
+        [heading(column, words, reference) for column in columns],
         [[cell(column, row, words, significant) for column in columns] for row in table.rows],
         [column in TEXT for column in columns],
     )
+
+
+def heading(column: str, words: Words, reference: str) -> Markup:
+    """Write the heading of a column; that of an acceleration says what it refers to."""
+    text = words(f"column.{column}")
+    if column in SURFACE_COLUMNS:
+        return referenced(text, words, SURFACE)
+    return referenced(text, words, reference) if column in ROCK_COLUMNS else text
+
+
+def referenced(label: Label, words: Words, reference: str) -> Label:
+    """Put into a label with the unit [g] whether the acceleration is on rock or at the surface."""
+    return label.replace(" [g]", f" {words.plain(f'value.on_{reference}')} [g]")
 
 
 def cell(column: str, row: Row, words: Words, significant: int = 3) -> Markup:
@@ -110,7 +164,7 @@ def cell(column: str, row: Row, words: Words, significant: int = 3) -> Markup:
         return words("value.none")
     if column == "governing":
         return governing(str(value), words)
-    if column == "return_period_years" and value is not None:
+    if column in {"return_period_years", "T_SLV_years"} and value is not None:
         return Markup.escape(_bounded(float(value), words))
     if value == "inf" and column not in TEXT:  # an input: results have no infinity
         return Markup("∞")
@@ -131,12 +185,17 @@ def governing(text: str, words: Words) -> Markup:
 
 
 def check_name(check: str, words: Words) -> str:
-    """Write the name of a check: the limit state, or that of the linear check at SLV."""
-    return words.plain("value.slv_linear") if check == "SLV linear" else check
+    """Write the name of a check: its limit state, and what it is where that has several."""
+    if check == "SLV linear":
+        return words.plain("value.slv_linear")
+    limit, _, kind = check.partition(" ")
+    return words.plain("value.elastic_branch", limit=limit) if kind else check
 
 
 def _bounded(T_R: float, words: Words) -> str:
-    """Write a return period; at the bounds of the hazard it is only known to lie beyond."""
+    """Write a return period: beyond the hazard as such with its estimate, at its bounds as there or beyond."""
+    if beyond := stated(T_R):
+        return f"{beyond} ({words.number(T_R)})"
     sign = "≤ " if RETURN_PERIODS[0] >= T_R else "≥ " if RETURN_PERIODS[-1] <= T_R else ""
     return f"{sign}{words.number(T_R)}"
 
@@ -147,7 +206,7 @@ def _name(column: str, value: Any, words: Words) -> str:
         return words.state(value)
     if column == "direction":
         return direction_name(value)
-    if column in {"contacts", "property"}:
+    if column in {"contacts", "property", "rule"}:
         return words.plain(f"value.{value}")
     if column == "verified" and value is not None:
         return words.plain("value.verified" if value else "value.not_verified")
@@ -155,6 +214,10 @@ def _name(column: str, value: Any, words: Words) -> str:
         return check_name(value, words)
     if column == "kind":
         return words.plain(f"value.{value}_spectrum")
+    if column == "parameter":
+        return words.plain(f"value.parameter_{value}")
+    if column == "scaling":
+        return words.plain(f"value.scaling_{value.replace('-', '_')}")
     if column == "stage":
         return ", ".join(words.strings["value"].get(part, part) for part in str(value).split(", "))
     return words.show(value)
@@ -173,7 +236,7 @@ def summary_grids(table: Table, results: Mapping[str, Any], words: Words) -> Ite
             yield Grid(
                 words("caption.summary", direction=direction_name(direction)),
                 head,
-                [_summary_row(row, names, words) for row in rows if not _again(row)],
+                [_summary_row(row, names, words, reference_of(results)) for row in rows if not _again(row)],
                 [True] + [False] * (len(head) - 1),
             )
 
@@ -200,14 +263,14 @@ def ranges_grid(table: Table, words: Words) -> Grid:
 
 
 def _again(row: Row) -> bool:
-    """Return whether a row says once more what it has above: checks of the onset are at d_y* and T_0."""
-    return row["quantity"] in {"d_star_m", "T_s"} and row["limit_state"] in {"SLD", "SLV linear"}
+    """Return whether a row says once more what it has above: checks of the onset are rigid, or at d_y* and T_0."""
+    return row["quantity"] in {"d_star_m", "T_s"} and row["limit_state"] in AT_ONSET
 
 
-def _summary_row(row: Row, names: list[str], words: Words) -> list[Markup]:
+def _summary_row(row: Row, names: list[str], words: Words, reference: str) -> list[Markup]:
     quantity, limit = row["quantity"], row["limit_state"]
     indexed = quantity == "zeta_E" and limit.partition(" ")[0] in INDEXED
-    label = words("column.index" if indexed else f"column.{quantity}")
+    label = heading("index" if indexed else quantity, words, reference)
     if limit:
         label += Markup(" <span class='limit'>{}</span>").format(check_name(limit, words))
     cells = [label, _valued(quantity, row, "original", words)]
@@ -221,37 +284,3 @@ def _summary_row(row: Row, names: list[str], words: Words) -> list[Markup]:
 
 def _valued(quantity: str, row: Row, state: str, words: Words) -> Markup:
     return cell(quantity, {quantity: row[state]} if state in row else {}, words)
-
-
-def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:
-    """Yield the input table by table: its name and its settings, without those left empty."""
-    for table, settings in groupby(_flat(echo), lambda setting: setting[0]):
-        shown = [f"{key} = {_exact(value, words)}" for _, key, value in settings if value not in ("", [])]
-        if shown:
-            yield {"table": table or words.plain("value.none"), "settings": "; ".join(shown)}
-
-
-def _flat(value: Mapping[str, Any], table: str = "") -> Iterator[tuple[str, str, Any]]:
-    """Yield table, key and value, the tables within after; entries of arrays of tables are numbered from 1."""
-    inner = []
-    for key, item in value.items():
-        name = f"{table}.{key}" if table else str(key)
-        if isinstance(item, Mapping):
-            inner.append((name, item))
-        elif isinstance(item, list) and any(isinstance(entry, Mapping) for entry in item):
-            inner += [(f"{name}[{number}]", entry) for number, entry in enumerate(item, 1)]
-        else:
-            yield table, key, item
-    for name, item in inner:
-        yield from _flat(item, name)
-
-
-def _exact(value: Any, words: Words) -> str:
-    """Write an input as it was given, in the language's decimal mark."""
-    if value is None:
-        return words.plain("value.none")
-    if isinstance(value, float):
-        return words.comma(f"{value:.12g}").replace("inf", "∞").replace("-", "−")
-    if isinstance(value, list):
-        return f"[{'; '.join(_exact(item, words) for item in value)}]"
-    return words.show(value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
+from assessment.results.schema.campaign import Campaign
 from assessment.results.schema.checks import (
     Capacity,
     ComparisonRow,
@@ -14,6 +15,7 @@ from assessment.results.schema.checks import (
     Spectrum,
 )
 from assessment.results.schema.dynamic import History, Incremental, Motion
+from assessment.results.schema.indices import Indices, Knowledge
 from assessment.results.schema.model import Echo, Geometry, ModelSummary, Quality, Software
 from assessment.results.schema.part import Configuration, Part, key, optional
 from assessment.results.schema.static import Pushdowns, Pushovers, Settlement
@@ -36,6 +38,7 @@ class State(Part):
     history: list[History] = key("time histories")
     incremental: Incremental = key("incremental dynamic analysis")
     governing: Governing | None = optional("the least ratio of all checks; null: none has a number")
+    indices: Indices | None = optional("indices of safety and risk; null: no check at SLV")
     safety_index: SafetyIndex | None = optional("the least ζ_E at SLV and SLC; null: none has a number")
 
 
@@ -51,11 +54,13 @@ class Results(Part):
     echo: Echo = key("the project file")
     states: dict[str, State] = key("every state, by name")
     spectra: dict[str, Spectrum] | None = optional("the demand, by limit state")
+    knowledge: Knowledge | None = optional("what the confidence factor follows from")
     mechanisms: list[GivenMechanism] | None = optional("the mechanisms of the project file")
     motions: list[Motion] | None = optional("the records of [[history]]")
     comparison: list[ComparisonRow] = key("settled states beside the original one")
     scenarios: Scenarios | None = optional("all movements side by side")
     sensitivity: Sensitivity | None = optional("every state with each property lower and higher")
+    campaign: Campaign | None = optional("fragility and loss of capacity against movement")
     convergence: Convergence = key("estimated errors")
     quality: Quality = key("certificates and warnings")
     timing_s: dict[str, float] = key("computing time by analysis", "s")

@@ -20,13 +20,19 @@ class CapacityCurve(Part):
 class Check(Part):
     """A check of a limit state."""
 
-    method: Literal["activation", "linear", "nonlinear"] = key("which check")
+    method: Literal["linear", "elastic", "nonlinear"] = key("which check")
     d_star_m: float | None = key("displacement that counts; null: the check has none", "m")
     a_star_g: float | None = key("acceleration that counts; null: not defined", "g")
     T_s: float | None = key("period that counts; null: not defined", "s")
     a_g_g: float | None = key("capacity a_g; null: not defined, `notes` say why", "g")
     a_g_g_range: list[float | None] | None = optional("least and largest of an ensemble", "g")
     demand_a_g_g: float = key("demand a_g", "g")
+    demand_a_star_g: float | None = optional("of a linear check: a_g S/q, or a_Z/q at height", "g")
+    reference: str | None = optional("of both: rock (category A, without S), or surface for a record")
+    S: float | None = optional("from that reference to the surface, of the capacity", "–")
+    demand_S: float | None = optional("the same, of the demand", "–")
+    pga_g: float | None = optional("capacity at the surface, S a_g", "g")
+    demand_pga_g: float | None = optional("demand at the surface, S a_g", "g")
     zeta_E: float | None = key(
         "ratio of a_g S borne to that demanded: the index ζ_E at SLV and SLC, a ratio at SLO and SLD", "–"
     )
@@ -36,9 +42,22 @@ class Check(Part):
     return_period_years: float | None = key(
         "of the capacity; null: the hazard of the site is not known", "years"
     )
+    return_period_stated: str | None = optional('"> 2475" or "< 30" beyond the hazard')
     governing: str = key("what gave a_g")
     notes: list[str] = key("what to know about it")
     trace: list[Line] = key("its calculation")
+
+
+class ScaledCheck(Check):
+    """`capacity.+x.scalings`: SLV by a way of following the demand up to the capacity."""
+
+    used: bool = key("whether the checks took it; its trace is then theirs")
+
+
+class NominalCheck(Check):
+    """`capacity.+x.nominal`: the check with F_C = 1 that is compared with a dynamic capacity."""
+
+    limit_state: str = key("the farthest one checked")
 
 
 class Count(Part):
@@ -52,6 +71,7 @@ class Capacity(Part):
     """`capacity.+x`, `.-x`: the capacity in a direction and its checks, each where its limit state was asked for."""
 
     mechanism: Count = key("the mechanism")
+    alpha_0: float | None = optional("multiplier of the rigid mechanism", "–")
     e_star: float = key("share of the mass that takes part, e*", "–")
     gamma_star: float = key("participation factor Γ*", "–")
     T_0_s: float | None = key("period of the elastic branch; null: the curve is rigid", "s")
@@ -61,7 +81,11 @@ class Capacity(Part):
     curve: CapacityCurve = key("capacity curve")
     trace: list[Line] = key("calculation of the curve")
     SLO: Check | None = optional("check at SLO")
-    SLD: Check | None = optional("check at SLD: activation")
+    SLO_elastic: Check | None = optional("end of the elastic branch at SLO", alias="SLO elastic")
+    SLD: Check | None = optional("linear check at SLD: a_0* of the rigid multiplier")
+    SLD_elastic: Check | None = optional("end of the elastic branch at SLD", alias="SLD elastic")
+    scalings: dict[str, ScaledCheck] | None = optional("SLV by both ways of scaling, where a grid is given")
+    nominal: NominalCheck | None = optional("check with F_C = 1, where there is an incremental analysis")
     SLV_linear: Check | None = optional("linear check at SLV, with the behaviour factor", alias="SLV linear")
     SLV: Check | None = optional("nonlinear check at SLV")
     SLC: Check | None = optional("nonlinear check at SLC")
@@ -89,6 +113,8 @@ class Spectrum(Part):
     kind: Literal["ground", "floor", "record"] = key("whose spectrum")
     a_g_g: float = key("a_g, or the peak of a record", "g")
     S: float = key("S = S_S S_T; 1 for a record", "–")
+    pga_g: float | None = optional("S a_g, at the surface", "g")
+    reference: str | None = optional("of a_g: rock, or surface for a record")
     T_s: list[float] = key("periods", "s")
     S_e_g: list[float] = key("accelerations at 5 % damping", "g")
     S_De_m: list[float] = key("displacements at 5 % damping", "m")
@@ -121,6 +147,9 @@ class GivenCheck(Part):
 
     a_g_g: float | None = key("capacity a_g", "g")
     demand_a_g_g: float = key("demand a_g", "g")
+    a_star_g: float | None = optional("a_0* of the mechanism", "g")
+    demand_a_star_g: float | None = optional("what it is compared with: a_g S/q, or a_Z/q at height", "g")
+    return_period_stated: str | None = optional('"> 2475" or "< 30" beyond the hazard')
     zeta_E: float | None = key("ratio of a_g S borne to that demanded", "–")
     verified: bool | None = key("whether it is 1 or more")
     return_period_years: float | None = key("of the capacity; null: not known", "years")
@@ -161,3 +190,7 @@ class ComparisonRow(Part):
     static_reduction: float | None = key("1 − a_g(settled)/a_g(original)", "–")
     dynamic_pga_g: float | None = key("PGA at collapse of the state", "g")
     dynamic_reduction: float | None = key("1 − PGA(settled)/PGA(original)", "–")
+    static_reference: str | None = optional("of the static capacity: rock or surface")
+    dynamic_reference: str | None = optional("of the dynamic capacity: surface")
+    static_surface_pga_g: float | None = optional("static capacity at the surface with F_C = 1", "g")
+    dynamic_to_static: float | None = optional("dynamic capacity over that", "–")

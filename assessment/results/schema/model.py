@@ -77,6 +77,7 @@ class EchoedReport(Part):
     client: str = key("client, as on the title page")
     engineer: str = key("engineer, as on the title page")
     location: str = key("place, as on the title page")
+    attachments: list[str] = key("pictures that end the report")
 
 
 class Echo(Part):

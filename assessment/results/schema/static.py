@@ -118,6 +118,7 @@ class ElasticPush(Part):
     d_y_m: float | None = key("end of its elastic branch, along the push; null: none was fitted", "m")
     end: str = key("why the path ends")
     reached_zero: bool = key("whether the curve falls to α = 0")
+    lost: bool | None = optional("whether no equilibrium lies beyond its last point")
     curve: Curve = key("the curve")
     members: list[Curve] | None = optional("curves of the other members of the ensemble")
     sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")

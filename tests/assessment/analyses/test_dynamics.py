@@ -121,7 +121,7 @@ def test_incremental_analysis_tells_its_progress_and_is_the_same_on_several_proc
 
 def test_histories_of_both_states_and_records(outcome):
     assert outcome.complete
-    assert list(outcome.results["states"]) == ["original", "base turned 20 mrad"]
+    assert list(outcome.results["states"]) == ["original", "base ruotata 20 mrad"]
     peak = 0.5 * abs(WAVE).max()
     for state in outcome.results["states"].values():
         weak, strong = state["history"]
@@ -142,7 +142,7 @@ def test_histories_of_both_states_and_records(outcome):
 
 def test_displacements_start_from_the_states_own_rest(outcome):
     """The settled block leans: its control point is moved, and the history does not count that."""
-    settled = outcome.results["states"]["base turned 20 mrad"]
+    settled = outcome.results["states"]["base ruotata 20 mrad"]
     assert settled["configuration"][1][0] > 0.02
     assert settled["history"][0]["curve"]["displacement_m"][0] == 0.0
 
@@ -167,7 +167,7 @@ def test_incremental_analysis_and_comparison(outcome):
         assert 0.0 < record["pga_collapse_g"] - record["pga_safe_g"] <= 0.1
         assert each["pga_collapse_g"] == each["mean_pga_collapse_g"] == record["pga_collapse_g"]
     (row,) = outcome.results["comparison"]
-    before, after = found["original"]["pga_collapse_g"], found["base turned 20 mrad"]["pga_collapse_g"]
+    before, after = found["original"]["pga_collapse_g"], found["base ruotata 20 mrad"]["pga_collapse_g"]
     assert row["dynamic_pga_g"] == after
     assert row["dynamic_reduction"] == pytest.approx(1.0 - after / before)
     assert row["static_pga_g"] is None
@@ -211,7 +211,7 @@ def test_without_dynamic_tables_nothing_changes(tmp_path):
     outcome = run(project, build_model(project), jobs=1)
     assert outcome.complete
     assert "motions" not in outcome.results
-    assert list(outcome.results["states"]) == ["base turned 20 mrad"]
+    assert list(outcome.results["states"]) == ["base ruotata 20 mrad"]
     assert outcome.results["timing_s"].keys() == {"pushdown"}
     assert {picture.section for picture in pictures(outcome.results)} == {"model", "settlements", "pushdown"}
 
@@ -355,7 +355,7 @@ PUSHOVER = """
 contacts = ["rigid"]
 directions = ["+x"]
 increment_m = 0.05
-control = "top right"
+control = "in alto a destra"
 
 [assessment]
 limit_states = ["SLC"]

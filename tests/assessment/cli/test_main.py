@@ -20,7 +20,15 @@ def test_a_run_writes_everything_and_says_where(project, capsys, drawn):
     assert str(project / "output") in out
     assert err == ""  # silent: no terminal
     found = {path.name for path in (project / "output").iterdir() if path.name != FOLDER}
-    assert found == {"results.json", "report.html", "report.pdf", "judgement.md", "tables", "figures"}
+    assert found == {
+        "results.json",
+        "report.html",
+        "report.pdf",
+        "report.docx",
+        "judgement.md",
+        "tables",
+        "figures",
+    }
     assert {p.suffix for p in (project / "output" / "figures").iterdir()} == {".svg", ".png", ".dxf"}
     assert {p.suffix for p in (project / "output" / "tables").iterdir()} == {".csv"}
     assert (project / "output" / "figures" / "model.svg").is_file()

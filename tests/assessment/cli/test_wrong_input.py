@@ -172,7 +172,7 @@ def test_no_traceback_as_a_command(project):
 
 
 def test_a_bug_is_no_input_error(project, monkeypatch):
-    monkeypatch.setattr(stages, "pushover", lambda *_: {}["bug"])
+    monkeypatch.setattr(stages, "pushover", lambda *_, **__: {}["bug"])
     with pytest.raises(KeyError, match="bug"):
         run(project, "--jobs", "1")
 

@@ -10,7 +10,13 @@ from hypothesis import strategies as st
 from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import capacity_curve
 from assessment.ntc.curve_fit import fit_rigid, fit_trilinear
-from assessment.ntc.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
+from assessment.ntc.floor_spectrum import (
+    FloorSpectrum,
+    FloorSpectrum2009,
+    Mode,
+    first_mode,
+    fundamental_period,
+)
 from assessment.ntc.methods import Method
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import verify
@@ -137,3 +143,8 @@ def test_a_height_of_zero_means_the_ground(tmp_path, circular):
         found.append(results["states"]["original"]["capacity"]["+x"])
         assert {content["kind"] for content in results["spectra"].values()} == {"ground"}
     assert found[0] == found[1]
+
+
+def test_period_of_the_building_by_hand():
+    """H = 10 m: 10^0.75 = 5.623413, T_1 = 0.05·5.623413 = 0.281171 s."""
+    assert fundamental_period(10.0).result == pytest.approx(0.281171, abs=1e-6)

@@ -1,6 +1,7 @@
 """Checks of the limit states: a closed form by hand, properties, floor spectra, and the trace recomputed."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -89,6 +90,20 @@ def test_single_rigid_block_by_hand():
     assert not checks["SLD"].verified
 
 
+def test_references_by_hand():
+    """The same block, soil A on a ridge (T2, S = 1.2): SLC a_g = 0.474080/1.2 = 0.395067 g on rock, S a_g = 0.474080 g.
+
+    a_g demanded 0.25 g on rock, 0.30 g at the surface; the peak of a record is that of its surface.
+    """
+    check = verify(_block(), {"SLC": ElasticSpectrum(0.25, 2.4, 0.30, "A", "T2")})["SLC"]
+    assert (check.reference, check.S, check.demand_S) == ("rock", 1.2, 1.2)
+    assert (check.a_g, check.pga) == (pytest.approx(0.395067, rel=2e-6), pytest.approx(0.474080, rel=2e-6))
+    assert check.demand_pga == pytest.approx(0.30)
+    assert check.zeta_E == pytest.approx(check.pga / 0.30)
+    of_record = verify(_block(), {"SLC": RECORD})["SLC"]
+    assert (of_record.reference, of_record.pga) == ("surface", of_record.a_g)
+
+
 def test_circular_of_2009_by_hand():
     """Same block: d_u* = 0.4·0.3 = 0.12 m; d_s = 0.4·0.12 = 0.048 m, a_s = 0.84·0.142857 = 0.12 g.
 
@@ -103,10 +118,53 @@ def test_circular_of_2009_by_hand():
     assert "2009" in checks["SLC"].notes[0]
 
 
+def test_linear_check_at_the_ground_by_hand():
+    """a_0* = 0.1273/(0.7574·1.35) = 0.124500 g; soil B, a_g = 0.261 g, F0 = 2.36: S = 1.4 − 0.4·2.36·0.261 = 1.153616.
+
+    SLV, q = 2: a_g S/q = 0.150547 g > a_0*; a_g = 2·0.124500/1.153616 = 0.215843 g, ratio 0.826985, however soft the
+    elastic branch is.
+    """
+    ground = ElasticSpectrum(0.261, 2.36, 0.35, "B")
+    for model in ("none", "trilinear"):
+        check = verify(_block(0.1273, 0.034, 1.35, model, 0.7574), {"SLV": ground})["SLV linear"]
+        assert (check.a_star, check.T) == (pytest.approx(0.124500, abs=1e-6), 0.0)
+        assert check.demand_a_star == pytest.approx(0.150547, abs=1e-6)
+        assert check.a_g == pytest.approx(0.215843, abs=1e-6)
+        assert check.zeta_E == pytest.approx(0.826985, abs=1e-6)
+        assert check.zeta_E == pytest.approx(check.a_star / check.demand_a_star)
+
+
+def test_linear_check_at_height_by_hand():
+    """T_1 = 0.5 s, γ = 1.2, soil A, a_g = 0.25 g: S_e(T_1) = 0.25·2.4·0.3/0.5 = 0.36 g; q = 2, a_0* = 1/7 g.
+
+    ψ = 1: a_Z = 0.36·1.2·√(1 + 0.0004·25) = 0.434155 g (2009: 0.432 g), a_Z/q = 0.217077 g,
+    a_g = 0.25·0.142857/0.217077 = 0.164523 g. ψ = 0.5: a_Z = 0.217077 g < a_g S = 0.25 g, which counts:
+    a_g S/q = 0.125 g.
+    """
+    expected = {1.0: (0.217077, 0.164523), 0.5: (0.125, 0.285714)}
+    for psi, (demand, a_g) in expected.items():
+        check = verify(_block(), {"SLV": FloorSpectrum(SOIL_A, (Mode(0.5, 1.2, psi),))})["SLV linear"]
+        assert check.demand_a_star == pytest.approx(demand, abs=1e-6)
+        assert check.a_g == pytest.approx(a_g, abs=1e-6)
+        assert check.zeta_E == pytest.approx(check.a_star / check.demand_a_star)
+    floor = FloorSpectrum2009(SOIL_A, Mode(0.5, 1.2, 1.0))
+    assert verify(_block(), {"SLD": floor}, Method(circular="2009"))["SLD"].demand_a_star == pytest.approx(
+        0.432
+    )
+
+
+def test_one_mechanism_has_one_outcome():
+    """SLD is a_0* of the rigid multiplier whatever the curve; the end of an elastic branch has a name of its own."""
+    rigid, soft = (verify(_block(model=model), {"SLD": SOIL_A}) for model in ("none", "trilinear"))
+    assert set(rigid) == {"SLD"}
+    assert set(soft) == {"SLD", "SLD elastic"}
+    assert rigid["SLD"].a_g == soft["SLD"].a_g == pytest.approx(1 / 7)
+
+
 def test_activation_with_an_elastic_branch():
     """S_e(T_0, 5 %) = a_y*: the demand spectrum scaled to a_g passes through (T_0, a_y*)."""
     capacity = _block(model="trilinear")
-    check = verify(capacity, {"SLD": SOIL_A})["SLD"]
+    check = verify(capacity, {"SLD": SOIL_A})["SLD elastic"]
     assert check.T == capacity.T_0
     assert check.a_g / 0.25 * SOIL_A.acceleration(capacity.T_0) == pytest.approx(capacity.a_y_star, rel=1e-12)
 
@@ -148,6 +206,27 @@ def test_local_limit():
     assert (far.d_star, far.governing) == (pytest.approx(0.18), "0.60 d_0")
 
 
+def test_the_end_of_the_elastic_curve_governs_where_it_comes_first():
+    """d_0* = 0.3 m; elastic contacts fall at 0.3 m of the control point: d = 0.3·0.5 = 0.15 m < 0.18 m, not < 0.12 m.
+
+    SLC: α = 0.142857·(1 − 0.15/0.3) = 0.0714286 g, T = 4.900885 √(0.15/0.700475) = 2.267900 s. At 0.15 m it governs SLV
+    too, and a local limit of 0.1 m comes before it.
+    """
+    capacity = _block()
+    soft = replace(capacity, fit=replace(capacity.fit, elastic_end=0.3))
+    checks = verify(soft, dict.fromkeys(("SLV", "SLC"), SOIL_A))
+    assert (checks["SLC"].d_star, checks["SLC"].governing) == (
+        pytest.approx(0.15),
+        "end of the elastic curve",
+    )
+    assert pytest.approx(2.267900, rel=1e-6) == checks["SLC"].T
+    assert checks["SLV"].governing == "0.40 d_0"
+    softer = replace(capacity, fit=replace(capacity.fit, elastic_end=0.15))
+    assert check_nonlinear(softer, "SLV", SOIL_A).d_star == pytest.approx(0.075)
+    near = check_nonlinear(softer, "SLC", SOIL_A, Method(local_limits={"SLC": 0.1}))
+    assert (near.d_star, near.governing) == (pytest.approx(0.05), "local limit")
+
+
 def test_capacity_that_is_not_defined():
     fit = fit_rigid(([0.0, 0.1], [0.1, 0.08]))
     checks = verify(capacity_curve(fit, 1.0, 0.5), dict.fromkeys(("SLD", "SLV", "SLC"), SOIL_A))
@@ -176,7 +255,7 @@ def test_capacity_falls_with_d_0_and_with_the_confidence_factor(alpha_0, d_0, mo
         assert doubted[state].a_g <= check.a_g * (1 + 1e-9)
         assert smaller[state].a_g <= check.a_g * (1 + 1e-9)
     assert base["SLC"].a_g >= base["SLV"].a_g * (1 - 1e-9)
-    assert base["SLV"].a_g >= base["SLD"].a_g * (1 - 1e-9)
+    assert base["SLV"].a_g >= base.get("SLD elastic", base["SLD"]).a_g * (1 - 1e-9)
     assert base["SLO"].a_g == base["SLD"].a_g
 
 
@@ -341,8 +420,9 @@ def test_the_trace_ends_in_the_numbers_of_the_check(hazard):
         if check.a_g is None:
             continue
         results = {line.symbol: line.result for line in check.trace}
-        last = {"activation": "a_g_act", "linear": "a_g_linear", "nonlinear": f"a_g_{check.limit_state}"}
-        symbol = last[check.method] if last[check.method] in results else "a_g_nonlinear"
+        last = {"elastic": "a_g_act", "linear": "a_g_linear", "nonlinear": f"a_g_{check.limit_state}"}
+        other = {"linear": "a_g_act", "nonlinear": "a_g_nonlinear"}
+        symbol = last[check.method] if last[check.method] in results else other[check.method]
         assert results[symbol] == check.a_g
         indexed = check.limit_state in {"SLV", "SLC"}  # §8.3: the ratio at SLO and SLD is no index
         assert results["zeta_E" if indexed else f"r_{check.limit_state}"] == check.zeta_E

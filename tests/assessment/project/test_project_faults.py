@@ -94,6 +94,19 @@ WRONG = [  # old text, new text, key, what the message must hold
     ('spectrum = "ntc"', "circular = 2018", "assessment.circular", "write 2019 or 2009"),
     ('soil = "B"', 'soil = "S1"', "assessment.site.soil", '"A", "B", "C", "D" or "E"'),
     ('"C1"\n\n[[history]]', '{"+y" = "C1"}\n[[history]]', "pushover.control.+y", '"+x" or "-x"'),
+    (
+        'model = "trilinear"',
+        'knowledge = {level = "LC2"}',
+        "assessment.confidence_factor",
+        "makes 1.2; write 1.2",
+    ),
+    (
+        'model = "trilinear"',
+        "knowledge = {ground = 0.03}",
+        "assessment.knowledge",
+        "the four components go together",
+    ),
+    ('model = "trilinear"', "knowledge = {}", "assessment.knowledge", "write level, or geometry"),
     # numbers out of range
     ("depth_m = 0.10", "depth_m = 0", "geometry.depth_m", "0 is wrong; write a number greater than 0"),
     ("depth_m = 5.5", "depth_m = -5.5", "layers.PIERS.depth_m", "greater than 0"),

@@ -7,14 +7,17 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
 from openpyxl import load_workbook
 
 from assessment.cli.main import main
 from assessment.project.catalogue.templates import TEMPLATES
 from assessment.project.formats.comments import commented_toml
+from assessment.project.formats.toml import to_toml, updated_toml
 from assessment.project.project import load_project
 from assessment.project.schema import ProjectContent
 from assessment.project.schema_index import keys_at, table_at, tables_of
+from tests.support.project_strategy import project_contents
 
 SMALL = {
     "title": 'Quoted "layer" names',
@@ -51,7 +54,8 @@ def test_a_new_project_shows_every_key_there_is(tmp_path):
                 assert any(meaning in line for line in lines)
 
 
-NEEDY = ("[[history]]", "[assessment.floor]")  # the first tables left out that have keys without a default
+# the first tables left out that have keys without a default, or say something by being there
+NEEDY = ("[[history]]", "[assessment.knowledge]")
 
 
 def test_what_is_commented_out_are_the_defaults(tmp_path):
@@ -120,6 +124,37 @@ def test_conversion_either_way(tmp_path, capsys):
         "project.toml.old",
         "project.xlsx.old",
     }
+
+
+def test_conversion_and_back_keeps_the_users_comments(tmp_path):
+    """Those of project.toml are kept beside the spreadsheet, and what was changed in it is changed in them."""
+    folder = made(tmp_path / "p")
+    file = folder / "project.toml"
+    text = file.read_text(encoding="utf-8").replace('unit = "m"', 'unit = "m"  # as surveyed by M.')
+    file.write_text("# Drawn in March.\n" + text, encoding="utf-8")
+    before, lines = load_project(folder).content(), file.read_text(encoding="utf-8").splitlines()
+    assert main(["convert", str(folder)]) == 0
+    book = load_workbook(folder / "project.xlsx")
+    [depth] = [row[1] for row in book["geometry"].iter_rows() if row[0].value == "depth_m"]
+    depth.value = 0.25
+    book.save(folder / "project.xlsx")
+    assert main(["convert", str(folder)]) == 0
+    changed = file.read_text(encoding="utf-8").splitlines()
+    assert [line for line in changed if line not in lines] == [
+        line.replace("depth_m = 1.0", "depth_m = 0.25") for line in lines if line.startswith("depth_m = 1.0")
+    ]
+    assert len(changed) == len(lines) and changed[0] == "# Drawn in March."
+    before["geometry"]["depth_m"] = 0.25
+    assert load_project(folder).content() == before
+
+
+@settings(max_examples=20)
+@given(old=project_contents(), new=project_contents())
+def test_a_text_that_is_brought_to_say_something_says_it(old, new):
+    text = commented_toml(old)
+    said, meant = (tomllib.loads(each) for each in (updated_toml(text, new), to_toml(new)))
+    assert ProjectContent.model_validate(said) == ProjectContent.model_validate(meant)
+    assert updated_toml(text, old) == text
 
 
 def test_what_is_wrong_is_not_converted(tmp_path, capsys):

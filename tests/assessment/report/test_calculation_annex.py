@@ -161,14 +161,14 @@ def test_the_checks_are_the_last_numbers_of_their_traces(outcomes, name):
     for row in verification(outcomes[name]).rows:
         if row["zeta_E"] is not None:
             key = (row["state"], row["direction"], row["limit_state"])
-            symbol = "r_SLD" if row["limit_state"] == "SLD" else "zeta_E"  # §8.3: at SLD no index
+            symbol = "r_SLD" if row["limit_state"].startswith("SLD") else "zeta_E"  # §8.3: at SLD no index
             assert results[*key, symbol] == row["zeta_E"]
             assert results[*key, "a_g_demand"] == row["demand_a_g_g"]
 
 
 def test_what_is_no_paragraph_of_a_standard_is_written_in_the_language_of_the_report(outcomes):
     standard = re.compile(
-        r"NTC|Circolare|D\.M\.|Portioli|eq\.|T_R = |α = 0|site\.csv|grid\.txt|the beam unseats"
+        r"NTC|Circolare|D\.M\.|D\.P\.C\.M\.|Portioli|eq\.|T_R = |α = 0|site\.csv|grid\.txt|the beam unseats"
     )
     said = {
         part
@@ -218,7 +218,10 @@ def test_the_return_period_of_the_capacity_is_on_the_hazard_curve(outcomes):
     periods = np.log(RETURN_PERIODS)
     for row in rows:
         expected = np.exp(np.interp(np.log(row["a_g_g"]), np.log(0.05 * np.arange(1, 10)), periods))
-        assert row["return_period_years"] == pytest.approx(expected)
+        if 0.05 <= row["a_g_g"] <= 0.45:
+            assert row["return_period_years"] == pytest.approx(expected)
+        else:  # beyond the curve by the law of the demand's own return period
+            assert not 30.0 < row["return_period_years"] < 2475.0
     governs = outcomes["site table, bilinear"]["states"]["base turned"]["governing"]
     least = min((row for row in rows if row["state"] == "base turned"), key=lambda row: row["zeta_E"])
     assert (governs["direction"], governs["limit_state"]) == (least["direction"], least["limit_state"])

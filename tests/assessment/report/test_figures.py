@@ -1,8 +1,10 @@
 """Figures are drawn from results alone, the same bytes each time, at the scale and places they claim."""
 
 import math
+import re
 from xml.etree import ElementTree
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 from hypothesis import given
@@ -10,7 +12,7 @@ from hypothesis import strategies as st
 
 from assessment.report.figures.curves import draw_pushdown
 from assessment.report.figures.index import pictures, write_figures
-from assessment.report.figures.style import MM, SCALES, nice, save_svg, sheet
+from assessment.report.figures.style import MM, SCALES, STYLE, SYMBOL, chart, nice, save_svg, sheet, typeset
 from assessment.report.text.language import slug, words_of
 from assessment.results.outlines import Outlines, outlines
 from assessment.runtime.pool import Pool
@@ -52,9 +54,24 @@ def test_figures_speak_the_language_of_the_report(drawn, tmp_path):
     italian = {path.name: path.read_text() for path in drawn}
     assert "spostamento del punto di controllo verso +x [mm]" in italian["pushover_plus_x.svg"]
     assert "displacement of the control point towards +x [mm]" in english["pushover_plus_x.svg"]
-    assert "d₀ = 192 mm" in english["pushover_plus_x.svg"]
-    assert "α_y = 0,118" in italian["pushover_plus_x.svg"]
+    glyphs = {
+        name: re.sub(r"<[^>]+>|\s", "", text) for name, text in italian.items()
+    }  # of symbols one by one
+    assert "0,118" in glyphs["pushover_plus_x.svg"]
+    assert not SYMBOL.search(italian["pushover_plus_x.svg"]), "symbols are set as symbols"
     assert "scala 1:20" in italian["model.svg"]
+
+
+def test_symbols_are_set_as_symbols_and_names_stay_as_they_are():
+    with mpl.rc_context(STYLE):
+        figure, (axes,) = chart(words_of(results_example("en")), 1)
+        axes.set_title("cost $5 of a_g and pier a_g1: α₀, S_De")
+        axes.set_xlabel("pier_y $\\frac$")
+        typeset(figure)
+    assert axes.get_title() == (
+        "cost \\$5 of $a_{\\mathrm{g}}$ and pier a_g1: $α_{\\mathrm{0}}$, $S_{\\mathrm{De}}$"
+    )
+    assert axes.get_xlabel() == "pier_y $\\frac$"
 
 
 def test_only_what_was_computed_is_drawn():
@@ -63,7 +80,10 @@ def test_only_what_was_computed_is_drawn():
     for content in results["states"].values():
         del content["capacity"], content["pushover"]
         content.pop("pushdown", None)
-    assert [p.name for p in pictures(results)] == ["model", f"settlement_{slug(results, SETTLED)}"]
+    assert [p.name for p in pictures(results)] == [
+        f"{stem}{slug(results, SETTLED)}" if stem.endswith("_") else stem
+        for stem in ("model", "settlement_", "cracks_")
+    ]
 
 
 def test_slugs_are_file_names_and_differ():

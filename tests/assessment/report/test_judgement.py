@@ -19,7 +19,9 @@ from assessment.report.judgement import RESIDUALS, all_warnings, draft_judgement
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import index as tables
 from assessment.report.tables import studies as study_tables
+from assessment.report.tables.convergence import convergence_tables
 from assessment.report.text.language import direction_name, words_of
+from assessment.report.text.table_format import check_name
 from assessment.results.hand_check import hand_check
 from assessment.results.reactions import balance
 from assessment.studies.scenarios import worst as worst_of
@@ -40,7 +42,10 @@ class Read:
 
     def __init__(self, results: Results) -> None:
         self.results = results
-        self.rows = {table.name: table.rows for table in (make(results) for make in TABLES)}
+        self.rows = {
+            table.name: table.rows
+            for table in (*(make(results) for make in TABLES), *convergence_tables(results))
+        }
 
     def made(self, table: str = "verification") -> list[Mapping[str, Any]]:
         return [row for row in self.rows[table] if row.get("zeta_E") is not None]
@@ -83,15 +88,16 @@ TABLES = (
     hand_check,
     balance,
 )
+CONVERGENCE = ("convergence", "history_convergence", "incremental_convergence")
 COLUMN = {"limit": "limit_state"}
 WORDS_OF: dict[str, Callable[[Any], str]] = {
     "state": WORDS.state,
     "direction": direction_name,
-    "limit": lambda check: WORDS.plain("value.slv_linear") if check == "SLV linear" else check,
+    "limit": lambda check: check_name(check, WORDS),
     "mechanism": str,
     "contacts": lambda kind: WORDS.plain(f"value.{kind}"),
 }
-CHECK_OF = {"SLV, linear": "SLV linear"}
+CHECK_OF = {"SLV, linear": "SLV linear", "SLD, elastic branch": "SLD elastic"}
 show = WORDS.show
 
 
@@ -178,7 +184,10 @@ def _alpha_reduction(said: Fields, read: Read) -> None:
 
 def _dynamic(said: Fields, read: Read) -> None:
     row = read.row("comparison", said, "state", "direction", "limit")
-    assert (said["dynamic"], said["static"]) == (show(row["dynamic_pga_g"]), show(row["static_pga_g"]))
+    assert (said["dynamic"], said["static"]) == (
+        show(row["dynamic_pga_g"]),
+        show(row["static_surface_pga_g"]),
+    )
     checked = read.row("verification", said, "state", "direction", "limit")
     assert checked["a_g_g"] == row["static_pga_g"]
 
@@ -252,6 +261,27 @@ def _poor(said: Fields, read: Read) -> None:
     assert said["residual"] == show(worst) and worst > RESIDUALS[name]
 
 
+def _converged(good: bool) -> Callable[[Fields, Read], None]:
+    def check(said: Fields, read: Read) -> None:
+        errors = [row["relative_error"] for table in CONVERGENCE for row in read.rows[table]]
+        known = [error for error in errors if error is not None]
+        tolerance = read.results["convergence"]["tolerance"]
+        assert said["error"] == show(100.0 * max(known)) and said["tolerance"] == show(100.0 * tolerance)
+        assert (max(known) <= tolerance and None not in errors) == good
+
+    return check
+
+
+def _no_convergence(_: Fields, read: Read) -> None:
+    assert not any(read.rows[table] for table in CONVERGENCE)
+
+
+def _limit_analysis(said: Fields, read: Read) -> None:
+    rows = [row for row in read.rows["mechanisms"] if row["state"] == "original"]
+    rigid = [read.results["states"]["original"]["pushover"][row["direction"]]["rigid"] for row in rows]
+    assert said["deviation"] == show(100.0 * max(abs(r["alpha_0"] / r["alpha_onset"] - 1.0) for r in rigid))
+
+
 def _hand(agrees: bool) -> Callable[[Fields, Read], None]:
     def check(said: Fields, read: Read) -> None:
         worst = max(
@@ -301,6 +331,10 @@ CLAIMS: dict[str, Callable[[Fields, Read], None]] = {
     "no_margin": _margin(True),
     "certificates": _certificates,
     "poor_certificates": _poor,
+    "converged": _converged(True),
+    "not_converged": _converged(False),
+    "no_convergence": _no_convergence,
+    "limit_analysis": _limit_analysis,
     "hand_agrees": _hand(True),
     "hand_differs": _hand(False),
     "balanced": _balance(True),
@@ -360,6 +394,7 @@ def directions_checked(draw, limits, demand):
             ratio = None if a_g is None else a_g / demand[limit]
             found[check] = {"a_g_g": a_g, "demand_a_g_g": demand[limit], "zeta_E": ratio}
             found[check]["verified"] = None if ratio is None else ratio >= 1.0
+    found["nominal"] = {"pga_g": draw(CAPACITY)}
     return found
 
 
@@ -585,7 +620,7 @@ def test_a_turn_of_a_support_has_its_margin():
     text = text_of(results)
     assert "rigid contacts: the movement of 20.0 mm is 30.8 % of the ultimate one (65.0 mm)." in text
     labels = [line.get_label() for line in draw_pushdown(results, words_of(results), SETTLED).axes[0].lines]
-    assert "design movement, 20.0 mm" in labels
+    assert "assigned movement, 20.0 mm" in labels
     arrows = list(draw_settlement(results, words_of(results), SETTLED).axes[0].texts)
     assert len(arrows) == 1 and arrows[0].arrowprops["connectionstyle"] == "arc3,rad=1.0"  # anticlockwise
 

@@ -61,7 +61,7 @@ def test_the_encodings_of_windows_editors_are_read_and_left(results, tmp_path, e
     (tmp_path / NAME).write_bytes((mark + text).encode(encoding))
     kept = judgement(results, words_of(results), tmp_path)
     assert kept.content == (mark + text).encode(encoding)
-    assert kept.edited == "<p>Più sicuro: “legare” il piè.</p>\n<ul><li>così</li></ul>"
+    assert kept.edited == "<p>Più sicuro: “legare” il piè.</p>\n<ul>\n<li>così</li>\n</ul>"
 
 
 def test_a_draft_that_an_editor_saved_in_its_own_way_is_still_the_draft(results, tmp_path):
@@ -85,11 +85,29 @@ def test_what_is_no_text_is_told_before_any_analysis(project, capsys, monkeypatc
     assert path.read_bytes() == content
 
 
-def test_markdown_of_a_judgement():
-    text = "# Opinion\n\nA line\nand *more*.\n\n- one\n  goes on\n- two & three\n"
-    assert to_html(text).replace("\n", "") == (
-        "<h3>Opinion</h3><p>A line and <i>more</i>.</p><ul><li>one goes on</li><li>two &amp; three</li></ul>"
-    )
+@pytest.mark.parametrize(
+    ("text", "html"),
+    [
+        (
+            "# Opinion\n\nA line\nand *more*.\n\n- one\n  goes on\n- two & three\n",
+            "<h3>Opinion</h3> <p>A line and <i>more</i>.</p> <ul> <li>one goes on</li> <li>two &amp; three</li> </ul>",
+        ),
+        ("a <!-- not\n\nthis --> b <!-- open", "<p>a  b &lt;!-- open</p>"),
+        ("ζ_E and S_De are 2 * 3, 4 * 5", "<p>ζ_E and S_De are 2 * 3, 4 * 5</p>"),
+        (
+            "- one\n\n      - below *it*",
+            "<ul> <li> <p>one</p> <ul> <li>below <i>it</i></li> </ul> </li> </ul>",
+        ),
+        (
+            "<script>x</script> [a](http://b) ![c](d)",
+            "<p>&lt;script&gt;x&lt;/script&gt; [a](http://b) ![c](d)</p>",
+        ),
+        ("## **Bold** \\*starred\\*", "<h3><b>Bold</b> *starred*</h3>"),
+    ],
+    ids=["blocks", "comments", "symbols", "nested", "no HTML and no network", "escapes"],
+)
+def test_markdown_of_a_judgement(text, html):
+    assert to_html(text).replace("\n", " ") == html
 
 
 def test_a_run_prints_the_edited_judgement_and_leaves_the_file(results, tmp_path, monkeypatch):

@@ -6,7 +6,7 @@ import pytest
 
 from assessment.report.judgement import all_warnings
 from assessment.report.text.language import words_of
-from assessment.report.text.messages import _entries, _translated, translated
+from assessment.report.text.messages import _entries, _translated, sentence, translated
 from tests import ROOT
 from tests.support.analysed import analysed
 
@@ -110,12 +110,12 @@ def test_every_message_is_known_in_italian(where):
         (
             "right support 20 mm, pushover -x, rigid contacts: ends at d = 0.0123 m, α = 0.05: the structure falls: "
             "a step of 0.001 m moves it by 0.2 m",
-            "right support 20 mm, pushover −x, contatti rigidi: termina a d = 0,0123 m, α = 0,05: la struttura cade: "
-            "un passo di 0,001 m la sposta di 0,2 m",
+            "stato “right support 20 mm”, pushover in direzione −x, contatti rigidi: la curva termina a d = 0,0123 m, "
+            "α = 0,05: la struttura perde l’equilibrio: un incremento di 0,001 m la sposta di 0,2 m",
         ),
         (
             "original: +x: SLC: no acceleration capacity is left at d* = 0.1 m",
-            "originale: +x: SLC: nessuna capacità in accelerazione resta a d* = 0,1 m",
+            "originale: +x: SLC: a d* = 0,1 m la capacità in accelerazione è esaurita",
         ),
         (
             'geometry.dxf: layer "A.1": 3 frozen, off or invisible polylines left out',
@@ -127,6 +127,25 @@ def test_every_message_is_known_in_italian(where):
 def test_messages_within_messages_numbers_and_names(english, italian):
     assert translated(english, words_of(ITALIAN)) == italian
     assert translated(english, words_of({"echo": {"report": {"language": "en"}}})) == english
+
+
+def test_warnings_are_sentences_in_the_report():
+    """A capital, a full stop, powers of ten; the state is told as one, whatever its name."""
+    message = (
+        "moved 20 mm, pushover -x, rigid contacts: between d = 7.7e-12 and 1e-05 m a part moves by itself"
+    )
+    english = words_of({"echo": {"report": {"language": "en"}}})
+    assert sentence(message, english) == (
+        "State “moved 20 mm”, pushover in direction −x, rigid contacts: "
+        "between d = 7.7·10⁻¹² and 1·10⁻⁵ m a part moves by itself."
+    )
+    italian = sentence(f"{message}, until others hold it again", words_of(ITALIAN))
+    assert italian.startswith(
+        "Stato “moved 20 mm”, pushover in direzione −x, contatti rigidi: fra d = 7,7·10⁻¹² e"
+    )
+    assert italian.endswith("fino a trovare un nuovo contrasto.")
+    assert sentence("$INSUNITS says mm.", english) == "$INSUNITS says mm."
+    assert sentence("α = 0", english) == "α = 0."
 
 
 def test_the_warnings_of_a_run_are_known():

@@ -10,11 +10,12 @@ import pytest
 from assessment.report.document import render_html
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.text.language import words_of
-from assessment.report.viewer import viewer
+from assessment.report.viewer import _jumps, viewer
 from assessment.results.outlines import outlines
 from assessment.runtime.pool import Pool
 from tests.support import browser
 from tests.support.analysed import analysed
+from tests.support.results_example import results_example
 
 needs_browser = pytest.mark.skipif(browser.chromium() is None, reason="no Chromium: apt-get install chromium")
 
@@ -232,3 +233,43 @@ def test_words_of_the_viewer_reach_the_script():
     data = json.loads(viewer(results, words_of(results)).data)
     assert data["words"]["edge"] == words_of(results).plain("viewer.edge")
     assert data["words"]["decimal_mark"] == ","
+
+
+def test_the_page_has_a_table_of_contents_and_fits_a_telephone(html):
+    text = html.read_text(encoding="utf-8")
+    assert '<meta name="viewport" content="width=device-width, initial-scale=1">' in text
+    targets = re.findall(r'<a href="#(\w+)">', text)
+    assert len(targets) > 12 and all(f'id="{name}"' in text for name in targets)
+
+
+def test_pushovers_offer_the_displacements_of_the_limit_states():
+    """d = d*/Γ*, mm, along x: negative towards −x."""
+    content = results_example("it")["states"]["original"]
+    capacity = content["capacity"]["-x"]
+    expected = [1000.0 * capacity[limit]["d_star_m"] / capacity["gamma_star"] for limit in ("SLV", "SLC")]
+    found = {jump["label"]: jump["x"] for jump in _jumps(content, "-x", expected[1])}
+    assert [found["d_SLV"], found["d_SLC"]] == pytest.approx([-each for each in expected], rel=1e-5)
+    short = {jump["label"] for jump in _jumps(content, "-x", 0.9 * expected[1])}
+    assert "d_SLC" not in short, "a path that ends before has no such displacement"
+
+
+@needs_browser
+def test_the_slider_says_its_value_and_another_path_lies_over(page):
+    select(page, 2)
+    page.key("ArrowRight", 1)
+    said = page.ask("document.getElementById('viewer-frame').getAttribute('aria-valuetext')")
+    assert said.startswith("2/") and "mm" in said
+    page.ask(
+        "(() => { const o = document.getElementById('viewer-over'); o.selectedIndex = 1;"
+        "o.dispatchEvent(new Event('change')) })()"
+    )
+    blocks = len(analysed()["geometry"]["blocks"])
+    assert page.ask("document.querySelectorAll('#viewer-shape .over').length") == blocks
+    assert page.ask("document.querySelectorAll('#viewer-curve .over').length") == 1
+
+
+@needs_browser
+def test_nothing_is_wider_than_a_telephone(html):
+    with browser.page() as narrow:
+        narrow.open(html, width=390, height=844)
+        assert narrow.ask("document.documentElement.scrollWidth") <= 390

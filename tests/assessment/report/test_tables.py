@@ -6,8 +6,11 @@ import io
 import pandas as pd
 import pytest
 
+from assessment.project.project import json_schema
 from assessment.report.tables.capacity import summary, trace, verification
 from assessment.report.tables.index import blocks, layers, write_tables
+from assessment.report.text.input_table import echoed
+from assessment.report.text.language import LANGUAGES, Words
 from assessment.results.hand_check import hand_check
 from tests.support.results_example import SETTLED, results_example
 
@@ -25,6 +28,7 @@ def test_all_tables_are_written(written):
         "verification",
         "comparison",
         "convergence",
+        "cracks",
         "hand_check",
         "incremental_convergence",
         "macro_blocks",
@@ -148,3 +152,34 @@ def test_the_trace_holds_every_direction_and_limit_state():
     assert len(rows) == 2 * 2 * 4
     assert {row["part"] for row in rows} == {"capacity", "SLD", "SLV", "SLC"}
     assert rows[0]["inputs"] == "b=2.0; c=0.5"
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_key_of_a_project_has_a_name_in_the_report(language):
+    schema, named = json_schema(), set(Words.of(language).strings["input"])
+    tables = [schema, *schema["$defs"].values()]
+    keys = {key for table in tables for key in table.get("properties", {})}
+    assert keys - {"SLO", "SLD", "SLV", "SLC"} <= named
+
+
+def test_the_input_is_told_in_words_with_the_names_of_the_user():
+    echo = {
+        "title": "T",
+        "layers": {"WALL": {"depth_m": 0.5, "compressive_strength_kN_m2": "inf"}},
+        "settlements": [{"name": "moved"}, {"name": "it <b>", "displacement_m": [0.02, -0.02]}],
+        "pushover": {"contacts": ["rigid"], "control": {"+x": "C1"}},
+        "assessment": {"site": {"SLV": {"ag_g": 0.261}}},
+        "report": {"client": ""},
+    }
+    rows = [tuple(map(str, row.values())) for row in echoed(echo, Words.of("it"))]
+    assert rows == [
+        ("Progetto", "Titolo", "T"),
+        ("Layer WALL", "Spessore fuori piano [m]", "0,5"),
+        ("", "Resistenza a compressione [kN/m²]", "∞"),
+        ("Cedimento assegnato 1", "Nome", "moved"),
+        ("Cedimento assegnato 2", "Nome", "it &lt;b&gt;"),
+        ("", "Spostamento x; z [m]", "0,02; −0,02"),
+        ("Pushover", "Contatti", "rigidi"),
+        ("Pushover, Punto di controllo", "+x", "C1"),
+        ("Verifica, sito, SLV", "a<sub>g</sub> su suolo rigido (cat. A), senza S [g]", "0,261"),
+    ]

@@ -81,13 +81,13 @@ def at(value: Any, path: tuple[Any, ...]) -> Any:
     return value
 
 
-FREE = {"echo", "inputs", "packages", "timing_s", "levels"}
+FREE = {"echo", "inputs", "packages", "timing_s", "levels", "required_zeta", "components", "origins"}
 """Tables whose keys are names."""
 
 
 def described(results: dict[str, Any]) -> list[tuple[Any, ...]]:
     """Tables of results whose keys the schema knows, one of each kind."""
-    named = {"states", "spectra", "pushover", "capacity"}  # one level of names
+    named = {"states", "spectra", "pushover", "capacity", "scalings"}  # one level of names
     found: dict[tuple[Any, ...], tuple[Any, ...]] = {}
     for path in places(results):
         if not FREE & {*path} and not (path and path[-1] in named):

@@ -21,6 +21,7 @@ from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.figures import index as figures
 from assessment.runtime.cache import FOLDER, Store
+from assessment.runtime.journal import NAME as JOURNAL
 from assessment.workflow.stages import run
 from tests import ROOT
 from tests.support.block_project import command, contents, edit, read_results, timeless
@@ -88,7 +89,7 @@ def test_an_interrupted_run_keeps_what_is_finished_and_says_so(project, capsys, 
     monkeypatch.setattr(Store, "keep", interrupted)
     assert assesto(project) == 3
     assert "run again to go on" in capsys.readouterr().err
-    assert [path.name for path in (project / "output").iterdir()] == [FOLDER]
+    assert {path.name for path in (project / "output").iterdir()} == {FOLDER, JOURNAL}
     monkeypatch.setattr(Store, "keep", keep)
     assert main(["run", str(project), "--no-report"]) == 0
     out = capsys.readouterr().out

@@ -162,7 +162,7 @@ def test_the_worst_point():
 
 def test_parts_of_a_movement(project):
     moved = TURNS.replace("rotation_rad = -0.04", "displacement_m = [0.02, -0.04]\nto_collapse = true")
-    third = part(project(BLOCK + moved + PUSHOVER).settlements[0], 3)
+    third = part(project(BLOCK + moved + PUSHOVER).settlements[0], 0.75)
     assert third.displacement_m == pytest.approx((0.015, -0.03)) and third.steps is None
     assert not third.to_collapse  # the ultimate movement is the whole one's business
 

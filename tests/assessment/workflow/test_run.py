@@ -116,7 +116,8 @@ def test_an_analysis_that_could_not_be_completed_stays_so(project, capsys, monke
     assert state(project) == before
 
 
-REPORTS = {"results.json", "report.html", "report.pdf"}
+PRINTED = {"report.html", "report.pdf", "report.docx"}
+REPORTS = {"results.json", *PRINTED}
 LANGUAGE = REPORTS | {"figures/model.svg", "judgement.md"}
 
 
@@ -153,11 +154,12 @@ def test_what_is_rendered_is_what_a_fresh_run_gives(project):
 @pytest.mark.parametrize(
     ("name", "expected"),
     [
-        ("report.pdf", {"report.html", "report.pdf"}),
-        ("report.html", {"report.html", "report.pdf"}),
+        ("report.pdf", PRINTED),
+        ("report.html", PRINTED),
+        ("report.docx", PRINTED),
         ("figures/model.svg", {"figures/model.svg"}),
         ("tables/blocks.csv", None),
-        ("judgement.md", {"judgement.md", "report.html", "report.pdf"}),
+        ("judgement.md", {"judgement.md", *PRINTED}),
     ],
 )
 @pytest.mark.parametrize("how", ["removed", "changed"])
@@ -182,14 +184,14 @@ def test_an_edited_judgement_is_printed_at_the_next_run(project, idle):
 
 
 def test_a_report_is_added_to_a_run_without_one(project, idle, tmp_path):
-    for name in ("report.pdf", "report.html"):
+    for name in PRINTED:
         (project / "output" / name).unlink()
     before = state(project)
     assert main(["run", str(project), "--no-report"]) == 0
     assert state(project) == before
     before = state(project / "output")
     assert main(["run", str(project)]) == 0
-    assert written(project / "output", before) == {"report.pdf", "report.html"}
+    assert written(project / "output", before) == PRINTED
 
 
 def test_a_report_of_other_results_does_not_stay(project):

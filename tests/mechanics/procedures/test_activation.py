@@ -71,7 +71,8 @@ def test_e_and_gamma_star_follow_from_the_virtual_displacements_printed(state, d
     size = abs(delta[:, :2]).max(axis=1)
     expected = participation(seismic, delta[:, 0], sense(direction), movable & (size > 1e-6 * size.max()))
     for key in ("e_star", "gamma_star"):
-        assert mechanism[key] == pytest.approx(getattr(expected, key), rel=1e-9)
+        # of an ensemble the mechanism is that of a member, whose corners are moved in the seventh digit
+        assert mechanism[key] == pytest.approx(getattr(expected, key), rel=1e-6)
         assert content["capacity"][direction][key] == mechanism[key]
 
 
@@ -154,7 +155,7 @@ def test_capacities_are_sizes_along_the_push(state, direction):
     results = analysed()
     curves = results["states"][state]["pushover"][direction]
     d, alpha = map(np.asarray, along_push(curves["rigid"]["curve"], direction))
-    assert curves["rigid"]["d_0_m"] == d[-1] > 0.0 and alpha[-1] == 0.0
+    assert 0.0 < curves["rigid"]["d_0_m"] == pytest.approx(d[-1], rel=1e-6) and alpha[-1] == 0.0
     assert curves["elastic"]["d_y_m"] > 0.0 and curves["elastic"]["d_u_m"] > 0.0
     assert min(results["states"][state]["capacity"][direction]["curve"]["d_star_m"]) == 0.0
 

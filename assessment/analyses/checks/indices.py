@@ -1,0 +1,88 @@
+"""Indices of a state: ζ_E at SLV, those of heritage and risk, and what interventions must reach."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from assessment.analyses.checks.demand import demand_return_periods
+from assessment.ntc.calculation import numbers
+from assessment.ntc.indices import confidence_factor, heritage_and_risk_indices, required_zeta
+
+if TYPE_CHECKING:
+    from assessment.project.project import Project
+    from assessment.project.schema import KnowledgeTable
+
+Numbers = dict[str, Any]
+
+
+def state_indices(project: Project, capacities: Mapping[str, Mapping[str, Any]]) -> Numbers | None:
+    """Return the indices of a state from the checks of its directions, the least favourable of each limit state.
+
+    None without a check at SLV that has a number, and where the demand is a record's: nothing is then on rock.
+    """
+    assessment = project.assessment
+    if assessment is None or assessment.site is None or assessment.spectrum == "record":
+        return None
+    life = _least(capacities, ["SLV"]) or _least(capacities, ["SLV linear"])
+    if life is None:
+        return None
+    direction, limit, check = life
+    damage, collapse = _least(capacities, ["SLD", "SLD elastic"]), _least(capacities, ["SLC"])
+    use_class, T_R = assessment.site.use_class, demand_return_periods(project).get("SLV")
+    T_SLD = damage[2]["return_period_years"] if damage else None
+    found = heritage_and_risk_indices(
+        check["a_g_g"],
+        check["demand_a_g_g"],
+        check["zeta_E"],
+        use_class,
+        check["return_period_years"],
+        T_R,
+        T_SLD,
+    )
+    return {
+        "direction": direction,
+        "check": limit,
+        "zeta_SLV": check["zeta_E"],
+        "zeta_SLC": collapse[2]["zeta_E"] if collapse else None,
+        "ratio_SLD": damage[2]["zeta_E"] if damage else None,
+        "T_SLV_years": check["return_period_years"],
+        "T_SLV_stated": check["return_period_stated"],
+        "T_R_SLV_years": T_R,
+        "I_S": found.I_S,
+        "f_a": found.f_a,
+        "acceptable_nominal_life_years": found.nominal_life,
+        "IS_V": found.is_v,
+        "IS_V_class": found.is_v_class,
+        "PAM": found.pam,
+        "PAM_class": found.pam_class,
+        "risk_class": found.risk_class,
+        "use_class": use_class,
+        "required_zeta": required_zeta(check["zeta_E"], use_class),
+        "trace": numbers(found.trace),
+    }
+
+
+def knowledge_numbers(knowledge: KnowledgeTable) -> Numbers:
+    """Return F_C with its components and how it follows from them."""
+    found = confidence_factor(knowledge.level, knowledge.components)
+    return {
+        "F_C": found.factor,
+        "level": knowledge.level,
+        "components": knowledge.components,
+        "origins": knowledge.origins,
+        "trace": numbers(found.trace),
+    }
+
+
+def _least(
+    capacities: Mapping[str, Mapping[str, Any]], limits: Iterable[str]
+) -> tuple[str, str, Mapping[str, Any]] | None:
+    """Return direction, name and check of the least ratio among some checks; None where none has a number."""
+    made = [
+        (direction, limit, capacity[limit])
+        for direction, capacity in capacities.items()
+        for limit in limits
+        if (capacity.get(limit) or {}).get("zeta_E") is not None
+    ]
+    return min(made, key=lambda found: found[2]["zeta_E"], default=None)

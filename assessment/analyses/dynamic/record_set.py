@@ -1,0 +1,103 @@
+"""The records of a campaign: made to the spectrum of the site, or scaled to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from assessment.ntc.limit_states import QUOTED
+from mechanics.records import Record, compatible_record, response_spectrum
+from mechanics.types import Array
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from assessment.ntc.spectrum import Spectrum
+    from assessment.project.motions import BaseMotion
+    from assessment.project.schema import CampaignTable
+
+DURATION, PLATEAU, TIME_STEP = 25.0, 10.0, 0.01  # s: NTC 2018 §3.2.3.6 [k: known, not re-read]
+DAMPING = 0.05  # of spectra and of Sa(T)
+LOW, HIGH = -0.10, 0.30  # of the target: where the mean spectrum of a set should lie
+PERIODS = 60  # at which spectra are compared
+
+
+@dataclass(frozen=True)
+class Target:
+    """The spectrum of the site at its farthest limit state: S_a (g) at periods (s)."""
+
+    limit_state: str
+    spectrum: Spectrum
+
+    @classmethod
+    def of(cls, spectra: Mapping[str, Spectrum]) -> Target:
+        """Return the target of a campaign among the demands of a project."""
+        limit_state = next(limit for limit in (*QUOTED, *spectra) if limit in spectra)
+        return cls(limit_state, spectra[limit_state])
+
+
+def made_record(spectrum: Spectrum, seed: int) -> Record:
+    """Return a record whose spectrum is within 10 % of a given one; the same seed gives the same record."""
+    made = compatible_record(spectrum.acceleration, DURATION, TIME_STEP, seed, plateau=PLATEAU)
+    return replace(made, name=f"generated {seed}")
+
+
+def ordinate(motion: BaseMotion, period: float) -> float:
+    """Return Sa(T) of what shakes the base, g: 5 % damping, period T in s."""
+    record = motion.record
+    return float(response_spectrum(record.acceleration, record.time_step, period, DAMPING)[0][0])
+
+
+def scaled_to(target: Target, motions: Sequence[BaseMotion], table: CampaignTable) -> list[BaseMotion]:
+    """Scale each record to the target between two periods, as far as the limits allow.
+
+    The factor makes the mean of ln(S_a / target) over the logarithm of the period vanish.
+    """
+    periods = np.geomspace(*table.periods_s, PERIODS)
+    wanted = np.log(target.spectrum.acceleration(periods))
+    return [_scaled(motion, periods, wanted, table) for motion in motions]
+
+
+def _scaled(motion: BaseMotion, periods: Array, wanted: Array, table: CampaignTable) -> BaseMotion:
+    record = motion.record
+    own = np.log(response_spectrum(record.acceleration, record.time_step, periods, DAMPING)[0])
+    best = float(np.exp(np.mean(wanted - own)))
+    factor = float(np.clip(best, *table.scale_limits))
+    notes = motion.notes
+    if factor != best:
+        low, high = table.scale_limits
+        notes += (
+            f"campaign, {motion.name}: the spectrum of the site asks for a factor of {best:.3g}; "
+            f"{factor:.3g} is taken, the limit (scale_limits = [{low:g}, {high:g}])",
+        )
+    return replace(
+        motion,
+        record=record.scaled(factor),
+        original=motion.original.scaled(factor),
+        pga=factor * motion.pga,
+        scale=factor * motion.scale,
+        notes=notes,
+    )
+
+
+def compatibility(target: Target, motions: Sequence[BaseMotion], table: CampaignTable) -> dict[str, Any]:
+    """Compare the mean spectrum of a set of records with the target: its deviations, relative, and where they are."""
+    periods = np.geomspace(*table.periods_s, PERIODS)
+    own = [
+        response_spectrum(each.record.acceleration, each.record.time_step, periods, DAMPING)[0]
+        for each in motions
+    ]
+    deviation = np.mean(own, axis=0) / target.spectrum.acceleration(periods) - 1.0
+    return {
+        "limit_state": target.limit_state,
+        "periods_s": list(table.periods_s),
+        "T_s": periods.tolist(),
+        "target_g": target.spectrum.acceleration(periods).tolist(),
+        "mean_g": np.mean(own, axis=0).tolist(),
+        "lowest_deviation": float(deviation.min()),
+        "highest_deviation": float(deviation.max()),
+        "within": bool(deviation.min() >= LOW and deviation.max() <= HIGH),
+    }

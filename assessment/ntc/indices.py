@@ -1,0 +1,170 @@
+"""Indices of seismic safety and risk that follow from the capacities: what Italian practice asks for beside ζ_E.
+
+D.P.C.M. 9/2/2011 (heritage): I_S, f_a, acceptable nominal life. D.M. 58/2017, Allegato A: IS-V, PAM, risk class.
+NTC 2018, §8.4: what interventions must reach. All known, not re-read [k].
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from math import log
+
+from assessment.ntc.calculation import Trace, datum, step
+from assessment.ntc.hazard import EXCEEDANCE, USE_COEFFICIENT
+
+CLASSES = ("A+", "A", "B", "C", "D", "E", "F", "G")
+_IS_V = (1.0, 0.80, 0.60, 0.45, 0.30, 0.15)  # least IS-V of classes A+ to E; below: F
+_PAM = (0.005, 0.010, 0.015, 0.025, 0.035, 0.045, 0.075)  # largest PAM of classes A+ to F; above: G
+# share of the cost of reconstruction at each limit state, from initial damage to collapse
+_COST = {"SLID": 0.0, "SLO": 0.07, "SLD": 0.15, "SLV": 0.50, "SLC": 0.80, "SLR": 1.0}
+_INITIAL_DAMAGE = 0.1  # 1/years: annual frequency of initial damage
+_SLO_OF_SLD, _SLC_OF_SLV = 1.67, 0.49  # frequencies of SLO and SLC from those of SLD and SLV
+_HERITAGE = "D.P.C.M. 9/2/2011, §2.4"
+_RISK = "D.M. 58/2017, Allegato A"
+
+
+@dataclass(frozen=True)
+class Indices:
+    """Indices of a structure, None where what they need is not known: the return periods of capacity and demand.
+
+    I_S = T_SLV/T_R,SLV; f_a = a_SLV/a_g,SLV on rock; nominal_life: acceptable V_N, years; is_v: ratio of PGA at SLV
+    and its class; pam: expected annual loss as a share, and its class; risk_class: the worse of the two.
+    """
+
+    I_S: float | None
+    f_a: float
+    nominal_life: float | None
+    is_v: float
+    is_v_class: str
+    pam: float | None
+    pam_class: str | None
+    risk_class: str | None
+    trace: Trace
+
+
+def heritage_and_risk_indices(
+    a_g: float,
+    demand_a_g: float,
+    zeta: float,
+    use_class: str,
+    T_SLV: float | None = None,
+    T_R_SLV: float | None = None,
+    T_SLD: float | None = None,
+) -> Indices:
+    """Return the indices from the capacity at SLV (a_g, demand on rock, g; ratio ζ of PGA) and return periods (years).
+
+    T_SLV, T_SLD: of the capacities at SLV and SLD; T_R_SLV: of the demand at SLV.
+    """
+    f_a, C_U = a_g / demand_a_g, USE_COEFFICIENT[use_class]
+    lines = [
+        step("f_a", "a_g_SLV/a_g_demand", f_a, "", _HERITAGE, a_g_SLV=a_g, a_g_demand=demand_a_g),
+        step("IS_V", "zeta_SLV", zeta, "", _RISK, zeta_SLV=zeta),
+    ]
+    I_S = life = None
+    if T_SLV is not None and T_R_SLV is not None:
+        I_S = T_SLV / T_R_SLV
+        lines.append(step("I_S", "T_SLV/T_R_SLV", I_S, "", _HERITAGE, T_SLV=T_SLV, T_R_SLV=T_R_SLV))
+    if T_SLV is not None:
+        P = EXCEEDANCE["SLV"]
+        life = -T_SLV * log(1.0 - P) / C_U
+        lines.append(
+            step("V_N_acceptable", "-T_SLV*log(1 - P_VR)/C_U", life, "years", _HERITAGE, T_SLV=T_SLV, P_VR=P,
+                 C_U=C_U)
+        )  # fmt: skip
+    pam = pam_class = risk = None
+    is_v_class = CLASSES[sum(zeta < least for least in _IS_V)]
+    if T_SLV is not None and T_SLD is not None:
+        pam, steps = expected_annual_loss(T_SLD, T_SLV)
+        pam_class = CLASSES[bisect_right(_PAM, pam * (1.0 - 1e-12))]
+        risk = max(is_v_class, pam_class, key=CLASSES.index)
+        lines += steps
+    return Indices(I_S, f_a, life, zeta, is_v_class, pam, pam_class, risk, tuple(lines))
+
+
+def expected_annual_loss(T_SLD: float, T_SLV: float) -> tuple[float, Trace]:
+    """Return PAM, the area below cost over annual frequency, from T_R (years) of the capacities at SLD and SLV.
+
+    λ = 1/T; λ_SLO = 1.67 λ_SLD, λ_SLC = 0.49 λ_SLV; no damage is more frequent than its beginning, λ = 0.1, and SLD is
+    not rarer than SLV. The costs are trapezia between limit states, and the whole at λ_SLC.
+    """
+    SLV = min(_INITIAL_DAMAGE, 1.0 / T_SLV)
+    SLD = min(_INITIAL_DAMAGE, max(1.0 / T_SLD, SLV))
+    rates = {
+        "SLID": _INITIAL_DAMAGE,
+        "SLO": min(_INITIAL_DAMAGE, _SLO_OF_SLD * SLD),
+        "SLD": SLD,
+        "SLV": SLV,
+        "SLC": _SLC_OF_SLV * SLV,
+    }
+    names = list(rates)
+    pam = rates["SLC"] * _COST["SLR"] + sum(
+        (rates[often] - rates[seldom]) * (_COST[often] + _COST[seldom]) / 2.0
+        for often, seldom in pairwise(names)
+    )
+    frequency = f"{_INITIAL_DAMAGE:g}"
+    lines = (
+        step("lambda_SLV", f"min({frequency}, 1/T_SLV)", SLV, "1/years", _RISK, T_SLV=T_SLV),
+        step("lambda_SLD", f"min({frequency}, max(1/T_SLD, lambda_SLV))", SLD, "1/years", _RISK, T_SLD=T_SLD,
+             lambda_SLV=SLV),
+        step("lambda_SLO", f"min({frequency}, {_SLO_OF_SLD:g}*lambda_SLD)", rates["SLO"], "1/years", _RISK,
+             lambda_SLD=SLD),
+        step("lambda_SLC", f"{_SLC_OF_SLV:g}*lambda_SLV", rates["SLC"], "1/years", _RISK, lambda_SLV=SLV),
+        step("PAM", _pam_formula(names), pam, "", _RISK,
+             **{f"lambda_{name}": rate for name, rate in rates.items() if name != "SLID"}),
+    )  # fmt: skip
+    return pam, lines
+
+
+def _pam_formula(names: list[str]) -> str:
+    parts = [f"{_COST['SLR']:g}*lambda_SLC"]
+    for often, seldom in pairwise(names):
+        first = f"{_INITIAL_DAMAGE:g}" if often == "SLID" else f"lambda_{often}"
+        parts.append(f"({first} - lambda_{seldom})*{(_COST[often] + _COST[seldom]) / 2.0:g}")
+    return " + ".join(parts)
+
+
+def required_zeta(zeta: float, use_class: str) -> dict[str, float | None]:
+    """Return the ζ_E that each kind of intervention must reach from the present one (NTC 2018, §8.4).
+
+    Repair, §8.4.1: none, but not below the present; improvement, §8.4.2: 0.1 more, in class IV (and schools of class
+    III) 0.6 at least; retrofit, §8.4.3: 0.8 for changes of use and class (cases c, e), 1.0 otherwise (a, b, d).
+    """
+    improved = min(1.0, zeta + 0.1)
+    return {
+        "repair": None,
+        "improvement": max(0.6, improved) if use_class == "IV" else improved,
+        "improvement_school": max(0.6, improved) if use_class == "III" else None,
+        "retrofit_use": 0.8,
+        "retrofit": 1.0,
+    }
+
+
+@dataclass(frozen=True)
+class Knowledge:
+    """F_C (–) with the components it is made of: by level of knowledge (C8.5.4) or 1 + Σ F_Ck (D.P.C.M. 9/2/2011)."""
+
+    factor: float
+    trace: Trace
+
+
+LEVELS = {"LC1": 1.35, "LC2": 1.20, "LC3": 1.00}
+COMPONENTS = {  # F_Ck that may be chosen, from limited to exhaustive knowledge (D.P.C.M. 9/2/2011, Tab. 4.1)
+    "geometry": (0.05, 0.0),
+    "construction": (0.12, 0.06, 0.0),
+    "mechanical": (0.12, 0.06, 0.0),
+    "ground": (0.06, 0.03, 0.0),
+}
+
+
+def confidence_factor(level: str | None, components: Mapping[str, float]) -> Knowledge:
+    """Return F_C of a level of knowledge, or 1 + Σ F_Ck of the four components where no level is given."""
+    if level is not None:
+        source = f"Circolare 7/2019, C8.5.4, {level}"
+        return Knowledge(LEVELS[level], (datum("F_C", LEVELS[level], "", source),))
+    named = {f"F_C{k}": components[name] for k, name in enumerate(COMPONENTS, 1)}
+    factor = 1.0 + sum(named.values())
+    line = step("F_C", "1 + " + " + ".join(named), factor, "", "D.P.C.M. 9/2/2011, §4.2", **named)
+    return Knowledge(factor, (line,))

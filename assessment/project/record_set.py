@@ -1,0 +1,56 @@
+"""What is wrong with a set of records, told before anything is run with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from assessment.runtime.errors import ProjectError
+
+if TYPE_CHECKING:
+    from assessment.project.motions import BaseMotion
+    from assessment.project.project import Project
+    from mechanics.records import Record
+
+STRONGEST, WEAKEST = 2.0, 0.005  # g: beyond them the unit is probably another one
+SHORTEST = 5.0  # s
+CUT = 0.2  # of the PGA: a record that begins or ends with more was cut off
+SAME = 1e-4  # of the PGA: closer than this two records are one
+
+
+def check_record_set(project: Project, motions: Sequence[BaseMotion]) -> None:
+    """Raise ProjectError where two records of [campaign] have one name, or are one motion."""
+    for one, other in combinations(motions, 2):
+        if one.name == other.name:
+            text = (
+                f'two records are called "{one.name}"; rename a file, tables tell them apart by their names'
+            )
+            raise ProjectError(f"{project.source}: campaign.records: {text}")
+        if _alike(one.original, other.original):
+            text = f"{one.name} and {other.name} are the same motion; keep one, or both count as two records"
+            raise ProjectError(f"{project.source}: campaign.records: {text}")
+
+
+def doubtful_records(motions: Sequence[BaseMotion]) -> list[str]:
+    """Return a warning for each record whose unit or length is hardly meant."""
+    return [f"campaign, {motion.name}: {text}" for motion in motions for text in _doubts(motion.original)]
+
+
+def _doubts(record: Record) -> Iterator[str]:
+    if not WEAKEST < record.pga < STRONGEST:
+        yield f"a PGA of {record.pga:.3g} g; check the unit of the file, accelerations count in g"
+    if record.duration < SHORTEST:
+        yield f"lasts {record.duration:.3g} s; check that the record is whole"
+    elif max(abs(record.acceleration[[0, -1]])) > CUT * record.pga:
+        yield "begins or ends with strong motion; check that the record is whole"
+
+
+def _alike(one: Record, other: Record) -> bool:
+    """Whether two records are the same samples but for a factor, of either sign."""
+    if one.acceleration.size != other.acceleration.size or one.time_step != other.time_step:
+        return False
+    a, b = (each.acceleration / each.pga for each in (one, other))
+    return bool(min(np.abs(a - b).max(), np.abs(a + b).max()) < SAME)

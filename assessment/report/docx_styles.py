@@ -1,0 +1,180 @@
+"""Page, styles, fields and running heads of the Word document; every look of it is a named style."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from docx.enum.style import WD_STYLE_TYPE
+from docx.enum.text import WD_ALIGN_PARAGRAPH, WD_TAB_ALIGNMENT
+from docx.oxml import OxmlElement, parse_xml
+from docx.oxml.ns import nsdecls, qn
+from docx.shared import Mm, Pt, RGBColor
+
+FONT = "Arial"
+PAGE, MARGIN = (Mm(210), Mm(297)), Mm(20)
+WIDTH = PAGE[0] - 2 * MARGIN
+RIGHT, CENTRE = WD_ALIGN_PARAGRAPH.RIGHT, WD_ALIGN_PARAGRAPH.CENTER
+TABLE, FIGURE, TABLE_CAPTION = "Report Table", "Figure", "Table Caption"
+TABLE_TEXT, TABLE_HEAD, SMALL_TEXT, AFTER_TABLE = (
+    "Table Text",
+    "Table Head",
+    "Table Text Small",
+    "After Table",
+)
+CONTENTS, CONTENTS_HEADING = "toc 1", "Contents Heading"
+MANY_COLUMNS = 9  # of a table: its text is smaller from there on
+LOCALES = {"it": "it-IT", "en": "en-GB"}
+OWN: Mapping[
+    str, tuple[str, float, dict[str, Any]]
+] = {  # styles: what they are based on, size in pt, paragraph format
+    FIGURE: ("Normal", 9.5, {"alignment": CENTRE, "keep_with_next": True, "space_before": Pt(8)}),
+    TABLE_CAPTION: ("Caption", 8.5, {"keep_with_next": True, "space_before": Pt(6), "space_after": Pt(3)}),
+    TABLE_TEXT: ("Normal", 8.0, {"space_before": Pt(1), "space_after": Pt(1)}),
+    SMALL_TEXT: (TABLE_TEXT, 7.0, {}),
+    TABLE_HEAD: (TABLE_TEXT, 7.5, {"keep_with_next": True}),
+    AFTER_TABLE: ("Normal", 5.0, {}),
+    CONTENTS: ("Normal", 9.5, {"space_after": Pt(3)}),
+    CONTENTS_HEADING: ("Normal", 13.0, {"space_after": Pt(8)}),
+}
+STANDARD: Mapping[
+    str, tuple[float, dict[str, Any]]
+] = {  # styles that Word knows: size in pt, paragraph format
+    "Normal": (9.5, {"space_after": Pt(0)}),
+    "Body Text": (9.5, {"space_after": Pt(6)}),
+    "List Bullet": (9.5, {"space_after": Pt(3)}),
+    "Quote": (9.5, {"space_after": Pt(6)}),
+    "Title": (24.0, {"space_before": Pt(12), "space_after": Pt(12)}),
+    "Subtitle": (11.0, {"space_before": Pt(24), "space_after": Pt(24)}),
+    "Heading 1": (13.0, {"space_before": Pt(18), "space_after": Pt(6)}),
+    "Heading 2": (10.5, {"space_before": Pt(12), "space_after": Pt(4)}),
+    "Caption": (8.5, {"space_before": Pt(3), "space_after": Pt(10)}),
+    "Header": (7.5, {}),
+    "Footer": (7.5, {}),
+}
+BORDERED = f"""
+<w:style {nsdecls("w")} w:type="table" w:customStyle="1" w:styleId="ReportTable">
+  <w:name w:val="{TABLE}"/><w:basedOn w:val="TableNormal"/><w:qFormat/>
+  <w:tblPr><w:tblBorders><w:top w:val="single" w:sz="8"/><w:bottom w:val="single" w:sz="8"/></w:tblBorders></w:tblPr>
+  <w:tblStylePr w:type="firstRow"><w:tcPr><w:tcBorders><w:bottom w:val="single" w:sz="4"/></w:tcBorders></w:tcPr>
+  </w:tblStylePr>
+</w:style>"""
+
+
+def prepare(document: Any, language: str) -> None:
+    """Set the page to A4 and the styles to one black sans-serif, in the language that Word's spelling shall have."""
+    section = document.sections[0]
+    section.page_width, section.page_height = PAGE
+    section.left_margin = section.right_margin = section.bottom_margin = MARGIN
+    section.top_margin = Mm(24)
+    _only_plain_tables(document.styles.element)
+    document.styles.element.append(parse_xml(BORDERED))
+    for name, (size, layout) in STANDARD.items():
+        _set(document.styles[name], size, layout)
+    for name, (base, size, layout) in OWN.items():
+        style = document.styles.add_style(name, WD_STYLE_TYPE.PARAGRAPH)
+        style.base_style = document.styles[base]
+        _set(style, size, layout)
+    for name in (TABLE_HEAD, CONTENTS_HEADING):
+        document.styles[name].font.bold = True
+    for name in ("Caption", "Subtitle"):
+        document.styles[name].font.bold = document.styles[name].font.italic = False
+    for tag in document.styles.element.iter(qn("w:lang")):
+        tag.set(qn("w:val"), LOCALES[language])
+
+
+def _only_plain_tables(styles: Any) -> None:
+    """Take the hundred coloured table styles of the library's own template out of the gallery."""
+    for style in styles.findall(qn("w:style")):
+        if style.get(qn("w:type")) == "table" and style.get(qn("w:styleId")) not in {
+            "TableNormal",
+            "TableGrid",
+        }:
+            styles.remove(style)
+
+
+def paragraph(document: Any, style: str) -> Any:
+    """Add an empty paragraph in a style."""
+    added = document.add_paragraph()
+    apply(added, style)
+    return added
+
+
+def apply(paragraph: Any, style: str) -> None:
+    """Give a paragraph a style, by its id: the library looks names up among all styles, every time."""
+    paragraph._p.style = style.replace(" ", "")
+
+
+def _set(style: Any, size: float, layout: Mapping[str, Any]) -> None:
+    style.font.size, style.font.color.rgb = Pt(size), RGBColor(0, 0, 0)
+    fonts = style.element.get_or_add_rPr().get_or_add_rFonts()
+    for attribute in list(fonts.attrib):  # those of the theme, which would prevail
+        del fonts.attrib[attribute]
+    for kind in ("ascii", "hAnsi", "cs", "eastAsia"):
+        fonts.set(qn(f"w:{kind}"), FONT)
+    for key, value in layout.items():
+        setattr(style.paragraph_format, key, value)
+    for line in style.element.iter(qn("w:pBdr")):
+        line.getparent().remove(line)
+
+
+def running_heads(section: Any, title: str, subtitle: str, program: str) -> None:
+    """Write title and kind of document above every page of the section, program and page number below."""
+    for part, left, right in ((section.header, title, subtitle), (section.footer, program, "")):
+        part.is_linked_to_previous = False
+        paragraph = part.paragraphs[0]
+        paragraph.text = f"{left}\t{right}"
+        stops = paragraph.paragraph_format.tab_stops
+        stops.add_tab_stop(WIDTH, WD_TAB_ALIGNMENT.RIGHT)
+        for place in (Mm(76.2), Mm(152.4)):  # those that the styles of Word bring
+            stops.add_tab_stop(place, WD_TAB_ALIGNMENT.CLEAR)
+    _field(section.footer.paragraphs[0], "PAGE", "1")
+
+
+def contents_field(document: Any, chapters: Sequence[str]) -> None:
+    """Write a table of contents which Word fills in, over the chapters as they are."""
+    paragraphs = [paragraph(document, CONTENTS) for _ in chapters]
+    _mark(paragraphs[0], "begin").set(qn("w:dirty"), "true")
+    _instruction(paragraphs[0], 'TOC \\o "1-1" \\h \\z')
+    _mark(paragraphs[0], "separate")
+    for place, chapter in zip(paragraphs, chapters, strict=True):
+        place.add_run(chapter)
+    _mark(paragraphs[-1], "end")
+
+
+def _field(paragraph: Any, instruction: str, shown: str) -> None:
+    _mark(paragraph, "begin")
+    _instruction(paragraph, instruction)
+    _mark(paragraph, "separate")
+    paragraph.add_run(shown)
+    _mark(paragraph, "end")
+
+
+def _mark(paragraph: Any, kind: str) -> Any:
+    mark = OxmlElement("w:fldChar")
+    mark.set(qn("w:fldCharType"), kind)
+    paragraph.add_run()._r.append(mark)
+    return mark
+
+
+def _instruction(paragraph: Any, text: str) -> None:
+    instruction = OxmlElement("w:instrText")
+    instruction.set(qn("xml:space"), "preserve")
+    instruction.text = text
+    paragraph.add_run()._r.append(instruction)
+
+
+def keep_whole(row: Any, head: bool) -> None:
+    """Keep a row of a table on one page; a head is repeated on the pages that follow."""
+    for tag in ("w:cantSplit", *(("w:tblHeader",) if head else ())):
+        row._tr.get_or_add_trPr().append(OxmlElement(tag))
+
+
+def ruled(cell: Any) -> None:
+    """Draw a line below a cell, to write on."""
+    borders = OxmlElement("w:tcBorders")
+    bottom = OxmlElement("w:bottom")
+    bottom.set(qn("w:val"), "single")
+    bottom.set(qn("w:sz"), "4")
+    borders.append(bottom)
+    cell._tc.get_or_add_tcPr().append(borders)

@@ -1,0 +1,75 @@
+"""The drawing that the table of cracks is read with: blocks numbered, and the joints that opened or slid."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from assessment.report.cracks import cracks
+from assessment.report.figures.deformed import INK, fill_roles, legend, union
+from assessment.report.figures.labels import POINT_MM, Labels
+from assessment.report.figures.style import Sheet, sheet
+from assessment.report.text.language import Words
+from assessment.results.outlines import Array, Outlines, outlines
+from assessment.results.table import Results
+
+SMALLEST_PT, LARGEST_PT = 3.5, 6.5  # of the number of a block, as large as the block has room for
+CRACK: dict[str, Any] = {"color": INK, "linewidth": 2.0, "solid_capstyle": "butt"}
+NUMBER: dict[str, Any] = {
+    "fontsize": 6.5,
+    "fontweight": "bold",
+    "bbox": {"facecolor": "1.0", "edgecolor": "none", "pad": 0.5},
+}
+
+
+def draw_cracks(results: Results, words: Words, state: str) -> Figure:
+    """Draw a settled state, not magnified: numbers in the blocks, and beside the joints of the table of cracks."""
+    shape = outlines(results).moved(results["states"][state]["configuration"])
+    page = sheet(union([shape]), border_mm=8.0, foot_mm=12.0)
+    axes = page.panels[0]
+    fill_roles(axes, shape, results)
+    labels = Labels(page, axes)
+    rows = cracks(results, [state]).rows
+    middle = np.asarray(shape.bounds).reshape(2, 2).mean(axis=0)
+    ends = {row["joint"]: _face(results, shape, row["joint"]) for row in rows}
+    for face in ends.values():
+        axes.plot(*face.T, **CRACK)
+    size = _size(page, shape)
+    if size >= SMALLEST_PT:
+        for number, centroid in enumerate(shape.centroids):
+            labels.write(str(number), [centroid], fontsize=size, color="0.25")
+    for row in rows:
+        labels.write(f"G{row['joint']}", _beside(page, ends[row["joint"]], middle), **NUMBER)
+    legend(page, [Line2D([], [], **CRACK, label=words.plain("figure.crack"))])
+    return page.figure
+
+
+def _face(results: Results, shape: Outlines, joint: int) -> Array:
+    """Return the ends (2, 2) m of the second block's face of a joint, in the configuration drawn."""
+    known = results["geometry"]["joints"][joint]
+    drawn = outlines(results)
+    block = known["blocks"][1]
+    own, now = drawn.points[drawn.owner == block], shape.points[drawn.owner == block]
+    arm, turned = own[1] - own[0], now[1] - now[0]
+    turn = np.arctan2(turned[1], turned[0]) - np.arctan2(arm[1], arm[0])
+    spin = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    face: Array = now[0] + (np.asarray(known["ends_m"]) - own[0]) @ spin.T
+    return face
+
+
+def _beside(page: Sheet, face: Array, middle: Array) -> list[Array]:
+    """Return places for a number: beyond the end of the joint that is farther out, then beyond the other one."""
+    along = (face[1] - face[0]) / max(float(np.hypot(*(face[1] - face[0]))), 1e-12)
+    ends = sorted(((face[1], along), (face[0], -along)), key=lambda end: -float(np.hypot(*(end[0] - middle))))
+    return [end + page.paper(distance) * out for distance in (3.0, 5.0) for end, out in ends]
+
+
+def _size(page: Sheet, shape: Outlines) -> float:
+    """Return the size in points of a number that the middle one of the blocks has room for."""
+    rings = shape.rings(range(len(shape.centroids)))
+    narrow = np.median([np.ptp(ring, axis=0).min() for ring in rings])
+    millimetres = 1000.0 * narrow / page.scale
+    return float(min(LARGEST_PT, 0.7 * millimetres / POINT_MM))

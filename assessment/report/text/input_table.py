@@ -1,0 +1,73 @@
+"""The input of a run as a table that is read without knowing the project file: names of quantities, units, values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from markupsafe import Markup
+
+from assessment.report.text.language import Words
+from assessment.results.table import Row
+
+Path = tuple[str, ...]
+CHOICES = {"accuracy", "sliding", "contacts", "model", "spectrum", "method", "record_demand", "language"}
+CHOICES |= {"state", "states"}  # keys whose values are words of the program; others are the user's own
+
+
+def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:
+    """Yield group, quantity and value of every setting that is not empty; a group is named in its first row."""
+    last: Path | None = None
+    for path, key, value in _flat(echo):
+        if value in ("", []):
+            continue
+        yield {
+            "table": _group(path, words) if path != last else Markup(""),
+            "setting": _name(key, words),
+            "value": Markup.escape(_value(value, words, key in CHOICES)),
+        }
+        last = path
+
+
+def _flat(value: Mapping[str, Any], path: Path = ()) -> Iterator[tuple[Path, str, Any]]:
+    """Yield path of the table, key and value, the tables within after; arrays of tables are numbered from 1."""
+    inner: list[tuple[Path, Mapping[str, Any]]] = []
+    for key, item in value.items():
+        if isinstance(item, Mapping):
+            inner.append(((*path, key), item))
+        elif isinstance(item, list) and any(isinstance(entry, Mapping) for entry in item):
+            inner += [((*path, key, str(number)), entry) for number, entry in enumerate(item, 1)]
+        else:
+            yield path, key, item
+    for name, item in inner:
+        yield from _flat(item, name)
+
+
+def _group(path: Path, words: Words) -> Markup:
+    """Name a table: "Verifica, sito"; what the user named stays as it is, behind the kind of thing that it is."""
+    first, *rest = path or ("project",)
+    name = _name(first, words)
+    for part in rest:
+        plain = part.isdigit() or first == "layers"  # the second cedimento, the layer PIERS
+        name += Markup(" ") + Markup.escape(part) if plain else Markup(", ") + _name(part, words)
+    return name
+
+
+def _name(key: str, words: Words) -> Markup:
+    """Return the name of a key or of a table; of what has none, as a direction, the key."""
+    return words(f"input.{key}") if key in words.strings["input"] else Markup.escape(key)
+
+
+def _value(value: Any, words: Words, choice: bool) -> str:
+    """Write an input as it was given, in the words and with the decimal mark of the language."""
+    if value is None:
+        return words.plain("value.none")
+    if value == "inf":
+        return "∞"
+    if isinstance(value, float):
+        return words.comma(f"{value:.12g}").replace("inf", "∞").replace("-", "−")
+    if isinstance(value, list):
+        return "; ".join(_value(item, words, choice) for item in value)
+    if isinstance(value, str) and choice:
+        return str(words.strings["setting"].get(value, value))
+    return words.show(value)

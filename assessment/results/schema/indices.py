@@ -1,0 +1,42 @@
+"""Indices of safety and risk of a state, and the level of knowledge behind the confidence factor."""
+
+from __future__ import annotations
+
+from assessment.results.schema.model import Line
+from assessment.results.schema.part import Part, key
+
+
+class Indices(Part):
+    """`states.NAME.indices`: of the direction with the least ratio at SLV."""
+
+    direction: str = key("direction of the push")
+    check: str = key("which check at SLV: the linear one where the nonlinear one has no number")
+    zeta_SLV: float = key("ζ_E at SLV (NTC 2018, §8.3): the headline", "–")
+    zeta_SLC: float | None = key("least ratio at SLC; null: not checked", "–")
+    ratio_SLD: float | None = key("least ratio at SLD; null: not checked", "–")
+    T_SLV_years: float | None = key("return period of the capacity at SLV; null: not known", "years")
+    T_SLV_stated: str | None = key('"> 2475" or "< 30" beyond the hazard')
+    T_R_SLV_years: float | None = key("return period of the demand at SLV; null: not known", "years")
+    I_S: float | None = key("T_SLV/T_R,SLV (DPCM 9/2/2011); null: not known", "–")
+    f_a: float = key("a_SLV/a_g,SLV on rock (DPCM 9/2/2011)", "–")
+    acceptable_nominal_life_years: float | None = key("V_N = −T_SLV ln(0.9)/C_U; null: not known", "years")
+    IS_V: float = key("ratio of PGA at SLV (DM 58/2017)", "–")
+    IS_V_class: str = key("its class, A+ to F")
+    PAM: float | None = key("expected annual loss as a share (DM 58/2017); null: not known", "–")
+    PAM_class: str | None = key("its class, A+ to G")
+    risk_class: str | None = key("the worse of the two classes; null: PAM is not known")
+    use_class: str = key("use class of the project file")
+    required_zeta: dict[str, float | None] = key(
+        "ζ_E that each kind of intervention must reach (NTC 2018, §8.4)", "–"
+    )
+    trace: list[Line] = key("their calculation")
+
+
+class Knowledge(Part):
+    """`knowledge`: what the confidence factor follows from."""
+
+    F_C: float = key("confidence factor", "–")
+    level: str | None = key("level of knowledge; null: from components")
+    components: dict[str, float] = key("components F_Ck by name", "–")
+    origins: dict[str, str] = key("where each parameter comes from")
+    trace: list[Line] = key("its calculation")

@@ -1,0 +1,116 @@
+"""What a run is at, in a file that outlives a kill: written line by line, read by `assesto status`."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from assessment.runtime.tasks import Show
+
+NAME = ".assesto.journal"  # in the output folder, while a run is at work there and after one that was killed
+
+
+@contextmanager
+def journal(folder: Path, show: Show) -> Iterator[Show]:
+    """Yield what tells `show` and the journal of a folder; a run that does not come to its end leaves it behind."""
+    path = folder / NAME
+    path.unlink(missing_ok=True)
+    yield Journal(path, show)
+    path.unlink(missing_ok=True)
+
+
+@dataclass(frozen=True)
+class Journal:
+    """Writes each event as a line of JSON, so that a kill leaves all lines before it; tells `show` as well."""
+
+    path: Path
+    show: Show
+
+    def begin(self, stage: str, total: int, taken: int) -> None:
+        """See Show."""
+        self._write(event="begin", stage=stage, total=total, taken=taken)
+        self.show.begin(stage, total, taken)
+
+    def under_way(self, title: str) -> None:
+        """See Show."""
+        self.show.under_way(title)
+
+    def advance(self) -> None:
+        """See Show."""
+        self._write(event="done")
+        self.show.advance()
+
+    def fault(self, title: str, reasons: Sequence[str]) -> None:
+        """See Show."""
+        self._write(event="fault", title=title, reasons=list(reasons))
+        self.show.fault(title, reasons)
+
+    def end(self) -> None:
+        """See Show."""
+        self._write(event="end")
+        self.show.end()
+
+    def _write(self, **event: Any) -> None:
+        """Append a line; a disk that refuses costs the journal, not the run."""
+        with suppress(OSError):
+            descriptor = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
+            try:
+                os.write(descriptor, (json.dumps({"time": time.time()} | event) + "\n").encode())
+            finally:
+                os.close(descriptor)
+
+
+@dataclass
+class Stage:
+    """A stage as its journal tells it; times in s since the epoch."""
+
+    name: str
+    total: int
+    taken: int
+    began: float
+    done: int = 0
+    latest: float = 0.0
+    ended: bool = False
+    faults: list[tuple[str, list[str]]] = field(default_factory=list)
+
+    @property
+    def open(self) -> int:
+        """Analyses that are not finished."""
+        return self.total - self.taken - self.done
+
+    @property
+    def left(self) -> float | None:
+        """Time left, s, at the pace so far; None where nothing is finished yet."""
+        return (self.latest - self.began) / self.done * self.open if self.done else None
+
+
+def read_journal(folder: Path) -> list[Stage]:
+    """Return the stages of the journal in a folder; none where there is none. A line cut short is left out."""
+    try:
+        lines = (folder / NAME).read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return []
+    stages: list[Stage] = []
+    for line in lines:
+        try:
+            event = json.loads(line)
+        except ValueError:
+            continue
+        if event["event"] == "begin":
+            stages.append(Stage(event["stage"], event["total"], event["taken"], event["time"]))
+        stage = stages[-1]
+        stage.latest = event["time"]
+        if event["event"] == "done":
+            stage.done += 1
+        elif event["event"] == "fault":
+            stage.faults.append((event["title"], event["reasons"]))
+        elif event["event"] == "end":
+            stage.ended = True
+    return stages

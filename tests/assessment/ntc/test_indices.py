@@ -1,0 +1,84 @@
+"""Indices of D.P.C.M. 9/2/2011 and D.M. 58/2017, and the thresholds of NTC 2018, §8.4, by hand."""
+
+import pytest
+
+from assessment.ntc.calculation import rows
+from assessment.ntc.indices import (
+    confidence_factor,
+    expected_annual_loss,
+    heritage_and_risk_indices,
+    required_zeta,
+)
+from tests.support.trace_check import from_csv, recomputed
+
+
+def test_heritage_indices_by_hand():
+    """a_SLV = 0.15 g of 0.25 g on rock, S 1.2 on both sides: f_a = ζ = 0.6; T_SLV = 140, T_R,SLV = 475 years.
+
+    I_S = 140/475 = 0.294737; V_N = 140·0.1053605/C_U = 14.7505 years in class II, 9.83365 in class III. T_SLD = 40
+    years: λ_SLD = 0.025, λ_SLV = 0.00714286, λ_SLO = 0.04175, λ_SLC = 0.0035.
+    PAM = 0.0035 + 0.00364286·0.65 + 0.01785714·0.325 + 0.01675·0.11 + 0.05825·0.035 = 0.0155526: class C; IS-V 0.6: B.
+    """
+    found = heritage_and_risk_indices(0.15, 0.25, 0.6, "II", 140.0, 475.0, 40.0)
+    assert (found.f_a, found.is_v) == (pytest.approx(0.6), pytest.approx(0.6))
+    assert found.is_v_class == "B"
+    assert pytest.approx(0.294737, abs=1e-6) == found.I_S
+    assert found.nominal_life == pytest.approx(14.7505, abs=1e-4)
+    third = heritage_and_risk_indices(0.15, 0.25, 0.6, "III", 140.0, 475.0)
+    assert third.nominal_life == pytest.approx(9.83365, abs=1e-4)
+    assert (third.pam, third.risk_class) == (None, None)
+    assert found.pam == pytest.approx(0.0155527, abs=1e-7)
+    assert (found.pam_class, found.risk_class) == ("C", "C")
+    for line in rows(found.trace):
+        values = from_csv(line["inputs"].replace(" = ", "="))
+        assert recomputed(line["formula"], values) == pytest.approx(float(line["result"]), rel=1e-4)
+
+
+def test_a_new_building_loses_1_1_per_cent_a_year():
+    """T_SLD = 50, T_SLV = 475 years: λ = 0.1, 0.0334, 0.02, 0.00210526, 0.00103158.
+
+    PAM = 0.00103158 + 0.00107368·0.65 + 0.01789474·0.325 + 0.0134·0.11 + 0.0666·0.035 = 0.0113503: class B.
+    """
+    assert expected_annual_loss(50.0, 475.0)[0] == pytest.approx(0.0113503, abs=1e-7)
+    found = heritage_and_risk_indices(0.25, 0.25, 1.0, "II", 475.0, 475.0, 50.0)
+    assert (found.is_v_class, found.pam_class, found.risk_class) == ("A+", "B", "B")
+
+
+@pytest.mark.parametrize(
+    ("zeta", "expected"),
+    [(1.0, "A+"), (0.99, "A"), (0.8, "A"), (0.6, "B"), (0.45, "C"), (0.3, "D"), (0.15, "E"), (0.14, "F")],
+)
+def test_classes_of_is_v(zeta, expected):
+    assert heritage_and_risk_indices(zeta, 1.0, zeta, "II").is_v_class == expected
+
+
+def test_unknown_return_periods_leave_their_indices_out():
+    found = heritage_and_risk_indices(0.1, 0.2, 0.5, "II")
+    assert (found.I_S, found.nominal_life, found.pam, found.risk_class) == (None, None, None, None)
+
+
+def test_a_capacity_lost_at_once_costs_no_more_than_all():
+    """T_SLD = T_SLV = 1 year: every frequency but SLC's is 0.1: PAM = 0.049 + 0.051·0.65 = 0.08215."""
+    assert expected_annual_loss(1.0, 1.0)[0] == pytest.approx(0.08215)
+
+
+def test_thresholds_of_interventions():
+    assert required_zeta(0.35, "II") == {
+        "repair": None,
+        "improvement": pytest.approx(0.45),
+        "improvement_school": None,
+        "retrofit_use": 0.8,
+        "retrofit": 1.0,
+    }
+    assert required_zeta(0.35, "IV")["improvement"] == 0.6
+    assert required_zeta(0.35, "III")["improvement_school"] == 0.6
+    assert required_zeta(0.95, "II")["improvement"] == 1.0
+
+
+def test_confidence_factor_by_hand():
+    """C8.5.4: LC2 1.20; D.P.C.M.: 1 + 0.05 + 0.12 + 0.06 + 0.03 = 1.26."""
+    assert confidence_factor("LC2", {}).factor == 1.20
+    parts = {"geometry": 0.05, "construction": 0.12, "mechanical": 0.06, "ground": 0.03}
+    found = confidence_factor(None, parts)
+    assert found.factor == pytest.approx(1.26)
+    assert found.trace[0].formula == "1 + F_C1 + F_C2 + F_C3 + F_C4"

@@ -1,0 +1,80 @@
+"""The table of cracks against the geometry of one rotation, and the drawing whose numbers it is read with."""
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+from assessment.report.cracks import SEEN, cracks
+from assessment.report.figures.cracks import draw_cracks
+from assessment.report.figures.labels import Labels
+from assessment.report.figures.style import STYLE, sheet
+from assessment.report.text.language import words_of
+from tests.support.results_example import SETTLED, results_example
+
+
+def with_motion(block, motion):
+    results = results_example("en")
+    configuration = np.zeros((len(results["geometry"]["blocks"]), 3))
+    configuration[block] = motion
+    results["states"][SETTLED]["configuration"] = configuration.tolist()
+    return results
+
+
+def about(results, joint, end, turn):
+    """The motion of a joint's second block that turns about one end of the joint."""
+    known = results["geometry"]["joints"][joint]
+    block = known["blocks"][1]
+    arm = np.array(results["geometry"]["blocks"][block]["centroid_m"]) - known["ends_m"][end]
+    spin = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    return block, [*(spin @ arm - arm), turn]
+
+
+@pytest.mark.parametrize("end", [0, 1])
+def test_a_joint_opens_by_its_length_times_the_rotation(end):
+    """2 sin(θ/2) L at the far end, nothing at the hinge; the point is that of the far end."""
+    known = results_example()["geometry"]["joints"][0]
+    length = float(np.hypot(*np.subtract(*known["ends_m"])))
+    tried = [with_motion(*about(results_example(), 0, end, turn)) for turn in (0.01, -0.01)]
+    rows = [
+        next((r for r in cracks(each).rows if r["joint"] == 0 and r["opening_m"] > 0), None) for each in tried
+    ]
+    [row] = [row for row in rows if row and row["opening_m"] > 0.005 * length]  # the other sense penetrates
+    assert row["opening_m"] == pytest.approx(0.01 * length, rel=0.02)
+    assert row["other_opening_m"] == pytest.approx(0.0, abs=1e-4 * length)
+    assert row["slip_m"] == pytest.approx(0.0, abs=0.006 * length)
+    assert [row["x_m"], row["z_m"]] == pytest.approx(known["ends_m"][1 - end], abs=0.02 * length)
+
+
+def test_what_is_too_small_to_be_seen_is_left_out():
+    block, motion = about(results_example(), 0, 0, 1e-9)
+    assert cracks(with_motion(block, motion)).rows == []
+    along = np.subtract(*results_example()["geometry"]["joints"][0]["ends_m"])
+    slip = 2.0 * SEEN * along / np.hypot(*along)
+    rows = [row for row in cracks(with_motion(block, [*slip, 0.0])).rows if row["joint"] == 0]
+    assert rows[0]["slip_m"] == pytest.approx(2.0 * SEEN, rel=1e-6)
+
+
+def test_every_joint_of_the_table_is_numbered_in_the_drawing():
+    results = with_motion(*about(results_example(), 0, 0, 0.05))
+    with mpl.rc_context(STYLE):
+        [axes] = draw_cracks(results, words_of(results), SETTLED).axes
+    said = {text.get_text() for text in axes.texts}
+    assert said >= {f"G{row['joint']}" for row in cracks(results).rows}
+
+
+def test_labels_stay_inside_and_off_one_another():
+    """Thirty numbers wanted at two places, one of them outside: all boxes are apart and inside."""
+    page = sheet((0.0, 0.0, 10.0, 10.0))
+    labels = Labels(page, page.panels[0])
+    written = [
+        labels.write(str(number), [np.array([-50.0, 5.0]), np.array([5.0, 5.0])]) for number in range(30)
+    ]
+    boxes = np.array(labels.taken)
+    assert sum(written) == len(boxes) > 1
+    (x0, x1), (z0, z1) = page.panels[0].get_xlim(), page.panels[0].get_ylim()
+    assert (boxes[:, [0, 2]] >= x0).all() and (boxes[:, [0, 2]] <= x1).all()
+    assert (boxes[:, [1, 3]] >= z0).all() and (boxes[:, [1, 3]] <= z1).all()
+    for number, box in enumerate(boxes):
+        others = boxes[number + 1 :]
+        apart = (others[:, 0] >= box[2]) | (others[:, 2] <= box[0])
+        assert (apart | (others[:, 1] >= box[3]) | (others[:, 3] <= box[1])).all()

@@ -1,0 +1,89 @@
+"""A campaign on a Dask cluster of two worker processes, one of which is killed: the results of local processes."""
+
+from __future__ import annotations
+
+import os
+import signal
+
+import pytest
+
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.runtime import cluster
+from assessment.runtime.cache import FOLDER, Store
+from assessment.runtime.cluster import Cluster
+from assessment.runtime.errors import ProjectError
+from assessment.runtime.pool import KilledError
+from assessment.runtime.tasks import Silence
+from assessment.workflow.stages import run
+from tests.support.block_project import timeless
+from tests.support.campaign_project import STRIPES, write_campaign
+
+distributed = pytest.importorskip("distributed")
+
+
+@pytest.fixture(scope="module")
+def local():
+    """A scheduler and two workers of one thread each, as `dask scheduler` and `dask worker` start them."""
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
+    ) as found:
+        yield found
+
+
+class Murder(Silence):
+    """Kills a worker as soon as the first combination of the campaign is finished."""
+
+    def __init__(self, local):
+        self.local, self.stage, self.killed = local, "", 0
+
+    def begin(self, stage, total, taken):
+        self.stage = stage
+
+    def advance(self):
+        if self.stage == "campaign" and not self.killed:
+            self.killed = next(iter(self.local.workers.values())).pid
+            os.kill(self.killed, signal.SIGKILL)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal")
+def test_a_worker_that_is_killed_costs_what_it_was_at_and_no_result(local, tmp_path):
+    project = load_project(write_campaign(tmp_path / "block", STRIPES, 2))
+    model, store, murder = build_model(project), Store(tmp_path / FOLDER), Murder(local)
+    away = run(project, model, store=store, show=murder, scheduler=local.scheduler_address)
+    assert murder.killed and away.complete and away.taken == 0
+    assert timeless(away.results) == timeless(run(project, model, jobs=1).results)
+    again = run(project, model, store=store, scheduler=local.scheduler_address)
+    assert (again.computed, again.taken) == (0, away.computed)  # kept by the machine that asked for them
+
+
+def test_an_error_on_the_cluster_is_the_error(local):
+    engine = Cluster(local.scheduler_address)
+    with pytest.raises(ZeroDivisionError):
+        engine.submit(divmod, 1, 0).result(timeout=60)
+    engine.close(at_once=False)
+
+
+def test_a_worker_of_another_version_is_refused(local, monkeypatch):
+    monkeypatch.setattr(cluster, "program", lambda: "another")
+    engine = Cluster(local.scheduler_address)
+    with pytest.raises(ProjectError, match="another version of the program"):
+        engine.submit(divmod, 3, 2).result(timeout=60)
+    engine.close(at_once=False)
+
+
+def test_work_under_way_when_the_connection_is_lost_is_no_bug(local):
+    engine = Cluster(local.scheduler_address)
+    future = engine.submit(pow, 2, 3)
+    assert future.result(timeout=60) == 8
+    waiting = engine.submit(signal.pause if hasattr(signal, "pause") else input)
+    engine.close(at_once=True)
+    with pytest.raises(KilledError, match="finished analyses are kept"):
+        waiting.result(timeout=60)
+
+
+def test_no_scheduler_at_the_address_is_told(monkeypatch):
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    for address in ("tcp://127.0.0.1:1", "nowhere"):
+        with pytest.raises(ProjectError, match=f"--scheduler: {address}: no Dask scheduler answers"):
+            Cluster(address)

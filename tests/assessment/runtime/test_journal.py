@@ -1,0 +1,74 @@
+"""What a run is at, told from another terminal and after a kill; a killed run goes on where it was."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from assessment.cli.main import main
+from assessment.runtime.journal import NAME, journal, read_journal
+from assessment.runtime.lock import locked
+from assessment.runtime.status import status
+from assessment.runtime.tasks import Silence
+from tests import ROOT
+from tests.support.block_project import read_results, timeless
+from tests.support.campaign_project import STRIPES, write_campaign
+
+
+def test_stages_failures_and_the_time_left_are_told(tmp_path):
+    with locked(tmp_path), journal(tmp_path, Silence()) as show:
+        show.begin("campaign", 10, 4)
+        show.fault("wave", ["a step was not solved"])
+        show.advance()
+        show.advance()
+        told = status(tmp_path)
+        [stage] = read_journal(tmp_path)
+        stage.began, stage.latest = 0.0, 20.0
+    assert stage.open == 4 and stage.left == pytest.approx(40.0)
+    assert told.startswith("at work: process ")
+    assert "campaign: 6 of 10 done (4 taken over), 1 failed, 4 in flight or waiting" in told
+    assert "  failed: wave: a step was not solved" in told
+    assert not (tmp_path / NAME).exists()
+    assert status(tmp_path).startswith("nothing has been run in")
+
+
+def test_a_line_that_a_kill_cut_short_is_left_out(tmp_path):
+    lines = [
+        {"event": "begin", "stage": "campaign", "total": 3, "taken": 0, "time": 1.0},
+        {"event": "done", "time": 2.0},
+    ]
+    (tmp_path / NAME).write_text("\n".join(map(json.dumps, lines)) + '\n{"event": "do')
+    [stage] = read_journal(tmp_path)
+    assert (stage.done, stage.open) == (1, 2)
+    assert status(tmp_path).splitlines() == [
+        "not at work: the run was interrupted or killed",
+        "campaign: 1 of 3 done",
+        "finished analyses are kept: run again to go on",
+    ]
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal")
+def test_a_run_that_is_killed_is_told_of_and_goes_on_with_equal_results(tmp_path, capsys):
+    folder = write_campaign(tmp_path / "block", STRIPES, 1)
+    arguments = ["run", str(folder), "--no-report"]
+    command = [sys.executable, "-m", "assessment.cli", *arguments, "--jobs", "1"]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL) as process:
+        while not any(stage.name == "campaign" and stage.done for stage in read_journal(folder / "output")):
+            assert process.poll() is None
+            time.sleep(0.02)
+        process.kill()
+    assert main(["status", str(folder)]) == 0
+    told = capsys.readouterr().out
+    assert "not at work" in told and "campaign: " in told
+    assert main([*arguments, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["analyses"]["taken_over"] > 0
+    found = timeless(read_results(folder / "output"))
+    assert main([*arguments, "--fresh"]) == 0
+    assert timeless(read_results(folder / "output")) == found
+    assert main(["status", str(folder)]) == 0
+    assert "finished: " in capsys.readouterr().out

@@ -1,0 +1,330 @@
+"""Campaigns: fits against closed forms and scipy, record sets, and a small campaign on the rocking block."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+from scipy.special import ndtr
+
+from assessment.analyses.dynamic.bracket import find_collapse
+from assessment.analyses.dynamic.incremental import fragility as censored_fit
+from assessment.analyses.dynamic.record_set import Target, compatibility, scaled_to
+from assessment.ntc.spectrum import ElasticSpectrum
+from assessment.project.motions import BaseMotion
+from assessment.project.project import load_project
+from assessment.project.record_set import check_record_set, doubtful_records
+from assessment.project.schema import CampaignTable
+from assessment.runtime.errors import ProjectError
+from assessment.studies.campaign import stage
+from assessment.studies.campaign.fragility import (
+    Scatter,
+    confidence,
+    fit_levels,
+    fit_stripes,
+    samples_of_records,
+)
+from assessment.studies.campaign.movements import surface_pga
+from assessment.studies.campaign.summary import Observed, fragility, loss
+from mechanics.records.record import Record
+from tests.support.block_project import edit, read_results, run, timeless
+from tests.support.campaign_project import SEARCHES, write_campaign
+
+
+def whole(count):
+    return np.ones((1, count))
+
+
+def test_levels_give_mean_and_root_mean_square_of_their_logarithms():
+    levels = np.array([0.21, 0.34, 0.30, 0.55])
+    fit = fit_levels(levels, np.zeros(4, bool), whole(4))
+    assert fit.median[0] == pytest.approx(math.exp(np.log(levels).mean()))
+    assert fit.beta[0] == pytest.approx(np.log(levels).std())
+
+
+def test_what_withstood_is_a_lower_bound_as_scipy_has_it():
+    levels, withstood = np.array([0.21, 0.34, 0.30, 0.55, 0.6, 0.4]), np.array([0, 0, 0, 0, 1, 1], bool)
+    fit = fit_levels(levels, withstood, whole(6))
+    known = censored_fit(levels[~withstood].tolist(), levels[withstood].tolist())
+    assert fit.median[0] == pytest.approx(known["median_g"], rel=1e-4)
+    assert fit.beta[0] == pytest.approx(known["dispersion"], rel=1e-3)
+
+
+def test_a_weight_counts_an_observation_as_often():
+    levels, withstood = np.array([0.2, 0.3, 0.5]), np.array([False, False, True])
+    twice = fit_levels(levels, withstood, np.array([[2.0, 1.0, 1.0]]))
+    again = fit_levels(np.append(levels, 0.2), np.append(withstood, False), whole(4))
+    assert twice.median == pytest.approx(again.median) and twice.beta == pytest.approx(again.beta)
+
+
+@pytest.fixture
+def stripes():
+    """Of 10 records 0, 2, 3, 7, 9 collapse at five levels."""
+    levels = np.array([0.1, 0.2, 0.3, 0.4, 0.5])
+    return levels, np.array([[k < fallen for fallen in (0, 2, 3, 7, 9)] for k in range(10)])
+
+
+def test_stripes_maximise_the_binomial_likelihood(stripes):
+    levels, collapsed = stripes
+    share = collapsed.mean(axis=0)
+
+    def minus_likelihood(x):
+        p = ndtr(np.log(levels / math.exp(x[0])) / math.exp(x[1]))
+        return -10.0 * np.sum(share * np.log(p) + (1.0 - share) * np.log1p(-p))
+
+    best = minimize(minus_likelihood, [math.log(0.3), math.log(0.4)], method="Nelder-Mead",
+                    options={"xatol": 1e-9, "fatol": 1e-12})  # fmt: skip
+    fit = fit_stripes(levels, collapsed, whole(10))
+    assert (fit.median[0], fit.beta[0]) == pytest.approx(np.exp(best.x), rel=1e-5)
+
+
+def test_stripes_that_a_level_parts_have_no_dispersion_and_those_without_collapse_no_median():
+    levels = np.array([0.1, 0.2, 0.4])
+    outcomes = np.array([[0, 0, 1], [0, 0, 0], [1, 1, 1], [1, 0, 0]], bool)
+    fit = fit_stripes(levels, outcomes, np.eye(4))
+    assert fit.median[0] == pytest.approx(math.sqrt(0.08)) and fit.beta[0] == 0.0
+    assert fit.median[1] == math.inf and fit.median[2] == 0.0
+    assert math.isnan(fit.median[3])
+
+
+def test_the_bootstrap_keeps_the_signs_of_a_record_together_and_is_the_same_at_every_run():
+    record = np.array([0, 0, 1, 1, 2, 2])
+    samples = samples_of_records(record)
+    assert (samples[:, ::2] == samples[:, 1::2]).all() and (samples.sum(axis=1) == 6.0).all()
+    assert (samples == samples_of_records(record)).all()
+
+
+def test_the_bootstrap_covers_the_median_as_often_as_it_says():
+    """Of 200 sets of 30 records the 95 % bounds hold the true median in 88-99 %."""
+    random = np.random.default_rng(1)
+    inside = 0
+    for _ in range(200):
+        levels = 0.3 * np.exp(0.4 * random.standard_normal(30))
+        samples = samples_of_records(np.arange(30))
+        low, high = confidence(fit_levels(levels, np.zeros(30, bool), samples).median)
+        inside += low < 0.3 < high
+    assert 176 <= inside <= 198
+
+
+def test_ranges_of_normal_samples():
+    """Tippett's d_2: 1.128, 2.326 for 2 and 5; variance of the smallest of two 1 − 1/π."""
+    two, five = Scatter.of(2), Scatter.of(5)
+    assert (two.mean_range, five.mean_range) == pytest.approx((2.0 / math.sqrt(math.pi), 2.32593), rel=1e-4)
+    assert two.variance_of_smallest == pytest.approx(1.0 - 1.0 / math.pi, rel=1e-4)
+    assert five.variance_of_smallest == pytest.approx(0.44753, rel=1e-3)
+
+
+def seen(record, collapse, safe=0.1, certain=None, sign=1, fallen=(), all_fallen=()):
+    return Observed(record, sign, 1.0, collapse, safe, certain or collapse, fallen, all_fallen)
+
+
+def test_scatter_of_the_records_apart_from_that_of_the_ensembles():
+    """Members scattered by 0.1 within records scattered by 0.4."""
+    random = np.random.default_rng(3)
+    rows = []
+    for k in range(2000):
+        members = np.exp(0.4 * random.standard_normal() + 0.1 * random.standard_normal(5))
+        rows.append(seen(f"{k}", float(members.min()), certain=float(members.max())))
+    found = fragility(rows, None, 5)
+    assert found["beta_ensemble"] == pytest.approx(0.1, rel=0.03)
+    assert found["beta_record"] == pytest.approx(0.4, rel=0.04)
+    assert found["beta"] > found["beta_record"]
+
+
+def test_the_standard_takes_the_worse_sign_the_lowest_of_three_and_the_mean_of_seven():
+    levels = [0.30, 0.36, 0.42, 0.33, 0.39, 0.35, 0.37]
+    both = [seen(f"{k}", level + extra, sign=sign) for k, level in enumerate(levels)
+            for sign, extra in ((1, 0.0), (-1, 0.1))]  # fmt: skip
+    three, seven = (fragility(both[: 2 * count], None, 1) for count in (3, 7))
+    assert (three["rule"], three["pga_collapse_g"]) == ("lowest", 0.30)
+    assert (seven["rule"], seven["pga_collapse_g"]) == ("mean", pytest.approx(np.mean(levels)))
+    assert seven["median_range"][0] < seven["median_g"] < seven["median_range"][1]
+
+
+def test_what_failed_is_counted_is_in_no_median_and_leaves_the_standard_without_a_value():
+    rows = [seen("a", 0.3), seen("b", 0.4), seen("c", 0.5), seen("d", None, safe=None)]
+    found = fragility(rows, None, 1)
+    assert (found["failed"], found["combinations"], found["withstood"]) == (1, 4, 0)
+    assert found["median_g"] == pytest.approx((0.3 * 0.4 * 0.5) ** (1 / 3))
+    assert found["pga_collapse_g"] is None
+
+
+def test_losses_are_those_of_each_record_by_itself():
+    before = [seen("a", 0.2), seen("b", 0.4), seen("c", 0.8)]
+    after = [seen("a", 0.1), seen("b", 0.36), seen("c", 0.6)]
+    found = loss(before, after, 0.5, 0.4, None)
+    assert found["dynamic"] == pytest.approx(0.25) and found["static"] == pytest.approx(0.2)
+    assert found["dynamic_range"] == pytest.approx([0.1 + 0.32 * 0.15, 0.25 + 0.68 * 0.25])
+    stood = loss(before, [after[0], seen("b", None, 0.9), after[2]], 0.5, None, None)
+    assert stood["dynamic"] == pytest.approx(0.25) and stood["dynamic_range"][0] is None
+    assert stood["static"] is None
+    assert loss([seen("a", None, 0.9), *before[1:]], after, None, None, None)["left_out"] == 1
+
+
+@given(limit=st.floats(0.1, 4.0), relative=st.sampled_from([0.02, 0.05, 0.2]))
+def test_a_relative_tolerance_bounds_the_bracket_relative_to_the_level(limit, relative):
+    def falls(level):
+        return level >= limit
+
+    found = find_collapse(falls, falls, 0.3, 5.0, 1e-3, relative)
+    assert found.safe < limit <= found.collapse
+    assert found.collapse - found.safe <= relative * found.collapse + 1e-12
+    assert found.certain == found.collapse
+
+
+def motion(name, acceleration, step=0.01):
+    record = Record(np.asarray(acceleration), step, name)
+    return BaseMotion(record, record, record.pga, 1.0)
+
+
+def noise(seed, peak=0.3, count=1000):
+    a = np.random.default_rng(seed).standard_normal(count) * np.sin(np.linspace(0.0, math.pi, count)) ** 2
+    return peak * a / abs(a).max()
+
+
+@pytest.fixture
+def block(tmp_path):
+    return write_campaign(tmp_path / "block", SEARCHES, 3)
+
+
+def test_a_set_with_one_motion_twice_is_refused_scaled_and_turned_too(block):
+    project = load_project(block)
+    other = motion("b", noise(2))
+    with pytest.raises(ProjectError, match="same motion"):
+        check_record_set(project, [motion("a", noise(1)), other, motion("c", -0.5 * noise(1))])
+    with pytest.raises(ProjectError, match=r'campaign\.records: two records are called "a"'):
+        check_record_set(project, [motion("a", noise(1)), motion("a", noise(2))])
+    check_record_set(project, [motion("a", noise(1)), other])
+
+
+def test_doubtful_records_are_warned_of():
+    assert doubtful_records([motion("a", noise(1))]) == []
+    for text, doubtful in (
+        ("unit", motion("a", noise(1, 3.0))),
+        ("lasts", motion("a", noise(1, count=300))),
+        ("begins or ends", motion("a", noise(1)[450:960])),
+    ):
+        [said] = doubtful_records([doubtful])
+        assert text in said and said.startswith("campaign, a: ")
+
+
+def test_records_are_scaled_to_the_spectrum_within_limits():
+    target = Target("SLC", ElasticSpectrum(0.3, 2.4, 0.36, "B", "T1", 0.05))
+    table = CampaignTable(records=("r",), spectrum_compatible=True, scale_limits=(0.5, 20.0))
+    one = scaled_to(target, [motion("a", noise(1))], table)
+    weak, strong = scaled_to(target, [motion("a", 0.8 * noise(1)), motion("b", 1e-3 * noise(1))], table)
+    assert weak.pga == pytest.approx(one[0].pga) and weak.notes == ()
+    assert strong.scale == 20.0 and "scale_limits = [0.5, 20]" in strong.notes[0]
+    found = compatibility(target, one, table)
+    assert found["lowest_deviation"] < 0.0 < found["highest_deviation"]
+
+
+def test_the_static_capacity_is_taken_to_the_surface_by_the_soil_factor_at_itself():
+    spectrum = ElasticSpectrum(0.334, 2.4, 0.36, "B", "T1", 0.05)
+    weaker = ElasticSpectrum(0.1, 2.4, 0.36, "B", "T1", 0.05)
+    assert surface_pga(spectrum, 0.1) == pytest.approx(0.1 * weaker.S)
+    assert weaker.S > spectrum.S
+
+
+def test_a_small_campaign(block):
+    assert run(block) == 0
+    found = read_results(block / "output")["campaign"]
+    rows = found["combinations"]
+    assert [(row["record"], row["share"], row["sign"]) for row in rows] == [
+        (f"wave{k}", share, 1) for share in (0.0, 1.0) for k in (1, 2, 3)
+    ]
+    for row in rows:
+        safe, collapse = row["pga_safe_g"], row["pga_collapse_g"]
+        assert 0.0 < collapse - safe <= 0.2 * collapse and row["pga_collapse_range"][0] == collapse
+        fallen = {point["pga_g"]: point["collapsed"] for point in row["points"]}
+        assert fallen[collapse] and not fallen[safe] and row["runs"] >= len(fallen)
+    original, settled = found["fragility"]
+    assert original["median_g"] == pytest.approx(
+        math.exp(np.mean([math.log(row["pga_collapse_g"]) for row in rows[:3]]))
+    )
+    assert settled["rule"] == "lowest"
+    assert settled["pga_collapse_g"] == min(row["pga_collapse_g"] for row in rows[3:])
+    at_rest, lost = found["loss"]
+    assert at_rest["dynamic"] == at_rest["static"] == 0.0
+    pairs = sorted(
+        1.0 - b["pga_collapse_g"] / a["pga_collapse_g"] for a, b in zip(rows[:3], rows[3:], strict=True)
+    )
+    assert lost["dynamic"] == pytest.approx(pairs[1]) and 0.0 < lost["static"] < 0.3
+    before = timeless(read_results(block / "output"))
+    assert run(block, "--jobs", "2", "--fresh") == 0
+    assert timeless(read_results(block / "output")) == before
+
+
+def test_stripes_by_spectral_acceleration(block):
+    stripes = 'method = "stripes"\nlevels_g = [0.1, 0.2, 0.4]\nmeasure = "Sa(T)"\nperiod_s = 0.5\n'
+    edit(block, "tolerance = 0.2\n", stripes)
+    assert run(block, "--only", "campaign") == 0
+    results = read_results(block / "output")
+    found = results["campaign"]
+    for row in found["combinations"]:
+        record = next(each for each in found["records"] if each["record"] == row["record"])
+        ratio = record["sa_g"] / record["record_pga_g"]
+        assert [point["pga_g"] * ratio for point in row["points"]] == pytest.approx([0.1, 0.2, 0.4])
+        assert len(row["collapsed"]) == 3
+    assert all(row["rule"] is None for row in found["fragility"])
+    assert found["loss"][1]["static"] is not None  # the static check comes with it
+
+
+def test_equal_states_are_computed_once(block):
+    edit(
+        block,
+        "[campaign]",
+        '[[settlements]]\nname = "other"\nsupport = "base"\nrotation_rad = -0.01\n[campaign]',
+    )
+    edit(block, 'records = ["wave*.csv"]', 'records = ["wave1.csv"]')
+    edit(block, "shares = [0.0, 1.0]", "shares = [0.0]")
+    assert run(block, "--only", "campaign") == 0
+    results = read_results(block / "output")
+    one, other = results["campaign"]["combinations"]
+    assert other["same_as"] == {"settlement": "base turned", "share": 0.0}
+    assert other["pga_collapse_g"] == one["pga_collapse_g"] and results["campaign"]["computed"] == 1
+    assert any("1 of 2 combinations" in text for text in results["quality"]["warnings"])
+
+
+def made(spectrum, seed):
+    """A record in the place of one made to the spectrum, which takes seconds: as strong."""
+    return Record(noise(seed, spectrum.ag, count=600), 0.01, f"generated {seed}")
+
+
+def test_records_are_made_to_the_spectrum_of_the_site(block, monkeypatch):
+    monkeypatch.setattr(stage, "made_record", made)
+    edit(block, 'records = ["wave*.csv"]', 'records = "generate:3"')
+    edit(block, "tolerance = 0.2", 'method = "stripes"\nlevels_g = [0.01]\nspectrum_compatible = true')
+    assert run(block, "--only", "campaign", "--jobs", "1") == 0
+    found = read_results(block / "output")["campaign"]
+    assert [each["record"] for each in found["records"]] == ["generated 1", "generated 2", "generated 3"]
+    spectrum = found["spectrum"]
+    deviation = np.array(spectrum["mean_g"]) / np.array(spectrum["target_g"]) - 1.0
+    assert spectrum["limit_state"] == "SLV"  # the farthest of the project
+    assert spectrum["lowest_deviation"] == pytest.approx(deviation.min())
+    assert not any(row["collapsed"][0] for row in found["combinations"])
+    assert all(row["median_g"] is None for row in found["fragility"])  # nothing fell
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "text"),
+    [
+        ('records = ["wave*.csv"]', 'records = "generate:0"', 'campaign.records: "generate:0" is no number'),
+        ('records = ["wave*.csv"]', 'records = ["wave4.csv"]', "campaign.records[1]: no file"),
+        ("signs = [1]", 'settlements = ["base turnt"]', 'did you mean "base turned"'),
+        ("signs = [1]", 'measure = "Sa(T)"', "campaign.period_s: missing"),
+        ("signs = [1]", 'method = "stripes"', "campaign.levels_g: missing"),
+        ("signs = [1]", "levels_g = [0.1]", "campaign.levels_g"),
+        ("signs = [1]", "scale_limits = [2.0, 0.5]", "campaign.scale_limits"),
+        ("shares = [0.0, 1.0]", "shares = [1.0, 0.0]", "campaign.shares: not in order"),
+        ("signs = [1]", "signs = [2]", "campaign.signs[1]"),
+    ],
+)
+def test_wrong_input_is_refused_by_key(block, capsys, old, new, text):
+    edit(block, old, new)
+    assert run(block) == 2
+    assert text in capsys.readouterr().err

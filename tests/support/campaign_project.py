@@ -1,0 +1,35 @@
+"""A small campaign on the block, whose base turns: short waves, two shares, one sign."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from tests.support.block_project import ASSESSMENT, PROJECT, write_block
+
+SEARCHES = """[campaign]
+records = ["wave*.csv"]
+shares = [0.0, 1.0]
+signs = [1]
+contacts = "rigid"
+tolerance = 0.2
+max_scale = 3.0
+"""
+STRIPES = """[campaign]
+records = ["wave*.csv"]
+shares = [0.0, 1.0]
+contacts = "rigid"
+method = "stripes"
+levels_g = [0.1, 0.2, 0.3]
+"""
+
+
+def write_campaign(folder: Path, table: str, records: int) -> Path:
+    """Write drawing, records and project file with a table [campaign] into a folder; return it."""
+    write_block(folder, "scatter = 2\n" + PROJECT + table + ASSESSMENT)
+    for number, rate in enumerate((4.0, 6.0, 5.0)[:records], 1):
+        time = 0.02 * np.arange(60)
+        wave = 0.3 * np.sin(rate * time) * np.exp(-0.3 * time)
+        np.savetxt(folder / f"wave{number}.csv", np.column_stack([time, wave]), delimiter=",")
+    return folder
