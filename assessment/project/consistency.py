@@ -11,8 +11,6 @@ from fnmatch import fnmatch
 from itertools import islice
 from pathlib import Path
 
-from assessment.ntc.hazard import return_period
-from assessment.ntc.indices import COMPONENTS, confidence_factor
 from assessment.project.errors import Problem
 from assessment.project.schema import (
     MOST_ENTRIES,
@@ -334,6 +332,11 @@ def _assessment(project: ProjectContent, assessment: AssessmentTable) -> Iterato
 
 def _knowledge(knowledge: KnowledgeTable, factor: float) -> Iterator[Problem]:
     """Compare confidence_factor with the level of knowledge or the components that it follows from."""
+    from assessment.ntc.indices import (  # late: a run without changes loads no numpy
+        COMPONENTS,
+        confidence_factor,
+    )
+
     path: KeyPath = ("assessment", "knowledge")
     given = knowledge.components
     if (knowledge.level is None) == (not given):
@@ -443,6 +446,8 @@ def _site(site: SiteTable, limit_states: Iterable[LimitState], folder: Path) -> 
 
 def _return_period(path: KeyPath, limit_state: str, given: float, site: SiteTable) -> Iterator[Problem]:
     """Compare the return period of a typed hazard with that of nominal life and use class; both are rounded."""
+    from assessment.ntc.hazard import return_period  # late, as above
+
     by_life = return_period(limit_state, site.nominal_life_years, site.use_class)
     if abs(given / by_life - 1.0) > RETURN_PERIOD_TOL:
         text = (

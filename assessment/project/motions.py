@@ -93,7 +93,7 @@ def _motion(
     scale = history.scale if history else 1.0
     record = read_record(path, table.time_step_s).scaled(scale)
     original = replace(record, name=history.name if history and history.name else visible(record.name))
-    motion = replace(motion_of(project, key, table, original), scale=scale)
+    motion = replace(motion_of(project, key, table, original, path.name), scale=scale)
     if history and history.vertical_record:
         path = project.path(history.vertical_record)
         vertical = _vertical(project, key, history, path, motion.record, motion.start)
@@ -101,8 +101,13 @@ def _motion(
     return motion
 
 
-def motion_of(project: Project, key: str, table: MotionTable, original: Record) -> BaseMotion:
-    """Return what a record shakes the base with: in the window of a table, at its time step; errors as above."""
+def motion_of(
+    project: Project, key: str, table: MotionTable, original: Record, source: str = ""
+) -> BaseMotion:
+    """Return what a record shakes the base with: in the window of a table, at its time step.
+
+    Errors as above, naming the `source` of the record.
+    """
     if table.damping_ratio and table.contacts == "rigid":
         text = 'rigid contacts have no stiffness to damp; leave it out or write contacts = "elastic"'
         raise ProjectError(f"{project.source}: {key}.damping_ratio: {text}")
@@ -116,7 +121,7 @@ def motion_of(project: Project, key: str, table: MotionTable, original: Record) 
             )
         record = cut.resampled(table.time_step_s or cut.time_step)
     except ValueError as error:
-        raise ProjectError(f"{project.source}: {key}: {original.name}: {error}") from None
+        raise ProjectError(f"{project.source}: {key}: {source or original.name}: {error}") from None
     # the window begins at the first sample inside it
     start = (
         float(original.time[original.time > window[0] - SAME_TIME * original.time_step][0]) if window else 0.0

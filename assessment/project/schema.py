@@ -102,8 +102,8 @@ LimitStates = Annotated[tuple[LimitState, ...], _ENTRIES, AfterValidator(_unique
 
 
 RecordSet = Annotated[
-    tuple[Name, ...], BeforeValidator(lambda given: (given,) if isinstance(given, str) else given), _ENTRIES,
-    AfterValidator(_unique),
+    tuple[Name, ...], _ENTRIES, AfterValidator(_unique),
+    BeforeValidator(lambda given: (given,) if isinstance(given, str) else given),
 ]  # fmt: skip
 Shares = Annotated[tuple[Share, ...], _ENTRIES, AfterValidator(_unique)]
 Signs = Annotated[tuple[Literal[1, -1], ...], _ENTRIES, AfterValidator(_unique)]

@@ -19,7 +19,7 @@ KINDS = {"contacts": "rigid|elastic", "limit": "SL[A-Z]", "direction": "[+-]x", 
 _FIELD = re.compile(r"\{(\w+)\}")
 _POINT = re.compile(r"(?<=\d)\.(?=\d)")
 _POWER = re.compile(r"(?<=\d)e([+−-]?\d+)\b")
-_WORD = re.compile(r"[a-zà-ù]{2}")
+_WORD = re.compile(r"[a-zà-ù]{2}(?!\S*\.\w)")  # no name of a file
 
 Entry = tuple[re.Pattern[str], str]
 

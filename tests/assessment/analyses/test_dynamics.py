@@ -194,7 +194,7 @@ def test_figures_tables_and_report(outcome, tmp_path, language):
     results["echo"]["report"]["language"] = language
     names = {picture.name for picture in pictures(results)}
     assert {"record_1", "history_1", "history_2", "incremental"} <= names
-    assert {"shapes_1_0_original", "shapes_2_1_base_turned_20_mrad"} <= names
+    assert {"shapes_1_0_original", "shapes_2_1_base_ruotata_20_mrad"} <= names
     assert "fragility" not in names  # one record has no scatter
     write_figures(Pool(0, results), tmp_path)
     filled = {table.name: table for table in tables(results) if table.rows}
@@ -318,7 +318,7 @@ def test_an_animation_is_written_where_it_is_asked_for(tmp_path, language, monke
     paths = [film.result() for film in write_animations(Pool(0, results), tmp_path)]
     assert [path.name for path in paths] == [
         "history_2_0_original.gif",
-        "history_2_1_base_turned_20_mrad.gif",
+        "history_2_1_base_ruotata_20_mrad.gif",
     ]
     with Image.open(paths[0]) as film:
         assert 5 <= film.n_frames <= len(times)

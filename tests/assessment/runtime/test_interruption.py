@@ -208,7 +208,7 @@ def test_an_interruption_that_a_library_swallows_ends_the_run_all_the_same(proje
         "import contextlib, os, sys, time\n"
         "from assessment.analyses.static import paths as stages\n"
         "from assessment.cli.main import main\n"
-        "def deaf(*_):\n"
+        "def deaf(*_, **__):\n"
         "    os.write(1, b'begun\\n')\n"
         f"{deaf}"
         "stages.pushover = deaf\n"
