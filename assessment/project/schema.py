@@ -403,6 +403,8 @@ class FloorTable(Table):
 class KnowledgeTable(Table):
     """[assessment.knowledge]: what the confidence factor follows from: a level, or four components 1 + ΣF_Ck."""
 
+    model_config = ConfigDict(json_schema_extra={"minProperties": 1})
+
     level: Literal["LC1", "LC2", "LC3"] | None = Field(
         default=None, description="level of knowledge, Circolare 7/2019, C8.5.4: F_C 1.35, 1.20 or 1.00"
     )

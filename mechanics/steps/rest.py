@@ -24,6 +24,8 @@ from mechanics.steps.static_step import Equilibrium, StepProblem, displaced
 from mechanics.steps.tolerances import REST, STEP, RestTolerances
 from mechanics.types import GRAVITY, Array
 
+STEADY = 0.9  # of its speed half way: a motion that does not slow down
+
 
 def way(one: Array, other: Array, size: float) -> float:
     """The longest (m) of a block from positions (b, 3) to others; a turn counts at a block's `size`."""
@@ -34,14 +36,16 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     """The equilibrium in which blocks come to rest that are released at `begun` (b, 3).
 
     Under the problem's load, or pushed until its `work` is done and held there. Raises RunawayError where the blocks
-    move on and do not rest, ConvergenceError where that is not decided within the `steps` of the tolerances.
+    move on and do not rest: far, or as fast after all `steps` of the tolerances as after half of them; ConvergenceError
+    where they still slow down.
     """
     model, solves = problem.system.model, 0
     mass = model.mass / (tolerances.time**2 * model.size / GRAVITY)
     still = tolerances.still * model.size
     now, at = replace(problem, size=max(problem.size, still)), begun
     iterate: Iterate | None = None
-    for _ in range(tolerances.steps):
+    half_way = np.inf
+    for step in range(tolerances.steps):
         before, now = now, replace(now, system=now.system.around(at, now.size))
         iterate = iterate and iterate_over(iterate, before.system.contacts, now.system.contacts)
         moved, iterate, more = _step_from_rest(replace(now, mass=mass), at, iterate)
@@ -54,6 +58,8 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
             raise RunawayError(
                 f"the structure falls: left to itself it moves by {far:.2g} m and does not rest"
             )
+        if 0 < step == tolerances.steps // 2:
+            half_way = left
         if left > still:
             continue
         try:
@@ -62,9 +68,8 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
             still = 0.5 * left  # slow, but not at rest: it gains speed, or slows down further
         else:
             return replace(found, solves=found.solves + solves)
-    raise ConvergenceError(
-        f"left to itself the structure does not come to rest: it goes on by {left:.2g} m a step"
-    )
+    kind = RunawayError if left > STEADY * half_way else ConvergenceError
+    raise kind(f"left to itself the structure does not come to rest: it goes on by {left:.2g} m a step")
 
 
 def _work_done(problem: StepProblem, begun: Array, at: Array) -> float:

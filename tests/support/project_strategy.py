@@ -49,7 +49,8 @@ def _object(schema: dict[str, Any], tables: dict[str, Any]) -> st.SearchStrategy
         return st.dictionaries(keys, values, min_size=schema.get("minProperties", 0), max_size=3)
     keys = {key: _strategy(each, tables) for key, each in schema["properties"].items()}
     required = {key: keys.pop(key) for key in schema.get("required", ())}
-    return st.fixed_dictionaries(required, optional=keys)
+    drawn = st.fixed_dictionaries(required, optional=keys)
+    return drawn.filter(bool) if schema.get("minProperties") else drawn
 
 
 def _array(schema: dict[str, Any], tables: dict[str, Any]) -> st.SearchStrategy[list[Any]]:
