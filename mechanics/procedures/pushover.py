@@ -21,6 +21,7 @@ from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.path_start import elastic_start, mechanism_start, no_way_from_rest
 from mechanics.procedures.step_control import HALVINGS, Bisection, reach
 from mechanics.program import Certificate
+from mechanics.steps.contact_values import moved_over
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import Sliding, static_system
@@ -234,7 +235,10 @@ class _Curve:
             )
         except (UnstableError, NoEquilibriumError, ConvergenceError):
             return False
-        self._append(1.0, replace(held, alpha=start.alpha), jumped=True)
+        # the point is the onset there: its forces are those under α, not those of the rest under gravity
+        forces = moved_over(start.forces, start.contacts, held.contacts)
+        onset = replace(held, alpha=start.alpha, forces=forces, certificate=start.certificate)
+        self._append(1.0, onset, jumped=True)
         self.rate = start.rate
         little = 1e-6 * self.model.size / float(abs(self.rate[:, :2]).max())
         self.control_rate = (

@@ -24,6 +24,7 @@ from assessment.results.reactions import balance, reactions
 from assessment.results.table import sense
 from mechanics import pushdown, pushover
 from mechanics.procedures.mechanism import virtual_work_multiplier
+from mechanics.steps.equilibrium import reaction
 from tests.support.analysed import SETTLED, analysed
 from tests.support.structures import block_on_base
 
@@ -195,3 +196,16 @@ def test_figures_count_along_the_push_and_the_page_along_x():
     marks = [line for line in axes.lines if line.get_marker() == "o"]
     place_of_alpha_0 = -1000.0 * rigid["curve"]["displacement_m"][rigid["mechanism"]["point"]]
     assert any(line.get_xdata()[0] == pytest.approx(place_of_alpha_0) for line in marks)
+
+
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+def test_forces_at_every_point_of_a_settled_curve_balance_its_loads(direction):
+    """Where the arch came to rest under gravity and is pushed again, the forces were those of the rest, without α."""
+    project, model = template("buttressed-arch"), assembly("buttressed-arch", 1.0)
+    (table,) = project.settlements
+    state = pushdown(model, table.support, table.displacement_m, increment=0.001).final
+    control = project.pushover_control(direction).point_m
+    curve = pushover(model, control, direction, "rigid", 0.0005, state, until=0.7)
+    for step, alpha in zip(curve.steps, curve.multiplier[1:], strict=True):
+        carried = reaction(model, step, np.flatnonzero(~model.movable))[0]
+        assert abs(carried) == pytest.approx(alpha * model.weight, abs=1e-4 * model.weight)
