@@ -113,7 +113,7 @@ def all_skips() -> list[Skip]:
             every_level,
             1.01 * RESOLVED / LOWEST,
         ),
-        Skip("starts of a step's program from nowhere", "iterations", started_near, started_nowhere, STARTED),
+        Skip("cold starts of a step's program", "iterations", started_near, started_cold, STARTED),
     ]
 
 
@@ -294,8 +294,8 @@ def started_near() -> tuple[Array, int]:
     return _way(motion), motion.iterations
 
 
-def started_nowhere() -> tuple[Array, int]:
-    """The same, each step sought from nowhere."""
+def started_cold() -> tuple[Array, int]:
+    """The same history, every program of it begun cold."""
     march = DynamicSystem.march
 
     def forgetful(system: DynamicSystem, motion: Motion, base: Array, step: float) -> Recorded:

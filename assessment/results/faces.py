@@ -79,8 +79,8 @@ class Faces:
     """Joints as results tell them, ready for their kinematics.
 
     `contacts`: their faces and friction; `centroids` (b, 2) m as drawn; `depth` (m) and `strength` (kN/m²) (j,),
-    infinite where there is no limit. `drawn`: how many of them are joints of the drawing; slips of the others count
-    from nowhere.
+    infinite where there is no limit. `drawn`: how many of them are joints of the drawing; the others met as blocks
+    moved, and their slips have no start to count from.
     """
 
     contacts: Contacts

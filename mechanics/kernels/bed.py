@@ -21,8 +21,6 @@ compiled = compiler("contract", "reassoc", allocates=False)
 
 MOST_SEGMENTS = 64  # of a bed of points
 NEWTON, HALVINGS = 60, 30  # iterations for the displacements of a bed of finite strength, and halvings of one
-NEARLY_NOTHING = 1e-6  # of the force: one from which no step is taken
-ROUGHLY = 1e-10  # of the force: the same, of a point at which the bed is made linear
 EXACT = 1e-13  # of the force: an imbalance of the bed that is none
 
 
@@ -158,89 +156,6 @@ def softness(
     d11, d22, d12 = 0.25 * (c0 - 2.0 * c1 + c2), 0.25 * (c0 + 2.0 * c1 + c2), 0.25 * (c0 - c2)
     det = d11 * d22 - d12 * d12
     return d22 / det, d12 / det, d11 / det
-
-
-@compiled
-def bent(
-    u: float, phi: float, half: float, stiffness: float, kink: float, u0: float, phi0: float, below: float, above: float
-) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """As crushed, of a bed under displacements u + φs, its gap at the start u₀ + φ₀s times one factor below the kink.
-
-    And times another above it: the two parts of the face have beds of their own.
-    """
-    n, m, c0, c1, c2 = 0.0, 0.0, 0.0, 0.0, 0.0
-    for side in range(2):
-        low, high, factor = (-half, kink, below) if side == 0 else (kink, half, above)
-        part, middle = 0.5 * (high - low), 0.5 * (high + low)
-        if part > 0.0:
-            tilt = phi + factor * phi0
-            dn, dm, d0, d1, d2 = _bed(u + factor * u0 + middle * tilt, tilt, part, stiffness)
-            n, m = n + dn, m + dm + middle * dn
-            c0, c1, c2 = c0 + d0, c1 + d1 + middle * d0, c2 + d2 + 2.0 * middle * d1 + middle * middle * d0
-    return n, m, c0, c1, c2
-
-
-@compiled
-def bent_under(
-    n1: float, n2: float, half: float, stiffness: float, kink: float, u0: float, phi0: float, below: float, above: float
-) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """Displacements of the two ends of a bent bed under forces, and C₁₁, −C₁₂, C₂₂ (Newton, as in under)."""
-    n, m = n1 + n2, half * (n2 - n1)
-    w1, w2 = closures(n1, n2, 1.0 / (2.0 * half * stiffness))
-    factor = above if n2 > n1 else below
-    u, phi = 0.5 * (w1 + w2) - factor * u0, 0.5 * (w2 - w1) / half - factor * phi0
-    c0, c1, c2 = 0.0, 0.0, 0.0
-    for _ in range(NEWTON):
-        f, p, c0, c1, c2 = bent(u, phi, half, stiffness, kink, u0, phi0, below, above)
-        rn, rp = f - n, (p - m) / half
-        c1, c2 = c1 / half, c2 / (half * half)
-        if abs(rn) + abs(rp) <= EXACT * n:
-            break
-        det = c0 * c2 - c1 * c1
-        if not det > 1e-14 * c0 * c0:  # nothing, or nearly nothing, is in contact: towards it
-            du, dphi = rn / (stiffness * half), rp / (stiffness * half)
-        else:
-            du, dphi = (c2 * rn - c1 * rp) / det, (c0 * rp - c1 * rn) / det
-        share, slope = 1.0, rn * du + rp * dphi
-        for _ in range(HALVINGS):
-            f, p, _, _, _ = bent(
-                u + share * du, phi + share * dphi / half, half, stiffness, kink, u0, phi0, below, above
-            )
-            if (f - n) * du + (p - m) / half * dphi >= -0.5 * slope:
-                break
-            share *= 0.5
-        u, phi = u + share * du, phi + share * dphi / half
-    d11, d22, d12 = 0.25 * (c0 - 2.0 * c1 + c2), 0.25 * (c0 + 2.0 * c1 + c2), 0.25 * (c0 - c2)
-    det = max(d11 * d22 - d12 * d12, 1e-300)
-    return u - half * phi, u + half * phi, d22 / det, d12 / det, d11 / det
-
-
-@compiled
-def bent_linearised(
-    n1: float, n2: float, turn: float, half: float, stiffness: float, kink: float, u0: float, phi0: float, below: float,
-    above: float,
-) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """As linearised, of a bent bed."""
-    w1, w2, c11, c12, c22 = bent_under(n1, n2, half, stiffness, kink, u0, phi0, below, above)
-    n, m, phi = n1 + n2, half * (n2 - n1), -0.5 * turn / half
-    u, p, d0, d1, d2 = 0.5 * (w1 + w2), 0.0, 0.0, 0.0, 0.0
-    for _ in range(NEWTON):
-        f, p, d0, d1, d2 = bent(u, phi, half, stiffness, kink, u0, phi0, below, above)
-        if abs(f - n) <= ROUGHLY * n:
-            break
-        if f <= NEARLY_NOTHING * n:  # into contact, all of the face
-            u -= half * abs(phi) + n / (2.0 * half * stiffness) + abs(u0) + half * abs(phi0)
-        else:  # f falls and is convex: from where it is too large Newton's steps lead on and on
-            u += (f - n) / d0
-    if abs(f - n) > ROUGHLY * n or abs(p) >= abs(m):
-        return w1, w2, c11, c12, c22
-    # the turn is behind the forces: the bed is stiffer there
-    d1, d2 = d1 / half, d2 / (half * half)
-    e11, e22, e12 = 0.25 * (d0 - 2.0 * d1 + d2), 0.25 * (d0 + 2.0 * d1 + d2), 0.25 * (d0 - d2)
-    det = max(e11 * e22 - e12 * e12, 1e-300)
-    c11, c12, c22 = e22 / det, e12 / det, e11 / det
-    shift = 0.5 * (p - m) / half  # of N₁; that of N₂ is the opposite
-    return u - half * phi - (c11 + c12) * shift, u + half * phi + (c12 + c22) * shift, c11, c12, c22
 
 
 @compiled

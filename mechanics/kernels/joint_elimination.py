@@ -9,8 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from mechanics.kernels.bed import (
-    bent_linearised,
-    bent_under,
     closures,
     linearised,
     points_under,
@@ -20,17 +18,12 @@ from mechanics.kernels.bed import (
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import (
-    ABOVE,
     BED,
-    BELOW,
     FRICTION,
-    KINK,
-    PHI0,
     SEGMENTS,
     SHEAR,
     SLID,
     STRENGTH,
-    U0,
 )
 from mechanics.kernels.matrix import motion
 from mechanics.types import Array
@@ -105,29 +98,18 @@ def _bed(
     if law[BED] == np.inf:
         return 0.0, 0.0, 0.0, 0.0, 0.0, -1.0
     soft = 1.0 / (2.0 * h * law[BED])
-    is_bent = law[BELOW] != law[ABOVE]
-    if is_bent:
-        w1, w2, _, _, _ = bent_under(
-            n1, n2, h, law[BED], law[KINK], law[U0], law[PHI0], law[BELOW], law[ABOVE]
-        )
-    elif law[STRENGTH] < np.inf:
+    if law[STRENGTH] < np.inf:
         w1, w2 = under(n1, n2, h, law[BED], law[STRENGTH])
         c11, c12, c22 = softness(w1, w2, h, law[BED], law[STRENGTH])
         return w1, w2, c11, c12, c22, -1.0
-    elif law[SEGMENTS] > 0.0:
+    if law[SEGMENTS] > 0.0:
         w1, w2, c11, c12, c22 = points_under(n1, n2, int(law[SEGMENTS]), soft)
         return w1, w2, c11, c12, c22, -1.0
-    else:
-        w1, w2 = closures(n1, n2, soft)
+    w1, w2 = closures(n1, n2, soft)
     y[0], y[1] = _taken(first - w1, y[0]), _taken(second - w2, y[1])
     off = max(abs(w1 + y[0] - first), abs(w2 + y[1] - second))
     turn = first - second - y[0] + y[1]
-    if is_bent:
-        w1, w2, c11, c12, c22 = bent_linearised(
-            n1, n2, turn, h, law[BED], law[KINK], law[U0], law[PHI0], law[BELOW], law[ABOVE]
-        )
-    else:
-        w1, w2, c11, c12, c22 = linearised(n1, n2, turn, soft)
+    w1, w2, c11, c12, c22 = linearised(n1, n2, turn, soft)
     return w1, w2, c11, c12, c22, off
 
 

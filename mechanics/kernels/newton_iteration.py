@@ -17,12 +17,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mechanics.kernels.bed import bent, crushed, points
+from mechanics.kernels.bed import crushed, points
 from mechanics.kernels.cholesky import solve
 from mechanics.kernels.interior_iteration import unbalanced
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import ABOVE, BED, BELOW, FRICTION, KINK, PHI0, SEGMENTS, SHEAR, SLID, STRENGTH, U0
+from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.kernels.matrix import diagonal, motion, push, stiffen
 from mechanics.kernels.pattern import unpacked
 from mechanics.types import Array
@@ -58,8 +58,6 @@ class Joints(NamedTuple):
 @looped
 def pressed_bed(law: Array, h: float, u: float, phi: float) -> tuple[float, float, float, float, float]:
     """N, P and −∂N/∂u, −∂N/∂φ, −∂P/∂φ of a joint's bed."""
-    if law[BELOW] != law[ABOVE]:
-        return bent(u, phi, h, law[BED], law[KINK], law[U0], law[PHI0], law[BELOW], law[ABOVE])
     if law[SEGMENTS] > 0.0:
         return points(u, phi, h, law[BED], int(law[SEGMENTS]))
     return crushed(u, phi, h, law[BED], law[STRENGTH])

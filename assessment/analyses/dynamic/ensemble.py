@@ -90,12 +90,6 @@ def enough(courses: Sequence[Course], scatter: Scatter, size: float) -> bool:
     return len(courses) == PAIR and agree(courses[0], courses[1], scatter.tolerance, size)
 
 
-def range_key(quantity: str) -> str:
-    """Name the range of a quantity, which has no unit in its name: pga_collapse_range."""
-    stem, _, unit = quantity.rpartition("_")
-    return f"{stem if unit in {'m', 'g', 's'} else quantity}_range"
-
-
 def lowest_median_highest(
     values: Sequence[float | None],
 ) -> tuple[float | None, float | None, float | None]:

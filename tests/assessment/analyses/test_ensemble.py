@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from assessment.analyses.accuracy import Accuracy
 from assessment.analyses.dynamic import histories
-from assessment.analyses.dynamic.ensemble import Course, Scatter, agree, lowest_median_highest, range_key
+from assessment.analyses.dynamic.ensemble import Course, Scatter, agree, lowest_median_highest
 from assessment.analyses.dynamic.histories import together
 from assessment.analyses.dynamic.response import Setting, respond
 from assessment.analyses.dynamic.time_history import StageResult
@@ -55,12 +55,6 @@ def test_the_range_holds_every_member_and_a_collapse_is_beyond_all(values):
     assert low == (min(known) if known else None)
     assert high == (None if None in values else max(known))
     assert middle is None or low <= middle
-
-
-def test_a_range_has_no_unit_in_its_name():
-    assert range_key("pga_collapse_g") == "pga_collapse_range"
-    assert range_key("ultimate_movement_m") == "ultimate_movement_range"
-    assert range_key("alpha_0") == "alpha_0_range"
 
 
 # Histories

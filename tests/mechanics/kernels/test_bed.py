@@ -8,8 +8,6 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from mechanics.kernels.bed import (
-    bent,
-    bent_under,
     closures,
     compliance,
     crushed,
@@ -185,43 +183,3 @@ def test_gaps_of_a_bed_that_crushes_are_those_that_its_forces_need(half, k, ecce
     assert [c11, -c12, c22] == pytest.approx(
         [expected[0, 0], expected[0, 1], expected[1, 1]], rel=1e-5, abs=1e-6 * abs(expected).max()
     )
-
-
-@settings(deadline=None, max_examples=60)
-@given(
-    half=halves,
-    k=stiffnesses,
-    kink=st.floats(-0.95, 0.95),
-    phi0=st.floats(-1e-2, 1e-2),
-    share=st.floats(-1.0, 1.0),
-    phi=st.floats(-1e-2, 1e-2),
-)
-def test_a_bent_bed_is_two_beds_side_by_side(half, k, kink, phi0, share, phi):
-    at = kink * half
-    u0, u = -phi0 * at, share * 1e-2 * half
-    below, above = 1.7, 1.0
-    s = np.linspace(-half, half, 40_001)
-    gap = u + phi * s + np.where(s < at, below, above) * (u0 + phi0 * s)
-    pressure = k * np.maximum(-gap, 0.0)
-    n, p = np.trapezoid(pressure, s), np.trapezoid(pressure * s, s)
-    found = bent(u, phi, half, k, at, u0, phi0, below, above)
-    size = k * half * 1e-2 * half
-    assert found[0] == pytest.approx(n, abs=1e-6 * size)
-    assert found[1] == pytest.approx(p, abs=1e-6 * size * half)
-
-
-@settings(deadline=None, max_examples=60)
-@given(
-    half=halves,
-    k=stiffnesses,
-    kink=st.floats(-0.95, 0.95),
-    phi0=st.floats(-1e-2, 1e-2),
-    eccentricity=st.floats(-0.9, 0.9),
-)
-def test_displacements_of_a_bent_bed_are_those_that_its_forces_need(half, k, kink, phi0, eccentricity):
-    at = kink * half
-    law = at, -phi0 * at, phi0, *((1.7, 1.0) if phi0 * (half + at) > 0.0 else (1.0, 1.7))
-    n1, n2 = ends_of(eccentricity)
-    ends = bent_under(n1, n2, half, k, *law)[:2]
-    n, p, *_ = bent(*displacements(half, ends), half, k, *law)
-    assert (n, p) == pytest.approx((1.0, half * (n2 - n1)), abs=1e-9 * max(1.0, half))
