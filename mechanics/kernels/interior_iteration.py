@@ -343,6 +343,13 @@ def iterate(
         np.empty(count), np.empty(count), np.empty(count), np.empty(count), np.empty(count),
     )  # fmt: skip
     best, since, iteration = np.inf, 0, 0
+    best_x, best_alpha, best_f, best_y, best_off = (
+        x.copy(),
+        alpha,
+        f.copy(),
+        y.copy(),
+        (np.inf, np.inf, np.inf),
+    )
     while True:
         residual[:] = load
         if pushed:
@@ -359,12 +366,14 @@ def iterate(
         if not off < np.inf:
             return -1, alpha, np.inf, np.inf, np.inf
         if max(force, WIDE * gap, product) <= accepted:
-            break
+            return iteration, alpha, force, gap, product
         since += 1
         if max(off, product) < 0.5 * best:
             best, since = max(off, product), 0
-        if iteration == most or since > IDLE:
-            break
+            best_x[:], best_alpha, best_f[:], best_y[:], best_off = x, alpha, f, y, (force, gap, product)
+        if iteration == most or since > IDLE:  # rounding may throw back what is near the end
+            x[:], f[:], y[:] = best_x, best_f, best_y
+            return iteration, best_alpha, best_off[0], best_off[1], best_off[2]
         iteration += 1
         while True:  # firmer where rounding outweighs the hold
             held[:] = holding * stiff
@@ -428,4 +437,3 @@ def iterate(
         _advance(direction.change, reach_f, reach_g, f, y)
         x += reach_g * dx
         alpha += reach_f * dalpha
-    return iteration, alpha, force, gap, product

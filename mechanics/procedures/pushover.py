@@ -176,14 +176,21 @@ class _Curve:
         if step.alpha >= 0.0:
             self._append(work, step, jumped)
             return
-        work, zero = self._down_to_zero(work, fastest, step)
-        self._append(work, zero, jumped)
-        self.multiplier[-1], self.end = 0.0, ""
+        nearest = self._down_to_zero(work, fastest, step)
+        if nearest is not None:
+            self._append(*nearest)
+        zero = self.multiplier[-1] <= self.tolerances.flat * max(self.multiplier)
+        self.multiplier[-1], self.end = 0.0 if zero else self.multiplier[-1], ""
         held = self._held_again(step)
-        if held is None:
-            self.reached, self.end = True, "α = 0"
-        elif not self._go_on_from(held):
-            self.reached, self.end = True, "α = 0, and no push moves the structure where it rests again"
+        if held is not None and self._go_on_from(held):
+            return
+        self.reached, self.lost = zero, not zero
+        if not zero:
+            self.end = "the structure falls: beyond, it stands only where a push holds it back"
+        elif held is None:
+            self.end = "α = 0"
+        else:
+            self.end = "α = 0, and no push moves the structure where it rests again"
 
     def _step(self, work: float, fastest: float, shortest: bool = True) -> tuple[Equilibrium, bool]:
         """The equilibrium after so much work (kNm), and whether blocks were released to find it."""
@@ -193,25 +200,33 @@ class _Curve:
         last = self.steps[-1] if self.steps else None
         return reach(problem, now.positions + work * self.rate, last, shortest)
 
-    def _down_to_zero(self, work: float, fastest: float, step: Equilibrium) -> tuple[float, Equilibrium]:
-        """The work that brings the multiplier down to zero, and its step (false position, Illinois rule)."""
-        low, high = (0.0, self.multiplier[-1]), (work, step.alpha)
+    def _down_to_zero(
+        self, work: float, fastest: float, beyond: Equilibrium
+    ) -> tuple[float, Equilibrium, bool] | None:
+        """The step that brings the multiplier down to zero on the way to one beyond (false position, Illinois rule).
+
+        As `_append` takes it. Where the multiplier jumps below zero: the last one found before the jump, or None.
+        """
+        low, high = (0.0, self.multiplier[-1]), (work, beyond.alpha)
         tolerance, least = self.tolerances.zero * max(self.multiplier), work / 2.0**HALVINGS
+        last: tuple[float, Equilibrium, bool] | None = None
         for count in range(self.tolerances.chords):
             chord = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
             if count and chord < least:
-                break  # the multiplier jumps below zero within that
+                break
             try:
-                work, (step, _) = chord, self._step(chord, fastest)
+                step, jumped = self._step(chord, fastest)
             except (NoEquilibriumError, ConvergenceError):
-                break  # the multiplier jumps below zero: the last chord is as near as it gets
+                break
+            if step.alpha >= -tolerance:
+                last = (chord, step, jumped)
             if abs(step.alpha) <= tolerance:
                 break
             if step.alpha < 0.0:
-                low, high = (low[0], 0.5 * low[1]), (work, step.alpha)
+                low, high = (low[0], 0.5 * low[1]), (chord, step.alpha)
             else:
-                low, high = (work, step.alpha), (high[0], 0.5 * high[1])
-        return work, step
+                low, high = (chord, step.alpha), (high[0], 0.5 * high[1])
+        return last
 
     def _held_again(self, beyond: Equilibrium) -> Equilibrium | None:
         """The rest under gravity near a point beyond zero, where a part that has moved by itself is held again."""

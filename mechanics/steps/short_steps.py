@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from mechanics.errors import NoEquilibriumError
-from mechanics.program import Program, certify
+from mechanics.program import Program
 from mechanics.solvers import interior
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.contact_values import over_all, spread, state_at_rest, taken
@@ -36,9 +36,9 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
 
     Each is a single program in the geometry in which it begins, with a little inertia, which keeps loose blocks where
     they are. What sliding has lifted stays lifted while it goes on: the change of the lift, the dilation, vanishes, as
-    with Coulomb friction. Forces are those at the beginning of the last short step, short of equilibrium by the
-    inertia, as the certificate says. Raises NoEquilibriumError where blocks fall, ConvergenceError where a program is
-    not solved.
+    with Coulomb friction. Under given loads blocks that gain speed fall; a push moves them as far as its work. The
+    forces are those that hold the blocks where they arrive, without inertia. Raises NoEquilibriumError where there are
+    none or blocks fall, ConvergenceError where a program is not solved.
     """
     system, model = problem.system, problem.system.model
     begun, fixed = problem.start.positions, ~model.movable
@@ -55,23 +55,24 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
         solves += more
         at = displaced(model, posed, found.displacement)
         check_motion(short, at)
-        if inertia(program, found.displacement) > (STEP.inertia if problem.lateral is None else STEP.pushed):
+        if short.lateral is None and inertia(program, found.displacement) > STEP.inertia:
             raise NoEquilibriumError(f"the structure falls: in a step of {short.size:.3g} m it gains speed")
         iterate = over_all(found, index, len(system.contacts))
         forces = spread(interior.solution(program, found).forces, index, len(system.contacts))
         short = replace(short, start=state_at_rest(system, at, forces))
-    alpha = found.alpha
-    if problem.lateral is not None and program.mass is not None:
-        alpha -= float((program.mass * found.displacement**2).sum()) / short.work  # what inertia takes
+    here, index = replace(short, mass=None).pose(at, None)
+    found, more = solve_program(here, system.layout.take(index), None, STEP.rigid[-1], first=False)
+    solution = interior.solution(here, found)
+    forces = spread(solution.forces, index, len(system.contacts))
     places = system.contacts.places(at)
     return Equilibrium(
-        short.start,
+        state_at_rest(system, at, forces),
         system,
         places,
         forces,
-        alpha,
-        iterate,
-        certify(replace(program, mass=None), forces[index], found.alpha, found.displacement),
+        solution.alpha,
+        over_all(found, index, len(system.contacts)),
+        solution.certificate,
         penetration(system, places, forces),
-        solves,
+        solves + more,
     )

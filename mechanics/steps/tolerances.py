@@ -26,8 +26,8 @@ class StepTolerances:
     for. `least_friction`: of a joint without friction.
 
     Short steps. `short`: of the block size, their length; `fewest`: of a step; `short_time`: of each, in units of
-    √(size/g), so long that inertia hardly counts; `inertia`: of a block's weight, the inertia of one that falls;
-    `pushed`: the same under a free multiplier, from which inertia is taken off.
+    √(size/g), so long that inertia hardly counts;
+    `inertia`: of the weight, that of a structure that falls.
     """
 
     rigid: tuple[float, ...] = (1e-5, 1e-8)
@@ -40,7 +40,7 @@ class StepTolerances:
     slip_gap: float = 1e-3
     certificate: float = 1e-8
     slow: float = 1e-4
-    fall: float = 30.0
+    fall: float = 10.0
     turn: float = 0.5
     carrying: float = 1e-6
     no_overlap: float = 1e-9
@@ -50,8 +50,7 @@ class StepTolerances:
     short: float = 1e-2
     fewest: int = 4
     short_time: float = 4.5
-    inertia: float = 1e-5
-    pushed: float = 1e-2
+    inertia: float = 1e-6
 
     def residuals(self, behaviour: Behaviour) -> tuple[float, ...]:
         """The residuals to which the programs of joints of a behaviour are solved before the last one is repeated."""

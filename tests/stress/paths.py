@@ -107,9 +107,8 @@ def arch_too_large(contacts: str, factor: float) -> None:
     curve = pushover(model, (0.85, 0.8), contacts=contacts, increment=0.001 * factor)
     sound(curve)
     assert curve.multiplier.max() <= onset + 1e-6
-    fine = pushover(model, (0.85, 0.8), contacts=contacts, increment=0.01)
-    if curve.reached_zero:
-        assert curve.displacement[-1] == pytest.approx(fine.displacement[-1], rel=0.1)
+    fine = pushover(model, (0.85, 0.8), contacts=contacts, increment=0.001)
+    assert curve.displacement[-1] <= 1.1 * fine.displacement[-1]
 
 
 def settled_too_large(contacts: str, factor: float) -> None:

@@ -76,6 +76,16 @@ def test_a_loss_of_equilibrium_is_told_from_a_path_followed_to_zero():
     assert ended.multiplier[-1] > 0.1
 
 
+@pytest.mark.parametrize("increment", [0.0003, 0.003, 0.01])
+def test_an_arch_that_falls_does_so_at_the_same_displacement(increment):
+    """At 13.24 mm α jumps from 0.143 below zero: no point at zero belongs to the curve, at whatever increment."""
+    model = arch_on_piers(voussoirs=9, courses=3, stiffness=1e7)
+    curve = pushover(model, (0.85, 0.8), increment=increment)
+    assert curve.lost and not curve.reached_zero
+    assert curve.displacement[-1] == pytest.approx(0.01324, rel=0.02)
+    assert curve.multiplier[-1] == pytest.approx(0.1426, rel=0.02)
+
+
 def test_a_path_cut_short_is_neither():
     few = PushoverTolerances(points=5)
     cut = pushover(block_on_base(friction=0.1), (0.2, 1.0), increment=0.001, tolerances=few)
