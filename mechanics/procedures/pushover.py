@@ -33,14 +33,16 @@ class PushoverTolerances:
     """Of a capacity curve.
 
     `still`: of the largest displacement, a control point that takes no part; `largest`: increments that a block may
-    move where the control point moves less; `zero`: of the largest multiplier, one that is none, found by at most
-    `chords`; `flat`: of the largest multiplier, a change that is none; `points`: the most.
+    move where the control point moves less; of the largest multiplier, `zero`: one that is none, found by at most
+    `chords`, `nearly`: one from which a path that comes down may jump below zero, `flat`: a change that is none;
+    `points`: the most.
     """
 
     still: float = 1e-3
     largest: float = 2.0
     zero: float = 1e-6
     chords: int = 8
+    nearly: float = 1e-2
     flat: float = 1e-3
     points: int = 5000
 
@@ -171,6 +173,9 @@ class _Curve:
         fastest = float(abs(self.rate[:, :2]).max())
         work = length / max(self.control_rate, fastest / self.tolerances.largest)
         step, jumped = self._step(work, fastest, shortest)
+        gone_back = self.displacement[-1] - self.along(step.state.positions)
+        if gone_back > min(self.increment, 0.5 * self.displacement[-1]) > 0.0:
+            raise RunawayError("a part falls, and the control point goes back")
         if jumped and self.system.rigid and self._go_on_from(step):
             return  # rigid blocks rest under many multipliers: the one that moves them again is theirs
         if step.alpha >= 0.0:
@@ -179,7 +184,7 @@ class _Curve:
         nearest = self._down_to_zero(work, fastest, step)
         if nearest is not None:
             self._append(*nearest)
-        zero = self.multiplier[-1] <= self.tolerances.flat * max(self.multiplier)
+        zero = self.multiplier[-1] <= self.tolerances.nearly * max(self.multiplier)
         self.multiplier[-1], self.end = 0.0 if zero else self.multiplier[-1], ""
         held = self._held_again(step)
         if held is not None and self._go_on_from(held):

@@ -24,8 +24,6 @@ from mechanics.steps.static_step import Equilibrium, StepProblem, displaced
 from mechanics.steps.tolerances import REST, STEP, RestTolerances
 from mechanics.types import GRAVITY, Array
 
-STEADY = 0.9  # of its speed half way: a motion that does not slow down
-
 
 def way(one: Array, other: Array, size: float) -> float:
     """The longest (m) of a block from positions (b, 3) to others; a turn counts at a block's `size`."""
@@ -35,19 +33,18 @@ def way(one: Array, other: Array, size: float) -> float:
 def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerances = REST) -> Equilibrium:
     """The equilibrium in which blocks come to rest that are released at `begun` (b, 3).
 
-    Under the problem's load, or pushed until its `work` is done and held there. Raises RunawayError where the blocks
-    move on and do not rest: far, or as fast after all `steps` of the tolerances as after half of them; ConvergenceError
-    where they still slow down.
+    Under the problem's load, or pushed until its `work` is done and held there. The time of a step follows the motion:
+    what falls moves a `way` a step, what creeps takes longer ones. Raises RunawayError where the blocks go far,
+    ConvergenceError where they do not rest in all steps.
     """
     model, solves = problem.system.model, 0
-    mass = model.mass / (tolerances.time**2 * model.size / GRAVITY)
     still = tolerances.still * model.size
-    now, at = replace(problem, size=max(problem.size, still)), begun
+    now, at, time = replace(problem, size=tolerances.way * model.size), begun, tolerances.first
     iterate: Iterate | None = None
-    half_way = np.inf
-    for step in range(tolerances.steps):
+    for _ in range(tolerances.steps):
         before, now = now, replace(now, system=now.system.around(at, now.size))
         iterate = iterate and iterate_over(iterate, before.system.contacts, now.system.contacts)
+        mass = model.mass / (time**2 * model.size / GRAVITY)
         moved, iterate, more = _step_from_rest(replace(now, mass=mass), at, iterate)
         solves += more
         left, far = way(at, moved, model.size), way(begun, moved, model.size)
@@ -58,18 +55,20 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
             raise RunawayError(
                 f"the structure falls: left to itself it moves by {far:.2g} m and does not rest"
             )
-        if 0 < step == tolerances.steps // 2:
-            half_way = left
-        if left > still:
+        force = left / time**2  # that is left, per mass
+        longer = min(2.0, np.sqrt(tolerances.way * model.size / max(left, 1e-300)))
+        time = min(time * longer, tolerances.longest)
+        if force > still:
             continue
         try:
-            found = find_equilibrium(now, moved)
+            found = find_equilibrium(replace(now, size=problem.size), moved)
         except (NoEquilibriumError, ConvergenceError):
-            still = 0.5 * left  # slow, but not at rest: it gains speed, or slows down further
+            still = 0.5 * force  # slow, but not at rest: it gains speed, or slows down further
         else:
             return replace(found, solves=found.solves + solves)
-    kind = RunawayError if left > STEADY * half_way else ConvergenceError
-    raise kind(f"left to itself the structure does not come to rest: it goes on by {left:.2g} m a step")
+    raise ConvergenceError(
+        f"left to itself the structure does not come to rest: it goes on by {left:.2g} m a step"
+    )
 
 
 def _work_done(problem: StepProblem, begun: Array, at: Array) -> float:

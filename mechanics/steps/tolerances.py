@@ -65,15 +65,18 @@ class StepTolerances:
 class RestTolerances:
     """Of a motion with reset velocities.
 
-    `time`: of a step, in units of √(size/g); of the block size, `still`: what a step at rest moves, `lifted`: the gaps
-    of joints that carry, `farthest`: the longest way, beyond which it has run away (a turn of 1 rad counts as 1): what
-    leaves its seat or topples has collapsed, though it may rest where it fell; `steps`: the most.
+    In units of √(size/g): `first`, the time of the first step, `longest` of one that hardly moves. Of the block size:
+    `way`, what a step moves; `still`: what one of unit time moves at rest; `lifted`: the gaps of joints that carry;
+    `farthest`: the longest way, beyond which it has run away (a turn of 1 rad counts as 1): what leaves its seat or
+    topples has collapsed, though it may rest where it fell. `steps`: the most.
     """
 
-    time: float = 0.5
-    still: float = 2e-5
+    first: float = 0.5
+    longest: float = 5.0
+    way: float = 0.01
+    still: float = 1e-5
     lifted: float = 5e-5
-    steps: int = 400
+    steps: int = 200
     farthest: float = 0.3
 
 

@@ -93,12 +93,22 @@ def test_feet_on_spreading_floors_slide_and_carry_no_more_than_friction(friction
 
 
 def beam(left: float, right: float) -> Assembly:
-    """4 m long, on seats of 50 mm with a friction each."""
+    """4 m long, on seats of 50 mm with a friction each, undercut so that it does not jam between them."""
     return Assembly(
         [
             Block(rectangle(-2.0, 0.0, 2.0, 0.4), 1.0, Material(20.0, 0.6)),
-            Block(rectangle(-3.0, -2.0, -1.95, 0.0), 1.0, Material(20.0, left), support="left"),
-            Block(rectangle(1.95, -2.0, 3.0, 0.0), 1.0, Material(20.0, right), support="right"),
+            Block(
+                [(-3.0, -2.0), (-2.5, -2.0), (-1.95, 0.0), (-3.0, 0.0)],
+                1.0,
+                Material(20.0, left),
+                support="left",
+            ),
+            Block(
+                [(2.5, -2.0), (3.0, -2.0), (3.0, 0.0), (1.95, 0.0)],
+                1.0,
+                Material(20.0, right),
+                support="right",
+            ),
         ]
     )
 
