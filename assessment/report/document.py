@@ -33,6 +33,7 @@ from assessment.report.tables.dynamic import (
     static_dynamic,
 )
 from assessment.report.tables.indices import index_tables
+from assessment.report.tables.loads import reported_loads, vertical, vertical_told
 from assessment.report.tables.studies import reported_studies
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import Words, direction_name, words_of
@@ -153,6 +154,7 @@ def render_html(
         too_many=list(_too_many(results, words)),
         warnings=[sentence(warning, words) for warning in all_warnings(results)],
         local=_local_limit(results, words),
+        vertical=list(vertical_told(results, words)),
         refused=[
             given | {"refused": translated(given["refused"], words)}
             for given in results.get("mechanisms") or []
@@ -230,6 +232,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
     made = [
         _validation(words),
         tables.layers(results),
+        reported_loads(results, words),
         tables.settlements(results),
         reported_cracks(results),
         tables.mechanisms(results),
@@ -242,6 +245,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         _without(capacity_tables.chosen_mechanisms(results), "refused"),
         capacity_tables.chosen_checks(results),
         capacity_tables.linear_checks(results),
+        vertical(results),
         capacity_tables.scalings(results),
         Table("comparison", _compared(results), tables.COMPARISON),
         *reported_studies(results),

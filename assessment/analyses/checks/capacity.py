@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assessment.analyses.checks.chosen_mechanism import MechanismError, compared, evaluate
-from assessment.analyses.checks.demand import demand_return_periods, site_acceleration
+from assessment.analyses.checks.demand import demand_return_periods, ground_of, site_acceleration
 from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
 from assessment.ntc.capacity_return_period import stated
@@ -18,6 +18,7 @@ from assessment.ntc.hazard import HazardCurve
 from assessment.ntc.limit_states import QUOTED
 from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.verification import Check, Method, verify
+from assessment.ntc.vertical import THRUSTING_A_G, vertical_component
 from assessment.project.mechanisms import chosen_mechanisms
 from assessment.project.schema import ORIGINAL
 from assessment.results.table import indices, ratios, sense
@@ -75,6 +76,8 @@ def assess(
         said = dict.fromkeys(note for check in checks.values() for note in check.notes)
         warnings += [f"{direction}: {note}" for note in said]
         found[direction] = _numbers(mechanism, part, fit, capacity, checks)
+        vertical = _vertical(model, capacity, checks.get("SLV linear"), demands)
+        found[direction] |= {"vertical": vertical} if vertical else {}
         if hazard is not None and "SLV" in demands:
             method = method_of(project, hazard)
             found[direction]["scalings"] = _scalings(capacity, checks["SLV"], demands["SLV"], method)
@@ -98,6 +101,33 @@ def _scalings(capacity: CapacityCurve, used: Check, spectrum: Spectrum, method: 
         other = verify(capacity, {"SLV": spectrum}, replace(method, scaling=scaling))["SLV"]
         found[ways[scaling]] = _check(other, len(capacity.steps())) | {"used": False}
     return found
+
+
+def _vertical(
+    model: Assembly, capacity: CapacityCurve, linear: Check | None, demands: Mapping[str, Spectrum]
+) -> dict[str, Any] | None:
+    """The linear check at SLV with the vertical component where a_g ≥ 0.15 g (NTC 2018, §7.2.2).
+
+    None where loads without mass or joints that crush part strength from weight: lighter weights are then no factor.
+    """
+    ground = ground_of(demands["SLV"]) if linear is not None else None
+    proportional = all(block.load_has_mass or block.vertical_load == 0.0 for block in model.blocks) and all(
+        np.isinf(block.material.compressive_strength) for block in model.blocks
+    )
+    if linear is None or ground is None or ground.ag < THRUSTING_A_G or not proportional:
+        return None
+    assert linear.demand_a_star is not None
+    steps = vertical_component(ground, capacity.fit.alpha_0, capacity.a_0_star, linear.demand_a_star)
+    known = {line.symbol: line.result for line in steps}
+    return {
+        "a_v_g": known["a_v"],
+        "alpha_0": known["alpha_0_v"],
+        "a_0_star_g": known["a_0_star_v"],
+        "demand_a_star_g": linear.demand_a_star,
+        "ratio": known["r_v"],
+        "verified": known["r_v"] >= 1.0,
+        "trace": numbers(steps),
+    }
 
 
 def _nominal(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method) -> dict[str, Any]:

@@ -25,7 +25,8 @@ VERIFICATION: tuple[str, ...] = (
 SCALINGS = ("a_g_g", "pga_g", "demand_pga_g", "zeta_E", "return_period_years")
 OTHER_SCALING = "other_scaling"  # SLV by the way of scaling that the checks did not take
 NOMINAL = "nominal"  # the check without confidence factor that is compared with a dynamic capacity
-BESIDE = (OTHER_SCALING, NOMINAL)
+VERTICAL = "vertical"  # the linear check with the vertical component
+BESIDE = (VERTICAL, OTHER_SCALING, NOMINAL)
 SPECTRUM = ("limit_state", "T_s", "S_e_g", "S_De_m", "damping", "damped_S_e_g", "damped_S_De_m")
 ACTION = (
     "limit_state",
@@ -210,6 +211,8 @@ def traces(content: Mapping[str, Any]) -> Iterator[tuple[str, list[Mapping[str, 
     for limit in CHECKS:
         if (content.get(limit) or {}).get("trace"):
             yield limit, content[limit]["trace"]
+    if content.get(VERTICAL):
+        yield VERTICAL, content[VERTICAL]["trace"]
     for scaling in (content.get("scalings") or {}).values():
         if scaling.get("trace"):
             yield OTHER_SCALING, scaling["trace"]

@@ -12,7 +12,11 @@ from assessment.results.table import Row
 
 Path = tuple[str, ...]
 CHOICES = {"accuracy", "sliding", "contacts", "model", "spectrum", "method", "record_demand", "language"}
-CHOICES |= {"state", "states"}  # keys whose values are words of the program; others are the user's own
+CHOICES |= {
+    "state",
+    "states",
+    "use_category",
+}  # keys whose values are words of the program; others are the user's own
 
 
 def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:

@@ -43,6 +43,7 @@ PERCENT |= {"deviation", "hand_deviation", "relative_error", "relative_scatter",
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
 TEXT |= {
     "use_class",
+    "use_category",
     "IS_V_class",
     "PAM_class",
     "risk_class",
@@ -216,6 +217,8 @@ def _name(column: str, value: Any, words: Words) -> str:
         return words.plain(f"value.{value}_spectrum")
     if column == "parameter":
         return words.plain(f"value.parameter_{value}")
+    if column == "use_category":
+        return str(words.strings["setting"].get(value, value))
     if column == "scaling":
         return words.plain(f"value.scaling_{value.replace('-', '_')}")
     if column == "stage":

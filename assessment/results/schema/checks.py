@@ -67,6 +67,18 @@ class Count(Part):
     sliding_joints: int = key("joints that slide")
 
 
+class VerticalCheck(Part):
+    """`capacity.+x.vertical`: the linear check at SLV with 0.3 of the vertical component (NTC 2018, §7.2.2)."""
+
+    a_v_g: float = key("vertical acceleration S_ve(0)", "g")
+    alpha_0: float = key("multiplier of the rigid mechanism under the lighter weights", "–")
+    a_0_star_g: float = key("a_0* of it", "g")
+    demand_a_star_g: float = key("what it is compared with", "g")
+    ratio: float = key("their ratio", "–")
+    verified: bool = key("whether it is 1 or more")
+    trace: list[Line] = key("its calculation")
+
+
 class Capacity(Part):
     """`capacity.+x`, `.-x`: the capacity in a direction and its checks, each where its limit state was asked for."""
 
@@ -87,6 +99,9 @@ class Capacity(Part):
     scalings: dict[str, ScaledCheck] | None = optional("SLV by both ways of scaling, where a grid is given")
     nominal: NominalCheck | None = optional("check with F_C = 1, where there is an incremental analysis")
     SLV_linear: Check | None = optional("linear check at SLV, with the behaviour factor", alias="SLV linear")
+    vertical: VerticalCheck | None = optional(
+        "linear check with the vertical component, where it is asked for"
+    )
     SLV: Check | None = optional("nonlinear check at SLV")
     SLC: Check | None = optional("nonlinear check at SLC")
 
