@@ -34,6 +34,7 @@ from assessment.report.tables.dynamic import (
 )
 from assessment.report.tables.indices import index_tables
 from assessment.report.tables.loads import reported_loads, vertical, vertical_told
+from assessment.report.tables.mechanisms import all_mechanisms
 from assessment.report.tables.studies import reported_studies
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import Words, direction_name, words_of
@@ -239,11 +240,13 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         reactions(results),
         balance(results),
         reported_pressures(results),
-        _without(capacity_tables.verification(results), "d_star_m", "a_star_g", "T_s"),  # in the summary
+        _without(capacity_tables.verification(results), *capacity_tables.BEHIND),
+        capacity_tables.verification_surface(results),
         capacity_tables.action(results),
         *index_tables(results),
         _without(capacity_tables.chosen_mechanisms(results), "refused"),
         capacity_tables.chosen_checks(results),
+        all_mechanisms(results),
         capacity_tables.linear_checks(results),
         vertical(results),
         capacity_tables.scalings(results),

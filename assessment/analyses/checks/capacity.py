@@ -7,12 +7,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from assessment.analyses.checks.chosen_mechanism import MechanismError, compared, evaluate
+from assessment.analyses.checks.check_numbers import check_numbers
+from assessment.analyses.checks.chosen_mechanism import Control, MechanismError, compared, evaluate
 from assessment.analyses.checks.demand import demand_return_periods, ground_of, site_acceleration
 from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
-from assessment.ntc.capacity_return_period import stated
 from assessment.ntc.curve_fit import CapacityError, Curve, CurveFit, fit_curve
 from assessment.ntc.hazard import HazardCurve
 from assessment.ntc.limit_states import QUOTED
@@ -96,10 +97,10 @@ def _elastic_end(elastic: Mapping[str, Any] | None) -> float | None:
 def _scalings(capacity: CapacityCurve, used: Check, spectrum: Spectrum, method: Method) -> dict[str, Any]:
     """SLV by both ways of following the demand up to the capacity; the trace of the one `used` is the check's."""
     ways = {"shape": "demand-shape", "return_period": "grid"}
-    found = {ways[method.scaling]: _check(used, 0) | {"trace": [], "used": True}}
+    found = {ways[method.scaling]: check_numbers(used, 0) | {"trace": [], "used": True}}
     for scaling in ways.keys() - {method.scaling}:
         other = verify(capacity, {"SLV": spectrum}, replace(method, scaling=scaling))["SLV"]
-        found[ways[scaling]] = _check(other, len(capacity.steps())) | {"used": False}
+        found[ways[scaling]] = check_numbers(other, len(capacity.steps())) | {"used": False}
     return found
 
 
@@ -137,7 +138,7 @@ def _nominal(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: M
     """
     limit = next(limit for limit in QUOTED if limit in demands)
     check = verify(replace(capacity, confidence_factor=1.0), {limit: demands[limit]}, method)[limit]
-    return {"limit_state": limit} | _check(check, 0)
+    return {"limit_state": limit} | check_numbers(check, 0)
 
 
 def _asked_for_elastic(project: Project) -> bool:
@@ -228,7 +229,8 @@ def assess_chosen(
         try:
             if chosen.state != ORIGINAL and not any(map(any, state["configuration"])):
                 raise MechanismError("its state was not reached")
-            answer |= evaluate(model, positions, chosen, factor, demands, method)
+            controls = _controls(project, model, positions)
+            answer |= evaluate(model, positions, chosen, factor, demands, method, controls)
             rigid = (state["pushover"].get(answer["direction"]) or {}).get("rigid")
             answer = compared(answer, *(rigid[key] if rigid else None for key in ("alpha_0", "alpha_onset")))
             warnings += [f'mechanism "{chosen.name}": {note}' for note in answer["notes"]]
@@ -236,6 +238,17 @@ def assess_chosen(
             answer["refused"] = str(refusal)
             warnings.append(f'mechanism "{chosen.name}": refused: {refusal}')
         found.append(answer)
+    return found
+
+
+def _controls(project: Project, model: Assembly, positions: NDArray[np.float64]) -> dict[str, Control]:
+    """Return the control point of each direction of the pushover, where it is in a configuration (b, 3)."""
+    found: dict[str, Control] = {}
+    for direction in project.pushover.directions if project.pushover else ():
+        point = project.pushover_control(direction).point_m
+        block = model.block_at(point)
+        x, z = np.add(point, model.point_displacement(point, block, positions)).tolist()
+        found[direction] = Control((x, z), block)
     return found
 
 
@@ -257,31 +270,5 @@ def _numbers(
         "notes": list(fit.notes),
         "curve": {"d_star_m": capacity.displacement.tolist(), "a_star_g": capacity.acceleration.tolist()},
         "trace": numbers((*part.steps(), *capacity.steps()[2:])),  # e*, Γ* with what they come from
-        **{name: _check(check, len(capacity.steps())) for name, check in checks.items()},
-    }
-
-
-def _check(check: Check, common: int) -> dict[str, Any]:
-    """The numbers of a check; its trace without the `common` first steps, which are the capacity curve's."""
-    return {
-        "method": check.method,
-        "d_star_m": check.d_star,
-        "a_star_g": check.a_star,
-        "T_s": check.T,
-        "a_g_g": check.a_g,
-        "demand_a_g_g": check.demand_a_g,
-        "demand_a_star_g": check.demand_a_star,
-        "pga_g": check.pga,
-        "demand_pga_g": check.demand_pga,
-        "S": check.S,
-        "demand_S": check.demand_S,
-        "reference": check.reference,
-        "zeta_E": check.zeta_E,
-        "verified": check.verified,
-        "damping": check.damping,
-        "return_period_years": check.return_period,
-        "return_period_stated": stated(check.return_period),
-        "governing": check.governing,
-        "notes": list(check.notes),
-        "trace": numbers(check.trace[common:]),
+        **{name: check_numbers(check, len(capacity.steps())) for name, check in checks.items()},
     }

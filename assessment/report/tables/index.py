@@ -26,6 +26,7 @@ from assessment.report.tables.convergence import convergence_tables
 from assessment.report.tables.dynamic import dynamic_tables
 from assessment.report.tables.indices import index_tables
 from assessment.report.tables.loads import loads, vertical
+from assessment.report.tables.mechanisms import all_mechanisms
 from assessment.report.tables.studies import study_tables
 from assessment.results.hand_check import hand_check, macro_block_table, outline_area
 from assessment.results.reactions import balance, joint_table, reactions
@@ -85,6 +86,7 @@ def tables(results: Results) -> list[Table]:
         action(results),
         chosen_mechanisms(results),
         chosen_checks(results),
+        all_mechanisms(results),
         linear_checks(results),
         vertical(results),
         scalings(results),
