@@ -339,9 +339,26 @@ def _local_limit(results: Results, words: Words) -> Markup:
     assessment = results["echo"].get("assessment") or {}
     limit = assessment.get("local_displacement_limit_m")
     if limit is None:
-        return words("text.limits")
+        return Markup(" ").join([words("text.limits"), *_losses(results, words)])
     reason = assessment.get("local_displacement_reason") or words.plain("value.no_reason")
     return words("text.limits") + Markup(" ") + words("text.local_limit", limit=1000.0 * limit, reason=reason)
+
+
+def _losses(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield where a path loses a joint that bears: the local limit of its direction, where the project gives none."""
+    for name, content in results["states"].items():
+        for direction, pushover in (content.get("pushover") or {}).items():
+            loss = ((pushover or {}).get("rigid") or {}).get("local_loss")
+            if loss is not None:
+                yield words(
+                    "text.local_loss",
+                    state=words.state(name),
+                    direction=direction_name(direction),
+                    first=loss["blocks"][0],
+                    second=loss["blocks"][1],
+                    overlap=1000.0 * loss["overlap_m"],
+                    limit=1000.0 * loss["displacement_m"],
+                )
 
 
 def _contacts(results: Results) -> list[str]:

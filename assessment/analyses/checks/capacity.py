@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from assessment.analyses.checks.check_numbers import check_numbers
 from assessment.analyses.checks.chosen_mechanism import Control, MechanismError, compared, evaluate
 from assessment.analyses.checks.demand import demand_return_periods, ground_of, site_acceleration
+from assessment.analyses.static.local_loss import loss_told
 from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
 from assessment.ntc.curve_fit import CapacityError, Curve, CurveFit, fit_curve
@@ -26,6 +27,7 @@ from assessment.results.table import indices, ratios, sense
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
+    from assessment.project.schema import AssessmentTable
     from mechanics import Assembly
 
 
@@ -68,7 +70,9 @@ def assess(
             fit = fit_curve(assessment.model, rigid_branch(rigid, direction), branch)
             fit = replace(fit, elastic_end=_elastic_end(elastic) if assessment.model != "none" else None)
             capacity = capacity_curve(fit, part.e_star, part.gamma_star, assessment.confidence_factor)
-            checks = verify(capacity, demands, method_of(project, hazard))
+            method = with_loss(method_of(project, hazard), rigid.get("local_loss"))
+            warnings += [f"{direction}: {note}" for note in _beyond_loss(assessment, rigid.get("local_loss"))]
+            checks = verify(capacity, demands, method)
         except CapacityError as refusal:
             warnings.append(f"{direction}: no capacity: {refusal}")
             continue
@@ -80,10 +84,9 @@ def assess(
         vertical = _vertical(model, capacity, checks.get("SLV linear"), demands)
         found[direction] |= {"vertical": vertical} if vertical else {}
         if hazard is not None and "SLV" in demands:
-            method = method_of(project, hazard)
             found[direction]["scalings"] = _scalings(capacity, checks["SLV"], demands["SLV"], method)
         if project.incremental:
-            found[direction]["nominal"] = _nominal(capacity, demands, method_of(project, hazard))
+            found[direction]["nominal"] = _nominal(capacity, demands, method)
     return found
 
 
@@ -182,6 +185,25 @@ def method_of(project: Project, hazard: HazardCurve | None) -> Method:
         local_limits={} if limit is None else dict.fromkeys(("SLV", "SLC"), limit),
         local_reason=assessment.local_displacement_reason,
     )
+
+
+def with_loss(method: Method, loss: Mapping[str, Any] | None) -> Method:
+    """Return the method with the local loss of the path as limit where the project gives none (C8.7.1.2)."""
+    if loss is None or method.local_limits:
+        return method
+    a, b = loss["blocks"]
+    return replace(
+        method,
+        local_limits=dict.fromkeys(("SLV", "SLC"), loss["displacement_m"]),
+        local_reason=f"pushover, the faces of blocks {a} and {b} slide off each other",
+    )
+
+
+def _beyond_loss(assessment: AssessmentTable, loss: Mapping[str, Any] | None) -> Iterator[str]:
+    """Yield a warning where the project's local limit is farther than the loss that the path shows."""
+    given = assessment.local_displacement_limit_m
+    if loss is not None and given is not None and given > loss["displacement_m"]:
+        yield f"local_displacement_limit_m = {given:.4g} m, but {loss_told(loss)}; write no more than that"
 
 
 def governing(capacities: Mapping[str, Mapping[str, Any]]) -> dict[str, Any] | None:
