@@ -232,7 +232,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
     """Return the tables of the report that have rows, by name."""
     made = [
         _validation(words),
-        tables.layers(results),
+        _without(tables.layers(results), *(["vertical_load_kN"] if results.get("loads") else [])),
         reported_loads(results, words),
         tables.settlements(results),
         reported_cracks(results),

@@ -69,7 +69,7 @@ def vertical_told(results: Results, words: Words) -> Iterator[Markup]:
     demand = (results.get("spectra") or {}).get("SLV")
     if demand is None:
         return
-    a_g, least = words.show(demand["a_g_g"]), words.show(THRUSTING_A_G)
+    a_g, least = words.show(demand["a_g_g"]), words.comma(f"{THRUSTING_A_G:g}")
     if demand["kind"] == "record":
         yield words("text.vertical_record")
     elif demand["a_g_g"] < THRUSTING_A_G:

@@ -17,6 +17,7 @@ CHOICES |= {
     "states",
     "use_category",
 }  # keys whose values are words of the program; others are the user's own
+LOADS = ("vertical_load_kN", "variable_load_kN")
 
 
 def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:
@@ -34,9 +35,15 @@ def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:
 
 
 def _flat(value: Mapping[str, Any], path: Path = ()) -> Iterator[tuple[Path, str, Any]]:
-    """Yield path of the table, key and value, the tables within after; arrays of tables are numbered from 1."""
+    """Yield path of the table, key and value, the tables within after; arrays of tables are numbered from 1.
+
+    Of a layer without loads the keys of loads are left out.
+    """
     inner: list[tuple[Path, Mapping[str, Any]]] = []
+    unloaded = not any(value.get(key) for key in LOADS)
     for key, item in value.items():
+        if unloaded and key in (*LOADS, "load_has_mass"):
+            continue
         if isinstance(item, Mapping):
             inner.append(((*path, key), item))
         elif isinstance(item, list) and any(isinstance(entry, Mapping) for entry in item):
