@@ -1,4 +1,4 @@
-"""The parts of docs/ that are made from the program: keys of results.json, validation table.
+"""The parts of docs/ that are made from the program: keys of results.json, validation table, floor spectra.
 
 `python -m tools.docs_pages` makes them anew.
 
@@ -18,6 +18,7 @@ from typing import Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 
 from assessment.results.schema import Results
+from tools import floor_spectra
 
 ROOT = Path(__file__).parents[1]
 NAMES = {float: "number", int: "whole number", str: "text", bool: "true or false", Any: "any value"}
@@ -104,3 +105,4 @@ def page(name: str) -> str:
 if __name__ == "__main__":
     for each in PARTS:
         (ROOT / "docs" / each).write_text(page(each), encoding="utf-8")
+    floor_spectra.write()

@@ -14,7 +14,7 @@ from typing import Any
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
 _SIGNS = {"sqrt": "√", "pi": "π", "eta": "η", "alpha": "α", "Gamma": "Γ", "gamma": "γ", "psi": "ψ", "xi": "ξ"}
-_SIGNS |= {"Sigma": "Σ", "delta": "δ", "zeta": "ζ", "theta": "θ"}
+_SIGNS |= {"Sigma": "Σ", "delta": "δ", "zeta": "ζ", "theta": "θ", "lambda": "λ"}
 
 
 @dataclass(frozen=True, slots=True)

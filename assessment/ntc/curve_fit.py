@@ -32,7 +32,7 @@ class CurveFit:
     model: "trilinear", "bilinear" or "none" (rigid branch alone). alpha_0: multiplier at the onset of the
     rigid mechanism; d_0: where the rigid branch reaches 0 (None: not reached); alpha_u: peak of the elastic
     curve; (d_y, alpha_y): end of the elastic branch. The elastic values are None for model "none". `steps`:
-    how they were found; `source`: where alpha_0 comes from; elastic_end: where the structure
+    how they were found; `source`: where alpha_0 and d_0 come from; elastic_end: where the structure
     with elastic contacts has no equilibrium any more (m), None where its curve was not followed that far.
     """
 

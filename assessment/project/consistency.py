@@ -11,6 +11,7 @@ from fnmatch import fnmatch
 from itertools import islice
 from pathlib import Path
 
+from assessment.ntc.load_factors import OWN_PSI_2, PSI_2
 from assessment.project.errors import Problem
 from assessment.project.schema import (
     MOST_ENTRIES,
@@ -21,6 +22,7 @@ from assessment.project.schema import (
     FloorTable,
     KeyPath,
     KnowledgeTable,
+    LayerTable,
     LimitState,
     MotionTable,
     ProjectContent,
@@ -45,9 +47,7 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
     yield from _file(folder, ("geometry", "drawing"), project.geometry.drawing)
     yield from _stiffness(project)
     for name, layer in project.layers.items():
-        if layer.vertical_load_kN < 0.0 and layer.load_has_mass:
-            text = f"{layer.vertical_load_kN:g} acts upward and has no mass; add load_has_mass = false"
-            yield Problem(("layers", name, "vertical_load_kN"), text)
+        yield from _loads(("layers", name), layer)
     yield from _doubles("control", [point.name for point in project.control])
     yield from _control(project)
     yield from _doubles("settlements", list(project.states[1:]))
@@ -67,6 +67,28 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
             yield from _site(project.assessment.site, project.assessment.limit_states, folder)
     if project.sensitivity:
         yield from _sensitivity(project, project.sensitivity)
+
+
+def _loads(path: KeyPath, layer: LayerTable) -> Iterator[Problem]:
+    if layer.vertical_load_kN < 0.0 and layer.load_has_mass:
+        text = f"{layer.vertical_load_kN:g} acts upward and has no mass; add load_has_mass = false"
+        yield Problem((*path, "vertical_load_kN"), text)
+    category, psi_2 = layer.use_category, layer.psi_2
+    if layer.variable_load_kN == 0.0:
+        for key in ("use_category", "psi_2"):
+            if getattr(layer, key) is not None:
+                yield Problem((*path, key), "there is no variable load; add variable_load_kN or leave it out")
+    elif psi_2 is None and category is None:
+        text = "ψ₂ is not known; add use_category (NTC 2018, Tab. 2.5.I), or psi_2"
+        yield Problem((*path, "variable_load_kN"), text)
+    elif psi_2 is None and category in OWN_PSI_2:
+        text = f"{category} has no ψ₂ in NTC 2018, Tab. 2.5.I, it is to be judged case by case; add psi_2"
+        yield Problem((*path, "use_category"), text)
+    elif psi_2 is not None and PSI_2.get(category or "", psi_2) != psi_2:
+        text = (
+            f'{psi_2:g}, but use_category = "{category}" has {PSI_2[category or ""]:g}; leave one of them out'
+        )
+        yield Problem((*path, "psi_2"), text)
 
 
 def matches(folder: Path, pattern: str) -> list[Path]:

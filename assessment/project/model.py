@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from assessment.ntc.load_factors import psi_2
 from assessment.project.mechanisms import chosen_mechanisms
 from assessment.project.plausibility import implausible
 from assessment.runtime.errors import ProjectError
@@ -108,7 +109,7 @@ def _layer(project: Project, table: LayerTable | None) -> Layer:
         material,
         table.depth_m or project.geometry.depth_m,
         table.support,
-        table.vertical_load_kN,
+        table.vertical_load_kN + psi_2(table.use_category, table.psi_2) * table.variable_load_kN,
         table.load_has_mass,
         table.segments_per_joint,
     )

@@ -96,6 +96,7 @@ Names = Annotated[tuple[Name, ...], _ENTRIES, AfterValidator(_unique)]
 Contacts = Literal["rigid", "elastic"]
 Direction = Literal["+x", "-x"]
 LimitState = Literal["SLD", "SLV", "SLC"]
+UseCategory = Literal["A", "B", "C", "D", "E", "F", "G", "H", "I", "K", "snow", "snow above 1000 m", "wind"]
 ContactsList = Annotated[tuple[Contacts, ...], _ENTRIES, AfterValidator(_unique)]
 Directions = Annotated[tuple[Direction, ...], _ENTRIES, AfterValidator(_unique)]
 LimitStates = Annotated[tuple[LimitState, ...], _ENTRIES, AfterValidator(_unique)]
@@ -186,9 +187,20 @@ class LayerTable(Table):
         default=None, description="the blocks of this layer are a support of this name"
     )
     vertical_load_kN: Load = Field(
-        default=0.0, description="load on each block of the layer, kN, downward, at its centroid"
+        default=0.0,
+        description="permanent load G on each block of the layer, kN, downward, at its centroid",
     )
-    load_has_mass: bool = Field(default=True, description="the load also counts as seismic mass")
+    variable_load_kN: Annotated[float, Field(ge=0, le=1e9)] = Field(
+        default=0.0,
+        description="characteristic variable load Q on each block, kN; ψ₂ Q acts with the permanent one",
+    )
+    use_category: UseCategory | None = Field(
+        default=None,
+        description='category of the variable load, NTC 2018 Tab. 2.5.I: A to H, "snow", "snow above 1000 m", "wind"; '
+        "I and K with psi_2",
+    )
+    psi_2: Share | None = Field(default=None, description="ψ₂, instead of that of use_category")
+    load_has_mass: bool = Field(default=True, description="the loads also count as seismic mass")
 
 
 class ContactsTable(Table):

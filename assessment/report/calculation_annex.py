@@ -17,6 +17,7 @@ from assessment.ntc.calculation import pretty, renamed
 from assessment.ntc.limit_states import CHECKS
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.text.language import Words, direction_name
+from assessment.report.text.messages import translated
 from assessment.report.text.table_format import Grid, check_name
 
 Results = Mapping[str, Any]
@@ -190,6 +191,7 @@ def _source(paragraph: str, words: Words) -> Markup:
     """Write where a number comes from in the language of the report; paragraphs of standards stay as they are."""
     known = words.strings["source"]
     text = "; ".join(
-        ": ".join(known.get(part, part) for part in phrase.split(": ")) for phrase in paragraph.split("; ")
+        ": ".join(known.get(part) or translated(part, words) for part in phrase.split(": "))
+        for phrase in paragraph.split("; ")
     )
     return Markup(re.sub(r"\b([A-Za-zα-ω])_(\w+)", r"\1<sub>\2</sub>", str(Markup.escape(text))))

@@ -33,6 +33,8 @@ from assessment.report.tables.dynamic import (
     static_dynamic,
 )
 from assessment.report.tables.indices import index_tables
+from assessment.report.tables.loads import reported_loads, vertical, vertical_told
+from assessment.report.tables.mechanisms import all_mechanisms
 from assessment.report.tables.studies import reported_studies
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import Words, direction_name, words_of
@@ -153,6 +155,7 @@ def render_html(
         too_many=list(_too_many(results, words)),
         warnings=[sentence(warning, words) for warning in all_warnings(results)],
         local=_local_limit(results, words),
+        vertical=list(vertical_told(results, words)),
         refused=[
             given | {"refused": translated(given["refused"], words)}
             for given in results.get("mechanisms") or []
@@ -229,19 +232,23 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
     """Return the tables of the report that have rows, by name."""
     made = [
         _validation(words),
-        tables.layers(results),
+        _without(tables.layers(results), *(["vertical_load_kN"] if results.get("loads") else [])),
+        reported_loads(results, words),
         tables.settlements(results),
         reported_cracks(results),
         tables.mechanisms(results),
         reactions(results),
         balance(results),
         reported_pressures(results),
-        _without(capacity_tables.verification(results), "d_star_m", "a_star_g", "T_s"),  # in the summary
+        _without(capacity_tables.verification(results), *capacity_tables.BEHIND),
+        capacity_tables.verification_surface(results),
         capacity_tables.action(results),
         *index_tables(results),
         _without(capacity_tables.chosen_mechanisms(results), "refused"),
         capacity_tables.chosen_checks(results),
+        all_mechanisms(results),
         capacity_tables.linear_checks(results),
+        vertical(results),
         capacity_tables.scalings(results),
         Table("comparison", _compared(results), tables.COMPARISON),
         *reported_studies(results),
@@ -332,9 +339,26 @@ def _local_limit(results: Results, words: Words) -> Markup:
     assessment = results["echo"].get("assessment") or {}
     limit = assessment.get("local_displacement_limit_m")
     if limit is None:
-        return words("text.limits")
+        return Markup(" ").join([words("text.limits"), *_losses(results, words)])
     reason = assessment.get("local_displacement_reason") or words.plain("value.no_reason")
     return words("text.limits") + Markup(" ") + words("text.local_limit", limit=1000.0 * limit, reason=reason)
+
+
+def _losses(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield where a path loses a joint that bears: the local limit of its direction, where the project gives none."""
+    for name, content in results["states"].items():
+        for direction, pushover in (content.get("pushover") or {}).items():
+            loss = ((pushover or {}).get("rigid") or {}).get("local_loss")
+            if loss is not None:
+                yield words(
+                    "text.local_loss",
+                    state=words.state(name),
+                    direction=direction_name(direction),
+                    first=loss["blocks"][0],
+                    second=loss["blocks"][1],
+                    overlap=1000.0 * loss["overlap_m"],
+                    limit=1000.0 * loss["displacement_m"],
+                )
 
 
 def _contacts(results: Results) -> list[str]:

@@ -70,7 +70,7 @@ def without_effect(project: Project) -> set[str]:
     Those of depth do, stiffness included, unless loads are given in kN; those of weight if nothing is elastic or
     crushes.
     """
-    if any(layer.vertical_load_kN for layer in project.layers.values()):
+    if any(layer.vertical_load_kN or layer.variable_load_kN for layer in project.layers.values()):
         return set()
     strengths = [layer.compressive_strength_kN_m2 for layer in project.layers.values()]
     crushes = any(

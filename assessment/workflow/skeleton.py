@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assessment.analyses.accuracy import accuracy_of
-from assessment.project.schema import ORIGINAL
+from assessment.ntc.load_factors import psi_2
+from assessment.project.schema import ORIGINAL, LayerTable
 from assessment.results.faces import described
 from assessment.results.schema import FORMAT
 from assessment.runtime.fingerprint import installed
@@ -56,6 +57,7 @@ def describe(project: Project, model: Model) -> Results:
             "warnings": list(model.warnings),
         },
         "geometry": _geometry(project, a),
+        "loads": _loads(project, a),
         "echo": _spelt(project.content()),
         "states": {
             name: {
@@ -104,6 +106,31 @@ def _states(project: Project) -> Iterable[tuple[str, Results | None]]:
                 "increment_m": s.increment_m,
             },
         )
+
+
+def _loads(project: Project, a: Assembly) -> list[Results]:
+    """Return the vertical loads of each layer with movable blocks, all its blocks together, as they are combined."""
+    found = []
+    for layer in sorted({block.layer for block, moves in zip(a.blocks, a.movable, strict=True) if moves}):
+        own = [block for block in a.blocks if block.layer == layer]
+        given = project.layers.get(layer) or LayerTable()
+        variable = len(own) * given.variable_load_kN
+        combined = sum(block.weight for block in own)
+        loads = sum(block.vertical_load for block in own)
+        found.append(
+            {
+                "layer": layer,
+                "blocks": len(own),
+                "own_weight_kN": combined - loads,
+                "permanent_load_kN": len(own) * given.vertical_load_kN,
+                "variable_load_kN": variable,
+                "use_category": given.use_category,
+                "psi_2": psi_2(given.use_category, given.psi_2) if variable else None,
+                "combined_kN": combined,
+                "seismic_weight_kN": GRAVITY * sum(block.mass for block in own),
+            }
+        )
+    return found
 
 
 def _geometry(project: Project, a: Assembly) -> Results:

@@ -13,13 +13,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from assessment.cli import main as cli
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.project import load_project
 from assessment.workflow import run as workflow
 from tests import ROOT
-from tools import docs_pages
+from tools import docs_pages, floor_spectra
 
 DOCS = ROOT / "docs"
 GUIDES = [
@@ -41,6 +42,25 @@ def code(path: Path, language: str) -> list[str]:
 def test_what_is_made_is_up_to_date(name):
     """If not: python -m tools.docs_pages."""
     assert (DOCS / name).read_text(encoding="utf-8") == docs_pages.page(name)
+
+
+def test_picture_of_floor_spectra():
+    """At the top, T in 0.8 to 1.1 T_1 = 0.32237 s, on the plateau of the ground: S_eZ = A a_Z.
+
+    S = 1.4 − 0.4·2.36·0.261 = 1.153616, S_e(T_1) = 0.261·1.153616·2.36 = 0.710581 g; γ_1 = 9/7, ψ_1 = 1: a_Z =
+    0.710581·9/7·√(1 + 0.0004·25) = 0.918157 g; A = 1.1/√0.05 = 4.919350.
+    """
+    axes = Figure().subplots()
+    floor_spectra.draw(axes)
+    *floors, ground = axes.lines[:4]
+    T = ground.get_xdata()
+    plateau = (T >= 0.8 * 0.32237) & (T < 1.1 * 0.32237)
+    top, middle, low = (line.get_ydata()[plateau] for line in floors)
+    assert top == pytest.approx(4.919350 * 0.918157, rel=1e-5)
+    assert middle == pytest.approx(top * 2 / 3) and low == pytest.approx(top / 3)
+    assert all((line.get_ydata() >= ground.get_ydata()).all() for line in floors)
+    picture = DOCS / "pictures" / "floor_spectra.svg"
+    assert picture.stat().st_size < 40_000 and "z = 12 m" in picture.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("path", [DOCS / "api.md", ROOT / "README.md"], ids=lambda path: path.name)

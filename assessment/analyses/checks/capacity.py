@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from assessment.analyses.checks.chosen_mechanism import MechanismError, compared, evaluate
-from assessment.analyses.checks.demand import demand_return_periods, site_acceleration
+from assessment.analyses.checks.check_numbers import check_numbers
+from assessment.analyses.checks.chosen_mechanism import Control, MechanismError, compared, evaluate
+from assessment.analyses.checks.demand import demand_return_periods, ground_of, site_acceleration
+from assessment.analyses.static.local_loss import loss_told
 from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
-from assessment.ntc.capacity_return_period import stated
 from assessment.ntc.curve_fit import CapacityError, Curve, CurveFit, fit_curve
 from assessment.ntc.hazard import HazardCurve
 from assessment.ntc.limit_states import QUOTED
 from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.verification import Check, Method, verify
+from assessment.ntc.vertical import THRUSTING_A_G, vertical_component
 from assessment.project.mechanisms import chosen_mechanisms
 from assessment.project.schema import ORIGINAL
 from assessment.results.table import indices, ratios, sense
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
+    from assessment.project.schema import AssessmentTable
     from mechanics import Assembly
 
 
@@ -66,7 +70,9 @@ def assess(
             fit = fit_curve(assessment.model, rigid_branch(rigid, direction), branch)
             fit = replace(fit, elastic_end=_elastic_end(elastic) if assessment.model != "none" else None)
             capacity = capacity_curve(fit, part.e_star, part.gamma_star, assessment.confidence_factor)
-            checks = verify(capacity, demands, method_of(project, hazard))
+            method = with_loss(method_of(project, hazard), rigid.get("local_loss"))
+            warnings += [f"{direction}: {note}" for note in _beyond_loss(assessment, rigid.get("local_loss"))]
+            checks = verify(capacity, demands, method)
         except CapacityError as refusal:
             warnings.append(f"{direction}: no capacity: {refusal}")
             continue
@@ -75,11 +81,12 @@ def assess(
         said = dict.fromkeys(note for check in checks.values() for note in check.notes)
         warnings += [f"{direction}: {note}" for note in said]
         found[direction] = _numbers(mechanism, part, fit, capacity, checks)
+        vertical = _vertical(model, capacity, checks.get("SLV linear"), demands)
+        found[direction] |= {"vertical": vertical} if vertical else {}
         if hazard is not None and "SLV" in demands:
-            method = method_of(project, hazard)
             found[direction]["scalings"] = _scalings(capacity, checks["SLV"], demands["SLV"], method)
         if project.incremental:
-            found[direction]["nominal"] = _nominal(capacity, demands, method_of(project, hazard))
+            found[direction]["nominal"] = _nominal(capacity, demands, method)
     return found
 
 
@@ -93,11 +100,38 @@ def _elastic_end(elastic: Mapping[str, Any] | None) -> float | None:
 def _scalings(capacity: CapacityCurve, used: Check, spectrum: Spectrum, method: Method) -> dict[str, Any]:
     """SLV by both ways of following the demand up to the capacity; the trace of the one `used` is the check's."""
     ways = {"shape": "demand-shape", "return_period": "grid"}
-    found = {ways[method.scaling]: _check(used, 0) | {"trace": [], "used": True}}
+    found = {ways[method.scaling]: check_numbers(used, 0) | {"trace": [], "used": True}}
     for scaling in ways.keys() - {method.scaling}:
         other = verify(capacity, {"SLV": spectrum}, replace(method, scaling=scaling))["SLV"]
-        found[ways[scaling]] = _check(other, len(capacity.steps())) | {"used": False}
+        found[ways[scaling]] = check_numbers(other, len(capacity.steps())) | {"used": False}
     return found
+
+
+def _vertical(
+    model: Assembly, capacity: CapacityCurve, linear: Check | None, demands: Mapping[str, Spectrum]
+) -> dict[str, Any] | None:
+    """The linear check at SLV with the vertical component where a_g ≥ 0.15 g (NTC 2018, §7.2.2).
+
+    None where loads without mass or joints that crush part strength from weight: lighter weights are then no factor.
+    """
+    ground = ground_of(demands["SLV"]) if linear is not None else None
+    proportional = all(block.load_has_mass or block.vertical_load == 0.0 for block in model.blocks) and all(
+        np.isinf(block.material.compressive_strength) for block in model.blocks
+    )
+    if linear is None or ground is None or ground.ag < THRUSTING_A_G or not proportional:
+        return None
+    assert linear.demand_a_star is not None
+    steps = vertical_component(ground, capacity.fit.alpha_0, capacity.a_0_star, linear.demand_a_star)
+    known = {line.symbol: line.result for line in steps}
+    return {
+        "a_v_g": known["a_v"],
+        "alpha_0": known["alpha_0_v"],
+        "a_0_star_g": known["a_0_star_v"],
+        "demand_a_star_g": linear.demand_a_star,
+        "ratio": known["r_v"],
+        "verified": known["r_v"] >= 1.0,
+        "trace": numbers(steps),
+    }
 
 
 def _nominal(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method) -> dict[str, Any]:
@@ -107,7 +141,7 @@ def _nominal(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: M
     """
     limit = next(limit for limit in QUOTED if limit in demands)
     check = verify(replace(capacity, confidence_factor=1.0), {limit: demands[limit]}, method)[limit]
-    return {"limit_state": limit} | _check(check, 0)
+    return {"limit_state": limit} | check_numbers(check, 0)
 
 
 def _asked_for_elastic(project: Project) -> bool:
@@ -151,6 +185,25 @@ def method_of(project: Project, hazard: HazardCurve | None) -> Method:
         local_limits={} if limit is None else dict.fromkeys(("SLV", "SLC"), limit),
         local_reason=assessment.local_displacement_reason,
     )
+
+
+def with_loss(method: Method, loss: Mapping[str, Any] | None) -> Method:
+    """Return the method with the local loss of the path as limit where the project gives none (C8.7.1.2)."""
+    if loss is None or method.local_limits:
+        return method
+    a, b = loss["blocks"]
+    return replace(
+        method,
+        local_limits=dict.fromkeys(("SLV", "SLC"), loss["displacement_m"]),
+        local_reason=f"pushover, the faces of blocks {a} and {b} slide off each other",
+    )
+
+
+def _beyond_loss(assessment: AssessmentTable, loss: Mapping[str, Any] | None) -> Iterator[str]:
+    """Yield a warning where the project's local limit is farther than the loss that the path shows."""
+    given = assessment.local_displacement_limit_m
+    if loss is not None and given is not None and given > loss["displacement_m"]:
+        yield f"local_displacement_limit_m = {given:.4g} m, but {loss_told(loss)}; write no more than that"
 
 
 def governing(capacities: Mapping[str, Mapping[str, Any]]) -> dict[str, Any] | None:
@@ -198,7 +251,8 @@ def assess_chosen(
         try:
             if chosen.state != ORIGINAL and not any(map(any, state["configuration"])):
                 raise MechanismError("its state was not reached")
-            answer |= evaluate(model, positions, chosen, factor, demands, method)
+            controls = _controls(project, model, positions)
+            answer |= evaluate(model, positions, chosen, factor, demands, method, controls)
             rigid = (state["pushover"].get(answer["direction"]) or {}).get("rigid")
             answer = compared(answer, *(rigid[key] if rigid else None for key in ("alpha_0", "alpha_onset")))
             warnings += [f'mechanism "{chosen.name}": {note}' for note in answer["notes"]]
@@ -206,6 +260,17 @@ def assess_chosen(
             answer["refused"] = str(refusal)
             warnings.append(f'mechanism "{chosen.name}": refused: {refusal}')
         found.append(answer)
+    return found
+
+
+def _controls(project: Project, model: Assembly, positions: NDArray[np.float64]) -> dict[str, Control]:
+    """Return the control point of each direction of the pushover, where it is in a configuration (b, 3)."""
+    found: dict[str, Control] = {}
+    for direction in project.pushover.directions if project.pushover else ():
+        point = project.pushover_control(direction).point_m
+        block = model.block_at(point)
+        x, z = np.add(point, model.point_displacement(point, block, positions)).tolist()
+        found[direction] = Control((x, z), block)
     return found
 
 
@@ -227,31 +292,5 @@ def _numbers(
         "notes": list(fit.notes),
         "curve": {"d_star_m": capacity.displacement.tolist(), "a_star_g": capacity.acceleration.tolist()},
         "trace": numbers((*part.steps(), *capacity.steps()[2:])),  # e*, Γ* with what they come from
-        **{name: _check(check, len(capacity.steps())) for name, check in checks.items()},
-    }
-
-
-def _check(check: Check, common: int) -> dict[str, Any]:
-    """The numbers of a check; its trace without the `common` first steps, which are the capacity curve's."""
-    return {
-        "method": check.method,
-        "d_star_m": check.d_star,
-        "a_star_g": check.a_star,
-        "T_s": check.T,
-        "a_g_g": check.a_g,
-        "demand_a_g_g": check.demand_a_g,
-        "demand_a_star_g": check.demand_a_star,
-        "pga_g": check.pga,
-        "demand_pga_g": check.demand_pga,
-        "S": check.S,
-        "demand_S": check.demand_S,
-        "reference": check.reference,
-        "zeta_E": check.zeta_E,
-        "verified": check.verified,
-        "damping": check.damping,
-        "return_period_years": check.return_period,
-        "return_period_stated": stated(check.return_period),
-        "governing": check.governing,
-        "notes": list(check.notes),
-        "trace": numbers(check.trace[common:]),
+        **{name: check_numbers(check, len(capacity.steps())) for name, check in checks.items()},
     }

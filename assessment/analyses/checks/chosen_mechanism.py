@@ -7,20 +7,21 @@ joint that is closed penetrates and none rubs, so that α0 = Σ W δ_z/Σ P δ_x
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from assessment.analyses.checks.check_numbers import check_numbers
+from assessment.analyses.checks.kinematics import Closed, KinematicsError, finite_motion, hinges_of
 from assessment.analyses.checks.virtual_work import virtual_displacements, virtual_work
-from assessment.ntc.calculation import numbers, step
+from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import CapacityCurve, capacity_curve
-from assessment.ntc.capacity_return_period import stated
-from assessment.ntc.curve_fit import fit_rigid
-from assessment.ntc.verification import Method, check_linear
+from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
+from assessment.ntc.verification import Method, verify
 from assessment.results.faces import Met
-from mechanics.model import Contacts, H, end_gaps, rows
+from mechanics.model import Contacts, H, end_gaps, end_points, rows
 from mechanics.steps import LIMIT, static_system
 from mechanics.types import Index, Mask
 
@@ -35,7 +36,17 @@ Numbers = dict[str, Any]
 SLIGHT = 0.02  # of the largest displacement: penetration that a hinge set back from the edge may leave
 ROUNDING = 1e-4  # of the largest displacement: what the digits of typed coordinates leave
 BELOW = 1e-3  # how far an upper bound may fall below the multiplier of limit analysis
-_LAW = "Circolare 7/2019, C8.7.1.2"
+STILL = 1e-6  # of the largest displacement: a control point that takes no part
+CURVE = {"F_C", "a_0_star", "d_0", "d_0_star"}  # steps of a capacity curve that virtual work does not have
+
+
+@dataclass(frozen=True)
+class Control:
+    """A point (x, z), m, of a block, and its horizontal virtual displacement `delta_x` in a mechanism."""
+
+    point: tuple[float, float]
+    block: int
+    delta_x: float = 0.0
 
 
 class MechanismError(ValueError):
@@ -46,14 +57,23 @@ class MechanismError(ValueError):
 class JointMotion:
     """What a mechanism does in the joints of a configuration.
 
-    `penetration`: the deepest as a share of the largest displacement, between the blocks `pair`; `rubs` (j,): which of
-    the `contacts` slide against friction.
+    `penetration`: the deepest as a share of the largest displacement, between the blocks `pair`; `shut` and `rubs`
+    (j,): which of the `contacts` are closed, at an end at least, and which slide against friction.
     """
 
     penetration: float
     pair: tuple[int, int]
     contacts: Contacts
+    shut: Mask
     rubs: Mask
+
+    def closed(self, positions: Array) -> Closed:
+        """Blocks and ends of the contacts that are closed at `positions` (b, 3)."""
+        return (
+            self.contacts.a[self.shut],
+            self.contacts.b[self.shut],
+            end_points(self.contacts, positions)[self.shut],
+        )
 
     @property
     def rubbing(self) -> Index:
@@ -81,7 +101,9 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion
         abs(v) > np.maximum(opening, 0.0) / least + ROUNDING * largest / np.minimum(least, 1.0)
     )
     pair = (int(contacts.a[worst]), int(contacts.b[worst]))
-    return JointMotion(max(0.0, -float(opening[worst]) / largest), pair, contacts, rubs)
+    return JointMotion(
+        max(0.0, -float(opening[worst]) / largest), pair, contacts, np.asarray(closed.any(axis=1)), rubs
+    )
 
 
 def evaluate(
@@ -91,11 +113,13 @@ def evaluate(
     confidence_factor: float,
     demands: Mapping[str, Spectrum],
     method: Method,
+    controls: Mapping[str, Control] | None = None,
 ) -> Numbers:
-    """Return α0 of a chosen mechanism at `positions` (b, 3), its direction, its linear checks and their steps.
+    """Return α0 of a chosen mechanism at `positions` (b, 3), its direction, its checks and their steps.
 
-    Raises MechanismError where blocks penetrate, where no weight moves horizontally, or where the weights drive the
-    motion by themselves.
+    `controls`: control point of each direction, of which the displacement is if it moves with the mechanism; else that
+    of the block that moves farthest. Raises MechanismError where blocks penetrate, where no weight moves horizontally,
+    or where the weights drive the motion by themselves.
     """
     delta = virtual_displacements(model, positions, chosen)
     motion = joint_motion(model, positions, delta)
@@ -108,21 +132,43 @@ def evaluate(
     work = virtual_work(model, positions, chosen)
     if abs(work.lateral) <= 1e-9 * work.moving * float(abs(delta[:, :2]).max()):
         raise MechanismError("the weights do no horizontal work: no horizontal load starts it")
-    alpha_0, e_star = work.alpha_0, work.e_star
-    if alpha_0 <= 0.0:
+    if work.alpha_0 <= 0.0:
         raise MechanismError(
-            f"alpha_0 = {alpha_0:.4g}: the weights drive it without any horizontal load; change the sense of rotation"
+            f"alpha_0 = {work.alpha_0:.4g}: the weights drive it without any horizontal load; change the sense of "
+            "rotation"
         )
-    capacity = capacity_curve(fit_rigid(([0.0, 1.0], [alpha_0, alpha_0])), e_star, 1.0, confidence_factor)
-    last = step("a_0_star", "alpha_0/(e_star*F_C)", capacity.a_0_star, "g", _LAW, alpha_0=alpha_0, e_star=e_star,
-                F_C=confidence_factor)  # fmt: skip
+    direction = "+x" if work.lateral > 0.0 else "-x"
     met = Met(model)
     rubbing = met.numbers(motion.contacts, motion.rubs)[motion.rubbing].tolist()
+    notes = list(_notes(penetration, pair, rubbing))
+    given = (controls or {}).get(direction)
+    control = followed(model, positions, delta, given, 1.0 if direction == "+x" else -1.0)
+    fit = fit_rigid(([0.0, 1.0], [work.alpha_0, work.alpha_0]))
+    if demands.keys() & {"SLV", "SLC"}:
+        try:
+            fit = _fit(model, positions, chosen, motion.closed(positions), control)
+        except (KinematicsError, CapacityError) as refusal:
+            notes.append(f"no nonlinear check: {refusal}")
+    if (
+        given is None or given.block != control.block or given.point != control.point
+    ):  # the local loss is a displacement of another point
+        method = replace(method, local_limits={})
+    steps = [*work.steps, *work.result_steps(), *work.participation_steps(control.delta_x)]
+    gamma_star = steps[-1].result
+    capacity = capacity_curve(fit, work.e_star, gamma_star, confidence_factor)
+    steps += [line for line in capacity.steps() if line.symbol in CURVE]
     return {
-        "direction": "+x" if work.lateral > 0.0 else "-x",
-        "alpha_0": alpha_0,
-        "e_star": e_star,
+        "direction": direction,
+        "alpha_0": work.alpha_0,
+        "e_star": work.e_star,
+        "gamma_star": gamma_star,
         "a_0_star_g": capacity.a_0_star,
+        "d_0_m": fit.d_0,
+        "d_0_star_m": capacity.d_0_star,
+        "control_m": list(control.point),
+        "curve": None
+        if fit.d_0 is None
+        else {"d_star_m": capacity.displacement.tolist(), "a_star_g": capacity.acceleration.tolist()},
         "moving_weight_kN": work.moving,
         "macro_blocks": [
             {"about_m": part.about.tolist(), "rotation": part.rotation, "blocks": part.blocks.tolist()}
@@ -132,34 +178,52 @@ def evaluate(
         "penetration": penetration,
         "sliding_joints": rubbing,
         "met": met.joints,
-        "notes": list(_notes(penetration, pair, rubbing)),
-        "trace": numbers((*work.steps, *work.result_steps(), last)),
+        "notes": notes,
+        "trace": numbers(steps),
         **_checks(capacity, demands, method),
     }
 
 
+def followed(
+    model: Assembly, positions: Array, delta: Array, control: Control | None, sense: float
+) -> Control:
+    """Return the control point that is given, if it moves along the push, or the centroid that moves farthest along it.
+
+    Its virtual displacement is that of the configuration at `positions` (b, 3).
+    """
+    along = sense * delta[:, 0]
+    if control is not None:
+        arm = np.subtract(control.point, positions[control.block, :2])
+        own = along[control.block] - sense * delta[control.block, 2] * arm[1]
+        if own > STILL * float(abs(delta[:, :2]).max()):
+            return replace(control, delta_x=float(sense * own))
+    block = int(np.argmax(along))
+    x, z = positions[block, :2].tolist()
+    return Control((x, z), block, float(delta[block, 0]))
+
+
+def _fit(model: Assembly, positions: Array, chosen: Chosen, closed: Closed, control: Control) -> CurveFit:
+    """Return α over the displacement of the control point, m, as the mechanism moves on (C8.7.1.2.1.2)."""
+    path = finite_motion(model, positions, chosen, hinges_of(chosen, closed))
+    x, z = np.subtract(control.point, positions[control.block, :2])
+    turned = path.positions[:, control.block, 2] - positions[control.block, 2]
+    reached = path.positions[:, control.block, 0] + np.cos(turned) * x - np.sin(turned) * z
+    d = np.sign(control.delta_x) * (reached - control.point[0])
+    if (np.diff(d) <= 0.0).any():
+        raise KinematicsError("the control point turns back before α = 0; choose one that does not")
+    return replace(fit_rigid((d, path.multiplier)), source="virtual work, hinges followed")
+
+
 def _checks(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method) -> Numbers:
-    """Return the linear checks of the limit states up to SLV (C8.7.1.2)."""
-    answers = {}
-    for limit_state, spectrum in demands.items():
-        if limit_state != "SLC":
-            name = "SLV linear" if limit_state == "SLV" else limit_state
-            answers[name] = check_linear(capacity, limit_state, spectrum, method)
-    common = len(capacity.steps())
-    return {
-        name: {
-            "a_star_g": check.a_star,
-            "a_g_g": check.a_g,
-            "demand_a_g_g": check.demand_a_g,
-            "demand_a_star_g": check.demand_a_star,
-            "zeta_E": check.zeta_E,
-            "verified": check.verified,
-            "return_period_years": check.return_period,
-            "return_period_stated": stated(check.return_period),
-            "trace": numbers(check.trace[common:]),
-        }
-        for name, check in answers.items()
+    """Return the linear checks up to SLV and, where the motion is known, the nonlinear ones (C8.7.1.2)."""
+    whole = capacity.d_0_star is not None
+    answers = {
+        name: check
+        for name, check in verify(capacity, demands, method).items()
+        if whole or check.method == "linear"
     }
+    common = len(capacity.steps())
+    return {name: check_numbers(check, common) for name, check in answers.items()}
 
 
 def compared(found: Numbers, alpha_0: float | None, alpha_onset: float | None) -> Numbers:

@@ -155,7 +155,7 @@ def spectra_numbers(
         if hazard is not None and site is not None:
             by_life = return_period_steps(name, site.nominal_life_years, site.use_class)
             steps = (*by_life, *hazard.steps(by_life[-1].result)[1:])
-        ground, floor = _ground(spectrum), project.assessment.floor
+        ground, floor = ground_of(spectrum), project.assessment.floor
         if ground is not None:
             if floor is not None and floor.period_s is None and ground is not spectrum:
                 steps = (*steps, fundamental_period(floor.building_height_m))
@@ -169,7 +169,7 @@ def _kind(spectrum: Spectrum) -> str:
     return "ground" if isinstance(spectrum, ElasticSpectrum) else "floor"
 
 
-def _ground(spectrum: Spectrum) -> ElasticSpectrum | None:
+def ground_of(spectrum: Spectrum) -> ElasticSpectrum | None:
     """Return the spectrum at the ground; None for that of a record."""
     if isinstance(spectrum, FloorSpectrum | FloorSpectrum2009):
         return spectrum.ground
@@ -177,7 +177,7 @@ def _ground(spectrum: Spectrum) -> ElasticSpectrum | None:
 
 
 def _parameters(spectrum: Spectrum) -> dict[str, Any]:
-    ground = _ground(spectrum)
+    ground = ground_of(spectrum)
     if ground is None:
         return {}
     return {

@@ -57,6 +57,14 @@ class VirtualWork:
                  L_P=self.lateral, Sigma_P=self.moving, Sigma_P_delta_2=self.second),
         )  # fmt: skip
 
+    def participation_steps(self, delta_C: float) -> tuple[Step, ...]:
+        """Return Γ* by hand, of a control point that moves by δ_C along x."""
+        return (
+            datum("delta_C", delta_C, "m", "control point: virtual displacement"),
+            step("Gamma_star", "Sigma_P_delta_2/(delta_C*L_P)", self.second / (delta_C * self.lateral), "",
+                 "Circolare 7/2019, C8.7.1.2", Sigma_P_delta_2=self.second, delta_C=delta_C, L_P=self.lateral),
+        )  # fmt: skip
+
 
 def virtual_displacements(model: Assembly, positions: Array, chosen: Chosen) -> Array:
     """Return δ (b, 3): δ_x = −θ (z − z_C), δ_z = θ (x − x_C) of the centroids and θ; other blocks stay still."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from assessment.analyses.static.local_loss import local_loss, loss_told
 from assessment.ntc.capacity import mechanism_participation
 from assessment.ntc.curve_fit import CapacityError
 from assessment.results.faces import Met
@@ -229,12 +230,17 @@ def _settle(
     quality = Quality(settlement.name, f"pushdown, {behaviour}")
     quality.add(path)
     result.quality.append(quality.numbers())
+    lost = local_loss(model, path.states, path.movement, path.steps[0].forces) if path.steps else None
+    if lost is not None:
+        said = loss_told(lost)
+        result.warnings.append(f"{title}: {said}")
     result.numbers = {
         "sliding": sliding,
         "movement_m": path.movement.tolist(),
         "reaction_x_kN": path.reaction[:, 0].tolist(),
         "reaction_z_kN": path.reaction[:, 1].tolist(),
         "ultimate_movement_m": path.ultimate,
+        "local_loss": lost,
         "applied_movement_m": whole,
         "end": path.end,
         "configuration": configuration(model, path.final),
@@ -306,6 +312,9 @@ def _curve_followed(
         **numbers,
         "frames": pushover_frames(model, path, met),
     }
+    if rigid and numbers["local_loss"] is not None:
+        said = loss_told(numbers["local_loss"])
+        result.warnings.append(f"{title}: {said}")
     if rigid and path.formed != path.peak:
         result.warnings.append(
             f"{title}: the control point takes no part in the mechanism at α0: displacements, e*, Γ*, forces and hand "
@@ -356,6 +365,7 @@ def _rigid(
         "reached_zero": path.reached_zero,
         "lost": path.lost,
         "end": path.end,
+        "local_loss": local_loss(model, path.states, path.displacement, path.forces),
         "curve": _curve(path, direction),
         "mechanism": {
             "point": path.formed,

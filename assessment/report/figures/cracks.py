@@ -5,18 +5,20 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import shapely
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from assessment.report.cracks import cracks
 from assessment.report.figures.deformed import INK, fill_roles, legend, union
-from assessment.report.figures.labels import POINT_MM, Labels
+from assessment.report.figures.labels import LETTER, POINT_MM, Labels
 from assessment.report.figures.style import Sheet, sheet
 from assessment.report.text.language import Words
 from assessment.results.outlines import Array, Outlines, outlines
 from assessment.results.table import Results
 
 SMALLEST_PT, LARGEST_PT = 3.5, 6.5  # of the number of a block, as large as the block has room for
+CAPITAL = 0.75  # of the size of a font: the height of a digit
 CRACK: dict[str, Any] = {"color": INK, "linewidth": 2.0, "solid_capstyle": "butt"}
 NUMBER: dict[str, Any] = {
     "fontsize": 6.5,
@@ -37,10 +39,11 @@ def draw_cracks(results: Results, words: Words, state: str) -> Figure:
     ends = {row["joint"]: _face(results, shape, row["joint"]) for row in rows}
     for face in ends.values():
         axes.plot(*face.T, **CRACK)
-    size = _size(page, shape)
-    if size >= SMALLEST_PT:
-        for number, centroid in enumerate(shape.centroids):
-            labels.write(str(number), [centroid], fontsize=size, color="0.25")
+    rings = shape.rings(range(len(shape.centroids)))
+    for number, (ring, centroid) in enumerate(zip(rings, shape.centroids, strict=True)):
+        size = room(page, ring, str(number))
+        if size >= SMALLEST_PT:
+            labels.put(str(number), centroid, fontsize=size, color="0.25")
     for row in rows:
         labels.write(f"G{row['joint']}", _beside(page, ends[row["joint"]], middle), **NUMBER)
     legend(page, [Line2D([], [], **CRACK, label=words.plain("figure.crack"))])
@@ -67,9 +70,9 @@ def _beside(page: Sheet, face: Array, middle: Array) -> list[Array]:
     return [end + page.paper(distance) * out for distance in (3.0, 5.0) for end, out in ends]
 
 
-def _size(page: Sheet, shape: Outlines) -> float:
-    """Return the size in points of a number that the middle one of the blocks has room for."""
-    rings = shape.rings(range(len(shape.centroids)))
-    narrow = np.median([np.ptp(ring, axis=0).min() for ring in rings])
-    millimetres = 1000.0 * narrow / page.scale
-    return float(min(LARGEST_PT, 0.7 * millimetres / POINT_MM))
+def room(page: Sheet, ring: Array, text: str) -> float:
+    """Return the size in points, LARGEST_PT at most, of a text that stays within a block (n, 2) m at any slope."""
+    corners = np.asarray(shapely.minimum_rotated_rectangle(shapely.Polygon(ring)).exterior.coords)
+    narrow = 1000.0 * min(np.hypot(*(corners[1] - corners[0])), np.hypot(*(corners[2] - corners[1])))
+    diagonal = np.hypot(LETTER * len(text), CAPITAL) * POINT_MM  # mm of a text of one point
+    return float(min(LARGEST_PT, narrow / page.scale / diagonal))

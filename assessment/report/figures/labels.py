@@ -51,6 +51,12 @@ class Labels:
                 return True
         return False
 
+    def put(self, text: str, place: Array, **style: Any) -> None:
+        """Write a text at a place (2,) that is its own, such as the inside of a block, whatever is there."""
+        half = 0.5 * self._size(text, float(style.get("fontsize", 7.5)), style)
+        self.taken.append(np.concatenate([place - half, place + half]))
+        self.axes.annotate(text, (float(place[0]), float(place[1])), ha="center", va="center", **style)
+
     def keep_free(self, points: Array, radius_mm: float) -> None:
         """Let no label come nearer to the points (n, 2) than that: marks that must stay visible."""
         reach = self.page.paper(radius_mm)

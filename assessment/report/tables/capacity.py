@@ -25,7 +25,8 @@ VERIFICATION: tuple[str, ...] = (
 SCALINGS = ("a_g_g", "pga_g", "demand_pga_g", "zeta_E", "return_period_years")
 OTHER_SCALING = "other_scaling"  # SLV by the way of scaling that the checks did not take
 NOMINAL = "nominal"  # the check without confidence factor that is compared with a dynamic capacity
-BESIDE = (OTHER_SCALING, NOMINAL)
+VERTICAL = "vertical"  # the linear check with the vertical component
+BESIDE = (VERTICAL, OTHER_SCALING, NOMINAL)
 SPECTRUM = ("limit_state", "T_s", "S_e_g", "S_De_m", "damping", "damped_S_e_g", "damped_S_De_m")
 ACTION = (
     "limit_state",
@@ -66,7 +67,24 @@ LINEAR_CHECK = (
     "ratio",
     "verified",
 )
-CHOSEN_CHECK = ("a_g_g", "demand_a_g_g", "zeta_E", "verified", "return_period_years")
+AT_SURFACE = ("pga_g", "demand_pga_g", "return_period_years")
+BEHIND = (
+    "d_star_m",
+    "a_star_g",
+    "T_s",
+    "mechanism",
+    *AT_SURFACE,
+)  # of a check, in other tables of the report
+CHOSEN_CHECK = (
+    "d_star_m",
+    "a_star_g",
+    "T_s",
+    "a_g_g",
+    "demand_a_g_g",
+    "zeta_E",
+    "verified",
+    "return_period_years",
+)
 
 
 def capacity_curves(results: Results) -> Table:
@@ -115,6 +133,16 @@ def verification(results: Results) -> Table:
     return Table("verification", rows, ("state", "direction", "limit_state", *columns))
 
 
+def verification_surface(results: Results) -> Table:
+    """List the same checks at the surface, and their return periods: the report's other half of `verification`."""
+    whole = verification(results)
+    columns = tuple(
+        column for column in ("state", "direction", "limit_state", *AT_SURFACE) if column in whole.columns
+    )
+    rows = [{key: row[key] for key in columns if key in row} for row in whole.rows]
+    return Table("verification_surface", [row for row in rows if row.get("pga_g") is not None], columns)
+
+
 def mechanism_text(mechanism: Mapping[str, int]) -> str:
     """Return a mechanism as hinges + sliding joints."""
     return f"{mechanism['hinges']} + {mechanism['sliding_joints']}"
@@ -152,10 +180,10 @@ def chosen_mechanisms(results: Results) -> Table:
 
 
 def chosen_checks(results: Results) -> Table:
-    """List the linear checks of the mechanisms that the user chose."""
+    """List the checks of the mechanisms that the user chose, linear and, where their motion is known, nonlinear."""
     rows = [
         {"mechanism": given["name"], "state": given["state"], "limit_state": name}
-        | {key: given[name][key] for key in CHOSEN_CHECK if given[name][key] is not None}
+        | {key: given[name][key] for key in CHOSEN_CHECK if given[name].get(key) is not None}
         for given in results.get("mechanisms") or []
         for name in CHECKS
         if name in given
@@ -210,6 +238,8 @@ def traces(content: Mapping[str, Any]) -> Iterator[tuple[str, list[Mapping[str, 
     for limit in CHECKS:
         if (content.get(limit) or {}).get("trace"):
             yield limit, content[limit]["trace"]
+    if content.get(VERTICAL):
+        yield VERTICAL, content[VERTICAL]["trace"]
     for scaling in (content.get("scalings") or {}).values():
         if scaling.get("trace"):
             yield OTHER_SCALING, scaling["trace"]

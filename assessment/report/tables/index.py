@@ -25,6 +25,8 @@ from assessment.report.tables.capacity import (
 from assessment.report.tables.convergence import convergence_tables
 from assessment.report.tables.dynamic import dynamic_tables
 from assessment.report.tables.indices import index_tables
+from assessment.report.tables.loads import loads, vertical
+from assessment.report.tables.mechanisms import all_mechanisms
 from assessment.report.tables.studies import study_tables
 from assessment.results.hand_check import hand_check, macro_block_table, outline_area
 from assessment.results.reactions import balance, joint_table, reactions
@@ -62,6 +64,7 @@ def tables(results: Results) -> list[Table]:
     return [
         blocks(results),
         layers(results),
+        loads(results),
         settlements(results),
         pushdown_curves(results),
         mechanisms(results),
@@ -83,7 +86,9 @@ def tables(results: Results) -> list[Table]:
         action(results),
         chosen_mechanisms(results),
         chosen_checks(results),
+        all_mechanisms(results),
         linear_checks(results),
+        vertical(results),
         scalings(results),
         trace(results),
         *index_tables(results),

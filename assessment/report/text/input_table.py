@@ -12,7 +12,12 @@ from assessment.results.table import Row
 
 Path = tuple[str, ...]
 CHOICES = {"accuracy", "sliding", "contacts", "model", "spectrum", "method", "record_demand", "language"}
-CHOICES |= {"state", "states"}  # keys whose values are words of the program; others are the user's own
+CHOICES |= {
+    "state",
+    "states",
+    "use_category",
+}  # keys whose values are words of the program; others are the user's own
+LOADS = ("vertical_load_kN", "variable_load_kN")
 
 
 def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:
@@ -30,9 +35,15 @@ def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:
 
 
 def _flat(value: Mapping[str, Any], path: Path = ()) -> Iterator[tuple[Path, str, Any]]:
-    """Yield path of the table, key and value, the tables within after; arrays of tables are numbered from 1."""
+    """Yield path of the table, key and value, the tables within after; arrays of tables are numbered from 1.
+
+    Of a layer without loads the keys of loads are left out.
+    """
     inner: list[tuple[Path, Mapping[str, Any]]] = []
+    unloaded = not any(value.get(key) for key in LOADS)
     for key, item in value.items():
+        if unloaded and key in (*LOADS, "load_has_mass"):
+            continue
         if isinstance(item, Mapping):
             inner.append(((*path, key), item))
         elif isinstance(item, list) and any(isinstance(entry, Mapping) for entry in item):

@@ -12,12 +12,14 @@ from assessment.ntc.capacity_return_period import stated
 from assessment.ntc.hazard_grid import RETURN_PERIODS
 from assessment.ntc.limit_states import CHECKS, INDEXED, ROCK, SURFACE
 from assessment.report.tables.capacity import directions
+from assessment.report.tables.mechanisms import WHOLE
 from assessment.report.text.language import Words, direction_name
 from assessment.results.table import Row, Table, reference_of
 
 MILLIMETRES = {
     "d_y_m",
     "d_0_m",
+    "d_0_star_m",
     "d_star_m",
     "displacement_x_m",
     "displacement_z_m",
@@ -43,6 +45,7 @@ PERCENT |= {"deviation", "hand_deviation", "relative_error", "relative_scatter",
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
 TEXT |= {
     "use_class",
+    "use_category",
     "IS_V_class",
     "PAM_class",
     "risk_class",
@@ -51,6 +54,7 @@ TEXT |= {
     "scaling",
     "counts",
     "mechanism",
+    "macro_element",
     "governing",
     "kind",
     "soil",
@@ -216,6 +220,10 @@ def _name(column: str, value: Any, words: Words) -> str:
         return words.plain(f"value.{value}_spectrum")
     if column == "parameter":
         return words.plain(f"value.parameter_{value}")
+    if column == "macro_element" and value == WHOLE:
+        return words.plain("value.whole_structure")
+    if column == "use_category":
+        return str(words.strings["setting"].get(value, value))
     if column == "scaling":
         return words.plain(f"value.scaling_{value.replace('-', '_')}")
     if column == "stage":

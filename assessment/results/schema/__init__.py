@@ -16,7 +16,7 @@ from assessment.results.schema.checks import (
 )
 from assessment.results.schema.dynamic import History, Incremental, Motion
 from assessment.results.schema.indices import Indices, Knowledge
-from assessment.results.schema.model import Echo, Geometry, ModelSummary, Quality, Software
+from assessment.results.schema.model import Echo, Geometry, LayerLoads, ModelSummary, Quality, Software
 from assessment.results.schema.part import Configuration, Part, key, optional
 from assessment.results.schema.static import Pushdowns, Pushovers, Settlement
 from assessment.results.schema.studies import Convergence, Scenarios, Sensitivity
@@ -51,6 +51,7 @@ class Results(Part):
     inputs: dict[str, str] = key("SHA-256 of each file that was read, by name")
     model: ModelSummary = key("what was read from the drawing")
     geometry: Geometry = key("blocks, joints, control points")
+    loads: list[LayerLoads] | None = optional("vertical loads by layer, as combined")
     echo: Echo = key("the project file")
     states: dict[str, State] = key("every state, by name")
     spectra: dict[str, Spectrum] | None = optional("the demand, by limit state")

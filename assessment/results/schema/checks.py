@@ -67,6 +67,18 @@ class Count(Part):
     sliding_joints: int = key("joints that slide")
 
 
+class VerticalCheck(Part):
+    """`capacity.+x.vertical`: the linear check at SLV with 0.3 of the vertical component (NTC 2018, §7.2.2)."""
+
+    a_v_g: float = key("vertical acceleration S_ve(0)", "g")
+    alpha_0: float = key("multiplier of the rigid mechanism under the lighter weights", "–")
+    a_0_star_g: float = key("a_0* of it", "g")
+    demand_a_star_g: float = key("what it is compared with", "g")
+    ratio: float = key("their ratio", "–")
+    verified: bool = key("whether it is 1 or more")
+    trace: list[Line] = key("its calculation")
+
+
 class Capacity(Part):
     """`capacity.+x`, `.-x`: the capacity in a direction and its checks, each where its limit state was asked for."""
 
@@ -87,6 +99,9 @@ class Capacity(Part):
     scalings: dict[str, ScaledCheck] | None = optional("SLV by both ways of scaling, where a grid is given")
     nominal: NominalCheck | None = optional("check with F_C = 1, where there is an incremental analysis")
     SLV_linear: Check | None = optional("linear check at SLV, with the behaviour factor", alias="SLV linear")
+    vertical: VerticalCheck | None = optional(
+        "linear check with the vertical component, where it is asked for"
+    )
     SLV: Check | None = optional("nonlinear check at SLV")
     SLC: Check | None = optional("nonlinear check at SLC")
 
@@ -142,20 +157,6 @@ class GivenMacroBlock(Part):
     blocks: list[int] = key("numbers of its blocks")
 
 
-class GivenCheck(Part):
-    """A linear check of a mechanism of the user's."""
-
-    a_g_g: float | None = key("capacity a_g", "g")
-    demand_a_g_g: float = key("demand a_g", "g")
-    a_star_g: float | None = optional("a_0* of the mechanism", "g")
-    demand_a_star_g: float | None = optional("what it is compared with: a_g S/q, or a_Z/q at height", "g")
-    return_period_stated: str | None = optional('"> 2475" or "< 30" beyond the hazard')
-    zeta_E: float | None = key("ratio of a_g S borne to that demanded", "–")
-    verified: bool | None = key("whether it is 1 or more")
-    return_period_years: float | None = key("of the capacity; null: not known", "years")
-    trace: list[Line] = key("its calculation")
-
-
 class GivenMechanism(Part):
     """`mechanisms[]`: a mechanism of the project file; one that is refused has nothing but the reason."""
 
@@ -166,7 +167,14 @@ class GivenMechanism(Part):
     alpha_0: float | None = optional("multiplier by virtual work", "–")
     alpha_0_limit: float | None = optional("α_0 of its state in that direction; null: not known", "–")
     e_star: float | None = optional("share of the mass that takes part", "–")
+    gamma_star: float | None = optional("participation factor Γ* of its control point", "–")
+    control_m: Point | None = optional("the point whose displacement is followed, in its state: x, z", "m")
     a_0_star_g: float | None = optional("acceleration that starts it, divided by the confidence factor", "g")
+    d_0_m: float | None = optional(
+        "displacement of that point where α = 0; null: not found, `notes` say why", "m"
+    )
+    d_0_star_m: float | None = optional("the same of the equivalent oscillator", "m")
+    curve: CapacityCurve | None = optional("capacity curve of its finite motion; null: not found")
     moving_weight_kN: float | None = optional("seismic weight that moves", "kN")
     macro_blocks: list[GivenMacroBlock] | None = optional("its macro-blocks")
     displacements: Configuration | None = optional("x, z, ω of each block, the largest being 1 m", "m, rad")
@@ -175,9 +183,11 @@ class GivenMechanism(Part):
     met: list[Face] | None = optional("pairs of faces that touch in its state and not as drawn")
     notes: list[str] | None = optional("what to know about it")
     trace: list[Line] | None = optional("its calculation")
-    SLO: GivenCheck | None = optional("activation at SLO")
-    SLD: GivenCheck | None = optional("activation at SLD")
-    SLV_linear: GivenCheck | None = optional("linear check at SLV", alias="SLV linear")
+    SLO: Check | None = optional("activation at SLO")
+    SLD: Check | None = optional("activation at SLD")
+    SLV_linear: Check | None = optional("linear check at SLV", alias="SLV linear")
+    SLV: Check | None = optional("nonlinear check at SLV")
+    SLC: Check | None = optional("nonlinear check at SLC")
 
 
 class ComparisonRow(Part):

@@ -31,8 +31,22 @@ class Block(Part):
     layer: str = key("layer of the drawing")
     handle: str = key("handle of its polyline in the drawing")
     support: str | None = key("name of the support that it belongs to; null: it moves")
-    vertical_load_kN: float = key("load at its centroid, downward", "kN")
+    vertical_load_kN: float = key("load at its centroid, downward: G_2 + ψ₂ Q", "kN")
     weight_kN: float = key("own weight with the vertical load", "kN")
+
+
+class LayerLoads(Part):
+    """`loads[]`: vertical loads of the blocks of a layer, G_1 + G_2 + ψ₂ Q (NTC 2018, §2.5.3)."""
+
+    layer: str = key("layer of the drawing")
+    blocks: int = key("its blocks")
+    own_weight_kN: float = key("G_1, of the stone", "kN")
+    permanent_load_kN: float = key("G_2, loads of the project file", "kN")
+    variable_load_kN: float = key("Q, characteristic", "kN")
+    use_category: str | None = key("category of Q, NTC 2018 Tab. 2.5.I; null: not given")
+    psi_2: float | None = key("its ψ₂; null: no variable load", "–")
+    combined_kN: float = key("G_1 + G_2 + ψ₂ Q", "kN")
+    seismic_weight_kN: float = key("what of it is seismic mass", "kN")
 
 
 class Control(Part):
@@ -144,6 +158,7 @@ __all__ = [
     "Face",
     "Geometry",
     "Joint",
+    "LayerLoads",
     "Line",
     "ModelSummary",
     "Quality",

@@ -22,6 +22,15 @@ class Frames(Part):
     met: list[Face] = key("pairs of faces that touch on the path and not as drawn")
 
 
+class LocalLoss(Part):
+    """`local_loss`: the first joint of a path that bears and whose faces come to slide off each other."""
+
+    displacement_m: float = key("of the control point along the push, or of the movement of a support", "m")
+    joint: int = key("number of the joint")
+    blocks: list[int] = key("numbers of its two blocks")
+    overlap_m: float = key("how far its faces overlap where the path starts", "m")
+
+
 class PushdownPath(Part):
     """`pushdown.rigid`, `.elastic`: a support moves as the settlement asks, and on to collapse where asked for."""
 
@@ -35,6 +44,7 @@ class PushdownPath(Part):
     ultimate_movement_m_range: list[float | None] | None = optional(
         "least and largest of an ensemble; null: none in some", "m"
     )
+    local_loss: LocalLoss | None = optional("the first joint that is lost; null: none")
     sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
     applied_movement_m: float = key("largest component of the movement that the settlement asks for", "m")
     end: str = key("why the path ends")
@@ -98,6 +108,9 @@ class RigidPush(Part):
     )
     reached_zero: bool = key("whether the curve falls to α = 0")
     lost: bool = key("whether equilibrium is lost before, where the capacity ends")
+    local_loss: LocalLoss | None = optional(
+        "the first joint that is lost: limit of SLV and SLC where none is given"
+    )
     end: str = key("why the path ends")
     curve: Curve = key("the curve")
     members: list[Curve] | None = optional("curves of the other members of the ensemble")

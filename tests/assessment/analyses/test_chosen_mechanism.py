@@ -5,7 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assessment.analyses.checks.chosen_mechanism import MechanismError, compared, evaluate, joint_motion
+from assessment.analyses.checks.chosen_mechanism import (
+    Control,
+    MechanismError,
+    compared,
+    evaluate,
+    joint_motion,
+)
 from assessment.analyses.checks.virtual_work import virtual_displacements
 from assessment.cli.main import main
 from assessment.ntc.capacity import mechanism_participation
@@ -20,7 +26,7 @@ from assessment.report.tables.capacity import chosen_mechanisms, trace
 from assessment.report.text.language import words_of
 from assessment.report.text.messages import translated
 from assessment.workflow.stages import run
-from mechanics import Assembly, Block, Material, limit_analysis
+from mechanics import Assembly, Block, Material, limit_analysis, pushover
 from tests.support.block_project import PROJECT
 from tests.support.structures import arch_on_piers, block_on_base, rectangle, semicircular_arch
 from tests.support.trace_check import recomputed
@@ -55,6 +61,11 @@ def test_one_block_by_hand():
     θ = −1: δ_x = 2.1, δ_z = 0.3 (the centre rises as the block leans to +x); L_W = 45.36·0.3 = 13.608 kNm,
     L_P = 45.36·2.1 = 95.256 kNm; α0 = 0.142857; e* = 1; F_C = 1.35: a_0* = 0.105820 g. Soil A, a_g = 0.25 g:
     S = 1, SLD a_g = 0.105820 g, ζ_E = 0.423280; SLV linear, q = 2: a_g = 0.211640 g, ζ_E = 0.846561.
+
+    Nonlinear, d of the centroid, whose radius is R = √4.5 m: α = tan(asin((0.3 − d)/R)), d_0* = 0.3 m. SLV: d = 0.12 m,
+    α = 0.0851600, a* = 0.0630815 g, T = 1.68π√(0.12/(a* g)) = 2.32456 s < T_D = 2.6 s, η = √(10/13):
+    S_De/a_g = 0.364643 m, a_g = 0.329089 g. SLC: d = 0.18 m, α = 0.0566592, a* = 0.0419697 g, T = 3.24101 s > T_D:
+    S_De/a_g = 0.379685 m, a_g = 0.474077 g.
     """
     demands = {"SLD": GROUND, "SLV": GROUND, "SLC": GROUND}
     answer = found(block_on_base(0.6, 4.2), ((0.6, 0.0), -1.0, [1]), demands=demands, F_C=1.35)
@@ -65,7 +76,11 @@ def test_one_block_by_hand():
     assert answer["SLD"]["zeta_E"] == pytest.approx(0.423280, abs=1e-6)
     assert answer["SLV linear"]["a_g_g"] == pytest.approx(0.211640, abs=1e-6)
     assert answer["SLV linear"]["zeta_E"] == pytest.approx(0.846561, abs=1e-6)
-    assert "SLC" not in answer
+    assert answer["d_0_star_m"] == pytest.approx(0.3, rel=1e-7)
+    assert answer["control_m"] == pytest.approx([0.3, 2.1])
+    assert answer["SLV"]["T_s"] == pytest.approx(2.32456, rel=1e-4)
+    assert answer["SLV"]["a_g_g"] == pytest.approx(0.329089, rel=1e-4)
+    assert answer["SLC"]["a_g_g"] == pytest.approx(0.474077, rel=1e-4)
     assert not answer["notes"]
     steps = {line["symbol"]: line["result"] for line in answer["trace"]}
     assert [steps[s] for s in ("delta_x_1", "delta_z_1", "L_W", "L_P")] == pytest.approx(
@@ -128,6 +143,62 @@ def test_the_mechanism_of_limit_analysis_given_back_as_macro_blocks(model):
     wrong = [(centre, -theta if k == 1 else theta, blocks) for k, (centre, theta, blocks) in enumerate(parts)]
     with pytest.raises(MechanismError, match="penetrates"):
         found(model, *wrong)
+
+
+def test_the_motion_of_given_macro_blocks_is_that_of_the_pushover():
+    """Four hinges of an arch, as limit analysis finds them: α over d follows the curve while the hinges are these."""
+    model = semicircular_arch(15, 0.16)
+    parts = macro_blocks(model, limit_analysis(model, "+x").mechanism)
+    answer = found(model, *parts, demands={"SLV": GROUND, "SLC": GROUND})
+    d = np.array(answer["curve"]["d_star_m"]) / answer["gamma_star"]
+    alpha = np.array(answer["curve"]["a_star_g"]) * answer["e_star"]
+    path = pushover(model, control=tuple(answer["control_m"]), direction="+x", increment=0.006)
+    assert (np.diff(d) > 0.0).all() and alpha[-1] == 0.0
+    kept = path.displacement < 0.7 * answer["d_0_m"]
+    np.testing.assert_allclose(path.multiplier[kept], np.interp(path.displacement[kept], d, alpha), atol=1e-5)
+    lines = [*answer["trace"], *answer["SLV"]["trace"], *answer["SLC"]["trace"]]
+    for line in lines:
+        if line["formula"]:
+            assert recomputed(line["formula"], line["inputs"]) == pytest.approx(line["result"], rel=1e-9)
+
+
+def test_a_wedge_without_hinges_has_no_nonlinear_check():
+    """A centre far away is a translation: the linear check stays, and a note says why the other is missing."""
+    model = column(3, friction=0.1)
+    answer = found(model, ((1e4, -1e5), -1e-5, [1, 2, 3]), demands={"SLV": GROUND})
+    assert "SLV" not in answer and "SLV linear" in answer
+    assert any("no nonlinear check: the hinges between" in note for note in answer["notes"])
+    words = words_of({"echo": {}})
+    assert all(translated(note, words) != note for note in answer["notes"])
+
+
+def test_a_block_in_the_way_stops_the_motion():
+    """A wall that turns about its corner into a pillar 50 mm away, reached before α = 0 (d_0 = 0.3 m at its centre)."""
+    blocks = [Block(rectangle(-1.0, -0.3, 3.0, 0.0), 1.0, STONE, support="base")]
+    blocks += [
+        Block(rectangle(0.0, 0.0, 0.6, 4.2), 1.0, STONE),
+        Block(rectangle(0.65, 0.0, 2.0, 3.0), 1.0, STONE),
+    ]
+    answer = found(Assembly(blocks), ((0.6, 0.0), -1.0, [1]), demands={"SLV": GROUND})
+    assert any("block 1 runs into block 2" in note for note in answer["notes"])
+    assert "SLV" not in answer
+
+
+def test_the_control_point_is_that_of_the_pushover_where_it_moves():
+    """At the top, δ_C = 4.2: Γ* = ΣPδ²/(δ_C ΣPδ) = 2.1/4.2 = 0.5, d_0 = 2 · 0.3 m; else the farthest centroid's."""
+    model = block_on_base(0.6, 4.2)
+    top = {"+x": Control((0.6, 4.2), 1)}
+    chosen, demands = mechanism(((0.6, 0.0), -1.0, [1])), {"SLC": GROUND}
+    method = Method(local_limits={"SLC": 0.1}, local_reason="beam")
+    answer = evaluate(model, model.initial.positions, chosen, 1.0, demands, method, top)
+    assert answer["gamma_star"] == pytest.approx(0.5)
+    assert answer["d_0_star_m"] == pytest.approx(answer["d_0_m"] * 0.5)
+    assert answer["SLC"]["governing"] == "local limit"
+    assert answer["SLC"]["d_star_m"] == pytest.approx(0.05)
+    other = evaluate(
+        model, model.initial.positions, chosen, 1.0, demands, method, {"+x": Control((0, -0.1), 0)}
+    )
+    assert other["SLC"]["governing"] == "0.60 d_0"  # a limit of another point is none of this one
 
 
 def test_displacements_are_a_rotation_of_each_macro_block():

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from assessment.report.cracks import SEEN, cracks
-from assessment.report.figures.cracks import draw_cracks
+from assessment.report.figures.cracks import LARGEST_PT, draw_cracks, room
 from assessment.report.figures.labels import Labels
 from assessment.report.figures.style import STYLE, sheet
 from assessment.report.text.language import words_of
@@ -78,3 +78,14 @@ def test_labels_stay_inside_and_off_one_another():
         others = boxes[number + 1 :]
         apart = (others[:, 0] >= box[2]) | (others[:, 2] <= box[0])
         assert (apart | (others[:, 1] >= box[3]) | (others[:, 3] <= box[1])).all()
+
+
+def test_the_number_of_a_block_stays_within_it():
+    """A square turned by 30°: the diagonal of "88" at the size found is no longer than its side on paper."""
+    page = sheet((0.0, 0.0, 0.1, 0.1))
+    c, s = np.cos(np.radians(30.0)), np.sin(np.radians(30.0))
+    for side in (0.001, 0.002, 1.0):
+        ring = side * page.scale * np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) @ np.array([[c, s], [-s, c]])
+        size = room(page, ring, "88")
+        fits = 1000.0 * side / (np.hypot(1.3, 0.75) * 25.4 / 72.0)  # of 1 pt: 2 digits 0.65 wide, 0.75 high
+        assert size == pytest.approx(min(LARGEST_PT, fits))

@@ -9,6 +9,7 @@ import pytest
 from assessment.project.project import json_schema
 from assessment.report.tables.capacity import summary, trace, verification
 from assessment.report.tables.index import blocks, layers, write_tables
+from assessment.report.tables.mechanisms import all_mechanisms
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import LANGUAGES, Words
 from assessment.results.hand_check import hand_check
@@ -35,6 +36,7 @@ def test_all_tables_are_written(written):
         "quality",
         "spectrum",
         "action",
+        "all_mechanisms",
         "trace",
     }
 
@@ -183,3 +185,18 @@ def test_the_input_is_told_in_words_with_the_names_of_the_user():
         ("Pushover, Punto di controllo", "+x", "C1"),
         ("Verifica, sito, SLV", "a<sub>g</sub> su suolo rigido (cat. A), senza S [g]", "0,261"),
     ]
+
+
+def test_mechanisms_found_and_chosen_stand_in_one_table():
+    """By macro-element: the layers that move, the structure where all do; refused ones are not there."""
+    results = results_example()
+    capacity = results["states"]["original"]["capacity"]["+x"]
+    moved = [[0.0, 0.0, 0.0]] * 7
+    moved[2] = [0.5, 0.1, -0.2]
+    chosen = {"name": "crown", "state": "original", "direction": "+x", "alpha_0": 0.2, "a_0_star_g": 0.15}
+    chosen |= {"displacements": moved, "SLV": capacity["SLV"]}
+    results["mechanisms"] = [chosen, {"name": "no", "state": "original", "refused": "it penetrates"}]
+    rows = all_mechanisms(results).rows
+    assert [row["macro_element"] for row in rows] == ["*"] * 4 + ["ARCH"]
+    assert rows[-1]["mechanism"] == "crown" and rows[-1]["zeta_SLV"] == capacity["SLV"]["zeta_E"]
+    assert rows[0]["zeta_SLC"] == capacity["SLC"]["zeta_E"]

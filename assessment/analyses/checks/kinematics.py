@@ -1,0 +1,214 @@
+"""The finite motion of a mechanism of macro-blocks: α over the displacement by virtual work in moved configurations.
+
+Circolare 7/2019, C8.7.1.2.1.2: macro-blocks turn about hinges of their own material, not about fixed centres.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from mechanics.types import GRAVITY
+
+if TYPE_CHECKING:
+    from assessment.project.mechanisms import Chosen
+    from mechanics import Assembly
+
+Array = NDArray[np.float64]
+Closed = tuple[NDArray[np.intp], NDArray[np.intp], Array]
+"""Closed joints: blocks a and b (j,), ends (j, 2, 2) m of where they overlap."""
+
+HINGE = (
+    0.02  # of a joint's length: how far from it a centre may lie and be a hinge of it, as with one set back
+)
+ALIKE = 1e-9  # of the largest rotation: macro-blocks that turn alike have no centre between them
+STEP = 0.002  # rad, of the macro-block that turns fastest
+FARTHEST = 1.0  # rad: no α of a mechanism stays positive so far
+OPEN = 1e-6  # of the model's size: how far the two sides of a hinge may drift apart
+OVERLAP = 1e-3  # of the smallest block: area that blocks may share before they are in each other's way
+
+
+class KinematicsError(ValueError):
+    """A mechanism whose motion its hinges do not determine, or that is stopped before α = 0."""
+
+
+@dataclass(frozen=True)
+class Hinge:
+    """A point (x, z), m, that two macro-blocks share, by their numbers; None: with what stays still."""
+
+    first: int
+    second: int | None
+    point: tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A finite motion: positions (k, b, 3) and multipliers (k,), the first as given, the last not above zero."""
+
+    positions: Array
+    multiplier: Array
+
+
+def hinges_of(chosen: Chosen, closed: Closed) -> list[Hinge]:
+    """Return the centres of relative rotation that lie on a closed joint between the two macro-blocks."""
+    owner = {int(block): k for k, part in enumerate(chosen.parts) for block in part.blocks}
+    pairs = {
+        tuple(sorted({owner.get(int(a), -1), owner.get(int(b), -1)}))
+        for a, b in zip(*closed[:2], strict=True)
+    }
+    largest = max(abs(part.rotation) for part in chosen.parts)
+    found = []
+    for pair in sorted(pair for pair in pairs if len(pair) == 2):
+        still, moving = pair[0] < 0, chosen.parts[pair[1]]
+        other, turns = (None, 0.0) if still else (chosen.parts[pair[0]], chosen.parts[pair[0]].rotation)
+        if abs(moving.rotation - turns) <= ALIKE * largest:
+            continue
+        centre = moving.rotation * moving.about - (0.0 if other is None else turns * other.about)
+        point = np.asarray(centre / (moving.rotation - turns))
+        if _on_a_joint(point, pair, owner, closed):
+            found.append(Hinge(pair[1], None if still else pair[0], (float(point[0]), float(point[1]))))
+    return found
+
+
+def _on_a_joint(point: Array, pair: tuple[int, ...], owner: dict[int, int], closed: Closed) -> bool:
+    for a, b, ends in zip(*closed, strict=True):
+        if {owner.get(int(a), -1), owner.get(int(b), -1)} == {*pair}:
+            along = ends[1] - ends[0]
+            share = np.clip((point - ends[0]) @ along / (along @ along), 0.0, 1.0)
+            if np.hypot(*(ends[0] + share * along - point)) <= HINGE * np.hypot(*along):
+                return True
+    return False
+
+
+def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: list[Hinge]) -> Motion:
+    """Follow a mechanism from `positions` (b, 3) until its multiplier is zero.
+
+    Raises KinematicsError where the hinges leave it more than one motion, or none, and where blocks come in its way.
+    """
+    parts = _Parts.of(model, positions, chosen, hinges)
+    q = np.zeros((len(chosen.parts), 3))
+    rate = parts.rate(q, np.array([part.rotation for part in chosen.parts]))
+    at, alpha = [positions], [parts.multiplier(positions, q, rate)]
+    turned = 0.0
+    while alpha[-1] > 0.0:
+        if turned > FARTHEST:
+            raise KinematicsError(f"α is still {alpha[-1]:.3g} after a rotation of {turned:.3g} rad")
+        q = parts.step(q, rate)
+        rate = parts.rate(q, rate[:, 2])
+        turned += STEP
+        at.append(parts.placed(positions, q))
+        alpha.append(parts.multiplier(at[-1], q, rate))
+    if parts.drift(q) > OPEN * model.size:
+        raise KinematicsError(
+            "its hinges do not stay closed as it moves: there are more of them than it can keep"
+        )
+    _unhindered(model, at)
+    return Motion(np.array(at), np.array(alpha))
+
+
+@dataclass(frozen=True, eq=False)
+class _Parts:
+    """Macro-blocks and their hinges; q (n, 3): translation of the origin of each part and its rotation."""
+
+    blocks: list[NDArray[np.intp]]
+    origin: Array
+    hinges: list[Hinge]
+    weight: Array
+    seismic: Array
+
+    @classmethod
+    def of(cls, model: Assembly, positions: Array, chosen: Chosen, hinges: list[Hinge]) -> _Parts:
+        origin = np.array([positions[part.blocks, :2].mean(axis=0) for part in chosen.parts])
+        weight = np.array([block.weight for block in model.blocks])
+        seismic = GRAVITY * np.array([block.mass for block in model.blocks])
+        return cls([part.blocks for part in chosen.parts], origin, hinges, weight, seismic)
+
+    def arm(self, q: Array, part: int, point: Array) -> Array:
+        """Where a material point (2,) or (m, 2), m, of a part is from the part's origin."""
+        c, s = np.cos(q[part, 2]), np.sin(q[part, 2])
+        x, z = (point - self.origin[part]).T
+        return np.stack([c * x - s * z, s * x + c * z], axis=-1)
+
+    def rate(self, q: Array, rotations: Array) -> Array:
+        """Return the rates (n, 3) that keep the hinges closed and turn like `rotations` (n,), 1 the fastest one."""
+        rows = np.zeros((2 * len(self.hinges), 3 * len(q)))
+        for k, hinge in enumerate(self.hinges):
+            for part, sign in ((hinge.first, 1.0), (hinge.second, -1.0)):
+                if part is not None:
+                    x, z = self.arm(q, part, np.array(hinge.point))
+                    rows[2 * k, [3 * part, 3 * part + 2]] = sign, -sign * z
+                    rows[2 * k + 1, [3 * part + 1, 3 * part + 2]] = sign, sign * x
+        size = max(1.0, float(abs(rows).max(initial=0.0)))
+        _, values, right = np.linalg.svd(rows, full_matrices=True)
+        free = rows.shape[1] - int((values > 1e-7 * size).sum())
+        if free != 1:
+            raise KinematicsError(
+                "the hinges between its macro-blocks, points of joints that are closed, leave it "
+                f"{free} independent motions, not one: it slides, or a centre lies on no joint"
+            )
+        found = right[-1].reshape(-1, 3)
+        found = found / abs(found[:, 2]).max()
+        return found if found[:, 2] @ rotations > 0.0 else -found
+
+    def step(self, q: Array, rate: Array) -> Array:
+        """Go on by STEP of the fastest rotation (Runge and Kutta, fourth order)."""
+        turns = rate[:, 2]
+        k2 = self.rate(q + 0.5 * STEP * rate, turns)
+        k3 = self.rate(q + 0.5 * STEP * k2, turns)
+        k4 = self.rate(q + STEP * k3, turns)
+        return np.asarray(q + STEP / 6.0 * (rate + 2.0 * k2 + 2.0 * k3 + k4))
+
+    def placed(self, positions: Array, q: Array) -> Array:
+        """Return the positions (b, 3) of all blocks."""
+        moved = positions.copy()
+        for k, blocks in enumerate(self.blocks):
+            moved[blocks, :2] = self.origin[k] + q[k, :2] + self.arm(q, k, positions[blocks, :2])
+            moved[blocks, 2] += q[k, 2]
+        return moved
+
+    def multiplier(self, at: Array, q: Array, rate: Array) -> float:
+        """α = Σ W δ_z/|Σ P δ_x| of the blocks at `at` (b, 3)."""
+        dead = lateral = 0.0
+        for k, blocks in enumerate(self.blocks):
+            x, z = (at[blocks, :2] - self.origin[k] - q[k, :2]).T
+            dead += float(self.weight[blocks] @ (rate[k, 1] + rate[k, 2] * x))
+            lateral += float(self.seismic[blocks] @ (rate[k, 0] - rate[k, 2] * z))
+        return dead / abs(lateral)
+
+    def drift(self, q: Array) -> float:
+        """Return how far the two sides of a hinge are apart, at most, m."""
+        apart = [0.0]
+        for hinge in self.hinges:
+            point = np.array(hinge.point)
+            sides = [
+                point if part is None else self.origin[part] + q[part, :2] + self.arm(q, part, point)
+                for part in (hinge.first, hinge.second)
+            ]
+            apart.append(float(np.hypot(*(sides[0] - sides[1]))))
+        return max(apart)
+
+
+def _unhindered(model: Assembly, at: list[Array]) -> None:
+    """Refuse a motion in which blocks overlap that did not at its start."""
+    least = OVERLAP * min(block.area for block in model.blocks)
+    for positions in at[1 :: max(1, len(at) // 20)]:
+        outlines = [_outline(block.polygon - block.centroid, *place) for block, place in zip(
+            model.blocks, positions, strict=True)]  # fmt: skip
+        tree = shapely.STRtree(outlines)
+        for i, j in tree.query(outlines, predicate="intersects").T.tolist():
+            if i < j and outlines[i].intersection(outlines[j]).area > least + _shared(model, at[0], i, j):
+                raise KinematicsError(f"block {i} runs into block {j} before α = 0")
+
+
+def _shared(model: Assembly, positions: Array, i: int, j: int) -> float:
+    one, other = (_outline(model.blocks[k].polygon - model.blocks[k].centroid, *positions[k]) for k in (i, j))
+    return float(one.intersection(other).area)
+
+
+def _outline(corners: Array, x: float, z: float, turned: float) -> shapely.Polygon:
+    c, s = np.cos(turned), np.sin(turned)
+    return shapely.Polygon(corners @ np.array([[c, s], [-s, c]]) + (x, z))
