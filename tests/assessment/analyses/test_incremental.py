@@ -138,13 +138,13 @@ def test_as_many_members_of_a_level_are_run_as_its_question_needs(monkeypatch, p
 
     monkeypatch.setattr(incremental, "respond", made)
     levels = Levels(block_on_base(), pulse, setting, None, Scatter(3, 0.05))
-    ends |= {1.0: (False, 1.0), 0.99: (False, 0.99)}
+    ends |= {1.0: (False, 1.0), 1.01: (False, 1.01)}
     assert not levels.some(0.1) and len(levels.members[0.1]) == 2
-    ends |= {2.0: (False, 1.0), 1.98: (False, 2.0), 2.02: (True, 3.0)}
+    ends |= {2.0: (False, 1.0), 1.98: (True, 3.0), 2.02: (False, 2.0)}
     assert levels.some(0.2) and not levels.every(0.2)
     assert [each.collapsed for each in levels.members[0.2]] == [False, False, True]
     told = point(0.2, levels.members[0.2])
-    assert told["peak_displacement_range"] == [1.0, None] and told["members_collapsed"] == 1
+    assert told["peak_displacement_m_range"] == [1.0, None] and told["members_collapsed"] == 1
     ends |= {3.0: (True, 1.0), 2.97: (True, 2.0), 3.03: (True, 3.0)}
     assert levels.some(0.3) and len(levels.members[0.3]) == 1
     assert levels.every(0.3) and len(levels.members[0.3]) == 3
@@ -179,13 +179,13 @@ def test_what_the_standard_takes_of_the_records():
 
 
 def test_the_range_of_a_state_is_that_of_what_the_standard_takes():
-    records = [_record(low) | {"pga_collapse_range": [low, high]} for low, high in ((0.3, 0.5), (0.4, 0.4))]
-    assert summarise(records, [], "original")["pga_collapse_range"] == [0.3, 0.4]
-    seven = [_record(0.3) | {"pga_collapse_range": [0.3, 0.4]}] * 7
-    assert summarise(seven, [], "original")["pga_collapse_range"] == pytest.approx([0.3, 0.4])
-    seven[0] = _record(0.3) | {"pga_collapse_range": [0.3, None]}
-    assert summarise(seven, [], "original")["pga_collapse_range"][1] is None
-    assert "pga_collapse_range" not in summarise([_record(0.3)], [], "original")
+    records = [_record(low) | {"pga_collapse_g_range": [low, high]} for low, high in ((0.3, 0.5), (0.4, 0.4))]
+    assert summarise(records, [], "original")["pga_collapse_g_range"] == [0.3, 0.4]
+    seven = [_record(0.3) | {"pga_collapse_g_range": [0.3, 0.4]}] * 7
+    assert summarise(seven, [], "original")["pga_collapse_g_range"] == pytest.approx([0.3, 0.4])
+    seven[0] = _record(0.3) | {"pga_collapse_g_range": [0.3, None]}
+    assert summarise(seven, [], "original")["pga_collapse_g_range"][1] is None
+    assert "pga_collapse_g_range" not in summarise([_record(0.3)], [], "original")
 
 
 def test_fewer_than_three_records_are_warned_about():
