@@ -47,7 +47,14 @@ def search_collapse(
 
     def searched(levels: Levels) -> Numbers:
         found = find_collapse(
-            levels.some, levels.every, motion.pga, max_scale * motion.pga, LEAST, tolerance, BELOW, levels.first
+            levels.some,
+            levels.every,
+            motion.pga,
+            max_scale * motion.pga,
+            LEAST,
+            tolerance,
+            BELOW,
+            levels.first,
         )
         return {
             "pga_collapse_g": found.collapse,

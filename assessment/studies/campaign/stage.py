@@ -94,7 +94,9 @@ def campaign(
     ratios = [ordinate(each, table.period_s) / each.pga if table.period_s else 1.0 for each in records]
     mirrored = _mirrored(project, model, table)
     asked = [
-        Asked(state, motion, sign, ratio, table.signs[0] if mirrored and state.start is model.initial else sign)
+        Asked(
+            state, motion, sign, ratio, table.signs[0] if mirrored and state.start is model.initial else sign
+        )
         for state in moved
         for motion, ratio in zip(records, ratios, strict=True)
         for sign in table.signs

@@ -156,7 +156,13 @@ def test_what_is_not_known_is_not_drawn():
     campaign = results["campaign"]
     for row in campaign["combinations"]:
         if row["share"] == 1.0:
-            row |= {"pga_collapse_g": None, "pga_safe_g": None, "pga_collapse_range": None, "points": [], "runs": 0}
+            row |= {
+                "pga_collapse_g": None,
+                "pga_safe_g": None,
+                "pga_collapse_range": None,
+                "points": [],
+                "runs": 0,
+            }
             row |= {"reason": "the structure falls"}
     campaign["fragility"][2] |= dict.fromkeys(("median_g", "beta", "median_range", "beta_range"))
     campaign["loss"][2] |= {"dynamic": None, "dynamic_range": [None, None], "static": None}
