@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
 DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
 BENCHMARKS = (
-    "statics", "dynamics", "ensembles", "dissipation", "collapse", "steps", "growth", "walls", "chain", "skips"
+    "statics", "dynamics", "ensembles", "dissipation", "collapse", "steps", "growth", "walls", "chain",
+    "campaigns", "skips",
 )  # fmt: skip
 TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
 STAGES = (
