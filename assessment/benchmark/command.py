@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from assessment.benchmark import chain, dynamics, ensembles, skips, statics, steps, walls
+from assessment.benchmark import campaigns, chain, dynamics, ensembles, skips, statics, steps, walls
 from assessment.benchmark.machine import load, machine
 from assessment.benchmark.measure import Row
 from assessment.benchmark.plots import shown, work_precision
@@ -208,6 +208,20 @@ BENCHMARKS = {
         "as whole commands are. Each analysis is in the CSV.",
         chain.chain,
         lambda rows: listed([row for row in rows if row.get("whole")], CHAIN_COLUMNS),
+    ),
+    "campaigns": Benchmark(
+        "searches of the level at collapse of an arch, elapsed: motions a minute, and what a combination takes as a "
+        "ratio to this process alone; the least is one over the number of cores in use.",
+        campaigns.campaigns,
+        plain(
+            CASE,
+            ("combinations", "combinations", str),
+            ("motions", "motions", str),
+            ("motions_per_minute", "motions a minute", number),
+            ("ratio", "ratio", number),
+            ("ideal", "least", number),
+            ("equal", "results equal", str),
+        ),
     ),
     "skips": Benchmark(
         "what is not computed, and how far the answer is from that without the skip.",

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
 DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
 BENCHMARKS = (
-    "statics", "dynamics", "ensembles", "dissipation", "collapse", "steps", "growth", "walls", "chain", "skips"
+    "statics", "dynamics", "ensembles", "dissipation", "collapse", "steps", "growth", "walls", "chain",
+    "campaigns", "skips",
 )  # fmt: skip
 TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
 STAGES = (
@@ -159,10 +160,7 @@ def _parser() -> argparse.ArgumentParser:
     run = commands.add_parser(
         "run", help="run every stage the project asks for and write its report", **_end("run")
     )
-    _add_project(run)
-    run.add_argument(
-        "--out", type=_folder, metavar="DIR", help="folder of the results (default: PROJECT/output)"
-    )
+    _add_project(run, "the results")
     run.add_argument(
         "--only",
         type=lambda text: text.split(","),
@@ -187,19 +185,13 @@ def _parser() -> argparse.ArgumentParser:
     check = commands.add_parser(
         "check", help="read and validate everything, draw the model; no analysis", **_end("check")
     )
-    _add_project(check)
-    check.add_argument(
-        "--out", type=_folder, metavar="DIR", help="folder of model.svg (default: PROJECT/output)"
-    )
+    _add_project(check, "model.svg")
     check.set_defaults(command=_check)
 
     status = commands.add_parser(
         "status", help="tell what a run under way is at, what failed, and how long it takes", **_end("status")
     )
-    _add_project(status)
-    status.add_argument(
-        "--out", type=_folder, metavar="DIR", help="folder of the results (default: PROJECT/output)"
-    )
+    _add_project(status, "the results")
     status.set_defaults(command=_status)
 
     new = commands.add_parser("new", help="make a new project folder from a template", **_end("new"))
@@ -231,10 +223,7 @@ def _parser() -> argparse.ArgumentParser:
     report = commands.add_parser(
         "report", help="render the report again from stored results", **_end("report")
     )
-    _add_project(report)
-    report.add_argument(
-        "--out", type=_folder, metavar="DIR", help="folder of the results (default: PROJECT/output)"
-    )
+    _add_project(report, "the results")
     report.set_defaults(command=_report)
 
     benchmark = commands.add_parser(
@@ -274,10 +263,14 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-def _add_project(command: argparse.ArgumentParser) -> None:
+def _add_project(command: argparse.ArgumentParser, written: str = "") -> None:
+    """Add PROJECT and, where something is `written`, the folder that it goes to."""
     command.add_argument(
         "project", type=_folder, metavar="PROJECT", help="folder that holds project.toml or project.xlsx"
     )
+    if written:
+        where = f"folder of {written} (default: PROJECT/output)"
+        command.add_argument("--out", type=_folder, metavar="DIR", help=where)
 
 
 def _folder(text: str) -> Path:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 # shares of the PGA at collapse where the order of collapse is not taken on trust
-GRID = (0.2, 0.4, 0.6, 0.8, 1.2, 1.4, 1.6)
+BELOW = (0.2, 0.4, 0.6, 0.8)
+ABOVE = (1.2, 1.4, 1.6)
 
 Judge = Callable[[float], bool]
 """Whether some, or all, members of an ensemble collapse at a level (g)."""
@@ -32,24 +34,39 @@ class Bracket:
 
 
 def find_collapse(
-    some: Judge, every: Judge, first: float, largest: float, tolerance: float, relative: float = 0.0
+    some: Judge,
+    every: Judge,
+    first: float,
+    largest: float,
+    tolerance: float,
+    relative: float = 0.0,
+    grid: Sequence[float] = (*BELOW, *ABOVE),
+    scout: Judge | None = None,
 ) -> Bracket:
     """Bracket the lowest level at which `some` member and at which `every` one collapses, within `tolerance`; in g.
 
-    `relative`: to the level, where that is a wider tolerance.
+    `relative`: to the level, where that is a wider tolerance; the bisection is then one of ratios. `grid`: shares of
+    the level at collapse that are tried too. `scout`: whether one member collapses; where it is given, `some` is asked
+    only of the highest level below the collapse that it withstands, until all withstand that one.
 
     From `first` by doubling, up to `largest`, or halving to a level on each side, then by bisection between levels
-    that were both run. A structure that falls at one level may stand at a higher one: levels on a coarse grid below
-    and above are tried too, and a collapse found below starts the bisection again. At zero the state stands by itself.
+    that were both run. A structure that falls at one level may stand at a higher one: a collapse found on the grid
+    below starts the bisection again. At zero the state stands by itself.
     """
     tried: dict[float, bool] = {}
+    asked: set[float] = set()  # of `some`
 
     def within(level: float) -> float:
         return max(tolerance, relative * level)
 
     def falls(level: float) -> bool:
         if level not in tried:
-            tried[level] = some(level)
+            tried[level] = scout(level) if scout else ask(level)
+        return tried[level]
+
+    def ask(level: float) -> bool:
+        asked.add(level)
+        tried[level] = some(level)
         return tried[level]
 
     def lowest() -> float | None:
@@ -57,6 +74,9 @@ def find_collapse(
 
     def safe_below(limit: float) -> float:
         return max((level for level, fallen in tried.items() if not fallen and level < limit), default=0.0)
+
+    def middle(low: float, high: float) -> float:
+        return math.sqrt(low * high) if relative and low else 0.5 * (low + high)
 
     level = min(first, largest)
     if falls(level):
@@ -67,11 +87,15 @@ def find_collapse(
             level = min(2.0 * level, largest)
     while True:
         collapse = lowest()
-        if collapse is not None and collapse - safe_below(collapse) > within(collapse):
-            falls(0.5 * (collapse + safe_below(collapse)))
+        safe = safe_below(math.inf if collapse is None else collapse)
+        if collapse is not None and collapse - safe > within(collapse):
+            falls(middle(safe, collapse))
+            continue
+        if safe and safe not in asked:
+            ask(safe)
             continue
         about = collapse or largest
-        wanted = [share * about for share in GRID if share * about <= largest]
+        wanted = [share * about for share in grid if share * about <= largest]
         new = [level for level in wanted if min(abs(level - other) for other in tried) > within(level)]
         if not new:
             break
@@ -79,16 +103,20 @@ def find_collapse(
     if collapse is None:
         return Bracket(largest, None, None, ())
     reached = [level for level, fallen in tried.items() if fallen]
-    above = (level for level, fallen in tried.items() if not fallen and level > collapse)
+    above = (level for level in asked if level > collapse and not tried[level])
     certain = _certain(every, sorted(reached), largest, within)
-    return Bracket(safe_below(collapse), collapse, certain, tuple(sorted(above)))
+    return Bracket(safe, collapse, certain, tuple(sorted(above)))
 
 
 def _certain(
     every: Judge, reached: list[float], largest: float, within: Callable[[float], float]
 ) -> float | None:
-    """Return the lowest level at which all collapse: the first of those `reached` by some, then by bisection."""
-    below, top = 0.0, None
+    """Return the lowest level at which all collapse: upward from where some do, then by bisection.
+
+    Steps double from the tolerance on: most ensembles collapse soon after their first member. None is longer than to
+    the next level of those `reached` by some.
+    """
+    below, top, step = 0.0, None, within(reached[0])
     level = reached[0]
     while top is None:
         if every(level):
@@ -97,7 +125,8 @@ def _certain(
             return None
         else:
             below = level
-            level = next((other for other in reached if other > below), min(2.0 * below, largest))
+            level = min([below + step, largest, *(other for other in reached if other > below)])
+            step *= 2.0
     while top > reached[0] and top - below > within(top):
         middle = 0.5 * (below + top)
         below, top = (below, middle) if every(middle) else (middle, top)

@@ -38,6 +38,11 @@ class Scatter:
         shares = [k / half for k in range(-half, self.members - half) if k]
         return (1.0, *(1.0 + SPREAD * share for share in shares))
 
+    @property
+    def strongest_first(self) -> tuple[float, ...]:
+        """The same for a search: after the record as it is those that are likeliest to decide, and to end early."""
+        return (1.0, *sorted(self.amplitudes[1:], reverse=True))
+
 
 def scatter_of(project: Project) -> Scatter:
     """Return what the project's keys `scatter` and `accuracy` ask for."""

@@ -79,5 +79,5 @@ def collapses_again(campaign: Campaign, motions: list[BaseMotion], given: Sequen
 def _bracket(search: StageResult) -> Bracket:
     """The bracket that a search found."""
     numbers = search.numbers
-    certain = numbers.get("pga_collapse_range", (None, None))[1]
+    certain = numbers.get("pga_collapse_g_range", (None, None))[1]
     return Bracket(numbers["pga_safe_g"], numbers[PGA], certain, ())

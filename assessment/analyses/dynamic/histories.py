@@ -170,7 +170,7 @@ def together(title: str, members: Sequence[StageResult]) -> StageResult:
     numbers = worst.numbers | {
         "members": len(finished),
         "members_collapsed": fallen,
-        "peak_displacement_range": [low, high],
+        "peak_displacement_m_range": [low, high],
         "peak_displacement_median_m": middle,
         "seconds": sum(each.seconds for each in members),
     }

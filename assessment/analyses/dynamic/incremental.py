@@ -54,7 +54,7 @@ def search(
         result.warnings.append(
             f"{title}: no collapse up to {safe:.3g} g, max_scale = {max_scale:g}; raise it to find one"
         )
-    upper = result.numbers.get("pga_collapse_range", [None, None])[1]
+    upper = result.numbers.get("pga_collapse_g_range", [None, None])[1]
     if lowest is not None and scatter.members > 1 and upper != lowest:
         result.warnings.append(_spread(title, lowest, upper, max_scale * motion.pga))
     if resurrections := result.numbers["resurrections_g"]:
@@ -136,7 +136,7 @@ def _searched(
             "resurrections_g": list(bracket.resurrections),
         }
         if scatter.members > 1:
-            numbers["pga_collapse_range"] = [bracket.collapse, bracket.certain]
+            numbers["pga_collapse_g_range"] = [bracket.collapse, bracket.certain]
     except ConvergenceError as error:
         numbers["reason"] = str(error)
         result.failures.append(f"{title}: {error}")
@@ -171,6 +171,13 @@ class Levels:
     scatter: Scatter
     members: dict[float, list[Member]] = field(default_factory=dict)
 
+    def first(self, pga: float) -> bool:
+        """Whether the record as it is makes it collapse, or any member that was run."""
+        found = self.members.setdefault(pga, [])
+        if not found:
+            found.append(self._run(pga, 0))
+        return any(each.collapsed for each in found)
+
     def some(self, pga: float) -> bool:
         """Whether any member collapses: they are run up to the first that does, or a pair that stands alike."""
         found = self.members.setdefault(pga, [])
@@ -186,7 +193,7 @@ class Levels:
         return all(each.collapsed for each in found)
 
     def _run(self, pga: float, number: int) -> Member:
-        factor = self.scatter.amplitudes[number] * pga / self.motion.pga
+        factor = self.scatter.strongest_first[number] * pga / self.motion.pga
         response = respond(self.model, self.motion, self.setting, self.start, factor)
         return Member(
             response.time,
@@ -209,7 +216,7 @@ def point(pga: float, members: Sequence[Member]) -> Numbers:
     return {
         "pga_g": pga,
         "peak_displacement_m": high,
-        "peak_displacement_range": [low, high],
+        "peak_displacement_m_range": [low, high],
         "members": len(members),
         "members_collapsed": len(fallen),
         "collapsed": bool(fallen),
@@ -226,7 +233,7 @@ def summarise(records: Sequence[Mapping[str, Any]], warnings: list[str], state: 
     A mean or lowest that a record without collapse leaves open is None.
     """
     collapses = [record["pga_collapse_g"] for record in records]
-    surely = [record["pga_collapse_range"][1] for record in records if record.get("pga_collapse_range")]
+    surely = [record["pga_collapse_g_range"][1] for record in records if record.get("pga_collapse_g_range")]
     found = [pga for pga in collapses if pga is not None]
     withstood = [r["pga_safe_g"] for r in records if r["pga_collapse_g"] is None]
     unknown = [pga for pga in withstood if pga is None]
@@ -253,7 +260,7 @@ def summarise(records: Sequence[Mapping[str, Any]], warnings: list[str], state: 
         upper = min(known, default=None)
         if rule == "mean":
             upper = float(np.mean(known)) if len(known) == len(records) else None
-        numbers["pga_collapse_range"] = [numbers["pga_collapse_g"], upper]
+        numbers["pga_collapse_g_range"] = [numbers["pga_collapse_g"], upper]
     return numbers
 
 

@@ -16,6 +16,7 @@ from assessment.report.figures.style import DASHES, chart
 from assessment.report.text.language import Words
 
 Results = Mapping[str, Any]
+Run = tuple[str, float, str, int]
 BAND, FAINT = "0.85", "0.55"
 
 
@@ -33,25 +34,30 @@ def fragile_shares(results: Results, settlement: str) -> list[Mapping[str, Any]]
 def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Figure:
     """Draw PGA over peak displacement of every combination that was run, a panel per share; crosses: collapse.
 
-    A collapse has no displacement: its cross stands at the right edge.
+    A collapse has no displacement: its cross stands at the right edge. A combination that another one's run stands for
+    has the curve of that one, as its mirror image none.
     """
+    runs = {(row["settlement"], row["share"], row["record"], row["sign"]): row["points"]
+            for row in results["campaign"]["combinations"]}  # fmt: skip
     rows = [row for row in results["campaign"]["combinations"] if row["settlement"] == settlement]
     shares = list(dict.fromkeys(row["share"] for row in rows))
     columns = min(2, len(shares))
     figure, panels = chart(words, columns=columns, rows=-(-len(shares) // columns), height_mm=62.0)
-    points = [point for row in rows for point in row["points"]]
+    points = [point for row in rows for point in _points(row, runs)]
     bounds = [row[key] for row in rows for key in ("pga_collapse_g", "pga_safe_g")]
     peaks = [1000.0 * p["peak_displacement_m"] for p in points if p["peak_displacement_m"] is not None]
     reach, top = 1.1 * max(peaks, default=1.0) or 1.0, 1.15 * max(filter(None, bounds), default=1.0)
     for axes, share in zip(panels, shares, strict=False):
         for row in (each for each in rows if each["share"] == share):
             lowest = row["pga_collapse_g"]
-            stood = [p for p in row["points"] if not p["collapsed"] and not (lowest and p["pga_g"] > lowest)]
-            axes.plot(
-                [0.0, *(1000.0 * p["peak_displacement_m"] for p in stood)],
-                [0.0, *(p["pga_g"] for p in stood)],
-                color=FAINT, linewidth=0.6, marker="o", markersize=1.5,
-            )  # fmt: skip
+            found = [p for p in _points(row, runs) if not p["collapsed"]]
+            stood = [p for p in found if not (lowest and p["pga_g"] > lowest)]
+            if stood:
+                axes.plot(
+                    [0.0, *(1000.0 * p["peak_displacement_m"] for p in stood)],
+                    [0.0, *(p["pga_g"] for p in stood)],
+                    color=FAINT, linewidth=0.6, marker="o", markersize=1.5,
+                )  # fmt: skip
             if lowest is not None:
                 axes.plot(reach, lowest, marker="x", color="0.0", markersize=3.5, clip_on=False)
         axes.set(xlim=(0.0, reach), ylim=(0.0, top), title=_share(share, words))
@@ -64,6 +70,14 @@ def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Fig
     ]  # fmt: skip
     figure.legend(handles=handles, loc="lower center", ncols=2)
     return figure
+
+
+def _points(row: Mapping[str, Any], runs: Mapping[Run, list[Any]]) -> list[Any]:
+    """Return the levels that were run of a combination, by itself or by the one that is the same."""
+    same = row.get("same_as")
+    if same is None or same["sign"] != row["sign"]:
+        return row["points"]
+    return runs[same["settlement"], same["share"], row["record"], row["sign"]]
 
 
 def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> Figure:

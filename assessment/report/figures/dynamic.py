@@ -126,7 +126,7 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
     for axes, name, each in zip(panels, states, found, strict=False):
         for marker, record in zip(_cycle(len(each["records"]), MARKERS), each["records"], strict=True):
             _curve(axes, record, marker, 1000.0 * reach)
-        low, high = each.get("pga_collapse_range", (None, None))
+        low, high = each.get("pga_collapse_g_range", (None, None))
         if low is not None and high is not None and high > low:
             axes.axhspan(low, high, color=BAND, linewidth=0.0, zorder=0.5)
         if each["pga_collapse_g"] is not None:
@@ -143,7 +143,7 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
     ]
     label = words.plain("figure.quoted_pga")
     handles.append(Line2D([], [], color="0.0", linewidth=0.6, linestyle=DASHES[1], label=label))
-    if any(each.get("pga_collapse_range", (None, None))[1] is not None for each in found):
+    if any(each.get("pga_collapse_g_range", (None, None))[1] is not None for each in found):
         handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.to_all_collapse")))
     if any(record["resurrections_g"] for each in found for record in each["records"]):
         mark: dict[str, Any] = {

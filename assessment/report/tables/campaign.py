@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from assessment.results.table import Results, Row, Table
@@ -54,6 +55,7 @@ LOSS = (
     "static_loss",
 )
 COUNTS = ("withstood", "failed", "left_out")  # told where they are not all zero
+OF_ENSEMBLES = ("median_all_collapse_g", "beta_record", "beta_ensemble")  # of a single member there are none
 
 
 def campaign_tables(results: Results) -> list[Table]:
@@ -69,7 +71,9 @@ def campaign_tables(results: Results) -> list[Table]:
 
 def reported_campaign(results: Results) -> list[Table]:
     """Return the tables of the report."""
-    return [records(results), _short(fragilities(results)), _short(losses(results))]
+    single = not results.get("campaign") or results["campaign"]["members"] == 1
+    gone = OF_ENSEMBLES if single else ()
+    return [records(results), _short(fragilities(results), gone), _short(losses(results))]
 
 
 def records(results: Results) -> Table:
@@ -130,10 +134,10 @@ def _found(results: Results, what: str) -> list[Any]:
     return (results.get("campaign") or {}).get(what) or []
 
 
-def _short(table: Table) -> Table:
-    """Return the table without counts that are all zero, and without the bounds of β."""
+def _short(table: Table, without: Sequence[str] = ()) -> Table:
+    """Return the table without counts that are all zero, the bounds of β, and the columns that are named."""
     empty = {key for key in COUNTS if not any(row.get(key) for row in table.rows)}
-    gone = empty | {"beta_low", "beta_high", "combinations"}
+    gone = empty | {"beta_low", "beta_high", "combinations", *without}
     return Table(
         table.name,
         [{key: value for key, value in row.items() if key not in gone} for row in table.rows],

@@ -114,8 +114,8 @@ def ranges(results: Results) -> Table:
         if "curve" not in entry:
             continue
         row: Row = {"state": state} | {key: entry[key] for key in RANGES if key in entry}
-        if "peak_displacement_range" in entry:
-            row["lowest_peak_m"], row["highest_peak_m"] = entry["peak_displacement_range"]
+        if "peak_displacement_m_range" in entry:
+            row["lowest_peak_m"], row["highest_peak_m"] = entry["peak_displacement_m_range"]
             row["median_peak_m"] = entry["peak_displacement_median_m"]
         rows.append(row)
     return Table("history_ranges", rows, RANGES)
@@ -227,7 +227,7 @@ def static_dynamic(results: Results) -> Table:
 
 def _all_collapse(found: Mapping[str, Any]) -> Row:
     """The upper end of the range of a PGA at collapse, where there is a range."""
-    return {"pga_all_collapse_g": found["pga_collapse_range"][1]} if "pga_collapse_range" in found else {}
+    return {"pga_all_collapse_g": found["pga_collapse_g_range"][1]} if "pga_collapse_g_range" in found else {}
 
 
 def _histories(results: Results) -> Iterator[tuple[str, Mapping[str, Any]]]:

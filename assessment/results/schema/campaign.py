@@ -41,6 +41,7 @@ class SameAs(Part):
 
     settlement: str = key("name of the movement")
     share: float = key("of the movement", "–")
+    sign: int = key("factor on the record; the other one: its mirror image", "–")
 
 
 class CampaignCombination(Part):
@@ -54,7 +55,7 @@ class CampaignCombination(Part):
     pga_collapse_range: Range | None = key("from there to where all collapse; null: not reached", "g")
     pga_safe_g: float | None = key("largest PGA below at which all stand; null: not completed", "g")
     sa_collapse_g: float | None = optional("S_a(T) at collapse, where that is the measure", "g")
-    sa_collapse_range: Range | None = optional("from there to where all collapse", "g")
+    sa_collapse_g_range: Range | None = optional("from there to where all collapse", "g")
     resurrections_g: list[float] = key("levels above at which the structure stands again, PGA", "g")
     collapsed: list[bool] | None = optional("of stripes: whether a member collapses, by level")
     all_collapsed: list[bool] | None = optional("of stripes: whether all collapse, by level")

@@ -105,7 +105,7 @@ class History(Part):
     frames: AnimationFrames | None = optional("for the animation")
     members: int | None = optional("members of the ensemble that were run")
     members_collapsed: int | None = optional("members that collapse")
-    peak_displacement_range: Range | None = optional("of the members' peaks; null: a collapse", "m")
+    peak_displacement_m_range: Range | None = optional("of the members' peaks; null: a collapse", "m")
     peak_displacement_median_m: float | None = optional("median of the members; null: a collapse", "m")
     band: Band | None = optional("where all members are")
 
@@ -115,7 +115,7 @@ class Level(Part):
 
     pga_g: float = key("level", "g")
     peak_displacement_m: float | None = key("largest peak; null: a collapse", "m")
-    peak_displacement_range: Range = key("least and largest peak; null: a collapse", "m")
+    peak_displacement_m_range: Range = key("least and largest peak; null: a collapse", "m")
     members: int = key("members that were run")
     members_collapsed: int = key("members that collapse")
     collapsed: bool = key("whether any collapses")
@@ -129,7 +129,7 @@ class Search(Part):
     record: str = key("name of the record")
     record_pga_g: float = key("its own PGA", "g")
     pga_collapse_g: float | None = key("least PGA at which a member collapses; null: none found", "g")
-    pga_collapse_range: Range | None = optional(
+    pga_collapse_g_range: Range | None = optional(
         "from there to where all members collapse; null: not reached", "g"
     )
     pga_safe_g: float | None = key("largest PGA below at which all stand; null: not known", "g")
@@ -159,5 +159,5 @@ class Incremental(Part):
     )
     rule: str | None = optional("what counts: the mean of seven records or more, otherwise the lowest")
     pga_collapse_g: float | None = optional("what counts; null: open", "g")
-    pga_collapse_range: Range | None = optional("from there to where all members collapse", "g")
+    pga_collapse_g_range: Range | None = optional("from there to where all members collapse", "g")
     fragility: Fragility | None = optional("distribution; null: fewer than two different levels of collapse")

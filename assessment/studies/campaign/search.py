@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from assessment.analyses.dynamic.bracket import find_collapse
+from assessment.analyses.dynamic.bracket import BELOW, find_collapse
 from assessment.analyses.dynamic.ensemble import Scatter
 from assessment.analyses.dynamic.incremental import Levels, Member, point
 from assessment.analyses.dynamic.response import Setting
@@ -46,7 +46,16 @@ def search_collapse(
     """Bracket the PGA (g) at collapse within `tolerance`, relative; levels up to `max_scale` times the record."""
 
     def searched(levels: Levels) -> Numbers:
-        found = find_collapse(levels.some, levels.every, motion.pga, max_scale * motion.pga, LEAST, tolerance)
+        found = find_collapse(
+            levels.some,
+            levels.every,
+            motion.pga,
+            max_scale * motion.pga,
+            LEAST,
+            tolerance,
+            BELOW,
+            levels.first,
+        )
         return {
             "pga_collapse_g": found.collapse,
             "pga_safe_g": found.safe,

@@ -27,6 +27,7 @@ from assessment.studies.campaign.movements import Moved, moved_states
 from assessment.studies.campaign.search import Combination, open_numbers, run_stripes, search_collapse
 from assessment.studies.campaign.summary import Observed, fragility, loss
 from assessment.studies.variants import Demands, Numbers, Study, quantity
+from mechanics.procedures import Mirror
 
 if TYPE_CHECKING:
     from assessment.analyses.static.states import StateResult
@@ -41,12 +42,16 @@ RUNS = 30  # motions of a combination, about
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """A combination: a record of one sign from a state at rest; `ratio`: of the measure to the PGA of its record."""
+    """A combination: a record of one sign from a state at rest; `ratio`: of the measure to the PGA of its record.
+
+    `run_sign`: the sign that is run; where the structure is its own mirror image, both signs are the same run.
+    """
 
     moved: Moved
     motion: BaseMotion
     sign: int
     ratio: float
+    run_sign: int
 
     @property
     def title(self) -> str:
@@ -57,12 +62,12 @@ class Asked:
     def key(self) -> tuple[str, str, int]:
         """What combinations that are one have in common."""
         start = fingerprint(search_collapse, (self.moved.start, self.moved.ultimate))
-        return start, self.motion.name, self.sign
+        return start, self.motion.name, self.run_sign
 
     @property
     def signed(self) -> BaseMotion:
         """The motion that shakes the base."""
-        return replace(self.motion, record=self.motion.record.scaled(float(self.sign)))
+        return replace(self.motion, record=self.motion.record.scaled(float(self.run_sign)))
 
 
 def campaign(
@@ -87,8 +92,11 @@ def campaign(
     study.warnings += [note for motion in records for note in motion.notes if note not in told]
     moved = moved_states(project, model, states, stages, halvings, demands, workers, study)
     ratios = [ordinate(each, table.period_s) / each.pga if table.period_s else 1.0 for each in records]
+    mirrored = _mirrored(project, model, table)
     asked = [
-        Asked(state, motion, sign, ratio)
+        Asked(
+            state, motion, sign, ratio, table.signs[0] if mirrored and state.start is model.initial else sign
+        )
         for state in moved
         for motion, ratio in zip(records, ratios, strict=True)
         for sign in table.signs
@@ -104,8 +112,8 @@ def campaign(
             result = done[each.key]
             numbers = dict(result.numbers)
             if origin is not each:
-                numbers |= {"same_as": {"settlement": origin.moved.settlement, "share": origin.moved.share}}
-                numbers |= {"runs": 0, "points": []}
+                place = {"settlement": origin.moved.settlement, "share": origin.moved.share}
+                numbers |= {"same_as": place | {"sign": origin.sign}, "runs": 0, "points": []}
             else:
                 study.quality.append(quality_row(each.moved.title, "campaign", result.programs, result.worst))
                 study.seconds += result.seconds
@@ -145,6 +153,17 @@ def campaign(
         found.setdefault("loss", []).append(place | lost)
     study.findings += _findings(found, table)
     return found
+
+
+def _mirrored(project: Project, model: Assembly, table: CampaignTable) -> bool:
+    """Whether the structure as drawn collapses under a record as under its negative: as the mirror image of itself.
+
+    The control point decides where its displacement beyond which the static capacity is none is known: it has to be
+    its own image then.
+    """
+    mirror = Mirror.of(model, table.contacts)
+    point = project.control_point(table.control).point_m
+    return mirror is not None and mirror.swaps(point, point)
 
 
 def _record_set(
@@ -215,7 +234,7 @@ def _row(each: Asked, numbers: Numbers, table: CampaignTable) -> Numbers:
     if table.period_s:
         collapse, span = row["pga_collapse_g"], row["pga_collapse_range"]
         row["sa_collapse_g"] = None if collapse is None else each.ratio * collapse
-        row["sa_collapse_range"] = span and [None if end is None else each.ratio * end for end in span]
+        row["sa_collapse_g_range"] = span and [None if end is None else each.ratio * end for end in span]
     return row
 
 
@@ -253,8 +272,8 @@ def _findings(found: Numbers, table: CampaignTable) -> list[str]:
     equal = sum("same_as" in row for row in found["combinations"])
     if equal:
         findings.append(
-            f"campaign: {equal} of {len(found['combinations'])} combinations begin from a state that another one "
-            "has, and were computed once"
+            f"campaign: {equal} of {len(found['combinations'])} combinations are the same as another one, or its "
+            "mirror image, and were computed once"
         )
     for row in found["fragility"]:
         if row["failed"]:

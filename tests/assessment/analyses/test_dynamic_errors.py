@@ -40,7 +40,7 @@ def project(tmp_path):
     """A block that a pulse shakes."""
     time = STEP * np.arange(75)
     pulse = np.column_stack([time, 0.11 * np.sin(2.0 * np.pi * time / 0.8) * (time <= 0.8)])
-    folder = write_block(tmp_path / "block", "accuracy = 0.1\nscatter = 2\n" + block() + SEARCHED)
+    folder = write_block(tmp_path / "block", "accuracy = 0.1\nscatter = 1\n" + block() + SEARCHED)
     np.savetxt(folder / "pulse.csv", pulse, delimiter=",", fmt="%.8f")
     return load_project(folder)
 
@@ -117,7 +117,7 @@ def again(project, found: dict, *finer: dict):
 
 
 NONE = {"pga_safe_g": 0.44, "pga_collapse_g": None}
-SOME = {"pga_safe_g": 0.30, "pga_collapse_g": 0.31, "pga_collapse_range": [0.31, 0.31]}
+SOME = {"pga_safe_g": 0.30, "pga_collapse_g": 0.31, "pga_collapse_g_range": [0.31, 0.31]}
 
 
 def test_a_collapse_that_not_every_time_step_finds_leaves_no_number(project):
@@ -134,7 +134,7 @@ def test_a_collapse_that_not_every_time_step_finds_leaves_no_number(project):
 
 
 def test_an_ensemble_wider_than_the_time_steps_is_told_as_scatter(project):
-    wide = SOME | {"pga_collapse_range": [0.31, 0.42]}
+    wide = SOME | {"pga_collapse_g_range": [0.31, 0.42]}
     found = again(project, wide, SOME, SOME)
     assert found.rows[0]["pga_collapse_scatter_g"] == pytest.approx(0.11) and not found.rows[0]["met"]
     assert "scatters by 35 %" in found.warnings[0]

@@ -106,7 +106,7 @@ def test_a_smooth_motion_ends_after_two_members():
     assert runs == [1.0, 0.99]
     numbers = found.numbers
     assert numbers["members"] == 2 and numbers["amplitude"] == 1.0
-    low, high = numbers["peak_displacement_range"]
+    low, high = numbers["peak_displacement_m_range"]
     assert numbers["peak_displacement_m"] == high > low == pytest.approx(0.99 * high, rel=1e-3)
     assert "band" not in numbers
     assert not any("within 1 %" in text for text in found.warnings)
@@ -116,7 +116,7 @@ def test_one_member_is_the_motion_itself():
     model = block_on_base(0.6, 2.4, stiffness=1e5)
     found, runs = shaken(model, (0.6, 2.4), "elastic", 0.02 * WAVE, STEP, scatter=1)
     assert runs == [1.0]
-    assert "peak_displacement_range" not in found.numbers and "members" not in found.numbers
+    assert "peak_displacement_m_range" not in found.numbers and "members" not in found.numbers
 
 
 def test_an_arch_that_rocks_has_a_range_that_contains_each_member():
@@ -126,7 +126,7 @@ def test_an_arch_that_rocks_has_a_range_that_contains_each_member():
     numbers = found.numbers
     assert sorted(runs) == pytest.approx([0.99, 0.995, 1.0, 1.005, 1.01])
     assert numbers["members"] == 5 and numbers["members_collapsed"] == 0
-    low, high = numbers["peak_displacement_range"]
+    low, high = numbers["peak_displacement_m_range"]
     assert numbers["integrator"] == "moreau-jean" and "impacts" in numbers["integrator_chosen"]
     assert low <= numbers["peak_displacement_median_m"] <= high == numbers["peak_displacement_m"]
     table = HistoryTable(record="r", contacts="rigid")
@@ -162,7 +162,7 @@ def member(peak=0.1, collapsed=False, time=None):
 def test_the_largest_demand_is_used():
     found = together("s, r", [member(0.1), member(0.3), member(0.2)])
     assert found.numbers["peak_displacement_m"] == 0.3 and found.numbers["of"] == (0.3, None)
-    assert found.numbers["peak_displacement_range"] == [0.1, 0.3]
+    assert found.numbers["peak_displacement_m_range"] == [0.1, 0.3]
     assert found.numbers["peak_displacement_median_m"] == 0.2
     assert found.quality == [{"state": "s", "stage": "h", "solves": 6, "worst_equilibrium_residual": 0.3}]
 
@@ -170,7 +170,7 @@ def test_the_largest_demand_is_used():
 def test_a_collapse_is_beyond_any_peak_and_the_earliest_counts():
     found = together("s, r", [member(0.5), member(9.0, True, 4.0), member(8.0, True, 3.0)])
     assert found.numbers["of"] == (8.0, 3.0) and found.numbers["members_collapsed"] == 2
-    assert found.numbers["peak_displacement_range"] == [0.5, None]
+    assert found.numbers["peak_displacement_m_range"] == [0.5, None]
     assert found.numbers["peak_displacement_median_m"] is None
     assert "2 of 3 records" in found.warnings[-1]
 

@@ -9,7 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from assessment.analyses.dynamic import incremental
-from assessment.analyses.dynamic.bracket import find_collapse
+from assessment.analyses.dynamic.bracket import BELOW, find_collapse
 from assessment.analyses.dynamic.ensemble import Scatter
 from assessment.analyses.dynamic.incremental import Levels, fragility, point, search, summarise
 from assessment.analyses.dynamic.response import Setting
@@ -138,13 +138,13 @@ def test_as_many_members_of_a_level_are_run_as_its_question_needs(monkeypatch, p
 
     monkeypatch.setattr(incremental, "respond", made)
     levels = Levels(block_on_base(), pulse, setting, None, Scatter(3, 0.05))
-    ends |= {1.0: (False, 1.0), 0.99: (False, 0.99)}
+    ends |= {1.0: (False, 1.0), 1.01: (False, 1.01)}
     assert not levels.some(0.1) and len(levels.members[0.1]) == 2
-    ends |= {2.0: (False, 1.0), 1.98: (False, 2.0), 2.02: (True, 3.0)}
+    ends |= {2.0: (False, 1.0), 1.98: (True, 3.0), 2.02: (False, 2.0)}
     assert levels.some(0.2) and not levels.every(0.2)
     assert [each.collapsed for each in levels.members[0.2]] == [False, False, True]
     told = point(0.2, levels.members[0.2])
-    assert told["peak_displacement_range"] == [1.0, None] and told["members_collapsed"] == 1
+    assert told["peak_displacement_m_range"] == [1.0, None] and told["members_collapsed"] == 1
     ends |= {3.0: (True, 1.0), 2.97: (True, 2.0), 3.03: (True, 3.0)}
     assert levels.some(0.3) and len(levels.members[0.3]) == 1
     assert levels.every(0.3) and len(levels.members[0.3]) == 3
@@ -179,13 +179,13 @@ def test_what_the_standard_takes_of_the_records():
 
 
 def test_the_range_of_a_state_is_that_of_what_the_standard_takes():
-    records = [_record(low) | {"pga_collapse_range": [low, high]} for low, high in ((0.3, 0.5), (0.4, 0.4))]
-    assert summarise(records, [], "original")["pga_collapse_range"] == [0.3, 0.4]
-    seven = [_record(0.3) | {"pga_collapse_range": [0.3, 0.4]}] * 7
-    assert summarise(seven, [], "original")["pga_collapse_range"] == pytest.approx([0.3, 0.4])
-    seven[0] = _record(0.3) | {"pga_collapse_range": [0.3, None]}
-    assert summarise(seven, [], "original")["pga_collapse_range"][1] is None
-    assert "pga_collapse_range" not in summarise([_record(0.3)], [], "original")
+    records = [_record(low) | {"pga_collapse_g_range": [low, high]} for low, high in ((0.3, 0.5), (0.4, 0.4))]
+    assert summarise(records, [], "original")["pga_collapse_g_range"] == [0.3, 0.4]
+    seven = [_record(0.3) | {"pga_collapse_g_range": [0.3, 0.4]}] * 7
+    assert summarise(seven, [], "original")["pga_collapse_g_range"] == pytest.approx([0.3, 0.4])
+    seven[0] = _record(0.3) | {"pga_collapse_g_range": [0.3, None]}
+    assert summarise(seven, [], "original")["pga_collapse_g_range"][1] is None
+    assert "pga_collapse_g_range" not in summarise([_record(0.3)], [], "original")
 
 
 def test_fewer_than_three_records_are_warned_about():
@@ -255,3 +255,32 @@ def test_a_state_that_was_not_reached_is_null_with_the_reason(pulse, setting):
     assert found.numbers["reason"] == "it collapses"
     assert "it collapses" in found.warnings[0]
     assert found.numbers["runs"] == 0
+
+
+@given(
+    low=st.floats(0.1, 2.0),
+    width=st.floats(0.0, 0.2),
+    first=st.floats(0.05, 1.0),
+    relative=st.sampled_from([0.02, 0.05, 0.2]),
+)
+def test_a_scout_leaves_to_the_ensemble_only_what_it_decides(low, width, first, relative):
+    """One member falls from `low` + `width` on, some from `low`: the bracket is theirs, and they are asked seldom."""
+    asked = []
+
+    def some(pga):
+        asked.append(pga)
+        return pga >= low
+
+    def one(pga):
+        return pga >= low + width
+
+    found = find_collapse(some, one, first, 8.0, 1e-3, relative, BELOW, one)
+    assert found.safe < low <= found.collapse and found.safe in asked
+    assert found.collapse - found.safe <= relative * found.collapse + 1e-12
+    assert len(asked) == len(set(asked)) and (width > 0.0 or len(asked) == 1)
+    assert found.resurrections == ()
+
+
+def test_a_level_that_only_the_scout_withstood_is_not_safe():
+    found = find_collapse(lambda _: True, lambda _: False, 0.3, 1.0, 0.01, scout=lambda _: False)
+    assert found.safe == 0.0 and found.collapse <= 0.01 and found.certain is None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import sys
 from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
@@ -10,11 +11,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from assessment.benchmark import command, ensembles, skips, statics, steps, table, walls
+from assessment.benchmark import campaigns, command, ensembles, skips, statics, steps, table, walls
 from assessment.benchmark.command import BENCHMARKS, Benchmark
 from assessment.benchmark.dynamics import Case, certified_to, pulse, sine, stack
 from assessment.benchmark.measure import history_programs, path_programs
 from assessment.cli import main as cli
+from assessment.runtime.tasks import Workers
+from assessment.studies.campaign.search import Combination
 from mechanics import ConvergenceError, pushover, time_history
 from mechanics.procedures import time_history as histories
 from mechanics.program import certify
@@ -186,6 +189,19 @@ def test_a_case_that_fails_says_so_in_its_rows():
     assert [row.get("failed") for row in rows] == [None, None, "not solved", "not solved"]
     assert "| block | α |" in command.by_parameter(("case", "quantity"))(rows)
     assert "fails" in command.by_parameter(("case", "quantity"))(rows)
+
+
+def test_engines_of_a_campaign_are_compared_by_time_and_by_result(monkeypatch):
+    def searched(model, motion, *_):
+        return Combination({"runs": 3, "pga_collapse_g": motion.pga})
+
+    monkeypatch.setattr(campaigns, "search_collapse", searched)
+    monkeypatch.setattr(campaigns, "Workers", lambda *_, **__: Workers(1))
+    monkeypatch.setattr(campaigns, "cores", lambda: 2)
+    monkeypatch.setitem(sys.modules, "distributed", None)  # not installed
+    alone, two = campaigns.campaigns(True)
+    assert (alone["combinations"], alone["motions"], alone["ratio"], alone["ideal"]) == (4, 12, 1.0, 1.0)
+    assert (two["case"], two["ideal"], two["equal"]) == ("2 processes", 0.5, True) and two["ratio"] > 0.0
 
 
 def test_the_command_line_knows_every_benchmark():

@@ -255,6 +255,7 @@ def test_a_failure_while_writing_leaves_nothing(tmp_path: Path, monkeypatch: pyt
         ("rocking_block", "block"),
         ("buttressed_arch", "buttressed-arch"),
         ("triumphal_arch", "triumphal-arch"),
+        ("arch_campaign", None),
         ("tuff_panel", None),
     ],
 )

@@ -11,12 +11,13 @@ import time
 import pytest
 
 from assessment.cli.main import main
+from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.journal import NAME, journal, read_journal
 from assessment.runtime.lock import locked
 from assessment.runtime.status import status
 from assessment.runtime.tasks import Silence
 from tests import ROOT
-from tests.support.block_project import read_results, timeless
+from tests.support.block_project import contents, read_results, timeless
 from tests.support.campaign_project import STRIPES, write_campaign
 
 
@@ -53,22 +54,30 @@ def test_a_line_that_a_kill_cut_short_is_left_out(tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal")
-def test_a_run_that_is_killed_is_told_of_and_goes_on_with_equal_results(tmp_path, capsys):
+def test_a_run_that_is_killed_again_and_again_is_told_of_and_goes_on_with_equal_results(tmp_path, capsys):
     folder = write_campaign(tmp_path / "block", STRIPES, 1)
     arguments = ["run", str(folder), "--no-report"]
     command = [sys.executable, "-m", "assessment.cli", *arguments, "--jobs", "1"]
-    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL) as process:
-        while not any(stage.name == "campaign" and stage.done for stage in read_journal(folder / "output")):
-            assert process.poll() is None
-            time.sleep(0.02)
-        process.kill()
+    for number in (1, 2, 3):  # times, each a little further on
+        with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL) as process:
+            while not any(
+                stage.name == "campaign" and stage.done and stage.taken + stage.done >= number
+                for stage in read_journal(folder / "output")
+            ):
+                assert process.poll() is None
+                time.sleep(0.02)
+            process.kill()
+        store = Store(folder / "output" / FOLDER)
+        assert all(store.read(key.name) for key in store.folder.iterdir() if not key.name.startswith("."))
+        assert not (folder / "output" / "results.json").exists()
     assert main(["status", str(folder)]) == 0
     told = capsys.readouterr().out
     assert "not at work" in told and "campaign: " in told
     assert main([*arguments, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["analyses"]["taken_over"] > 0
-    found = timeless(read_results(folder / "output"))
+    found, tables = timeless(read_results(folder / "output")), contents(folder / "output" / "tables")
     assert main([*arguments, "--fresh"]) == 0
     assert timeless(read_results(folder / "output")) == found
+    assert contents(folder / "output" / "tables") == tables
     assert main(["status", str(folder)]) == 0
     assert "finished: " in capsys.readouterr().out

@@ -285,9 +285,38 @@ def test_equal_states_are_computed_once(block):
     assert run(block, "--only", "campaign") == 0
     results = read_results(block / "output")
     one, other = results["campaign"]["combinations"]
-    assert other["same_as"] == {"settlement": "base turned", "share": 0.0}
+    assert other["same_as"] == {"settlement": "base turned", "share": 0.0, "sign": 1}
     assert other["pga_collapse_g"] == one["pga_collapse_g"] and results["campaign"]["computed"] == 1
-    assert any("1 of 2 combinations" in text for text in results["quality"]["warnings"])
+    assert any("1 of 2 combinations are the same" in text for text in results["quality"]["warnings"])
+
+
+def test_both_signs_of_a_structure_that_is_its_own_mirror_image_are_one_run(block):
+    """As drawn; the block whose base has turned is none. What is not run is what it would have been."""
+    edit(block, "point_m = [0.3, 4.2]", "point_m = [0.0, 4.2]")
+    edit(block, 'records = ["wave*.csv"]', 'records = ["wave1.csv"]')
+    edit(block, "signs = [1]", "signs = [1, -1]")
+    assert run(block, "--only", "campaign") == 0
+    found = read_results(block / "output")["campaign"]
+    one, image, settled, other = found["combinations"]
+    assert found["computed"] == 3 and image["same_as"] == {
+        "settlement": "base turned",
+        "share": 0.0,
+        "sign": 1,
+    }
+    assert image["pga_collapse_g"] == one["pga_collapse_g"] and not {"same_as"} & {*settled, *other}
+    edit(block, "signs = [1, -1]", "signs = [-1]")
+    edit(block, "shares = [0.0, 1.0]", "shares = [0.0]")
+    assert run(block, "--only", "campaign") == 0
+    [alone] = read_results(block / "output")["campaign"]["combinations"]
+    assert alone["pga_collapse_g"] == pytest.approx(image["pga_collapse_g"]) and alone["runs"] == one["runs"]
+
+
+def test_a_control_point_beside_the_axis_leaves_both_signs_to_be_run(block):
+    edit(block, 'records = ["wave*.csv"]', 'records = ["wave1.csv"]')
+    edit(block, "signs = [1]", "signs = [1, -1]")
+    edit(block, "shares = [0.0, 1.0]", "shares = [0.0]")
+    assert run(block, "--only", "campaign") == 0
+    assert read_results(block / "output")["campaign"]["computed"] == 2
 
 
 def made(spectrum, seed):

@@ -1,0 +1,234 @@
+"""The chapter of a campaign, its tables and figures: from hand-made results, in both languages."""
+
+from __future__ import annotations
+
+import copy
+import math
+
+import numpy as np
+import pytest
+from scipy.special import ndtr
+
+from assessment.report.document import render_html
+from assessment.report.figures.campaign import (
+    draw_campaign_curves,
+    draw_campaign_fragility,
+    draw_campaign_loss,
+    fragile_shares,
+    moved,
+)
+from assessment.report.figures.index import pictures, write_figures
+from assessment.report.tables.campaign import campaign_tables, reported_campaign
+from assessment.report.text.language import LANGUAGES, words_of
+from assessment.results.schema import Campaign
+from assessment.runtime.pool import Pool
+from assessment.studies.campaign.summary import Observed, fragility, loss
+from tests.support.results_example import SETTLED, results_example
+
+SHARES = (0.0, 0.5, 1.0)
+LEVELS = {"a": 0.30, "b": 0.36, "c": 0.45}  # g: at which each record collapses the structure as drawn
+OTHER = "left support 10 mm"
+
+
+def combination(record: str, settlement: str, share: float, sign: int) -> dict:
+    collapse = LEVELS[record] * (1.0 - 0.3 * share) * (1.0 if sign > 0 else 1.1)
+    points = [
+        {"pga_g": part * collapse, "peak_displacement_m": None if part == 1.0 else 0.02 * part, "members": 1,
+         "residual_displacement_m": None if part == 1.0 else 0.0, "collapsed": part == 1.0, "reason": None,
+         "peak_displacement_m_range": [None, None] if part == 1.0 else [0.02 * part, 0.02 * part],
+         "members_collapsed": int(part == 1.0), "time_of_collapse_s": 3.0 if part == 1.0 else None}
+        for part in (0.5, 0.95, 1.0)
+    ]  # fmt: skip
+    return {
+        "record": record, "settlement": settlement, "share": share, "sign": sign, "pga_collapse_g": collapse,
+        "pga_collapse_range": [collapse, 1.1 * collapse], "pga_safe_g": 0.95 * collapse, "resurrections_g": [],
+        "runs": 3, "points": points, "reason": None,
+    }  # fmt: skip
+
+
+def observed(row: dict) -> Observed:
+    low, high = row["pga_collapse_range"] or (None, None)
+    return Observed(row["record"], row["sign"], 1.0, low, row["pga_safe_g"], high, (), ())
+
+
+def results_with_campaign(language: str = "it", settlements: tuple[str, ...] = (SETTLED,)) -> dict:
+    """Results with a campaign of three records, both signs, three shares; each β is that of its levels."""
+    results = results_example(language)
+    rows = [
+        combination(record, settlement, share, sign)
+        for settlement in settlements for share in SHARES for record in LEVELS for sign in (1, -1)
+    ]  # fmt: skip
+    fits, losses = [], []
+    for settlement in settlements:
+        before = [observed(row) for row in rows if row["settlement"] == settlement and row["share"] == 0.0]
+        for share in SHARES:
+            own = [observed(row) for row in rows if (row["settlement"], row["share"]) == (settlement, share)]
+            place = {"settlement": settlement, "share": share, "movement_m": 0.02 * share}
+            fits.append(place | fragility(own, None, 5))
+            losses.append(place | loss(before, own, 0.5, 0.5 - 0.1 * share, None))
+    results["campaign"] = {
+        "measure": "PGA", "period_s": None, "method": "incremental", "levels_g": [], "tolerance": 0.05,
+        "contacts": "rigid", "members": 5, "static_quantity": "a_g_g", "spectrum": None, "failures": [],
+        "warnings": [], "combinations": rows, "computed": len(rows), "fragility": fits, "loss": losses,
+        "records": [{"record": name, "record_pga_g": 0.3, "scale": 1.0, "duration_s": 25.0, "time_step_s": 0.01}
+                    for name in LEVELS],
+    }  # fmt: skip
+    return results
+
+
+def lines_of(axes) -> list[tuple[np.ndarray, np.ndarray]]:
+    return [tuple(map(np.asarray, line.get_data())) for line in axes.lines]
+
+
+def test_the_made_up_campaign_is_one():
+    Campaign.model_validate(results_with_campaign()["campaign"])
+
+
+def test_curves_end_at_the_highest_level_withstood_and_a_cross_marks_the_collapse():
+    results = results_with_campaign()
+    figure = draw_campaign_curves(results, words_of(results), SETTLED)
+    panels = [axes for axes in figure.axes if axes.axison]
+    assert len(panels) == len(SHARES)
+    for axes, share in zip(panels, SHARES, strict=True):
+        assert f"{100.0 * share:g}" in axes.get_title()
+        own = [row for row in results["campaign"]["combinations"] if row["share"] == share]
+        curves = [line for line in lines_of(axes) if len(line[0]) > 1]
+        crosses = [line for line in lines_of(axes) if len(line[0]) == 1]
+        assert [y[-1] for _, y in curves] == pytest.approx([row["pga_safe_g"] for row in own])
+        assert [y[0] for _, y in crosses] == pytest.approx([row["pga_collapse_g"] for row in own])
+        for x, y in curves:
+            assert (x[0], y[0]) == (0.0, 0.0) and x[-1] == pytest.approx(19.0)  # mm
+        assert {x[0] for x, _ in crosses} == {axes.get_xlim()[1]}
+
+
+def test_the_mirror_image_of_a_combination_has_no_curve_of_its_own_but_its_cross():
+    results = results_with_campaign()
+    rows = [row for row in results["campaign"]["combinations"] if row["share"] == 0.0]
+    for row in rows[1::2]:
+        row |= {"same_as": {"settlement": SETTLED, "share": 0.0, "sign": 1}, "points": [], "runs": 0}
+    Campaign.model_validate(results["campaign"])
+    axes, *_ = draw_campaign_curves(results, words_of(results), SETTLED).axes
+    assert sorted(len(x) for x, _ in lines_of(axes)) == [1] * 6 + [3] * 3
+
+
+def test_an_equal_combination_of_another_movement_has_its_curve():
+    results = results_with_campaign(settlements=(SETTLED, OTHER))
+    for row in results["campaign"]["combinations"]:
+        if row["settlement"] == OTHER and row["share"] == 0.0:
+            same = {"settlement": SETTLED, "share": 0.0, "sign": row["sign"]}
+            row |= {"same_as": same, "points": [], "runs": 0}
+    one, other = (draw_campaign_curves(results, words_of(results), name).axes[0] for name in (SETTLED, OTHER))
+    for (x, y), (own_x, own_y) in zip(lines_of(one), lines_of(other), strict=True):
+        assert (x == own_x).all() and (y == own_y).all()
+
+
+def test_fragility_curves_are_the_lognormals_of_the_table_with_what_was_seen():
+    results = results_with_campaign()
+    [axes] = draw_campaign_fragility(results, words_of(results), SETTLED).axes
+    drawn = lines_of(axes)
+    assert len(drawn) == 2 * len(SHARES)
+    for row, (x, y), (seen, share) in zip(
+        fragile_shares(results, SETTLED), drawn[::2], drawn[1::2], strict=True
+    ):
+        assert y == pytest.approx(ndtr(np.log(x / row["median_g"]) / row["beta"]))
+        assert (np.diff(seen) > 0.0).all() and share == pytest.approx((np.arange(6) + 0.5) / 6)
+        assert np.exp(np.log(seen).mean()) == pytest.approx(row["median_g"])
+    medians = [row["median_g"] for row in fragile_shares(results, SETTLED)]
+    assert medians == sorted(medians, reverse=True)
+
+
+def test_losses_are_drawn_over_the_movement_in_per_cent_a_panel_each():
+    results = results_with_campaign(settlements=(SETTLED, OTHER))
+    figure = draw_campaign_loss(results, words_of(results))
+    assert [axes.get_title() for axes in figure.axes] == moved(results) == [SETTLED, OTHER]
+    for axes in figure.axes:
+        dynamic, static = lines_of(axes)
+        assert dynamic[0] == pytest.approx([0.0, 10.0, 20.0]) == static[0]
+        assert dynamic[1] == pytest.approx([0.0, 15.0, 30.0])
+        assert static[1] == pytest.approx([0.0, 10.0, 20.0])
+        [band] = axes.collections
+        assert band.get_datalim(axes.transData).ymax == pytest.approx(30.0)
+
+
+def test_what_is_not_known_is_not_drawn():
+    """No collapse up to the largest level; a movement under which the structure falls."""
+    results = results_with_campaign()
+    campaign = results["campaign"]
+    for row in campaign["combinations"]:
+        if row["share"] == 1.0:
+            row |= {
+                "pga_collapse_g": None,
+                "pga_safe_g": None,
+                "pga_collapse_range": None,
+                "points": [],
+                "runs": 0,
+            }
+            row |= {"reason": "the structure falls"}
+    campaign["fragility"][2] |= dict.fromkeys(("median_g", "beta", "median_range", "beta_range"))
+    campaign["loss"][2] |= {"dynamic": None, "dynamic_range": [None, None], "static": None}
+    Campaign.model_validate(campaign)
+    words = words_of(results)
+    [axes] = draw_campaign_loss(results, words).axes
+    assert all(len(x) == 2 for x, _ in lines_of(axes))
+    assert len(lines_of(draw_campaign_fragility(results, words, SETTLED).axes[0])) == 4
+    assert not draw_campaign_curves(results, words, SETTLED).axes[2].lines
+    for row in campaign["fragility"]:
+        row["median_g"] = None
+    assert "campaign_fragility" not in {picture.name for picture in pictures(results)}
+
+
+def test_counts_stand_in_the_report_only_where_there_is_something_to_count():
+    results = results_with_campaign()
+    _, fits, lost = reported_campaign(results)
+    assert not {"withstood", "failed", "left_out", "beta_low"} & {*fits.columns, *lost.columns}
+    results["campaign"]["fragility"][1]["failed"] = 1
+    assert "failed" in reported_campaign(results)[1].columns
+    tables = {table.name: table for table in campaign_tables(results)}
+    assert len(tables["campaign"].rows) == 18 and len(tables["campaign_curves"].rows) == 54
+    row = tables["campaign_fragility"].rows[0]
+    assert row["median_low_g"] < row["median_g"] < row["median_high_g"]
+    assert row["median_g"] == pytest.approx(math.prod(LEVELS.values()) ** (1 / 3) * 1.1**0.5)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("method", ["incremental", "stripes"])
+def test_the_chapter_shows_tables_figures_and_what_was_not_completed(language, method, tmp_path):
+    results = copy.deepcopy(results_with_campaign(language))
+    campaign = results["campaign"]
+    campaign |= {"failures": ["a reason"]}
+    if method == "stripes":
+        campaign |= {"method": method, "levels_g": [0.2, 0.4]}
+        for row in campaign["combinations"]:
+            fallen = [row["pga_collapse_g"] <= level for level in (0.2, 0.4)]
+            row |= {"collapsed": fallen, "all_collapsed": fallen}
+        for row in campaign["fragility"]:
+            row |= {"rule": None, "pga_collapse_g": None}
+    words = words_of(results)
+    write_figures(Pool(0, results), tmp_path)
+    html = render_html(results, tmp_path, words)
+    start = html.index('<h2 id="campaign"')
+    text = html[start : html.index("<h2", start + 4)]
+    assert text.count("<figure>") == 3 and text.count("<caption>") == 3
+    assert words("section.campaign") in text and words("text.campaign_failures", count=1) in text
+    assert words(f"text.campaign_loss_{method}") in text
+    assert ("§7.3.5" in text) == (method == "incremental")
+
+
+def test_of_single_runs_nothing_is_said_of_ensembles(tmp_path):
+    results = results_with_campaign("en")
+    words = words_of(results)
+    for members in (5, 1):
+        results["campaign"]["members"] = members
+        write_figures(Pool(0, results), tmp_path)
+        html = render_html(results, tmp_path, words)
+        start = html.index('<h2 id="campaign"')
+        text = html[start : html.index("<h2", start + 4)]
+        assert ("ensemble" in text) == (members > 1)
+        assert ("beta_record" in reported_campaign(results)[1].columns) == (members > 1)
+    assert "not reached" not in text
+
+
+def test_results_without_a_campaign_have_none_of_it():
+    results = results_example()
+    assert not any(table.rows for table in campaign_tables(results))
+    assert "campaign" not in {picture.section for picture in pictures(results)}
