@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from tests.stress import geometry, paths, records, scales, shaken
+from tests.stress import geometry, paths, records, scales, scatter, shaken
 from tests.stress.harness import Case
 
 CASES: dict[str, Case] = {
-    case.label: case for module in (scales, geometry, paths, records, shaken) for case in module.cases()
+    case.label: case
+    for module in (scales, geometry, paths, records, shaken, scatter)
+    for case in module.cases()
 }

@@ -79,7 +79,9 @@ def _checks(least: Mapping[str, Any], known: Sequence[Mapping[str, Any]]) -> dic
 
 
 def _with_range(numbers: dict[str, Any], name: str, members: Sequence[Mapping[str, Any]]) -> None:
-    """Let a quantity be the least of the members', with its range beside it."""
-    values = [each[name] for each in members if each.get(name) is not None]
-    if values:
-        numbers[name], numbers[f"{name}_range"] = min(values), [min(values), max(values)]
+    """Let a quantity be the least of the members', with its range beside it: open above where a member finds no end."""
+    values = [each[name] for each in members if name in each]
+    known = [value for value in values if value is not None]
+    if known:
+        highest = max(known) if len(known) == len(values) else None
+        numbers[name], numbers[f"{name}_range"] = min(known), [min(known), highest]

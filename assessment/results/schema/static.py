@@ -32,7 +32,9 @@ class PushdownPath(Part):
         "largest component of the movement at which the structure falls; null: not reached or not looked for",
         "m",
     )
-    ultimate_movement_m_range: list[float | None] | None = optional("least and largest of an ensemble", "m")
+    ultimate_movement_m_range: list[float | None] | None = optional(
+        "least and largest of an ensemble; null: none in some", "m"
+    )
     sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
     applied_movement_m: float = key("largest component of the movement that the settlement asks for", "m")
     end: str = key("why the path ends")
@@ -82,7 +84,9 @@ class RigidPush(Part):
     alpha_0_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
     alpha_onset: float = key("its first multiplier; above it an open hinge of a settlement may close", "–")
     d_0_m: float | None = key("displacement capacity, along the push; null: the path was cut short", "m")
-    d_0_m_range: list[float | None] | None = optional("least and largest of an ensemble", "m")
+    d_0_m_range: list[float | None] | None = optional(
+        "least and largest of an ensemble; null: none in some", "m"
+    )
     alpha_0_associative: float | None = optional(
         "α_0 where what slides lifts, if it differs by 1 % or more", "–"
     )

@@ -78,12 +78,21 @@ def test_a_joint_that_slides_is_what_a_path_turns_on(friction, slides):
     assert turns_on_rounding(model, pushover(model, (0.0, 1.0), increment=0.02, until=0.9)) is slides
 
 
+def curve(alpha: float, d: float | None) -> dict:
+    points = {"displacement_m": [0.0, d], "multiplier": [alpha, 0.0]}
+    return {"rigid": {"control": "C", "alpha_0": alpha, "d_0_m": d, "curve": points}}
+
+
+def test_a_range_is_open_where_a_member_slides_on_without_end():
+    state = {"pushdown": {}, "pushover": {"+x": {"control": "C", **curve(0.10, 0.5)}}}
+    with_ranges(state, [({}, {"+x": curve(0.12, None)}), ({}, {"+x": curve(0.11, 0.4)})], lambda _: {})
+    rigid = state["pushover"]["+x"]["rigid"]
+    assert (rigid["d_0_m"], rigid["d_0_m_range"]) == (0.4, [0.4, None])
+    assert rigid["alpha_0_range"] == [0.10, 0.12]
+
+
 def test_the_least_member_is_used_and_its_range_told():
     """In a direction the curve is that of the least a_g at SLC; every other number is the least of all."""
-
-    def curve(alpha: float, d: float) -> dict:
-        points = {"displacement_m": [0.0, d], "multiplier": [alpha, 0.0]}
-        return {"rigid": {"control": "C", "alpha_0": alpha, "d_0_m": d, "curve": points}}
 
     def assess(curves: dict) -> dict:
         ((direction, each),) = curves.items()

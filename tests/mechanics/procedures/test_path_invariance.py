@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from mechanics import Assembly, pushover
-from tests.support.structures import running_bond
+from tests.support.structures import in_frame, running_bond
 
 FRAMES = {  # length, origin (m), weight
     "units": (1000.0, (0.0, 0.0), 1.0),
@@ -26,20 +24,6 @@ SLIDING = {
     "slides on its base": (3, 3, 0.531, 0.182, 0.63),
     "slides in every bed": (2, 4, 0.271, 0.219, 0.456),
 }
-
-
-def in_frame(model: Assembly, length: float, origin: tuple[float, float], weight: float) -> Assembly:
-    """The model in other units of length and force, and moved."""
-    return Assembly(
-        [
-            replace(
-                b,
-                vertices=length * b.polygon + np.array(origin),
-                material=replace(b.material, unit_weight=weight * b.material.unit_weight),
-            )
-            for b in model.blocks
-        ]
-    )
 
 
 def ended(model: Assembly, length: float, sliding: str) -> tuple[str, bool, bool, float]:
