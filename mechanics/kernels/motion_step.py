@@ -420,7 +420,7 @@ def march(
 
     `sizes`: weight, size of a block and what is accepted of a solution; `halving`: levels down to which a step is
     halved where it takes, or leaves unsure, more than a share of the kinetic energy, that share, and levels where it is
-    not solved; `margin` (m): how far a corner may go from where it has `begun` (b, 3) before contacts are looked for
+    not solved: a part is as long as the one before unless that took little; `margin` (m): how far a corner may go from where it has `begun` (b, 3) before contacts are looked for
     anew, `radius` (b,) of blocks; `counts` (6,): programs, iterations, halvings, cold starts, and the worst residuals.
     Returns the steps done and why no more: 0 all are, 1 a corner has gone that far, 2 a program is not solved (the
     motion is as before that step).
@@ -430,16 +430,15 @@ def march(
     n, c, steps = blocks.shape[1], len(a), len(base) - 1
     rigid = basic[0, BED] == np.inf
     load, resultants = np.empty((n, 3)), np.empty((c, 3))
-    whole, deep = 1 << most, 0  # of the shortest steps in one; how often the last one was halved
+    whole, deep = 1 << most, 0  # so many of the shortest steps are one; how often the next one is halved
     for k in range(steps):
         first_blocks, first_joints, first_energy = blocks.copy(), joints.copy(), energy.copy()
-        gone, once = 0, True
+        gone, once, deep = 0, True, max(deep - 1, 0)
         while gone < whole:
             while gone % (whole >> deep) > 0:
                 deep += 1
-            step, at = h / (1 << deep), gone / whole
+            step, at = h / (1 << deep), gone / whole + theta / (1 << deep)
             kinetic, fastest = 0.0, 0.0
-            at += theta / (1 << deep)
             for i in range(n):
                 fastest = max(fastest, abs(blocks[1, i, 0]), abs(blocks[1, i, 1]))
                 for e in range(3):
@@ -477,6 +476,7 @@ def march(
             if over > 1.0 and rigid:
                 blocks[2] = 0.0  # an impact is no acceleration
             gone += whole >> deep
+            # longer again as far as that is expected to take no more than the share; at the latest in the next step
             while deep > 0 and over <= 0.5:
                 deep, over = deep - 1, 2.0 * over
         xs[k + 1], vs[k + 1], es[k + 1] = blocks[0], blocks[1], energy
