@@ -420,8 +420,9 @@ def march(
 
     `sizes`: weight, size of a block and what is accepted of a solution; `halving`: levels down to which a step is
     halved where it takes, or leaves unsure, more than a share of the kinetic energy, that share, and levels where it is
-    not solved: a part is as long as the one before unless that took little; `margin` (m): how far a corner may go from where it has `begun` (b, 3) before contacts are looked for
-    anew, `radius` (b,) of blocks; `counts` (6,): programs, iterations, halvings, cold starts, and the worst residuals.
+    not solved: a part is as long as the one before unless that took little; `margin` (m): how far a corner may go from
+    where it has `begun` (b, 3) before contacts are looked for anew, `radius` (b,) of blocks; `counts` (6,): programs,
+    iterations, halvings, cold starts, and the worst residuals.
     Returns the steps done and why no more: 0 all are, 1 a corner has gone that far, 2 a program is not solved (the
     motion is as before that step).
     """
