@@ -72,7 +72,7 @@ HOLDING = 1e-8  # stiffness, per weight and step, that holds blocks
 FIRMER = 10.0  # by which it grows where there is no factor
 FIRM = 1.0  # the most of it
 REFINEMENTS = 3  # of the forces of an iteration
-ROUNDING = 1e-3  # share of the unbalanced force that a refinement may leave
+ROUNDING = 1e-3  # share of the unbalanced force, or of what is accepted, that a refinement may leave
 ROUNDED = 3e-15  # an imbalance, per weight, that is none
 WIDE = 1e-4  # gaps count for so much less than forces and products in what is accepted
 LEAST = 0.1  # of the target: smaller products stray
@@ -402,7 +402,7 @@ def iterate(
                 dx += dalpha * swayed
             _follow(joints, direction, dx, target, stiff, corrects > 0)
             if corrects:
-                enough = max(ROUNDING * force_off, ROUNDED * weight)
+                enough = max(ROUNDING * max(force_off, accepted * weight), ROUNDED * weight)
                 dalpha = _refine(
                     joints, direction, residual, lateral, mass, swayed, gives, dalpha, dx, enough, size, target, stiff,
                     fine, stored, pattern,

@@ -420,8 +420,9 @@ def march(
 
     `sizes`: weight, size of a block and what is accepted of a solution; `halving`: levels down to which a step is
     halved where it takes, or leaves unsure, more than a share of the kinetic energy, that share, and levels where it is
-    not solved; `margin` (m): how far a corner may go from where it has `begun` (b, 3) before contacts are looked for
-    anew, `radius` (b,) of blocks; `counts` (6,): programs, iterations, halvings, cold starts, and the worst residuals.
+    not solved: a part is as long as the one before unless that took little; `margin` (m): how far a corner may go from
+    where it has `begun` (b, 3) before contacts are looked for anew, `radius` (b,) of blocks; `counts` (6,): programs,
+    iterations, halvings, cold starts, and the worst residuals.
     Returns the steps done and why no more: 0 all are, 1 a corner has gone that far, 2 a program is not solved (the
     motion is as before that step).
     """
@@ -430,16 +431,15 @@ def march(
     n, c, steps = blocks.shape[1], len(a), len(base) - 1
     rigid = basic[0, BED] == np.inf
     load, resultants = np.empty((n, 3)), np.empty((c, 3))
-    duration, level = np.empty(most + 2), np.empty(most + 2, np.intp)
+    whole, deep = 1 << most, 0  # so many of the shortest steps are one; how often the next one is halved
     for k in range(steps):
-        whole_blocks, whole_joints, whole_energy = blocks.copy(), joints.copy(), energy.copy()
-        time, top, whole = 0.0, 0, False
-        duration[0], level[0] = h, 0
-        while top >= 0:
-            step, deep = duration[top], level[top]
-            top -= 1
+        first_blocks, first_joints, first_energy = blocks.copy(), joints.copy(), energy.copy()
+        gone, once, deep = 0, True, max(deep - 1, 0)
+        while gone < whole:
+            while gone % (whole >> deep) > 0:
+                deep += 1
+            step, at = h / (1 << deep), gone / whole + theta / (1 << deep)
             kinetic, fastest = 0.0, 0.0
-            at = (time + theta * step) / h
             for i in range(n):
                 fastest = max(fastest, abs(blocks[1, i, 0]), abs(blocks[1, i, 1]))
                 for e in range(3):
@@ -461,25 +461,25 @@ def march(
                     counts[4], counts[5] = max(counts[4], force), max(counts[5], product)
                     break
             small = share * (kinetic + 0.5 * weight / STANDARD_GRAVITY * (STANDARD_GRAVITY * step) ** 2)
-            much = abs(taken) + turned > small
-            if (deep < most and not found) or (deep < levels and much and not whole):
+            over = (abs(taken) + turned) / small
+            if (deep < most and not found) or (deep < levels and over > 1.0 and once):
                 blocks[:], joints[:], energy[:] = kept_blocks, kept_joints, kept_energy
                 counts[2] += 1
-                for half in range(2):
-                    duration[top + 1 + half], level[top + 1 + half] = 0.5 * step, deep + 1
-                top += 2
+                deep += 1
                 continue
             if not found:
-                blocks[:], joints[:], energy[:] = whole_blocks, whole_joints, whole_energy
-                if whole:
+                blocks[:], joints[:], energy[:] = first_blocks, first_joints, first_energy
+                if not once:
                     return k, 2
                 # once more, halved only where it is not solved
-                time, top, whole = 0.0, 0, True
-                duration[0], level[0] = h, 0
+                gone, once, deep = 0, False, 0
                 continue
-            if much and rigid:
+            if over > 1.0 and rigid:
                 blocks[2] = 0.0  # an impact is no acceleration
-            time += step
+            gone += whole >> deep
+            # longer again as far as that is expected to take no more than the share; at the latest in the next step
+            while deep > 0 and over <= 0.5:
+                deep, over = deep - 1, 2.0 * over
         xs[k + 1], vs[k + 1], es[k + 1] = blocks[0], blocks[1], energy
         fs[k + 1] = resultants
         far = 0.0
