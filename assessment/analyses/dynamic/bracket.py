@@ -41,32 +41,24 @@ def find_collapse(
     tolerance: float,
     relative: float = 0.0,
     grid: Sequence[float] = (*BELOW, *ABOVE),
-    scout: Judge | None = None,
 ) -> Bracket:
     """Bracket the lowest level at which `some` member and at which `every` one collapses, within `tolerance`; in g.
 
     `relative`: to the level, where that is a wider tolerance; the bisection is then one of ratios. `grid`: shares of
-    the level at collapse that are tried too. `scout`: whether one member collapses; where it is given, `some` is asked
-    only of the highest level below the collapse that it withstands, until all withstand that one.
+    the level at collapse that are tried too.
 
     From `first` by doubling, up to `largest`, or halving to a level on each side, then by bisection between levels
     that were both run. A structure that falls at one level may stand at a higher one: a collapse found on the grid
     below starts the bisection again. At zero the state stands by itself.
     """
     tried: dict[float, bool] = {}
-    asked: set[float] = set()  # of `some`
 
     def within(level: float) -> float:
         return max(tolerance, relative * level)
 
     def falls(level: float) -> bool:
         if level not in tried:
-            tried[level] = scout(level) if scout else ask(level)
-        return tried[level]
-
-    def ask(level: float) -> bool:
-        asked.add(level)
-        tried[level] = some(level)
+            tried[level] = some(level)
         return tried[level]
 
     def lowest() -> float | None:
@@ -91,9 +83,6 @@ def find_collapse(
         if collapse is not None and collapse - safe > within(collapse):
             falls(middle(safe, collapse))
             continue
-        if safe and safe not in asked:
-            ask(safe)
-            continue
         about = collapse or largest
         wanted = [share * about for share in grid if share * about <= largest]
         new = [level for level in wanted if min(abs(level - other) for other in tried) > within(level)]
@@ -103,7 +92,7 @@ def find_collapse(
     if collapse is None:
         return Bracket(largest, None, None, ())
     reached = [level for level, fallen in tried.items() if fallen]
-    above = (level for level in asked if level > collapse and not tried[level])
+    above = (level for level, fallen in tried.items() if level > collapse and not fallen)
     certain = _certain(every, sorted(reached), largest, within)
     return Bracket(safe, collapse, certain, tuple(sorted(above)))
 

@@ -171,13 +171,6 @@ class Levels:
     scatter: Scatter
     members: dict[float, list[Member]] = field(default_factory=dict)
 
-    def first(self, pga: float) -> bool:
-        """Whether the record as it is makes it collapse, or any member that was run."""
-        found = self.members.setdefault(pga, [])
-        if not found:
-            found.append(self._run(pga, 0))
-        return any(each.collapsed for each in found)
-
     def some(self, pga: float) -> bool:
         """Whether any member collapses: they are run up to the first that does, or a pair that stands alike."""
         found = self.members.setdefault(pga, [])

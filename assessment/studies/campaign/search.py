@@ -54,7 +54,6 @@ def search_collapse(
             LEAST,
             tolerance,
             BELOW,
-            levels.first,
         )
         return {
             "pga_collapse_g": found.collapse,

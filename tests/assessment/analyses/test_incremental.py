@@ -9,7 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from assessment.analyses.dynamic import incremental
-from assessment.analyses.dynamic.bracket import BELOW, find_collapse
+from assessment.analyses.dynamic.bracket import find_collapse
 from assessment.analyses.dynamic.ensemble import Scatter
 from assessment.analyses.dynamic.incremental import Levels, fragility, point, search, summarise
 from assessment.analyses.dynamic.response import Setting
@@ -255,32 +255,3 @@ def test_a_state_that_was_not_reached_is_null_with_the_reason(pulse, setting):
     assert found.numbers["reason"] == "it collapses"
     assert "it collapses" in found.warnings[0]
     assert found.numbers["runs"] == 0
-
-
-@given(
-    low=st.floats(0.1, 2.0),
-    width=st.floats(0.0, 0.2),
-    first=st.floats(0.05, 1.0),
-    relative=st.sampled_from([0.02, 0.05, 0.2]),
-)
-def test_a_scout_leaves_to_the_ensemble_only_what_it_decides(low, width, first, relative):
-    """One member falls from `low` + `width` on, some from `low`: the bracket is theirs, and they are asked seldom."""
-    asked = []
-
-    def some(pga):
-        asked.append(pga)
-        return pga >= low
-
-    def one(pga):
-        return pga >= low + width
-
-    found = find_collapse(some, one, first, 8.0, 1e-3, relative, BELOW, one)
-    assert found.safe < low <= found.collapse and found.safe in asked
-    assert found.collapse - found.safe <= relative * found.collapse + 1e-12
-    assert len(asked) == len(set(asked)) and (width > 0.0 or len(asked) == 1)
-    assert found.resurrections == ()
-
-
-def test_a_level_that_only_the_scout_withstood_is_not_safe():
-    found = find_collapse(lambda _: True, lambda _: False, 0.3, 1.0, 0.01, scout=lambda _: False)
-    assert found.safe == 0.0 and found.collapse <= 0.01 and found.certain is None
