@@ -104,7 +104,8 @@ def pushover(
     geometry, under a free multiplier whose loads do a given work (eq. 5; with elastic joints the same program traces
     the curve through its peak). Where no equilibrium lies near, the blocks are released with that work held, until they
     rest; where the multiplier comes down to zero, under gravity. Where they rest again the curve goes on (with rigid
-    joints at the multiplier that moves them again); where they run away the structure has collapsed. Raises
+    joints at the multiplier that moves them again); where they run away, or the control point goes back, or α jumps
+    below zero, the structure has collapsed, and the last equilibrium before is located. Raises
     UnstableError, ValueError for a control point outside every block, ControlError for one that takes no part in the
     mechanism, NoEquilibriumError where the load meets no mechanism.
     """
