@@ -35,7 +35,7 @@ class PushoverTolerances:
     `still`: of the largest displacement, a control point that takes no part; `largest`: increments that a block may
     move where the control point moves less; of the largest multiplier, `zero`: one that is none, found by at most
     `chords`, `nearly`: one from which a path that comes down may jump below zero, `flat`: a change that is none;
-    `points`: the most.
+    `back`: of its displacement, to where a control point goes back as a part falls; `points`: the most.
     """
 
     still: float = 1e-3
@@ -44,6 +44,7 @@ class PushoverTolerances:
     chords: int = 8
     nearly: float = 1e-2
     flat: float = 1e-3
+    back: float = 0.5
     points: int = 5000
 
 
@@ -175,7 +176,9 @@ class _Curve:
         work = length / max(self.control_rate, fastest / self.tolerances.largest)
         step, jumped = self._step(work, fastest, shortest)
         gone_back = self.displacement[-1] - self.along(step.state.positions)
-        if gone_back > min(self.increment, 0.5 * self.displacement[-1]) > 0.0:
+        if gone_back > max(
+            self.tolerances.back * self.displacement[-1], self.tolerances.still * self.model.size
+        ):
             raise RunawayError("a part falls, and the control point goes back")
         if jumped and self.system.rigid and self._go_on_from(step):
             return  # rigid blocks rest under many multipliers: the one that moves them again is theirs
@@ -199,7 +202,7 @@ class _Curve:
             self.end = "α = 0, and no push moves the structure where it rests again"
 
     def _step(self, work: float, fastest: float, shortest: bool = True) -> tuple[Equilibrium, bool]:
-        """The equilibrium after so much work (kNm), and whether blocks were released to find it."""
+        """The equilibrium after so much work (kNm), and whether blocks jumped to it."""
         now = self.states[-1]
         self.system = self.system.around(now.positions, 2.0 * work * fastest)
         problem = StepProblem(self.system, now, self.model.dead_load, work * fastest, self.lateral, work)

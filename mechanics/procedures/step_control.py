@@ -8,13 +8,14 @@ import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, UnsettledError
 from mechanics.steps.geometry_iteration import find_equilibrium
-from mechanics.steps.rest import motion_to_rest
+from mechanics.steps.rest import motion_to_rest, way
 from mechanics.steps.short_steps import in_short_steps
 from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.tolerances import STEP
 from mechanics.types import Array
 
 HALVINGS = 5  # down to which the end of a path is located
+JUMP = 2.0  # of a step: a motion that it does not account for
 GROWTH = 1.5  # of steps that have been halved, or begin small
 
 
@@ -48,7 +49,7 @@ class Bisection:
 def reach(
     problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool
 ) -> tuple[Equilibrium, bool]:
-    """The equilibrium of a step, and whether blocks were released to find it.
+    """The equilibrium of a step, and whether blocks that were released to find it jumped.
 
     Collapse is a fact and not a failed step. Where no equilibrium is found the step is taken in short ones; where
     blocks fall in these, the motion that follows decides. A step in which blocks came into each other that were too far
@@ -93,7 +94,9 @@ def _reach(
             stop = error
     begun = np.where(problem.system.model.movable[:, None], problem.start.positions, guess)
     try:
-        return motion_to_rest(problem, begun), True
+        rested = motion_to_rest(problem, begun)
     except RunawayError as fall:
         same = str(fall) == str(stop)  # the motion was stopped by what had stopped the step
         raise RunawayError(str(fall) if same else f"{fall} ({stop})") from stop
+    jumped = way(begun, rested.state.positions, problem.system.model.size) > JUMP * problem.size
+    return rested, jumped

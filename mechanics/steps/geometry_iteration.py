@@ -28,7 +28,7 @@ from mechanics.types import Array, Index
 
 
 @dataclass(frozen=True, eq=False)
-class _Round:
+class Round:
     """What one program of the sequence leaves to the next.
 
     `at` (b, 3): positions; `forces` (j, 3): N, P and T; `iterate` of all joints, and the `distance` from the bounds at
@@ -69,8 +69,8 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
         if others is not None:
             now = replace(now, touching=others)
             continue
-        found = _equilibrium(problem, now)
-        if found.certificate.worst(problem.size) <= STEP.certificate:
+        found = certified(problem, now)
+        if found.certificate.worst(problem.size) <= STEP.certificate(system.behaviour):
             return found
         best = _nearer(best, found)
         way = (now.at - before.at)[model.movable] * (1.0, 1.0, model.size)
@@ -83,16 +83,16 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     raise UnsettledError(f"the geometry of the step does not settle, at block {block} first")
 
 
-def _begin(system: StaticSystem, guess: Array, last: Equilibrium | None) -> _Round:
+def _begin(system: StaticSystem, guess: Array, last: Equilibrium | None) -> Round:
     """Where the sequence begins: at a guess (b, 3), with the forces of a point of the path."""
     if last is None:
-        return _Round(guess, None, None, STEP.begin)
+        return Round(guess, None, None, STEP.begin)
     forces = moved_over(last.forces, last.contacts, system.contacts)
     iterate = last.iterate and iterate_over(last.iterate, last.contacts, system.contacts)
-    return _Round(guess, forces, iterate, STEP.begin)
+    return Round(guess, forces, iterate, STEP.begin)
 
 
-def _solve_round(problem: StepProblem, last: _Round, residual: float, update_slips: bool) -> _Round:
+def _solve_round(problem: StepProblem, last: Round, residual: float, update_slips: bool) -> Round:
     """The program in the geometry of the last round, solved to a residual."""
     system, slips, iterate = problem.system, last.slips, last.iterate
     if system.sliding == "coulomb" and iterate is not None and update_slips:
@@ -103,7 +103,7 @@ def _solve_round(problem: StepProblem, last: _Round, residual: float, update_sli
     at = displaced(system.model, last.at, found.displacement)
     check_motion(problem, at)
     count = len(system.contacts)
-    return _Round(
+    return Round(
         at,
         spread(interior.solution(program, found).forces, index, count),
         over_all(found, index, count),
@@ -120,7 +120,7 @@ def _slips(iterate: Iterate) -> Array:
     return np.asarray(abs(iterate.gaps[:, 2] - iterate.gaps[:, 3]))
 
 
-def _slips_changed(problem: StepProblem, now: _Round) -> bool:
+def _slips_changed(problem: StepProblem, now: Round) -> bool:
     """Whether the slips differ from those whose lift was taken back, so that a gap is left."""
     if now.slips is None or now.iterate is None:
         return False
@@ -128,7 +128,7 @@ def _slips_changed(problem: StepProblem, now: _Round) -> bool:
     return bool(gap > STEP.slip_gap * problem.size)
 
 
-def _other_contacts(system: StaticSystem, now: _Round) -> Index | None:
+def _other_contacts(system: StaticSystem, now: Round) -> Index | None:
     """The joints that touch at the positions; None where they are those of the program.
 
     Joints that carry beyond their faces are left out, those whose faces lie in each other come in.
@@ -146,7 +146,7 @@ def _other_contacts(system: StaticSystem, now: _Round) -> Index | None:
     return np.flatnonzero((touching & ~wrong) | inside)
 
 
-def _equilibrium(problem: StepProblem, now: _Round) -> Equilibrium:
+def certified(problem: StepProblem, now: Round) -> Equilibrium:
     """The forces and positions of a round, with the certificate of these forces in the geometry of these positions."""
     assert now.forces is not None and now.touching is not None
     system = problem.system

@@ -11,18 +11,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError
+from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, UnsettledError
 from mechanics.kernels.joint import H
 from mechanics.model.assembly import State
 from mechanics.model.contacts import end_gaps
 from mechanics.program import bed_gaps, end_forces
-from mechanics.solvers import ACCEPTED, interior, solve
+from mechanics.solvers import ACCEPTED, USABLE, interior, solve
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.contact_values import iterate_over, over_all, taken
-from mechanics.steps.geometry_iteration import find_equilibrium
+from mechanics.steps.contact_values import iterate_over, over_all, spread, taken
+from mechanics.steps.geometry_iteration import Round, certified, find_equilibrium
 from mechanics.steps.static_step import Equilibrium, StepProblem, displaced
 from mechanics.steps.tolerances import REST, STEP, RestTolerances
 from mechanics.types import GRAVITY, Array
+
+STEADY = 0.9  # of the force that was left half way: of a motion that does not slow down
 
 
 def way(one: Array, other: Array, size: float) -> float:
@@ -34,19 +36,20 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     """The equilibrium in which blocks come to rest that are released at `begun` (b, 3).
 
     Under the problem's load, or pushed until its `work` is done and held there. The time of a step follows the motion:
-    what falls moves a `way` a step, what creeps takes longer ones. Raises RunawayError where the blocks go far,
-    ConvergenceError where they do not rest in all steps.
+    what falls moves a `way` a step, what creeps takes longer ones. Raises RunawayError where the blocks go far, or have
+    not slowed down after all `steps` of the tolerances; ConvergenceError where they still do.
     """
     model, solves = problem.system.model, 0
     still = tolerances.still * model.size
     now, at, time = replace(problem, size=tolerances.way * model.size), begun, tolerances.first
     iterate: Iterate | None = None
-    for _ in range(tolerances.steps):
+    half_way = np.inf
+    for step in range(tolerances.steps):
         before, now = now, replace(now, system=now.system.around(at, now.size))
         iterate = iterate and iterate_over(iterate, before.system.contacts, now.system.contacts)
         mass = model.mass / (time**2 * model.size / GRAVITY)
-        moved, iterate, more = _step_from_rest(replace(now, mass=mass), at, iterate)
-        solves += more
+        last = _step_from_rest(replace(now, mass=mass), at, iterate)
+        moved, iterate, solves = last.at, last.iterate, solves + last.solves
         left, far = way(at, moved, model.size), way(begun, moved, model.size)
         # slips count from the last step: what has slid does not come back
         start, work = State(moved, np.zeros_like(moved)), problem.work - _work_done(problem, begun, moved)
@@ -56,19 +59,25 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
                 f"the structure falls: left to itself it moves by {far:.2g} m and does not rest"
             )
         force = left / time**2  # that is left, per mass
+        if 0 < step == tolerances.steps // 2:
+            half_way = force
         longer = min(2.0, np.sqrt(tolerances.way * model.size / max(left, 1e-300)))
         time = min(time * longer, tolerances.longest)
         if force > still:
             continue
         try:
             found = find_equilibrium(replace(now, size=problem.size), moved)
+        except UnsettledError:  # forces and geometry alternate about the rest that the motion comes to
+            found = certified(now, last)
+            if found.certificate.worst(problem.size) <= USABLE:
+                return replace(found, solves=solves)
         except (NoEquilibriumError, ConvergenceError):
-            still = 0.5 * force  # slow, but not at rest: it gains speed, or slows down further
+            pass
         else:
             return replace(found, solves=found.solves + solves)
-    raise ConvergenceError(
-        f"left to itself the structure does not come to rest: it goes on by {left:.2g} m a step"
-    )
+        still = 0.5 * force  # slow, but not at rest: it gains speed, or slows down further
+    kind = RunawayError if force > STEADY * half_way else ConvergenceError
+    raise kind(f"left to itself the structure does not come to rest: it goes on by {left:.2g} m a step")
 
 
 def _work_done(problem: StepProblem, begun: Array, at: Array) -> float:
@@ -76,10 +85,8 @@ def _work_done(problem: StepProblem, begun: Array, at: Array) -> float:
     return 0.0 if problem.lateral is None else float((problem.lateral * (at - begun)).sum())
 
 
-def _step_from_rest(
-    problem: StepProblem, at: Array, iterate: Iterate | None
-) -> tuple[Array, Iterate | None, int]:
-    """Positions after one step from `at` (b, 3), its iterate, and the programs solved."""
+def _step_from_rest(problem: StepProblem, at: Array, iterate: Iterate | None) -> Round:
+    """One step from positions (b, 3), and the programs solved."""
     system = problem.system
     program, index = problem.pose(at, None)
     layout, solves = system.layout.take(index), 0
@@ -90,11 +97,22 @@ def _step_from_rest(
         found, outcome = interior.run(program, layout, start, 1e3 * ACCEPTED)
         solves += 1
         if outcome.accepted:
-            moved = displaced(system.model, at, found.displacement)
-            return moved, over_all(found, index, len(system.contacts)), solves
-    solution, last = solve(program, layout)
-    moved = displaced(system.model, at, solution.displacement)
-    return moved, last and over_all(last, index, len(system.contacts)), solves + 1
+            solution = interior.solution(program, found)
+            last: Iterate | None = found
+            break
+    else:
+        solution, last = solve(program, layout)
+        solves += 1
+    count = len(system.contacts)
+    return Round(
+        displaced(system.model, at, solution.displacement),
+        spread(solution.forces, index, count),
+        last and over_all(last, index, count),
+        STEP.begin,
+        touching=index,
+        alpha=solution.alpha,
+        solves=solves,
+    )
 
 
 def lifted(equilibrium: Equilibrium, weight: float) -> float:

@@ -14,9 +14,9 @@ from mechanics.steps.contact_values import over_all, spread, state_at_rest, take
 from mechanics.steps.static_step import (
     Equilibrium,
     StepProblem,
+    balanced,
     check_motion,
     displaced,
-    penetration,
     solve_program,
 )
 from mechanics.steps.tolerances import STEP
@@ -60,19 +60,4 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
         iterate = over_all(found, index, len(system.contacts))
         forces = spread(interior.solution(program, found).forces, index, len(system.contacts))
         short = replace(short, start=state_at_rest(system, at, forces))
-    here, index = replace(short, mass=None).pose(at, None)
-    found, more = solve_program(here, system.layout.take(index), None, STEP.rigid[-1], first=False)
-    solution = interior.solution(here, found)
-    forces = spread(solution.forces, index, len(system.contacts))
-    places = system.contacts.places(at)
-    return Equilibrium(
-        state_at_rest(system, at, forces),
-        system,
-        places,
-        forces,
-        solution.alpha,
-        over_all(found, index, len(system.contacts)),
-        solution.certificate,
-        penetration(system, places, forces),
-        solves + more,
-    )
+    return balanced(replace(short, mass=None), at, solves)

@@ -16,7 +16,7 @@ from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program, bed_gaps
 from mechanics.solvers import interior, solve
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.contact_values import spring_forces
+from mechanics.steps.contact_values import over_all, spread, spring_forces, state_at_rest
 from mechanics.steps.static_system import StaticSystem
 from mechanics.steps.tolerances import STEP
 from mechanics.types import Array, Index
@@ -193,6 +193,29 @@ def check_motion(problem: StepProblem, positions: Array) -> None:
     turned = float(motion[model.movable, 2].max())
     if turned > STEP.turn:
         raise NoEquilibriumError(f"a step of {size:.3g} m turns a block by {turned:.2g} rad")
+
+
+def balanced(problem: StepProblem, at: Array, solves: int = 0) -> Equilibrium:
+    """The equilibrium of blocks that stay at positions (b, 3): the forces that hold them there, after other `solves`.
+
+    Raises NoEquilibriumError where there are none, ConvergenceError where they are not found.
+    """
+    system = problem.system
+    program, index = problem.pose(at, None)
+    found, more = solve_program(program, system.layout.take(index), None, STEP.rigid[-1], first=False)
+    solution, count = interior.solution(program, found), len(system.contacts)
+    forces, places = spread(solution.forces, index, count), system.contacts.places(at)
+    return Equilibrium(
+        state_at_rest(system, at, forces),
+        system,
+        places,
+        forces,
+        solution.alpha,
+        over_all(found, index, count),
+        solution.certificate,
+        penetration(system, places, forces),
+        solves + more,
+    )
 
 
 def penetration(system: StaticSystem, places: Array, forces: Array) -> float:

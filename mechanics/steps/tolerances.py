@@ -17,9 +17,10 @@ class StepTolerances:
     near an earlier solution; `go_on`: the same of the next ones, per residual of the last. `slip_rounds`: programs in
     which Coulomb slips are updated; `slip_gap`: of a step, a gap left by slips that changed.
 
-    What is accepted. `certificate`: of the forces in the geometry to which they lead; `slow`: the same where forces and
-    geometry approach each other only slowly. `fall`: a motion so many times the step is a fall, not a path of
-    equilibrium; `turn` (rad): a step that turns a block by more leaves the range in which its geometry is linear.
+    What is accepted. `rigid_certificate`, `elastic_certificate`: of the forces in the geometry to which they lead;
+    `slow`: the same where forces and geometry approach each other only slowly. `fall`: a motion so many times the step
+    is a fall, not a path of equilibrium; `turn` (rad): a step that turns a block by more leaves the range in which its
+    geometry is linear.
 
     Contacts. `carrying`: of the weight, the least force of a joint that carries; of the block size, `no_overlap`: an
     overlap that is none, `inside`: a penetration that is one, `look_ahead`: how far beyond a step contacts are looked
@@ -38,8 +39,9 @@ class StepTolerances:
     go_on: float = 0.1
     slip_rounds: int = 6
     slip_gap: float = 1e-3
-    certificate: float = 1e-8
-    slow: float = 1e-4
+    rigid_certificate: float = 1e-8
+    elastic_certificate: float = 1e-6
+    slow: float = 1e-5
     fall: float = 10.0
     turn: float = 0.5
     carrying: float = 1e-6
@@ -55,6 +57,10 @@ class StepTolerances:
     def residuals(self, behaviour: Behaviour) -> tuple[float, ...]:
         """The residuals to which the programs of joints of a behaviour are solved before the last one is repeated."""
         return self.rigid if behaviour == "rigid" else self.elastic
+
+    def certificate(self, behaviour: Behaviour) -> float:
+        """The certificate that ends the repetition."""
+        return self.rigid_certificate if behaviour == "rigid" else self.elastic_certificate
 
     def rounds(self, behaviour: Behaviour) -> int:
         """The most programs that are solved to the last of these residuals, after the first such."""
