@@ -1,10 +1,14 @@
 """judgement.md: drafted, edited, kept, printed; and told when its numbers have changed."""
 
+import re
+
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from assessment.cli.main import main
 from assessment.report.figures.index import write_figures
-from assessment.report.judgement_file import NAME, judgement, to_html
+from assessment.report.judgement_file import NAME, judgement, to_html, without_comments
 from assessment.report.text.language import words_of
 from assessment.runtime.pool import Pool
 from assessment.workflow.earlier import EVERYTHING, NO_REPORT, RESULTS
@@ -134,3 +138,9 @@ class _Printer:
 
         def write_pdf(self):
             return b"%PDF-"
+
+
+@given(st.lists(st.sampled_from(["a", "\n", "<!--", "-->", "<", "--", ">"])).map("".join))
+def test_comments_are_those_of_the_plain_pattern(text):
+    """Which takes a time that grows with the square of the number of comments without end."""
+    assert without_comments(text) == re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
