@@ -6,9 +6,9 @@ from importlib import import_module
 from typing import Any
 
 _HOME = {
-    "ElasticSpectrum": "ntc.spectrum",
-    "RecordSpectrum": "ntc.spectrum",
-    "site_hazard": "ntc.hazard",
+    "ElasticSpectrum": "ntc.demand.spectrum",
+    "RecordSpectrum": "ntc.demand.spectrum",
+    "site_hazard": "ntc.demand.hazard",
     "fit_curve": "ntc.curve_fit",
     "capacity_curve": "ntc.capacity",
     "participation": "ntc.capacity",

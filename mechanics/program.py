@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mechanics.kernels.bed import closures, points_under, under
+from mechanics.kernels.bed import ends_under
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import rows
 from mechanics.types import Array, Index
 
@@ -126,16 +126,8 @@ def end_forces(forces: Array, half: Array) -> Array:
 
 def bed_gaps(ends: Array, half: Array, law: Array) -> Array:
     """Gaps (j, 2), m, of the ends of elastic beds under end forces (j, 2), kN."""
-    gaps = np.zeros_like(ends)
-    for k, (n1, n2) in enumerate(np.maximum(ends, 1e-12 * abs(ends).max(initial=1e-300))):
-        bed, strength, segments = law[k, BED], law[k, STRENGTH], law[k, SEGMENTS]
-        soft = 1.0 / (2.0 * half[k] * bed)
-        if strength < np.inf:
-            gaps[k] = under(n1, n2, half[k], bed, strength)
-        elif segments:
-            gaps[k] = points_under(n1, n2, int(segments), soft)[:2]
-        else:
-            gaps[k] = closures(n1, n2, soft)
+    gaps = np.empty_like(ends)
+    ends_under(np.maximum(ends, 1e-12 * abs(ends).max(initial=1e-300)), half, law, gaps)
     return gaps
 
 

@@ -225,7 +225,9 @@
     $("viewer-jumps").replaceChildren(...path.jumps.map(({ label, x }) => {
       const button = document.createElement("button");
       button.type = "button";
-      button.textContent = `${label} = ${number(x)} mm`;
+      const [symbol, limit] = label.split("_"), below = document.createElement("sub");
+      below.textContent = limit;
+      button.append(symbol, below, ` = ${number(x)} mm`);
       button.addEventListener("click", () => { stop(); show(nearest(path, x)); });
       return button;
     }));

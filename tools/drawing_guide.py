@@ -5,9 +5,6 @@ The joints of the picture are those that the program finds.
 
 from __future__ import annotations
 
-from pathlib import Path
-
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,6 +12,7 @@ from matplotlib.patches import Polygon
 
 from mechanics import Block, Material
 from mechanics.model.joints import find_joints
+from tools.pictures import write_picture
 
 STONE = Material(unit_weight=18.0, friction=0.6)
 JOINT, FAULT = "#c02020", "#1050b0"
@@ -104,22 +102,15 @@ def wrong(axes: Axes) -> None:
     axes.set(xlim=(-0.3, 6.9), ylim=(-0.65, 1.2))
 
 
-def main() -> None:
-    """Write the picture beside this script; the same bytes each time."""
-    mpl.rcParams.update({"svg.hashsalt": "assesto", "svg.fonttype": "none", "font.family": "DejaVu Sans"})
-    figure = Figure(figsize=(7.6, 5.6), layout="constrained")
+def draw(figure: Figure) -> None:
+    """Draw outlines as they should be, with the joints found, above those that are wrong."""
     top, bottom = figure.subplots(2, 1, height_ratios=(2.1, 1.0))
     right(top)
     wrong(bottom)
     for axes in (top, bottom):
         axes.set_aspect("equal")
         axes.set_axis_off()
-    figure.savefig(
-        Path(__file__).parents[1] / "docs" / "pictures" / "drawing.svg",
-        metadata={"Date": None},
-        facecolor="white",
-    )
 
 
 if __name__ == "__main__":
-    main()
+    write_picture("drawing.svg", (7.6, 5.6), draw, font_size=10.0)

@@ -5,15 +5,12 @@ Three storeys, H = 12 m, T_1 = 0.05 H^(3/4) = 0.322 s, 5 % damping; SLV at L'Aqu
 
 from __future__ import annotations
 
-from pathlib import Path
-
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from assessment.ntc.floor_spectrum import FloorSpectrum, first_mode, fundamental_period
-from assessment.ntc.spectrum import ElasticSpectrum
+from assessment.ntc.demand.floor_spectrum import FloorSpectrum, first_mode, fundamental_period
+from assessment.ntc.demand.spectrum import ElasticSpectrum
+from tools.pictures import write_picture
 
 GROUND = ElasticSpectrum(0.261, 2.36, 0.35, "B")
 BUILDING_M, STOREYS = 12.0, 3
@@ -45,20 +42,7 @@ def draw(axes: Axes) -> None:
 
 def write() -> None:
     """Write the picture; the same bytes each time."""
-    style = {
-        "svg.hashsalt": "assesto",
-        "svg.fonttype": "none",
-        "font.family": "DejaVu Sans",
-        "font.size": 9.0,
-    }
-    with mpl.rc_context(style):
-        figure = Figure(figsize=(6.0, 3.6), layout="constrained")
-        draw(figure.subplots())
-        figure.savefig(
-            Path(__file__).parents[1] / "docs" / "pictures" / "floor_spectra.svg",
-            metadata={"Date": None},
-            facecolor="white",
-        )
+    write_picture("floor_spectra.svg", (6.0, 3.6), lambda figure: draw(figure.subplots()), font_size=9.0)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""How accurate results are asked to be, and what differences between increments or time steps can tell."""
+"""The accuracy that a project asks for, and bounds for errors estimated from increments or time steps."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ if TYPE_CHECKING:
     from assessment.project.project import Project
 
 SHOWN = 1.25  # ratio of successive differences below which they hardly shrink
-# the ratio of a method of first order: differences that shrink faster are not trusted to go on so
+# ratio of a first-order method: a higher observed order is not relied on
 FIRST_ORDER = 2.0
-# of α, of a_g in g and of the model's size: values below it are none, differences are the solver's
+# of α, of a_g in g and of the model's size: smaller values and differences are errors of the solver
 NOISE = 1e-6
 
 
 @dataclass(frozen=True)
 class Accuracy:
-    """A relative `tolerance` of the estimated error (None: none is estimated) and the most `halvings` to get there."""
+    """A relative `tolerance` of the estimated error (None: no error is estimated) and the most `halvings` allowed."""
 
     tolerance: float | None
     halvings: int

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from assessment.benchmark import campaigns, chain, dynamics, ensembles, skips, statics, steps, walls
+from assessment.benchmark.cases import campaigns, chain, dynamics, ensembles, skips, statics, steps, walls
 from assessment.benchmark.machine import load, machine
 from assessment.benchmark.measure import Row
 from assessment.benchmark.plots import shown, work_precision
 from assessment.benchmark.table import Column, as_csv, listed, number, percent, pivoted
 from assessment.report.figures.style import save_png, save_svg
-from assessment.runtime.atomic_files import write_atomically
-from assessment.runtime.console import say
 from assessment.runtime.errors import nearest
+from assessment.runtime.files.atomic_files import write_atomically
+from assessment.runtime.terminal.console import say
 
 SUMMARY = "summary.md"
 
@@ -211,7 +211,8 @@ BENCHMARKS = {
     ),
     "campaigns": Benchmark(
         "searches of the level at collapse of an arch, elapsed: motions a minute, and what a combination takes as a "
-        "ratio to this process alone; the least is one over the number of cores in use.",
+        "ratio to this process alone; the least is one over the number of cores in use, or of workers simulated. Tasks "
+        "are independent, the graph has no edges: what is sent and returned is that of a combination.",
         campaigns.campaigns,
         plain(
             CASE,
@@ -220,6 +221,8 @@ BENCHMARKS = {
             ("motions_per_minute", "motions a minute", number),
             ("ratio", "ratio", number),
             ("ideal", "least", number),
+            ("sent_kB", "sent, kB", number),
+            ("returned_kB", "returned, kB", number),
             ("equal", "results equal", str),
         ),
     ),

@@ -161,6 +161,20 @@ def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Ar
     return d_secant, alpha_u, (np.maximum.accumulate(d[:end]), alpha[:end])
 
 
+@dataclass(frozen=True)
+class _Plateau:
+    """The elastic branch up to (`d_y` m, `alpha_y`), then the plateau up to `end` (m), where the rigid branch begins.
+
+    `cut`: the elastic branch meets the rigid one below the plateau that was asked for; there is then none.
+    """
+
+    d_y: float
+    alpha_y: float
+    end: float
+    cut: bool
+    notes: tuple[str, ...]
+
+
 def _idealised(
     model: str,
     rigid: tuple[Array, Array, float | None],
@@ -180,65 +194,61 @@ def _idealised(
         notes += (
             f"elastic peak α_u = {alpha_u:.4g} above the rigid onset α0 = {alpha[0]:.4g}: the fit is cut",
         )
+    plateau = _plateau(d, alpha, stiffness, alpha_y)
+    displacement, multiplier = _joined(d, alpha, plateau)
+    beyond = displacement >= plateau.end
+    steps = (
+        datum("alpha_u", alpha_u, "", "pushover, elastic contacts: peak"),
+        datum("d_40", secant, "m", f"pushover, elastic contacts: at {SECANT_SHARE:g} α_u"),
+        step("K", f"{SECANT_SHARE:g}*alpha_u/d_40", stiffness, "1/m", _PAPER, alpha_u=alpha_u, d_40=secant),
+        *_yield_steps(
+            plateau, stiffness, alpha_u, area, float(np.trapezoid(multiplier[beyond], displacement[beyond]))
+        ),
+    )
+    return CurveFit(
+        model, float(alpha[0]), d_0, alpha_u, plateau.alpha_y, plateau.d_y, displacement, multiplier,
+        notes + plateau.notes, steps,
+    )  # fmt: skip
+
+
+def _plateau(d: Array, alpha: Array, stiffness: float, alpha_y: float) -> _Plateau:
+    """Return the plateau α_y of an elastic branch of the given stiffness (1/m) under the rigid branch (d m, alpha)."""
     d_y = alpha_y / stiffness
     meets = _crossing(d, alpha - stiffness * d)
     if meets is None:
         raise CapacityError(
             "the elastic branch does not meet the rigid branch: follow the rigid pushover further"
         )
-    cut = meets < d_y
-    if cut:
-        d_y = meets
-        alpha_y = stiffness * meets
-        notes += (f"the secant meets the rigid branch at α = {alpha_y:.4g}, below the plateau: no plateau",)
-        end = d_y
-    else:
-        below = d >= d_y
-        tail_d = np.concatenate([[d_y], d[below]])
-        tail = np.concatenate([[np.interp(d_y, d, alpha)], alpha[below]]) - alpha_y
-        crossing = _crossing(tail_d, tail)
-        if crossing is None:
-            end = float(d[-1])
-            notes += ("the plateau does not meet the rigid branch within the curve",)
-        else:
-            end = crossing
-    after = d > end
+    if meets < d_y:
+        alpha_y = float(stiffness * meets)
+        notes = (f"the secant meets the rigid branch at α = {alpha_y:.4g}, below the plateau: no plateau",)
+        return _Plateau(meets, alpha_y, meets, True, notes)
+    below = d >= d_y
+    tail_d = np.concatenate([[d_y], d[below]])
+    tail = np.concatenate([[np.interp(d_y, d, alpha)], alpha[below]]) - alpha_y
+    end = _crossing(tail_d, tail)
+    if end is None:
+        notes = ("the plateau does not meet the rigid branch within the curve",)
+        return _Plateau(float(d_y), float(alpha_y), float(d[-1]), False, notes)
+    return _Plateau(float(d_y), float(alpha_y), end, False, ())
+
+
+def _joined(d: Array, alpha: Array, plateau: _Plateau) -> tuple[Array, Array]:
+    """Return the points (k,) m and (k,) of elastic branch, plateau and rigid branch."""
+    d_y, alpha_y, end = plateau.d_y, plateau.alpha_y, plateau.end
     knots = [(0.0, 0.0), (d_y, alpha_y)] + ([(end, alpha_y)] if end > d_y else [])
+    after = d > end
     displacement = np.concatenate([[k[0] for k in knots], d[after]])
     multiplier = np.concatenate([[k[1] for k in knots], np.minimum(alpha[after], alpha_y)])
-    beyond = float(np.trapezoid(multiplier[displacement >= end], displacement[displacement >= end]))
-    steps = (
-        datum("alpha_u", alpha_u, "", "pushover, elastic contacts: peak"),
-        datum("d_40", secant, "m", f"pushover, elastic contacts: at {SECANT_SHARE:g} α_u"),
-        step("K", f"{SECANT_SHARE:g}*alpha_u/d_40", stiffness, "1/m", _PAPER, alpha_u=alpha_u, d_40=secant),
-        *_yield_steps(float(d_y), float(alpha_y), cut, stiffness, alpha_u, end, area, beyond),
-    )
-    return CurveFit(
-        model,
-        float(alpha[0]),
-        d_0,
-        alpha_u,
-        float(alpha_y),
-        float(d_y),
-        displacement,
-        multiplier,
-        notes,
-        steps,
-    )
+    return displacement, multiplier
 
 
 def _yield_steps(
-    d_y: float,
-    alpha_y: float,
-    cut: bool,
-    K: float,
-    alpha_u: float,
-    d_m: float,
-    area: float | None,
-    beyond: float,
+    plateau: _Plateau, K: float, alpha_u: float, area: float | None, beyond: float
 ) -> tuple[Step, ...]:
     """Return how α_y and d_y follow: cut by the rigid branch, from equal areas, or as a share of α_u."""
-    if cut:
+    d_y, alpha_y, d_m = plateau.d_y, plateau.alpha_y, plateau.end
+    if plateau.cut:
         return (
             datum("d_y", d_y, "m", "where the secant meets the rigid branch"),
             step("alpha_y", "K*d_y", alpha_y, "", _PAPER, K=K, d_y=d_y),

@@ -13,7 +13,7 @@ from itertools import pairwise
 from math import log
 
 from assessment.ntc.calculation import Trace, datum, step
-from assessment.ntc.hazard import EXCEEDANCE, USE_COEFFICIENT
+from assessment.ntc.demand.hazard import EXCEEDANCE, USE_COEFFICIENT
 
 CLASSES = ("A+", "A", "B", "C", "D", "E", "F", "G")
 _IS_V = (1.0, 0.80, 0.60, 0.45, 0.30, 0.15)  # least IS-V of classes A+ to E; below: F
@@ -60,10 +60,14 @@ def heritage_and_risk_indices(
     """
     f_a, C_U = a_g / demand_a_g, USE_COEFFICIENT[use_class]
     lines = [
+        datum("a_g_SLV", a_g, "g", _HERITAGE),
+        datum("a_g_demand", demand_a_g, "g", _HERITAGE),
         step("f_a", "a_g_SLV/a_g_demand", f_a, "", _HERITAGE, a_g_SLV=a_g, a_g_demand=demand_a_g),
         step("IS_V", "zeta_SLV", zeta, "", _RISK, zeta_SLV=zeta),
     ]
     I_S = life = None
+    known = {"T_SLV": T_SLV, "T_R_SLV": T_R_SLV, "T_SLD": T_SLD}
+    lines += [datum(name, T, "years", _HERITAGE) for name, T in known.items() if T is not None]
     if T_SLV is not None and T_R_SLV is not None:
         I_S = T_SLV / T_R_SLV
         lines.append(step("I_S", "T_SLV/T_R_SLV", I_S, "", _HERITAGE, T_SLV=T_SLV, T_R_SLV=T_R_SLV))

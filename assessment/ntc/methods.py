@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf
 
-from assessment.ntc.hazard import HazardCurve
+from assessment.ntc.demand.hazard import HazardCurve
 from mechanics.errors import require
 
 ACTIVATION_DAMPING = 0.05

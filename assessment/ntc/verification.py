@@ -13,6 +13,8 @@ from assessment.ntc.calculation import Trace, datum, step
 from assessment.ntc.capacity import CapacityCurve
 from assessment.ntc.capacity_return_period import capacity_return_period
 from assessment.ntc.curve_fit import CapacityError
+from assessment.ntc.demand.hazard import EXCEEDANCE
+from assessment.ntc.demand.spectrum import RecordSpectrum, Spectrum
 from assessment.ntc.demand_capacity import (
     Solved,
     solve_activation,
@@ -20,10 +22,8 @@ from assessment.ntc.demand_capacity import (
     solve_elastic,
     solve_linear,
 )
-from assessment.ntc.hazard import EXCEEDANCE
 from assessment.ntc.limit_states import INDEXED, ROCK, SURFACE
 from assessment.ntc.methods import ACTIVATION_DAMPING, LAW, Method
-from assessment.ntc.spectrum import RecordSpectrum, Spectrum
 from mechanics.errors import require
 
 __all__ = ["Check", "Method", "check_elastic", "check_linear", "check_nonlinear", "verify"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import sqrt
 
 from assessment.ntc.calculation import Trace, datum, step
-from assessment.ntc.spectrum import ElasticSpectrum
+from assessment.ntc.demand.spectrum import ElasticSpectrum
 
 THRUSTING_A_G = 0.15
 """g: from this a_g on thrusting structures need the vertical component (§7.2.2) [k]."""

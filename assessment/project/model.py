@@ -64,12 +64,12 @@ def build_model(project: Project) -> Model:
             raise ProjectError(
                 f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}"
             ) from None
-    chosen_mechanisms(project, assembly)  # what is wrong in them is told before any analysis
+    chosen_mechanisms(project, assembly)  # raises for wrong mechanisms before any analysis
     return Model(assembly, (*warnings, *implausible(project, assembly)))
 
 
 def _laid_out(project: Project, drawing: Drawing) -> tuple[float, tuple[str, ...]]:
-    """Return the tolerance (m) of the joints and all warnings; FaultyDrawingError with every fault there is."""
+    """Return the tolerance (m) of the joints and all warnings; raise FaultyDrawingError with all faults."""
     name, blocks, faults = project.geometry.drawing, drawing.blocks, drawing.faults
     if not blocks:
         raise FaultyDrawingError(name, faults, drawing.outlines)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from assessment.ntc.spectrum import ElasticSpectrum, Spectrum
+from assessment.ntc.demand.spectrum import ElasticSpectrum, Spectrum
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:

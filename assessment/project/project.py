@@ -21,8 +21,8 @@ from assessment.project.formats.convert import SOURCES
 from assessment.project.formats.toml import read_toml
 from assessment.project.formats.xlsx import read_xlsx
 from assessment.project.schema import ControlTable, Direction, ProjectContent
-from assessment.runtime.atomic_files import file_digest
 from assessment.runtime.errors import ProjectError
+from assessment.runtime.files.atomic_files import file_digest
 
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")  # a line of a message would end in the middle
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from PIL import Image, ImageOps
 
-from assessment.runtime.atomic_files import write_atomically
+from assessment.runtime.files.atomic_files import write_atomically
 
 FOLDER = "attachments"
 LONGEST = 1800  # pixels: 200 per inch on the longer side of a page

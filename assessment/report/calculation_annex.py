@@ -9,19 +9,20 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from markupsafe import Markup
 
-from assessment.ntc.calculation import pretty, renamed
+from assessment.ntc.calculation import renamed
 from assessment.ntc.limit_states import CHECKS
 from assessment.report.tables import capacity as capacity_tables
+from assessment.report.text.formula import typeset
 from assessment.report.text.language import Words, direction_name
 from assessment.report.text.messages import translated
 from assessment.report.text.table_format import Grid, check_name
+from assessment.results.schema import Results
+from assessment.results.schema.model import Line as Step
 
-Results = Mapping[str, Any]
-Steps = Sequence[Mapping[str, Any]]
+Steps = Sequence[Step]
 COLUMNS = 4  # of results in one table
 CONSTANTS = {"g": 9.80665}  # said at the beginning of the report
 SHARED = "capacity"  # the part that the checks of a direction have in common
@@ -43,7 +44,7 @@ Column = Mapping[Line, float]
 
 def traces(results: Results, words: Words) -> Iterator[Grid]:
     """Yield the seismic action, then every part of the checks of states and directions and of chosen mechanisms."""
-    action = {limit: content.get("trace") or [] for limit, content in (results.get("spectra") or {}).items()}
+    action = {limit: demand.trace or [] for limit, demand in (results.spectra or {}).items()}
     spectra = {limit: _column(steps, []) for limit, steps in action.items() if steps}
     yield from _tables(spectra, words("caption.trace_spectrum"), words)
     directions = {
@@ -52,17 +53,16 @@ def traces(results: Results, words: Words) -> Iterator[Grid]:
     }
     yield from _parts(directions, action, "capacity_curve", "trace", words)
     indices = {
-        words.state(name): _column(state["indices"]["trace"], [])
-        for name, state in results["states"].items()
-        if state.get("indices")
+        words.state(name): _column(state.indices.trace, [])
+        for name, state in results.states.items()
+        if state.indices
     }
     yield from _tables(indices, words("caption.trace_indices"), words)
-    known = (results.get("knowledge") or {}).get("trace")
-    if known:
+    if results.knowledge and (known := results.knowledge.trace):
         yield from _tables(
             {words.plain("value.whole_structure"): _column(known, [])}, words("caption.knowledge"), words
         )
-    chosen = {given["name"]: dict(capacity_tables.traces(given)) for given in results.get("mechanisms") or []}
+    chosen = {given.name: dict(capacity_tables.traces(given)) for given in results.mechanisms or []}
     yield from _parts(chosen, action, "virtual_work", "trace_chosen", words)
 
 
@@ -87,13 +87,13 @@ def _parts(
 
 
 def _column(steps: Steps, said: Steps) -> Column:
-    """Return the lines of a calculation that were not `said` before it, each with its result.
+    """Return the lines of a calculation that were not printed before it (`said`), each with its result.
 
-    An input with another name than the line that its value is from takes that line's; one that no line gives becomes a
-    line of its own, given. What was said is said again where another value has taken its name since.
+    An input whose value an earlier line gives under another name takes the name of that line. An input that no line
+    gives becomes a line of its own, as a datum. A line is printed again if its name has had another value since.
     """
-    known = {step["symbol"]: step["result"] for step in said}
-    units = {_head(step["symbol"]): step["unit"] for step in (*said, *steps)}
+    known = {step.symbol: step.result for step in said}
+    units = {_head(step.symbol): step.unit for step in (*said, *steps)}
     lines: dict[Line, float] = {}
 
     def add(line: Line, value: float) -> None:
@@ -103,19 +103,19 @@ def _column(steps: Steps, said: Steps) -> Column:
         known[line.symbol] = value
 
     for number, step in enumerate(steps):
-        if known.get(step["symbol"]) == step["result"] and (step in said or step in steps[:number]):
+        if known.get(step.symbol) == step.result and (step in said or step in steps[:number]):
             continue
         names: dict[str, str] = {}
-        for name, value in step["inputs"].items():
+        for name, value in step.inputs.items():
             if known.get(name) == value or name in CONSTANTS:
                 continue
             same = [symbol for symbol in known if known[symbol] == value and _alike(name, symbol)]
             if same:
                 names[name] = same[-1]
             else:
-                add(Line(name, "", units.get(_head(name), ""), step["paragraph"]), value)
-        formula = renamed(step["formula"], names)
-        add(Line(step["symbol"], formula, step["unit"], step["paragraph"]), step["result"])
+                add(Line(name, "", units.get(_head(name), ""), step.paragraph), value)
+        formula = renamed(step.formula, names)
+        add(Line(step.symbol, formula, step.unit, step.paragraph), step.result)
     return lines
 
 
@@ -125,7 +125,8 @@ def _alike(name: str, symbol: str) -> bool:
 
 
 def _head(symbol: str) -> str:
-    return symbol.split("_", maxsplit=1)[0]
+    """Return the quantity of a symbol, which has one unit; a return period is no period of vibration."""
+    return "T_R" if symbol.startswith("T_R") else symbol.split("_", maxsplit=1)[0]
 
 
 def _tables(columns: Mapping[str, Column], caption: Markup, words: Words) -> Iterator[Grid]:
@@ -159,8 +160,8 @@ def _merged(columns: Iterable[Column]) -> list[Line]:
 def _row(line: Line, columns: Iterable[Column], words: Words) -> list[Markup]:
     unit = words.strings["unit"].get(line.unit, line.unit)
     return [
-        _signs(line.symbol) + (f" [{unit}]" if unit else ""),
-        _marked(_signs(line.formula), words) or words("value.datum"),
+        typeset(line.symbol, words) + (f" [{unit}]" if unit else ""),
+        typeset(line.formula, words) or words("value.datum"),
         *(
             Markup.escape(_six_digits(column[line], words)) if line in column else words("value.none")
             for column in columns
@@ -172,19 +173,6 @@ def _row(line: Line, columns: Iterable[Column], words: Words) -> list[Markup]:
 def _six_digits(value: float, words: Words) -> str:
     text, mark = words.number(value, 6), words.plain("value.decimal_mark")
     return text.rstrip("0").rstrip(mark) if mark in text and "·" not in text else text
-
-
-def _signs(formula: str) -> Markup:
-    """Write a symbol or formula with signs and subscripts."""
-    return Markup(pretty(str(Markup.escape(formula)), "<sub>{}</sub>".format).replace("_", ","))
-
-
-def _marked(formula: Markup, words: Words) -> Markup:
-    """Write the numbers of a formula with the language's decimal mark; where that is a comma, arguments stand apart."""
-    mark = words.plain("value.decimal_mark")
-    if mark == ".":
-        return formula
-    return Markup(re.sub(r"(\d)\.(\d)", rf"\1{mark}\2", formula.replace(", ", "; ")))
 
 
 def _source(paragraph: str, words: Words) -> Markup:

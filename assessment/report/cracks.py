@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from assessment.results.faces import faces_of
-from assessment.results.table import Results, Row, Table
+from assessment.results.schema import Results
+from assessment.results.table import Row, Table
 from mechanics.model import H, V, end_gaps, end_points
 
 SEEN = 0.5e-3  # m: what a survey can tell from nothing
@@ -23,8 +24,8 @@ def cracks(results: Results, states: Sequence[str] | None = None) -> Table:
     survey has it; None: the faces have slid off each other.
     """
     rows: list[Row] = []
-    for name, content in results["states"].items():
-        if content.get("settlement") and content.get("configuration") and (states is None or name in states):
+    for name, state in results.states.items():
+        if state.settlement and (states is None or name in states):
             rows += _of_state(results, name)
     return Table("cracks", rows, COLUMNS)
 
@@ -38,7 +39,7 @@ def reported_cracks(results: Results) -> Table:
 def _of_state(results: Results, name: str) -> list[Row]:
     faces = faces_of(results)
     contacts = faces.contacts
-    positions = faces.positions(np.asarray(results["states"][name]["configuration"], dtype=float))
+    positions = faces.positions(np.asarray(results.states[name].configuration, dtype=float))
     places, ends = contacts.places(positions), end_points(contacts, positions)
     gaps, slips = end_gaps(places), places[:, V]
     apart = places[:, H] <= 0.0

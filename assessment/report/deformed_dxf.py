@@ -6,7 +6,6 @@ import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from ezdxf import units
 from ezdxf._options import options
@@ -15,10 +14,12 @@ from ezdxf.filemanagement import new
 
 from assessment.report.figures.deformed import found_mechanism
 from assessment.report.text.language import slug
+from assessment.results.hand_check import mechanisms
 from assessment.results.joint_states import joint_states, situations, thrust_lines
 from assessment.results.outlines import Array, Outlines, outlines
-from assessment.results.table import Results
-from assessment.runtime.atomic_files import write_atomically
+from assessment.results.schema import Results, State
+from assessment.results.schema.part import Configuration, Point
+from assessment.runtime.files.atomic_files import write_atomically
 
 SIDES = {"+x": "PLUS_X", "-x": "MINUS_X"}
 COLOURS = (7, 1, 5, 3, 6, 30, 140, 94)  # AutoCAD's colour indices, one layer after the other
@@ -75,38 +76,35 @@ def shapes(results: Results) -> Iterator[tuple[str, Outlines]]:
     """Yield layer and outlines of every deformed shape."""
     drawn = outlines(results)
     yield "DRAWN", drawn
-    for name, content in results["states"].items():
-        for what, configuration in _configurations(content):
+    for name, state in results.states.items():
+        for what, configuration in _configurations(state):
             if configuration is not None:
                 yield f"{_layer(results, name)}_{what}", drawn.moved(configuration)
-        for direction, pushover in (content.get("pushover") or {}).items():
-            if (pushover or {}).get("rigid", {}).get("mechanism"):
+        for direction, pushover in state.pushover.items():
+            if pushover.rigid:
                 mechanism = found_mechanism(results, name, direction)
                 yield f"{_layer(results, name)}_MECHANISM_{SIDES[direction]}", mechanism.swept
 
 
-def _configurations(content: Any) -> Iterator[tuple[str, Any]]:
-    if content.get("settlement"):
-        yield "SETTLED", content.get("configuration")
-    for contacts, stage in (content.get("pushdown") or {}).items():
-        yield f"ULTIMATE_{contacts.upper()}", stage.get("ultimate_configuration")
-    for direction, pushover in (content.get("pushover") or {}).items():
-        for contacts, key, what in (
-            ("elastic", "peak_configuration", "PEAK"),
-            ("rigid", "final_configuration", "END"),
-        ):
-            yield f"{what}_{SIDES[direction]}", (pushover or {}).get(contacts, {}).get(key)
-    for number, entry in enumerate(content.get("history") or [], 1):
-        for what in ("peak", "final"):
-            yield f"RECORD_{number}_{what.upper()}", entry.get(f"{what}_configuration")
+def _configurations(state: State) -> Iterator[tuple[str, Configuration | None]]:
+    if state.settlement:
+        yield "SETTLED", state.configuration
+    for contacts, path in state.pushdown.items():
+        yield f"ULTIMATE_{contacts.upper()}", path.ultimate_configuration
+    for direction, pushover in state.pushover.items():
+        if pushover.elastic:
+            yield f"PEAK_{SIDES[direction]}", pushover.elastic.peak_configuration
+        if pushover.rigid:
+            yield f"END_{SIDES[direction]}", pushover.rigid.final_configuration
+    for number, entry in enumerate(state.history, 1):
+        yield f"RECORD_{number}_PEAK", entry.peak_configuration
+        yield f"RECORD_{number}_FINAL", entry.final_configuration
 
 
-def _hinges(results: Results) -> Iterator[tuple[str, list[Any]]]:
-    for name, content in results["states"].items():
-        for direction, pushover in (content.get("pushover") or {}).items():
-            points = (((pushover or {}).get("rigid") or {}).get("mechanism") or {}).get("hinge_points_m")
-            if points:
-                yield f"{_layer(results, name)}_HINGES_{SIDES[direction]}", points
+def _hinges(results: Results) -> Iterator[tuple[str, list[Point]]]:
+    for name, direction, rigid in mechanisms(results):
+        if points := rigid.mechanism.hinge_points_m:
+            yield f"{_layer(results, name)}_HINGES_{SIDES[direction]}", points
 
 
 def _resultants(results: Results) -> Iterator[tuple[str, list[Array]]]:

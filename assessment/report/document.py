@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import base64
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
 import jinja2
 from markupsafe import Markup
@@ -41,12 +40,13 @@ from assessment.report.text.language import Words, direction_name, words_of
 from assessment.report.text.messages import sentence, translated
 from assessment.report.text.table_format import Grid, grid, ranges_grid, summary_grids
 from assessment.report.viewer import Viewer, viewer
-from assessment.results.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check
+from assessment.results.echo import local_limit, printed
+from assessment.results.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check, mechanisms
 from assessment.results.reactions import balance, reactions
-from assessment.results.table import Row, Table, reference_of
-from assessment.runtime.atomic_files import write_atomically
+from assessment.results.schema import Results
+from assessment.results.table import Row, Table, cells, reference_of
+from assessment.runtime.files.atomic_files import write_atomically
 
-Results = Mapping[str, Any]
 CHAPTERS = (
     "units",
     "analysis",
@@ -157,29 +157,24 @@ def render_html(
         local=_local_limit(results, words),
         vertical=list(vertical_told(results, words)),
         refused=[
-            given | {"refused": translated(given["refused"], words)}
-            for given in results.get("mechanisms") or []
-            if "refused" in given
+            {"name": given.name, "reason": translated(given.refused, words)}
+            for given in results.mechanisms or []
+            if given.refused
         ],
     )
 
 
-def _shown(echo: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the input to be printed: nominal life and use class only where the hazard is known to follow from them."""
-    assessment = echo.get("assessment") or {}
-    site = assessment.get("site") or {}
-    typed = [site[limit] for limit in ("SLD", "SLV", "SLC") if site.get(limit)]
-    if not typed or all(hazard.get("return_period_years") for hazard in typed):
-        return echo
-    kept = {key: value for key, value in site.items() if key not in {"nominal_life_years", "use_class"}}
-    return {**echo, "assessment": {**assessment, "site": kept}}
-
-
 def _chapters(results: Results) -> list[str]:
     """Return the chapters of the report: those of studies and dynamic stages only where they were asked for."""
-    asked = [name for name in STUDIES if results.get(name)]
-    asked += [name for name in DYNAMIC if any(content.get(name) for content in results["states"].values())]
-    asked += [CAMPAIGN] if results.get(CAMPAIGN) else []
+    states = results.states.values()
+    there = {
+        "scenarios": results.scenarios is not None,
+        "sensitivity": results.sensitivity is not None,
+        "history": any(state.history for state in states),
+        "incremental": any(state.incremental.records is not None for state in states),
+        CAMPAIGN: results.campaign is not None,
+    }
+    asked = [name for name in (*STUDIES, *DYNAMIC, CAMPAIGN) if there[name]]
     place = CHAPTERS.index("comparison")
     return [*CHAPTERS[:place], *asked, *CHAPTERS[place:]]
 
@@ -218,7 +213,7 @@ def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[di
 def _attached(results: Results, folder: Path) -> list[dict[str, str]]:
     """Return file, caption and data address of each picture that the project attaches."""
     found = []
-    for number, name in enumerate((results["echo"].get("report") or {}).get("attachments") or [], 1):
+    for number, name in enumerate(results.echo.report.attachments, 1):
         file = stored(number, name)
         kind = "png" if file.endswith("png") else "jpeg"
         content = base64.b64encode((folder / file).read_bytes()).decode()
@@ -232,7 +227,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
     """Return the tables of the report that have rows, by name."""
     made = [
         _validation(words),
-        _without(tables.layers(results), *(["vertical_load_kN"] if results.get("loads") else [])),
+        _without(tables.layers(results), *(["vertical_load_kN"] if results.loads else [])),
         reported_loads(results, words),
         tables.settlements(results),
         reported_cracks(results),
@@ -262,7 +257,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         *(reported(table, words) for table in convergence_tables(results)),
         tables.quality(results),
         hand_check(results),
-        Table("echo", list(echoed(_shown(results["echo"]), words)), ("table", "setting", "value")),
+        Table("echo", list(echoed(printed(results.echo), words)), ("table", "setting", "value")),
     ]
     found = {
         table.name: grid(
@@ -284,7 +279,7 @@ def _validation(words: Words) -> Table:
     cases = tomllib.loads((files("templates") / "validation.toml").read_text(encoding="utf-8"))["case"]
     rows = [
         {
-            **case[words.language],
+            **{name: Markup(text) for name, text in case[words.language].items()},
             "expected": words.comma(case["expected"]),
             "computed": words.comma(case["computed"]),
         }
@@ -308,10 +303,9 @@ def _without(table: Table, *columns: str) -> Table:
 
 def _compared(results: Results) -> list[Row]:
     """Return the comparison without its dynamic columns where no dynamic analysis was made."""
-    rows = list(results.get("comparison") or [])
-    static_only = all(row.get("dynamic_pga_g") is None for row in rows)
+    static_only = all(each.dynamic_pga_g is None for each in results.comparison)
     kept = [key for key in tables.COMPARISON if not (static_only and key.startswith("dynamic"))]
-    return [{key: row.get(key) for key in kept} for row in rows]
+    return [cells(each, kept) for each in results.comparison]
 
 
 def _macro_blocks(results: Results, words: Words) -> Iterator[Grid]:
@@ -336,47 +330,41 @@ def _too_many(results: Results, words: Words) -> Iterator[Markup]:
 
 def _local_limit(results: Results, words: Words) -> Markup:
     """Return where the displacement limits come from: shares of d_0, and the local limit where one is given."""
-    assessment = results["echo"].get("assessment") or {}
-    limit = assessment.get("local_displacement_limit_m")
+    limit, reason = local_limit(results.echo)
     if limit is None:
         return Markup(" ").join([words("text.limits"), *_losses(results, words)])
-    reason = assessment.get("local_displacement_reason") or words.plain("value.no_reason")
+    reason = reason or words.plain("value.no_reason")
     return words("text.limits") + Markup(" ") + words("text.local_limit", limit=1000.0 * limit, reason=reason)
 
 
 def _losses(results: Results, words: Words) -> Iterator[Markup]:
     """Yield where a path loses a joint that bears: the local limit of its direction, where the project gives none."""
-    for name, content in results["states"].items():
-        for direction, pushover in (content.get("pushover") or {}).items():
-            loss = ((pushover or {}).get("rigid") or {}).get("local_loss")
-            if loss is not None:
-                yield words(
-                    "text.local_loss",
-                    state=words.state(name),
-                    direction=direction_name(direction),
-                    first=loss["blocks"][0],
-                    second=loss["blocks"][1],
-                    overlap=1000.0 * loss["overlap_m"],
-                    limit=1000.0 * loss["displacement_m"],
-                )
+    for name, direction, rigid in mechanisms(results):
+        if loss := rigid.local_loss:
+            yield words(
+                "text.local_loss",
+                state=words.state(name),
+                direction=direction_name(direction),
+                first=loss.blocks[0],
+                second=loss.blocks[1],
+                overlap=1000.0 * loss.overlap_m,
+                limit=1000.0 * loss.displacement_m,
+            )
 
 
 def _contacts(results: Results) -> list[str]:
     """Return the kinds of contact of which there is any curve."""
-    stages = [
-        stage
-        for content in results["states"].values()
-        for stage in [*(content.get("pushover") or {}).values(), content.get("pushdown")]
-        if stage
-    ]
-    return [contacts for contacts in ("rigid", "elastic") if any(stage.get(contacts) for stage in stages)]
+    found: set[str] = set()
+    for state in results.states.values():
+        found.update(state.pushdown, *(pushover.by_contacts for pushover in state.pushover.values()))
+    return [contacts for contacts in ("rigid", "elastic") if contacts in found]
 
 
 def _missing(results: Results, words: Words) -> Iterator[Markup]:
     """Yield a sentence for each state without the pushover that another state has."""
     for direction in capacity_tables.directions(results):
-        for name, content in results["states"].items():
-            if not (content.get("pushover") or {}).get(direction):
+        for name, state in results.states.items():
+            if direction not in state.pushover:
                 yield words(
                     "text.missing_pushover", state=words.state(name), direction=direction_name(direction)
                 )
@@ -384,15 +372,12 @@ def _missing(results: Results, words: Words) -> Iterator[Markup]:
 
 def _onsets(results: Results, words: Words) -> Iterator[Markup]:
     """Yield a sentence for each curve that begins, at `alpha_onset`, with a part that moves before the whole does."""
-    for direction in capacity_tables.directions(results):
-        for name, content in results["states"].items():
-            rigid = ((content.get("pushover") or {}).get(direction) or {}).get("rigid") or {}
-            onset, alpha_0 = rigid.get("alpha_onset"), rigid.get("alpha_0")
-            if onset is not None and alpha_0 is not None and onset < (1.0 - ONSET) * alpha_0:
-                yield words(
-                    "text.onset",
-                    state=words.state(name),
-                    direction=direction_name(direction),
-                    onset=words.show(onset),
-                    alpha_0=words.show(alpha_0),
-                )
+    for name, direction, rigid in sorted(mechanisms(results), key=lambda each: each[1]):
+        if rigid.alpha_onset < (1.0 - ONSET) * rigid.alpha_0:
+            yield words(
+                "text.onset",
+                state=words.state(name),
+                direction=direction_name(direction),
+                onset=words.show(rigid.alpha_onset),
+                alpha_0=words.show(rigid.alpha_0),
+            )

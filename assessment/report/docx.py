@@ -138,6 +138,10 @@ def _table(document: Any, table: Element) -> None:
                 paragraph.alignment = styles.RIGHT
             if "blank" in source.classes:
                 styles.ruled(cell)
+            if "tall" in source.classes:
+                row.height = styles.STAMP
+            if headed and len(rows) <= styles.SHORT and number < len(rows) - 1:
+                paragraph.paragraph_format.keep_with_next = True
             _words(paragraph, source)
     styles.paragraph(document, styles.AFTER_TABLE)
 

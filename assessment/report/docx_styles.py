@@ -23,6 +23,8 @@ TABLE_TEXT, TABLE_HEAD, SMALL_TEXT, AFTER_TABLE = (
     "After Table",
 )
 CONTENTS, CONTENTS_HEADING = "toc 1", "Contents Heading"
+SHORT = 12  # rows: a table with no more of them stands on one page
+STAMP = Mm(22)  # of height, for a stamp and a signature
 MANY_COLUMNS = 9  # of a table: its text is smaller from there on
 LOCALES = {"it": "it-IT", "en": "en-GB"}
 OWN: Mapping[
@@ -55,7 +57,8 @@ STANDARD: Mapping[
 BORDERED = f"""
 <w:style {nsdecls("w")} w:type="table" w:customStyle="1" w:styleId="ReportTable">
   <w:name w:val="{TABLE}"/><w:basedOn w:val="TableNormal"/><w:qFormat/>
-  <w:tblPr><w:tblBorders><w:top w:val="single" w:sz="8"/><w:bottom w:val="single" w:sz="8"/></w:tblBorders></w:tblPr>
+  <w:tblPr><w:tblBorders><w:top w:val="single" w:sz="8"/><w:bottom w:val="single" w:sz="8"/></w:tblBorders>
+  <w:tblCellMar><w:left w:w="45" w:type="dxa"/><w:right w:w="45" w:type="dxa"/></w:tblCellMar></w:tblPr>
   <w:tblStylePr w:type="firstRow"><w:tcPr><w:tcBorders><w:bottom w:val="single" w:sz="4"/></w:tcBorders></w:tcPr>
   </w:tblStylePr>
 </w:style>"""
@@ -114,8 +117,9 @@ def _set(style: Any, size: float, layout: Mapping[str, Any]) -> None:
         fonts.set(qn(f"w:{kind}"), FONT)
     for key, value in layout.items():
         setattr(style.paragraph_format, key, value)
-    for line in style.element.iter(qn("w:pBdr")):
-        line.getparent().remove(line)
+    for tag in ("w:pBdr", "w:tabs"):  # the line below a title; tab stops of another page
+        for found in list(style.element.iter(qn(tag))):
+            found.getparent().remove(found)
 
 
 def running_heads(section: Any, title: str, subtitle: str, program: str) -> None:
@@ -124,10 +128,7 @@ def running_heads(section: Any, title: str, subtitle: str, program: str) -> None
         part.is_linked_to_previous = False
         paragraph = part.paragraphs[0]
         paragraph.text = f"{left}\t{right}"
-        stops = paragraph.paragraph_format.tab_stops
-        stops.add_tab_stop(WIDTH, WD_TAB_ALIGNMENT.RIGHT)
-        for place in (Mm(76.2), Mm(152.4)):  # those that the styles of Word bring
-            stops.add_tab_stop(place, WD_TAB_ALIGNMENT.CLEAR)
+        paragraph.paragraph_format.tab_stops.add_tab_stop(WIDTH, WD_TAB_ALIGNMENT.RIGHT)
     _field(section.footer.paragraphs[0], "PAGE", "1")
 
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from typing import Any
 
 from markupsafe import Markup
 
 from assessment.report.text.language import Words
+from assessment.results.echo import collisions, coulomb, segments
 from assessment.results.joint_states import joint_states, loaded
-from assessment.results.table import Results, Row, Table
+from assessment.results.schema import Results
+from assessment.results.schema.model import Echo
+from assessment.results.table import Row, Table
 
 PRINTED = 12  # joints of the report's table, those that are pressed most
 COLUMNS = ("joint", "block_a", "block_b", "edge_pressure_kN_m2", "uncrushed_pressure_kN_m2")
@@ -26,32 +29,27 @@ def assumptions(results: Results, words: Words, elastic: bool) -> Iterator[Marku
 
 def joint_law(results: Results, words: Words, elastic: bool) -> Iterator[Markup]:
     """Yield the sentences on joints: how they are found, press, crush, slide and meet; `elastic`: whether any is."""
-    echo = results["echo"]
     yield words("text.joints")
-    yield from _bed(echo, words) if elastic else [words("text.rigid_joints")]
-    strengths = [joint["compressive_strength_kN_m2"] for joint in results["geometry"]["joints"]]
+    yield from _bed(results.echo, words) if elastic else [words("text.rigid_joints")]
+    strengths = [joint.compressive_strength_kN_m2 for joint in results.geometry.joints]
     limits = sorted({each for each in strengths if each is not None})
     said = "; ".join(words.number(each) for each in limits)
     key = "no_strength" if not limits else "some_strength" if None in strengths else "strength"
     yield words(f"text.{key}", strength=said)
-    if pressed := edge_pressures(results).rows:
+    if pressed := reported_pressures(results).rows:
         most = pressed[0]
         pressure = words.number(most["edge_pressure_kN_m2"])
         blocks = {"first": most["block_a"], "second": most["block_b"]}
         yield words("text.greatest_pressure", pressure=pressure, state=words.state(most["state"]), **blocks)
-    coulomb = (echo.get("contacts") or {}).get("sliding") == "coulomb"
-    yield words("text.sliding_coulomb" if coulomb else "text.sliding")
-    collide = (echo.get("contacts") or {}).get("collisions", True)
-    yield words("text.collisions" if collide else "text.no_collisions")
+    yield words("text.sliding_coulomb" if coulomb(results.echo) else "text.sliding")
+    yield words("text.collisions" if collisions(results.echo) else "text.no_collisions")
 
 
-def _bed(echo: Results, words: Words) -> Iterator[Markup]:
-    tables: list[Any] = [echo.get("geometry") or {}, *(echo.get("layers") or {}).values()]
-    segments = sorted({table["segments_per_joint"] for table in tables if table.get("segments_per_joint")})
-    if not segments:
-        yield words("text.bed_exact")
+def _bed(echo: Echo, words: Words) -> Iterator[Markup]:
+    if found := segments(echo):
+        yield words("text.bed_points", segments=", ".join(map(str, found)))
     else:
-        yield words("text.bed_points", segments=", ".join(map(str, segments)))
+        yield words("text.bed_exact")
 
 
 def edge_pressures(results: Results) -> Table:
@@ -62,12 +60,12 @@ def edge_pressures(results: Results) -> Table:
     """
     known = list(loaded(results))
     elastic = [each for each in known if each.contacts == "elastic"]
-    drawn = len(results["geometry"]["joints"])
-    found: dict[Any, Row] = {}
+    drawn = len(results.geometry.joints)
+    found: dict[int | str, Row] = {}
     for situation in elastic or known:
         states = joint_states(results, situation)
         for number, (a, b) in enumerate(states.blocks.tolist()):
-            key = number if number < drawn else str(situation.met[number - drawn]["faces_m"])
+            key = number if number < drawn else str(situation.met[number - drawn].faces_m)
             pressure, uncrushed = float(states.pressure[number]), float(states.uncrushed[number])
             if key not in found or uncrushed > found[key]["uncrushed_pressure_kN_m2"]:
                 found[key] = {
@@ -83,23 +81,36 @@ def edge_pressures(results: Results) -> Table:
 
 
 def reported_pressures(results: Results) -> Table:
-    """Return the joints that are pressed most; without the pressures of no crushing where no joint crushes."""
+    """Return the joints that are pressed most; without the pressures of no crushing where no joint crushes.
+
+    No rows where the greatest has no bound, as in the hinges of rigid joints.
+    """
     table = edge_pressures(results)
     left_out = () if crushes(results) else ("uncrushed_pressure_kN_m2",)
     columns = tuple(column for column in table.columns if column not in left_out)
     rows = [
         {key: value for key, value in row.items() if key in columns and value is not None}
-        for row in table.rows[:PRINTED]
+        for row in (table.rows[:PRINTED] if _bounded(table) else ())
     ]
     return Table(table.name, rows, columns)
 
 
 def pressures_told(results: Results, words: Words) -> Markup:
-    """Return what the table of the report holds."""
-    said = words("text.edge_pressures", count=min(PRINTED, len(edge_pressures(results).rows)))
+    """Return what the table of the report holds, or why it is left out; nothing where no forces are known."""
+    table = edge_pressures(results)
+    if not table.rows:
+        return Markup("")
+    if not _bounded(table):
+        return words("text.unbounded_pressures")
+    said = words("text.edge_pressures", count=min(PRINTED, len(table.rows)))
     return said + Markup(" ") + words("text.crushing") if crushes(results) else said
+
+
+def _bounded(table: Table) -> bool:
+    """Whether the greatest pressure, the first, is a number."""
+    return not table.rows or math.isfinite(table.rows[0]["uncrushed_pressure_kN_m2"])
 
 
 def crushes(results: Results) -> bool:
     """Return whether any joint has a compressive strength."""
-    return any(joint["compressive_strength_kN_m2"] is not None for joint in results["geometry"]["joints"])
+    return any(joint.compressive_strength_kN_m2 is not None for joint in results.geometry.joints)

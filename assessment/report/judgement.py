@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
 
+import numpy as np
 from markupsafe import Markup
 
 from assessment.ntc.limit_states import CHECKS
@@ -16,9 +16,10 @@ from assessment.report.text.language import Words, direction_name
 from assessment.report.text.table_format import ROUNDING, check_name
 from assessment.results.hand_check import hand_check
 from assessment.results.reactions import balance
-from assessment.results.table import Row, indices
+from assessment.results.schema import Results
+from assessment.results.schema.part import present
+from assessment.results.table import Row, cells, compared, indices, reference_of
 
-Results = Mapping[str, Any]
 RESIDUALS = {  # of the solutions, relative to the weight: what needs no word
     "equilibrium_residual": 1e-6,
     "cone_violation": 1e-6,
@@ -33,7 +34,7 @@ def draft_judgement(results: Results, words: Words) -> list[Markup]:
 
     Each is drawn from a table that is printed, all rows of it compared: none may claim what a table contradicts.
     """
-    if not results["model"]["self_weight_stable"]:
+    if not results.model.self_weight_stable:
         return [words("judgement.unstable")]
     return [
         *_governing(results, words),
@@ -48,7 +49,7 @@ def draft_judgement(results: Results, words: Words) -> list[Markup]:
 
 
 def _governing(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield the least ratio of all verifications, the index, and how many are satisfied; the least α0 without any."""
+    """Yield the least ratio of all checks, the index at SLV, how many are satisfied; without checks the least α0."""
     rows = verification(results).rows
     made = [row for row in rows if row.get("zeta_E") is not None]
     if not made:
@@ -60,17 +61,22 @@ def _governing(results: Results, words: Words) -> Iterator[Markup]:
         **_where(worst, words),
         capacity=worst.get("a_g_g"),
         demand=worst.get("demand_a_g_g"),
+        reference=words.plain(f"value.on_{reference_of(results)}"),
         ratio=worst["zeta_E"],
         outcome=words.plain("value.verified" if worst.get("verified") else "value.not_verified"),
     )
     found = [
         (zeta, {"state": name, "direction": direction, "limit_state": limit})
         for name, direction, capacity in capacities(results)
-        for limit, zeta in indices(capacity).items()
+        for limit, zeta in indices(capacity.ratios).items()
     ]
+    at_life = [each for each in found if each[1]["limit_state"].startswith("SLV")]
     if found:
-        zeta, place = min(found, key=lambda each: each[0])
+        zeta, place = min(at_life or found, key=lambda each: each[0])
         yield words("judgement.zeta", **_where(place, words), zeta=zeta)
+        least, place = min(found, key=lambda each: each[0])
+        if least < zeta:
+            yield words("judgement.zeta_SLC", **_where(place, words), zeta=least)
     passed = sum(bool(row.get("verified")) for row in made)
     yield words("judgement.checks", passed=passed, total=len(rows))
     if len(made) < len(rows):
@@ -129,7 +135,7 @@ def _reductions(results: Results, rows: Iterable[Row]) -> list[tuple[float, str,
     return [
         (loss, state, row["direction"])
         for row in rows
-        for state in results["states"]
+        for state in results.states
         if (loss := row.get(f"reduction: {state}")) is not None
     ]
 
@@ -137,7 +143,7 @@ def _reductions(results: Results, rows: Iterable[Row]) -> list[tuple[float, str,
 def _not_found(results: Results, rows: Iterable[Row]) -> Iterator[tuple[str, str]]:
     """Yield the settled states and directions without a value that the original state has."""
     for row in rows:
-        for state in results["states"]:
+        for state in results.states:
             if state != "original" and row.get("original") is not None and row.get(state) is None:
                 yield state, row["direction"]
 
@@ -164,53 +170,51 @@ def _multiplier_loss(results: Results, words: Words) -> Iterator[Markup]:
 
 
 def _dynamic(results: Results, words: Words) -> Iterator[Markup]:
-    for row in results.get("comparison") or []:
-        if row.get("dynamic_pga_g") is not None and row.get("static_surface_pga_g") is not None:
+    for each in results.comparison:
+        if each.dynamic_pga_g is not None and each.static_surface_pga_g is not None:
             yield words(
                 "judgement.dynamic",
-                **_where(row, words),
-                dynamic=row["dynamic_pga_g"],
-                static=row["static_surface_pga_g"],
+                **_where(cells(each, ("state", "direction", "limit_state")), words),
+                dynamic=each.dynamic_pga_g,
+                static=each.static_surface_pga_g,
             )
 
 
-def _where(row: Mapping[str, Any], words: Words) -> dict[str, str]:
+def _where(place: Row, words: Words) -> dict[str, str]:
     """Return state, direction and limit state of a row in the report's words."""
     return {
-        "state": words.state(row["state"]),
-        "direction": direction_name(row["direction"]),
-        "limit": check_name(row["limit_state"], words),
+        "state": words.state(place["state"]),
+        "direction": direction_name(place["direction"]),
+        "limit": check_name(place["limit_state"], words),
     }
 
 
 def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
     """Yield a sentence that names the worst of the scenarios, where several were set side by side."""
-    worst = (results.get("scenarios") or {}).get("worst")
-    if worst:
-        by = results["scenarios"]["quantity"]
-        key = "collapses" if worst["collapses"] else by
+    found = results.scenarios
+    if found and (worst := found.worst):
         sentence = words(
-            f"judgement.worst_{key}",
-            state=words.state(worst["state"]),
-            movement=words.millimetres(worst["movement_m"]),
-            direction=direction_name(worst["direction"]),
-            capacity=worst[by],
-            limit=results["scenarios"]["limit_state"],
+            f"judgement.worst_{'collapses' if worst.collapses else found.quantity}",
+            state=words.state(worst.state),
+            movement=words.millimetres(worst.movement_m),
+            direction=direction_name(worst.direction),
+            capacity=compared(worst, found),
+            limit=found.limit_state,
         )
-        if not worst["collapses"] and worst["reduction"] is not None:
-            sentence += Markup(" ") + words("judgement.worst_reduction", reduction=100.0 * worst["reduction"])
+        if not worst.collapses and worst.reduction is not None:
+            sentence += Markup(" ") + words("judgement.worst_reduction", reduction=100.0 * worst.reduction)
         yield sentence
 
 
 def _sensitive(results: Results, words: Words) -> Iterator[Markup]:
-    rows = tornado(results).rows
-    bars = [row for row in rows if row["swing_g"]]
-    if bars:
+    rows, found = tornado(results).rows, results.sensitivity
+    bars = [bar for bar in rows if bar["swing_g"]]
+    if found and bars:
         widest = max(bars, key=lambda row: row["swing_g"])
         span = [widest[key] for key in ("a_g_low_g", "a_g_base_g", "a_g_high_g")]
         yield words(
             "judgement.sensitive",
-            limit=results["sensitivity"]["limit_state"],
+            limit=found.limit_state,
             property=words.plain(f"value.{widest['property']}"),
             state=words.state(widest["state"]),
             low=float(widest["low_factor"]),
@@ -225,9 +229,9 @@ def _sensitive(results: Results, words: Words) -> Iterator[Markup]:
 
 
 def _margins(results: Results, words: Words) -> Iterator[Markup]:
-    for name, content in results["states"].items():
-        for contacts, stage in (content.get("pushdown") or {}).items():
-            ultimate, applied = stage.get("ultimate_movement_m"), stage["applied_movement_m"]
+    for name, state in results.states.items():
+        for contacts, path in state.pushdown.items():
+            ultimate, applied = path.ultimate_movement_m, path.applied_movement_m
             if ultimate:
                 yield words(
                     "judgement.margin" if applied < ultimate else "judgement.no_margin",
@@ -240,8 +244,14 @@ def _margins(results: Results, words: Words) -> Iterator[Markup]:
 
 
 def _trust(results: Results, words: Words) -> Iterator[Markup]:
-    found = {name: results["quality"].get(f"worst_{name}") for name in RESIDUALS}
-    known = {name: float(residual) for name, residual in found.items() if residual is not None}
+    quality = results.quality
+    known = present(
+        {
+            "equilibrium_residual": quality.worst_equilibrium_residual,
+            "cone_violation": quality.worst_cone_violation,
+            "complementarity": quality.worst_complementarity,
+        }
+    )
     poor = [name for name, residual in known.items() if residual > RESIDUALS[name]]
     for name in poor:
         yield words("judgement.poor_certificates", what=words(f"judgement.{name}"), residual=known[name])
@@ -257,8 +267,8 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
         yield words(f"judgement.{key}", deviation=100.0 * max(deviations))
     unbalanced = [row["unbalanced"] for row in balance(results).rows]
     if unbalanced:
-        good = max(unbalanced) <= BALANCED
-        yield words(f"judgement.{'balanced' if good else 'unbalanced'}", unbalanced=max(unbalanced))
+        worst = float(np.max(unbalanced))  # NaN if any is
+        yield words(f"judgement.{'balanced' if worst <= BALANCED else 'unbalanced'}", unbalanced=worst)
     warnings = all_warnings(results)
     if warnings:
         yield words("judgement.warnings", count=len(warnings))
@@ -266,7 +276,7 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
 
 def _converged(results: Results, words: Words) -> Iterator[Markup]:
     """Yield what refinement says of the discretisation error."""
-    tolerance = (results.get("convergence") or {}).get("tolerance")
+    tolerance = results.convergence.tolerance
     if not tolerance:
         yield words("judgement.no_convergence")
         return
@@ -281,19 +291,17 @@ def _converged(results: Results, words: Words) -> Iterator[Markup]:
 
 def _limit_analysis(results: Results, words: Words) -> Iterator[Markup]:
     """Yield how far the multiplier of the path is from that of limit analysis, in the state as drawn."""
-    pushovers = (results["states"].get("original") or {}).get("pushover") or {}
-    rigid = [each["rigid"] for each in pushovers.values() if each and each.get("rigid")]
-    pairs = [(each["alpha_0"], each.get("alpha_onset")) for each in rigid]
-    deviations = [abs(path / limit - 1.0) for path, limit in pairs if path and limit]
+    original = results.states.get("original")
+    rigid = [pushover.rigid for pushover in original.pushover.values()] if original else []
+    deviations = [
+        abs(each.alpha_0 / each.alpha_onset - 1.0)
+        for each in rigid
+        if each and each.alpha_0 and each.alpha_onset
+    ]
     if deviations:
         yield words("judgement.limit_analysis", deviation=100.0 * max(deviations))
 
 
 def all_warnings(results: Results) -> list[str]:
     """Return the warnings of model, run and solves, each once, in order."""
-    listed = [
-        *(results["model"].get("warnings") or []),
-        *(results.get("warnings") or []),
-        *(results["quality"].get("warnings") or []),
-    ]
-    return list(dict.fromkeys(listed))
+    return list(dict.fromkeys([*results.model.warnings, *results.quality.warnings]))

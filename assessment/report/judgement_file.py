@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from assessment.report.judgement import draft_judgement
 from assessment.report.text.language import Words
-from assessment.results.table import Results
+from assessment.results.schema import Results
 from assessment.runtime.errors import ProjectError
 
 NAME = "judgement.md"

@@ -15,7 +15,12 @@ from markupsafe import Markup
 from assessment.ntc.limit_states import QUOTED
 from assessment.report.text.language import Words, direction_name
 from assessment.results.joint_states import EDGE, FRICTION, IDLE
-from assessment.results.table import Results, sense
+from assessment.results.schema import Results, State
+from assessment.results.schema.checks import Direction
+from assessment.results.schema.dynamic import Snapshots
+from assessment.results.schema.model import Face, Joint
+from assessment.results.schema.static import Frames
+from assessment.results.table import sense
 
 NEAR = 0.01  # of a path's reach: so far beyond its end is at its end
 
@@ -33,21 +38,21 @@ def viewer(results: Results, words: Words) -> Viewer | None:
     paths = [*_pushdowns(results, words), *_pushovers(results, words), *_histories(results, words)]
     if not paths:
         return None
-    geometry = results["geometry"]
+    geometry = results.geometry
     data = {
         "blocks": [
             {
-                "vertices": block["vertices_m"],
-                "centroid": block["centroid_m"],
-                "layer": block["layer"],
-                "support": block["support"],
-                "weight": block["weight_kN"],
+                "vertices": block.vertices_m,
+                "centroid": block.centroid_m,
+                "layer": block.layer,
+                "support": block.support,
+                "weight": block.weight_kN,
             }
-            for block in geometry["blocks"]
+            for block in geometry.blocks
         ],
-        "joints": [_joint(joint) for joint in geometry["joints"]],
-        "tolerance": geometry["joint_tolerance_m"],
-        "weight": results["model"]["weight_kN"],
+        "joints": [_joint(joint) for joint in geometry.joints],
+        "tolerance": geometry.joint_tolerance_m,
+        "weight": results.model.weight_kN,
         "limits": {"idle": IDLE, "friction": FRICTION, "edge": EDGE},
         "paths": paths,
         "words": dict(words.strings["viewer"]) | {"decimal_mark": words.plain("value.decimal_mark")},
@@ -58,107 +63,105 @@ def viewer(results: Results, words: Words) -> Viewer | None:
 
 
 def _pushdowns(results: Results, words: Words) -> Iterator[dict[str, Any]]:
-    for name, content in results["states"].items():
-        for contacts, stage in (content.get("pushdown") or {}).items():
-            if "frames" in stage:
-                movement = [1000.0 * value for value in stage["movement_m"]]
-                series = [
-                    _series(label, movement, stage[key])
-                    for label, key in (("Rx", "reaction_x_kN"), ("Rz", "reaction_z_kN"))
-                ]
-                yield {
-                    "title": _title(words, "pushdown", name, words.plain(f"value.{contacts}")),
-                    "jumps": [],
-                    "x_label": words.plain("figure.movement"),
-                    "y_label": words.plain("viewer.reactions"),
-                    "series": series,
-                    "frames": _frames(stage["frames"], series),
-                }
+    for name, state in results.states.items():
+        for contacts, path in state.pushdown.items():
+            movement = [1000.0 * value for value in path.movement_m]
+            series = [
+                _series("Rx", movement, path.reaction_x_kN),
+                _series("Rz", movement, path.reaction_z_kN),
+            ]
+            yield {
+                "title": _title(words, "pushdown", name, words.plain(f"value.{contacts}")),
+                "jumps": [],
+                "x_label": words.plain("figure.movement"),
+                "y_label": words.plain("viewer.reactions"),
+                "series": series,
+                "frames": _frames(path.frames, series),
+            }
 
 
 def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
-    for name, content in results["states"].items():
-        for direction, pushover in (content.get("pushover") or {}).items():
-            for contacts in ("rigid", "elastic"):
-                stage = (pushover or {}).get(contacts) or {}
-                if "frames" in stage:
-                    curve = stage["curve"]
-                    along = [1000.0 * value for value in curve["displacement_m"]]
-                    series = [_series("α", along, curve["multiplier"])]
-                    where = f"{direction_name(direction)}, {words.plain(f'value.{contacts}')}"
-                    yield {
-                        "title": _title(words, "pushover", name, where),
-                        "jumps": list(_jumps(content, direction, max(map(abs, along)))),
-                        "x_label": words.plain("figure.x_displacement"),
-                        "y_label": words.plain("figure.multiplier"),
-                        "series": series,
-                        "frames": _frames(stage["frames"], series),
-                    }
+    for name, state in results.states.items():
+        for direction, pushover in state.pushover.items():
+            for contacts, push in pushover.by_contacts.items():
+                along = [1000.0 * value for value in push.curve.displacement_m]
+                series = [_series("α", along, push.curve.multiplier)]
+                where = f"{direction_name(direction)}, {words.plain(f'value.{contacts}')}"
+                yield {
+                    "title": _title(words, "pushover", name, where),
+                    "jumps": list(_jumps(state, direction, max(map(abs, along)))),
+                    "x_label": words.plain("figure.x_displacement"),
+                    "y_label": words.plain("figure.multiplier"),
+                    "series": series,
+                    "frames": _frames(push.frames, series),
+                }
 
 
-def _jumps(content: Mapping[str, Any], direction: str, reach: float) -> Iterator[dict[str, Any]]:
+def _jumps(state: State, direction: Direction, reach: float) -> Iterator[dict[str, Any]]:
     """Yield the control displacements (mm, along x) of the limit states, d = d*/Γ*, that a path of this reach has."""
-    capacity = (content.get("capacity") or {}).get(direction) or {}
+    capacity = state.capacity.get(direction)
+    if not capacity:
+        return
     for limit in reversed(QUOTED):
-        d_star = (capacity.get(limit) or {}).get("d_star_m")
-        if d_star is not None and capacity.get("gamma_star"):
-            d = sense(direction) * 1000.0 * d_star / capacity["gamma_star"]
+        check = capacity.checks.get(limit)
+        if check and check.d_star_m is not None and capacity.gamma_star:
+            d = sense(direction) * 1000.0 * check.d_star_m / capacity.gamma_star
             if abs(d) <= (1.0 + NEAR) * reach:
                 yield {"label": f"d_{limit}", "x": float(f"{d:.6g}")}
 
 
 def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
-    for name, content in results["states"].items():
-        for entry in content.get("history") or []:
-            if "snapshots" in entry:
-                kept, curve = entry["snapshots"], entry["curve"]
-                displacement = [1000.0 * value for value in curve["displacement_m"]]
+    for name, state in results.states.items():
+        for entry in state.history:
+            kept, curve = entry.snapshots, entry.curve
+            if kept and curve:
+                displacement = [1000.0 * value for value in curve.displacement_m]
                 yield {
-                    "title": _title(words, "history", name, entry["record"]),
+                    "title": _title(words, "history", name, entry.record),
                     "jumps": [],
                     "x_label": words.plain("figure.time"),
                     "y_label": words.plain("figure.x_displacement"),
-                    "series": [_series("d", curve["time_s"], displacement)],
+                    "series": [_series("d", curve.time_s, displacement)],
                     "frames": {
-                        "x": kept["time_s"],
-                        "y": [[1000.0 * value for value in kept["displacement_m"]]],
+                        "x": kept.time_s,
+                        "y": [[1000.0 * value for value in kept.displacement_m]],
                         **_drawn(kept),
                     },
                 }
 
 
-def _frames(kept: Mapping[str, Any], series: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def _frames(kept: Frames, series: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Frames of a static path: values on its curves at each, and what the script draws."""
     return {
-        "x": [series[0]["x"][index] for index in kept["index"]],
-        "y": [[each["y"][index] for index in kept["index"]] for each in series],
+        "x": [series[0]["x"][index] for index in kept.index],
+        "y": [[each["y"][index] for index in kept.index] for each in series],
         **_drawn(kept),
     }
 
 
-def _drawn(kept: Mapping[str, Any]) -> dict[str, Any]:
+def _drawn(kept: Frames | Snapshots) -> dict[str, Any]:
     """Where the blocks are and what the joints carry at each frame, NaN where that is not known."""
-    joints = max((len(each) for each in kept["centre"] if each is not None), default=0)
-    force = [np.full((joints, 2), np.nan) if each is None else each for each in kept["force_kN"]]
-    centre = [np.full(joints, np.nan) if each is None else each for each in kept["centre"]]
+    joints = max((len(each) for each in kept.centre if each is not None), default=0)
+    force = [np.full((joints, 2), np.nan) if each is None else each for each in kept.force_kN]
+    centre = [np.full(joints, np.nan) if each is None else each for each in kept.centre]
     return {
-        "configuration": _floats(kept["configuration"]),
+        "configuration": _floats(kept.configuration),
         "force": _floats(force),
         "centre": _floats(centre),
-        "met": [_joint(each) for each in kept["met"]],
+        "met": [_joint(each) for each in kept.met],
     }
 
 
-def _joint(joint: Mapping[str, Any]) -> dict[str, Any]:
+def _joint(joint: Face) -> dict[str, Any]:
     """What the script needs of a pair of faces; `drawn`: whether its slip counts from the drawing."""
     return {
-        "blocks": joint["blocks"],
-        "middle": joint["middle_m"],
-        "faces": joint["faces_m"],
-        "friction": joint["friction"],
-        "depth": joint["depth_m"],
-        "strength": joint["compressive_strength_kN_m2"],
-        "drawn": "ends_m" in joint,
+        "blocks": joint.blocks,
+        "middle": joint.middle_m,
+        "faces": joint.faces_m,
+        "friction": joint.friction,
+        "depth": joint.depth_m,
+        "strength": joint.compressive_strength_kN_m2,
+        "drawn": isinstance(joint, Joint),
     }
 
 

@@ -3,14 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from assessment.results.schema import Results
+from assessment.results.schema.model import Face
 from mechanics import Assembly
-from mechanics.model import A1, A2, B1, B2, FACE, PX, PZ, QX, QZ, TAX, TAZ, TBX, TBZ, Contacts, H
+from mechanics.model import (
+    A1,
+    A2,
+    B1,
+    B2,
+    CORNER,
+    FACE,
+    MEET,
+    PX,
+    PZ,
+    QX,
+    QZ,
+    TAX,
+    TAZ,
+    TBX,
+    TBZ,
+    Contacts,
+    H,
+)
 from mechanics.types import Array, Index, Mask
 
 Numbers = dict[str, Any]
@@ -94,14 +114,14 @@ class Faces:
         return np.column_stack([self.centroids, np.zeros(len(self.centroids))]) + configuration
 
 
-def faces_of(results: Mapping[str, Any], met: Sequence[Mapping[str, Any]] = ()) -> Faces:
+def faces_of(results: Results, met: Sequence[Face] = ()) -> Faces:
     """Return the joints of the results, then those of a path's `met`."""
-    geometry = results["geometry"]
-    joints = [*geometry["joints"], *met]
-    centroids = np.array([block["centroid_m"] for block in geometry["blocks"]], dtype=float)
-    owner = np.array([joint["blocks"] for joint in joints], dtype=np.intp).reshape(-1, 2)
-    middle = np.array([joint["middle_m"] for joint in joints], dtype=float).reshape(-1, 2, 2)
-    ends = np.array([joint["faces_m"] for joint in joints], dtype=float).reshape(-1, 2, 2, 2)
+    geometry = results.geometry
+    joints: list[Face] = [*geometry.joints, *met]
+    centroids = np.array([block.centroid_m for block in geometry.blocks], dtype=float)
+    owner = np.array([joint.blocks for joint in joints], dtype=np.intp).reshape(-1, 2)
+    middle = np.array([joint.middle_m for joint in joints], dtype=float).reshape(-1, 2, 2)
+    ends = np.array([joint.faces_m for joint in joints], dtype=float).reshape(-1, 2, 2, 2)
     along = ends[:, :, 1] - ends[:, :, 0]
     along = along / np.hypot(*along.transpose(2, 0, 1))[..., None]
     reach = np.einsum("jfei,jfi->jfe", ends - middle[:, :, None], along)
@@ -111,30 +131,34 @@ def faces_of(results: Mapping[str, Any], met: Sequence[Mapping[str, Any]] = ()) 
     ):
         faces[:, point] = middle[:, f] - centroids[owner[:, f]]
         faces[:, tangent], faces[:, limits] = along[:, f], reach[:, f]
+    drawn = slice(len(geometry.joints))
+    faces[:, MEET] = geometry.joint_tolerance_m  # how near corners meet: as the analyses have it
+    faces[drawn, MEET] = np.maximum(faces[drawn, MEET], CORNER * np.ptp(reach[drawn], axis=2).min(axis=1))
     unknown = np.full(len(joints), np.nan)
     contacts = Contacts(
         a=owner[:, 0],
         b=owner[:, 1],
         faces=faces,
-        friction=_limits(joints, "friction"),
+        friction=_limits([joint.friction for joint in joints]),
         bed=unknown,
         shear=unknown,
         strength=unknown,
         segments=np.zeros(len(joints), dtype=np.intp),
         edges=np.zeros((len(joints), 2), dtype=np.intp),
-        tolerance=geometry["joint_tolerance_m"],
+        tolerance=geometry.joint_tolerance_m,
     )
     return Faces(
         contacts,
         centroids,
-        np.array([joint["depth_m"] for joint in joints], dtype=float),
-        _limits(joints, "compressive_strength_kN_m2"),
-        len(geometry["joints"]),
+        np.array([joint.depth_m for joint in joints], dtype=float),
+        _limits([joint.compressive_strength_kN_m2 for joint in joints]),
+        len(geometry.joints),
     )
 
 
-def _limits(joints: Sequence[Mapping[str, Any]], key: str) -> Array:
-    return np.array([np.inf if joint[key] is None else joint[key] for joint in joints], dtype=float)
+def _limits(given: Sequence[float | None]) -> Array:
+    """Return values (j,), infinite where there is no limit."""
+    return np.array([np.inf if value is None else value for value in given], dtype=float)
 
 
 def shares(places: Array, forces: Array) -> Array:

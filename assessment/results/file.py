@@ -18,17 +18,21 @@ class UndocumentedError(RuntimeError):
     """Results that are not as the schema says: a fault of the program."""
 
 
-def as_bytes(results: Mapping[str, Any]) -> bytes:
-    """Return results as they are written. Raises UndocumentedError where a key is missing or not described."""
+def typed(content: Mapping[str, Any]) -> Results:
+    """Return plain results by type. Raises UndocumentedError where a key is missing or not described."""
     try:
-        Results.model_validate(results)
+        return Results.model_validate(content)
     except ValidationError as error:
         raise UndocumentedError(f"results.json: {_said(error)}") from None
-    return json.dumps(results, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
 
 
-def read_results(path: Path) -> dict[str, Any]:
-    """Return results from their file.
+def as_bytes(content: Mapping[str, Any]) -> bytes:
+    """Return plain results as they are written, in their own order."""
+    return json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
+
+
+def read_content(path: Path) -> dict[str, Any]:
+    """Return plain results from their file, in the order in which they were written.
 
     Raises ValueError naming file and key for a file that holds none, that is of another version, or damaged.
     """
@@ -48,8 +52,8 @@ def read_results(path: Path) -> dict[str, Any]:
         Results.model_validate(content)
     except ValidationError as error:
         raise ValueError(f"{path}: {_said(error)}: damaged, or written by another version; {AGAIN}") from None
-    results: dict[str, Any] = content
-    return results
+    plain: dict[str, Any] = content
+    return plain
 
 
 def _said(error: ValidationError) -> str:

@@ -8,8 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from assessment.results.echo import material
 from assessment.results.outlines import Array, field, outlines, place
-from assessment.results.table import Results, Row, Table, sense
+from assessment.results.schema import Results
+from assessment.results.schema.checks import Direction
+from assessment.results.schema.model import Joint
+from assessment.results.schema.part import known
+from assessment.results.schema.static import RigidPush
+from assessment.results.table import Row, Table, sense
 
 TOGETHER = 0.01  # of the largest velocity: across a joint, what does not part two blocks
 BY_HAND = 15  # macro-blocks that are printed and numbered; more are no check by hand
@@ -56,20 +62,20 @@ class MacroBlock:
         return self.centroid + np.array([-dz, dx]) / w
 
 
-def macro_blocks(results: Results, state: str, direction: str) -> list[MacroBlock]:
+def macro_blocks(results: Results, state: str, direction: Direction) -> list[MacroBlock]:
     """Group the blocks of a mechanism that move as one, the largest group first."""
-    rigid = results["states"][state]["pushover"][direction]["rigid"]
-    rate = np.asarray(rigid["mechanism"]["displacements"], dtype=float)
+    rigid = rigid_push(results, state, direction)
+    rate = np.asarray(rigid.mechanism.displacements, dtype=float)
     drawn = outlines(results)
-    at = np.asarray(rigid["mechanism_configuration"])
+    at = np.asarray(rigid.mechanism_configuration)
     shape = drawn.moved(at)
     speed = np.linalg.norm(field(shape.points, shape.owner, shape.centroids, rate), axis=1)
     fastest = float(speed.max())
     moving = np.zeros(len(rate), dtype=bool)
     np.maximum.at(moving, shape.owner, speed > STILL * fastest)
     group = np.arange(len(rate))
-    for joint in results["geometry"]["joints"]:
-        i, j = joint["blocks"]
+    for joint in results.geometry.joints:
+        i, j = joint.blocks
         if moving[i] and moving[j] and _as_one(joint, drawn.centroids, at, shape.centroids, rate, fastest):
             group[group == group[j]] = group[i]
     weight, seismic = weights(results)
@@ -99,9 +105,8 @@ def hand_check(results: Results) -> Table:
     """Compare the program's multiplier with virtual work over all its blocks and over the macro-blocks as printed."""
     rows = []
     for name, direction, rigid in mechanisms(results):
-        if rigid.get("virtual_work_alpha") is not None and rigid.get("alpha_0"):
-            computed = rigid["mechanism"]["alpha"]
-            by_blocks = rigid["virtual_work_alpha"]
+        if rigid.virtual_work_alpha is not None and rigid.alpha_0:
+            computed, by_blocks = rigid.mechanism.alpha, rigid.virtual_work_alpha
             figures = figures_of(results, name, direction)
             by_hand = multiplier(figures)
             rows.append(
@@ -119,16 +124,16 @@ def hand_check(results: Results) -> Table:
     return Table("hand_check", rows, tuple(rows[0]) if rows else ("state", "direction"))
 
 
-def governing_mechanisms(results: Results) -> list[tuple[str, str]]:
+def governing_mechanisms(results: Results) -> list[tuple[str, Direction]]:
     """Return each state with the direction in which its multiplier is least, the first one of equals."""
-    least: dict[str, tuple[str, float]] = {}
+    least: dict[str, tuple[Direction, float]] = {}
     for name, direction, rigid in mechanisms(results):
-        if name not in least or rigid["alpha_0"] < (1.0 - EQUAL) * least[name][1]:
-            least[name] = direction, rigid["alpha_0"]
+        if name not in least or rigid.alpha_0 < (1.0 - EQUAL) * least[name][1]:
+            least[name] = direction, rigid.alpha_0
     return [(name, direction) for name, (direction, _) in least.items()]
 
 
-def figures_of(results: Results, state: str, direction: str) -> list[Row]:
+def figures_of(results: Results, state: str, direction: Direction) -> list[Row]:
     """Return the rows of a mechanism with their virtual work, and the sums that give the multiplier."""
     sign = sense(direction)
     rows = _rows(state, direction, macro_blocks(results, state, direction))
@@ -145,19 +150,23 @@ def multiplier(rows: list[Row]) -> float:
     return float(rows[-1]["work_weight"] / rows[-1]["work_load"])
 
 
-def mechanisms(results: Results) -> Iterator[tuple[str, str, Any]]:
+def mechanisms(results: Results) -> Iterator[tuple[str, Direction, RigidPush]]:
     """Yield state, direction and the rigid results of every mechanism."""
-    for name, content in results["states"].items():
-        for direction, pushover in (content.get("pushover") or {}).items():
-            rigid = (pushover or {}).get("rigid") or {}
-            if rigid.get("mechanism"):
-                yield name, direction, rigid
+    for name, state in results.states.items():
+        for direction, pushover in state.pushover.items():
+            if pushover.rigid:
+                yield name, direction, pushover.rigid
 
 
-def _as_one(joint: Any, drawn: Array, at: Array, centroids: Array, rate: Array, fastest: float) -> bool:
+def rigid_push(results: Results, state: str, direction: Direction) -> RigidPush:
+    """Return the rigid results of a mechanism that is there."""
+    return known(results.states[state].pushover[direction].rigid)
+
+
+def _as_one(joint: Joint, drawn: Array, at: Array, centroids: Array, rate: Array, fastest: float) -> bool:
     """Whether the two blocks of a joint have the same velocity at both its ends."""
-    ends = np.asarray(joint["ends_m"], dtype=float)
-    owners = [np.full(2, block) for block in joint["blocks"]]
+    ends = np.asarray(joint.ends_m, dtype=float)
+    owners = [np.full(2, block) for block in joint.blocks]
     point = place(ends, owners[0], drawn, at)
     first, second = (field(point, owner, centroids, rate) for owner in owners)
     return bool(np.linalg.norm(first - second, axis=1).max() < TOGETHER * fastest)
@@ -177,24 +186,15 @@ def _whole(members: Any, weight: Array, seismic: Array, centroids: Array, rate: 
 
 def weights(results: Results) -> tuple[Array, Array]:
     """Return weights and seismic weights (b,) kN, worked out from outlines, depths and the project's own figures."""
-    echo = results["echo"]
     weight, seismic = [], []
-    for block in results["geometry"]["blocks"]:
-        given = {**(echo.get("material") or {}), **_own(echo, block["layer"])}
-        stone = (
-            float(given.get("unit_weight_kN_m3") or 0.0)
-            * block["depth_m"]
-            * outline_area(block["vertices_m"])
-        )
-        load = float(block.get("vertical_load_kN") or 0.0)
+    for block in results.geometry.blocks:
+        given = material(results.echo, block.layer)
+        unit_weight = float(given.get("unit_weight_kN_m3") or 0.0)
+        stone = unit_weight * block.depth_m * outline_area(block.vertices_m)
+        load = block.vertical_load_kN
         weight.append(stone + load)
         seismic.append(stone + (load if given.get("load_has_mass", True) else 0.0))
     return np.array(weight), np.array(seismic)
-
-
-def _own(echo: Any, layer: str) -> dict[str, Any]:
-    own = (echo.get("layers") or {}).get(layer) or {}
-    return {key: value for key, value in own.items() if value is not None}
 
 
 def outline_area(vertices: Any) -> float:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from assessment.results.faces import faces_of
 from assessment.results.outlines import Array
-from assessment.results.table import Results
+from assessment.results.schema import Results, State
+from assessment.results.schema.checks import Direction
+from assessment.results.schema.model import Face
+from assessment.results.schema.static import Frames
 from mechanics.model import NX, NZ, H, V, end_gaps, end_points
 from mechanics.types import Index
 
@@ -30,13 +32,13 @@ class Situation:
     """
 
     state: str
-    direction: str | None
+    direction: Direction | None
     contacts: str
     alpha: float
     configuration: Array
     force: Array
     centre: Array
-    met: Sequence[Mapping[str, Any]]
+    met: Sequence[Face]
 
 
 @dataclass(frozen=True)
@@ -69,58 +71,50 @@ class JointStates:
 
 def situations(results: Results) -> Iterator[Situation]:
     """Yield the rest of every state and the onset of every mechanism, where the forces were kept."""
-    for name, content in results["states"].items():
-        yield from _rest(name, content)
-        for direction, pushover in (content.get("pushover") or {}).items():
-            rigid = (pushover or {}).get("rigid") or {}
-            point = (rigid.get("mechanism") or {}).get("point")
-            if point is not None and "frames" in rigid:
-                alpha = rigid["curve"]["multiplier"][point]
-                yield from _at(name, direction, "rigid", alpha, rigid["frames"], point)
+    for name, state in results.states.items():
+        yield from _rest(name, state)
+        for direction, pushover in state.pushover.items():
+            if rigid := pushover.rigid:
+                point = rigid.mechanism.point
+                alpha = rigid.curve.multiplier[point]
+                yield from _at(name, direction, "rigid", alpha, rigid.frames, point)
 
 
 def loaded(results: Results) -> Iterator[Situation]:
     """Yield the situations and, with elastic joints, the peak of every pushover."""
     yield from situations(results)
-    for name, content in results["states"].items():
-        for direction, pushover in (content.get("pushover") or {}).items():
-            elastic = (pushover or {}).get("elastic") or {}
-            if "frames" in elastic:
-                yield from _at(
-                    name, direction, "elastic", elastic["alpha_u"], elastic["frames"], elastic["peak"]
-                )
+    for name, state in results.states.items():
+        for direction, pushover in state.pushover.items():
+            if elastic := pushover.elastic:
+                yield from _at(name, direction, "elastic", elastic.alpha_u, elastic.frames, elastic.peak)
 
 
-def _rest(name: str, content: Mapping[str, Any]) -> Iterator[Situation]:
+def _rest(name: str, state: State) -> Iterator[Situation]:
     """Yield the rest under gravity: with elastic joints if it can be, where forces are determined."""
-    for pushover in (content.get("pushover") or {}).values():
-        elastic = (pushover or {}).get("elastic") or {}
-        if "frames" in elastic:
-            yield from _at(name, None, "elastic", 0.0, elastic["frames"], 0)
+    for pushover in state.pushover.values():
+        if pushover.elastic:
+            yield from _at(name, None, "elastic", 0.0, pushover.elastic.frames, 0)
             return
-    for contacts in ("elastic", "rigid"):
-        stage = (content.get("pushdown") or {}).get(contacts) or {}
-        if "frames" in stage:
-            movement = np.asarray(stage["movement_m"])
-            asked = int(np.argmin(abs(movement - stage["applied_movement_m"])))
-            yield from _at(name, None, contacts, 0.0, stage["frames"], asked)
-            return
+    for contacts, path in sorted(state.pushdown.items()):  # elastic before rigid
+        asked = int(np.argmin(abs(np.asarray(path.movement_m) - path.applied_movement_m)))
+        yield from _at(name, None, contacts, 0.0, path.frames, asked)
+        return
 
 
 def _at(
-    name: str, direction: str | None, contacts: str, alpha: float, frames: Mapping[str, Any], point: int
+    name: str, direction: Direction | None, contacts: str, alpha: float, frames: Frames, point: int
 ) -> Iterator[Situation]:
-    kept = frames["index"].index(point)
-    if frames["force_kN"][kept] is not None:
+    kept = frames.index.index(point)
+    if frames.force_kN[kept] is not None:
         yield Situation(
             name,
             direction,
             contacts,
             alpha,
-            np.asarray(frames["configuration"][kept], dtype=float),
-            np.asarray(frames["force_kN"][kept], dtype=float),
-            np.asarray(frames["centre"][kept], dtype=float),
-            frames["met"],
+            np.asarray(frames.configuration[kept], dtype=float),
+            np.asarray(frames.force_kN[kept], dtype=float),
+            np.asarray(frames.centre[kept], dtype=float),
+            frames.met,
         )
 
 
@@ -135,7 +129,7 @@ def joint_states(results: Results, situation: Situation) -> JointStates:
     N, T = situation.force.T
     share = np.where(np.isfinite(situation.centre), situation.centre, 0.5)
     overlap = 2.0 * places[:, H]
-    idle = ~(IDLE * results["model"]["weight_kN"] < N) | (overlap <= 0.0)
+    idle = ~(IDLE * results.model.weight_kN < N) | (overlap <= 0.0)
     carried = np.where(idle, 0.0, N)
     near = np.minimum(share, 1.0 - share) * overlap
     contact, pressure = pressed(carried / faces.depth, near, overlap, faces.strength)

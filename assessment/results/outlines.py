@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.path import Path as Outline
 from numpy.typing import ArrayLike, NDArray
+
+from assessment.results.schema import Results
 
 Array = NDArray[np.float64]
 
@@ -68,12 +69,12 @@ class Outlines:
         return [self.points[cuts[block] : cuts[block + 1]] for block in chosen]
 
 
-def outlines(results: Mapping[str, Any]) -> Outlines:
-    """Return the outlines of results["geometry"] in the drawing position."""
-    blocks = results["geometry"]["blocks"]
-    rings = [np.asarray(block["vertices_m"], dtype=float) for block in blocks]
+def outlines(results: Results) -> Outlines:
+    """Return the outlines of the blocks in the drawing position."""
+    blocks = results.geometry.blocks
+    rings = [np.asarray(block.vertices_m, dtype=float) for block in blocks]
     owner = np.repeat(np.arange(len(rings)), [len(ring) for ring in rings])
-    return Outlines(np.vstack(rings), owner, np.array([block["centroid_m"] for block in blocks], dtype=float))
+    return Outlines(np.vstack(rings), owner, np.array([block.centroid_m for block in blocks], dtype=float))
 
 
 def place(points: Array, owner: NDArray[np.intp], centroids: Array, motion: Array) -> Array:

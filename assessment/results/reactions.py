@@ -9,8 +9,10 @@ import numpy as np
 from assessment.results.hand_check import weights
 from assessment.results.joint_states import Situation, joint_states, loaded, situations
 from assessment.results.outlines import Array
-from assessment.results.table import Results, Row, Table, sense
+from assessment.results.schema import Results
+from assessment.results.table import Row, Table, sense
 
+NOISE = 1e-9  # of the weight: a force no larger is rounding
 WHERE = ("state", "direction", "contacts", "alpha")
 REACTIONS = (*WHERE, "support", "reaction_x_kN", "reaction_z_kN")
 BALANCE = (*WHERE, "reaction_x_kN", "load_x_kN", "reaction_z_kN", "load_z_kN", "unbalanced")
@@ -37,8 +39,7 @@ JOINTS = (
 def reactions(results: Results) -> Table:
     """List the force of each support on the structure in every situation whose joint forces are known."""
     rows = [
-        _where(each)
-        | {"support": support, "reaction_x_kN": float(force[0]), "reaction_z_kN": float(force[1])}
+        _where(each) | {"support": support} | _components("reaction", force, results.model.weight_kN)
         for each in situations(results)
         for support, force in _forces(results, each)
     ]
@@ -50,7 +51,7 @@ def balance(results: Results) -> Table:
 
     `unbalanced` is the larger component of what is left over, per weight.
     """
-    movable = np.array([block["support"] is None for block in results["geometry"]["blocks"]])
+    movable = np.array([block.support is None for block in results.geometry.blocks])
     dead, seismic = (float(each[movable].sum()) for each in weights(results))
     rows = []
     for each in situations(results):
@@ -59,13 +60,9 @@ def balance(results: Results) -> Table:
         load = np.array([along, -dead])
         rows.append(
             _where(each)
-            | {
-                "reaction_x_kN": float(total[0]),
-                "load_x_kN": float(load[0]),
-                "reaction_z_kN": float(total[1]),
-                "load_z_kN": float(load[1]),
-                "unbalanced": float(abs(total + load).max() / dead),
-            }
+            | _components("reaction", total, dead)
+            | _components("load", load, dead)
+            | {"unbalanced": float(abs(total + load).max() / dead)}
         )
     return Table("balance", rows, BALANCE)
 
@@ -107,13 +104,19 @@ def joint_table(results: Results) -> Table:
 
 def _forces(results: Results, situation: Situation) -> Iterator[tuple[str, Array]]:
     """Yield each support and its force (2,) kN on the structure."""
-    blocks, states = results["geometry"]["blocks"], joint_states(results, situation)
-    for support in sorted({block["support"] for block in blocks if block["support"]}):
+    blocks, states = results.geometry.blocks, joint_states(results, situation)
+    for support in sorted({block.support for block in blocks if block.support}):
         total = np.zeros(2)
         for force, pair in zip(states.force, states.blocks.tolist(), strict=True):
-            first, second = (blocks[block]["support"] == support for block in pair)
+            first, second = (blocks[block].support == support for block in pair)
             total += float(second) * force - float(first) * force
         yield support, total
+
+
+def _components(name: str, force: Array, weight: float) -> Row:
+    """Return the components of a force (2,) kN; 0 for one that is no more than rounding beside the weight (kN)."""
+    x, z = np.where(abs(force) <= NOISE * weight, 0.0, force).tolist()
+    return {f"{name}_x_kN": x, f"{name}_z_kN": z}
 
 
 def _where(situation: Situation) -> Row:

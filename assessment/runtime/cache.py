@@ -15,7 +15,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from assessment.runtime.atomic_files import write_atomically
+from assessment.runtime.files.atomic_files import write_atomically
 
 FOLDER = ".stages"  # in the output folder
 MOST_BYTES = 300_000_000  # of all entries; those not used for longest go first

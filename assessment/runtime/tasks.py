@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar, TypeVarTuple
 
 from assessment.runtime.cache import Store, packed, unpacked
 from assessment.runtime.fingerprint import fingerprint
-from assessment.runtime.pool import KilledError, Pool, finished, processes
+from assessment.runtime.processes.pool import KilledError, Pool, finished, processes
 
 if TYPE_CHECKING:
     from mechanics import Assembly
@@ -182,7 +182,7 @@ class Workers:
 
 
 def _cluster(address: str) -> Engine:
-    from assessment.runtime.cluster import Cluster  # late: few runs have one
+    from assessment.runtime.processes.cluster import Cluster  # late: few runs have one
 
     return Cluster(address)
 

@@ -1,7 +1,7 @@
-"""How far results are from converged: increments halved until they change by less than a tolerance.
+"""The discretisation error of static results: increments are halved until it is below a tolerance.
 
-Every state is analysed again with increments (of settlement and pushover together) of 1/2, 1/4… of those given; what
-is reported is the finest analysis, and beside it the error that the last differences let expect.
+Every state is analysed again with 1/2, 1/4… of the given increments of settlement and pushover. The finest analysis is
+reported, with the error estimated from the last differences.
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 from assessment.analyses.accuracy import FIRST_ORDER, NOISE, SHOWN, accuracy_of
 from assessment.analyses.checks.capacity import assess
 from assessment.studies.increments import refined
-from assessment.studies.variants import Demands, capacity_numbers, curves, directions
+from assessment.studies.variants import capacity_numbers, curves, directions
 
 if TYPE_CHECKING:
+    from assessment.analyses.checks.demand import Demands
     from assessment.analyses.static.states import StateResult
     from assessment.project.project import Project
     from mechanics import Assembly
@@ -29,9 +30,9 @@ QUANTITIES = ("alpha_0", "d_0_m", "alpha_u", "a_g_g")
 def estimated_error(values: Sequence[float | None]) -> float | None:
     """Estimate |v_n − v| of values v_0 … v_n at increments h, h/2, h/4…; None: the last two are not both known.
 
-    With r = |v_n−1 − v_n−2|/|v_n − v_n−1|, Richardson's extrapolation leaves |v_n − v_n−1|/(r − 1) at most: r is cut at
-    2, the ratio of first order, and at 1.25 from below, where differences hardly shrink and no order shows. Of two
-    values the difference, which is the same at first order. All with a factor of safety.
+    With r = |v_n−1 − v_n−2|/|v_n − v_n−1|, the error by Richardson's extrapolation is |v_n − v_n−1|/(r − 1). r is kept
+    between 1.25, below which the differences show no order, and 2, the ratio of first order. Of two values the error is
+    the difference, as at first order. All estimates have a factor of safety.
     """
     if len(values) < 2 or values[-1] is None or values[-2] is None:
         return None
@@ -44,20 +45,20 @@ def estimated_error(values: Sequence[float | None]) -> float | None:
 
 @dataclass(frozen=True)
 class Levels:
-    """Quantities with the increments given, halved, halved again…: what each level gave (None: not reached).
+    """Quantities `measured` at each level: with the given increments, halved, halved again… (None: not reached).
 
-    `size` (m) of the model: lengths below its NOISE are none. The result is the finest level.
+    `size` (m): of the model; lengths below NOISE times it count as 0. The result is the finest level.
     """
 
     size: float
     measured: tuple[Measured, ...]
 
     def joined(self, finer: Measured) -> Levels:
-        """Return the levels with one more."""
+        """Return the levels with a finer one added."""
         return replace(self, measured=(*self.measured, finer))
 
     def values(self, quantity: str) -> list[float | None]:
-        """Return what the levels gave of a quantity."""
+        """Return the values of a quantity, one for each level."""
         return [level.get(quantity) for level in self.measured]
 
     @property
@@ -67,7 +68,7 @@ class Levels:
 
     @property
     def errors(self) -> dict[str, float | None]:
-        """Estimated error of each quantity that one of the last two levels reached; None: not known."""
+        """Estimated error of each quantity that the last level or the one before reached; None: not known."""
         if len(self.measured) < 2:
             return {}
         counted = self.measured[-2:]
@@ -86,14 +87,14 @@ class Levels:
         }
 
     def within(self, tolerance: float) -> bool:
-        """Whether every error is known and meets the tolerance; one level alone tells none."""
+        """Whether every error is known and meets the tolerance; with one level no error is known."""
         if not self.reached:
             return True
         known = self.relative.values()
         return len(self.measured) > 1 and all(error is not None and error <= tolerance for error in known)
 
     def missed(self, tolerance: float) -> list[str]:
-        """Say of each quantity that does not meet the tolerance by how much."""
+        """Return a text for each quantity whose error does not meet the tolerance."""
         return [
             f"{key} is not known (not reached by every analysis)"
             if error is None
@@ -103,7 +104,7 @@ class Levels:
         ]
 
     def numbers(self, tolerance: float) -> Numbers:
-        """Return the row of results.json: errors, the largest relative one, and what each level gave."""
+        """Return the row of results.json: errors, the largest relative error, and the values of each level."""
         relative = self.relative.values()
         largest = (
             None if None in relative else max((each for each in relative if each is not None), default=None)
@@ -145,9 +146,10 @@ def converge(
     demands: Demands,
     analyse: Callable[[Project, Collection[str]], list[StateResult]],
 ) -> Convergence:
-    """Analyse the states until their capacities are within the tolerance; `analyse` does some of them, by name.
+    """Analyse the states until the errors of their capacities meet the tolerance.
 
-    A state whose finer analysis fails where the coarser one did not keeps the coarser one.
+    `analyse`: analyses the states of these names in the increments of a project. A state whose finer analysis fails,
+    while the coarser one did not, keeps the coarser one.
     """
     accuracy = accuracy_of(project)
     given = analyse(project, project.states)
@@ -212,16 +214,12 @@ def measure(
     stages: Sequence[StateResult],
     quantities: Collection[str] = QUANTITIES,
 ) -> dict[str, dict[str, Numbers]]:
-    """Return what is to converge, by state and direction."""
+    """Return the quantities that have to converge, by state and direction."""
     found: dict[str, dict[str, Numbers]] = {}
     for state in dict.fromkeys(stage.state for stage in stages):
         own = [stage for stage in stages if stage.state == state]
         pushovers = curves(own)
-        capacities = (
-            assess(project, model, pushovers, demands.spectra, demands.hazard, [])
-            if project.assessment
-            else {}
-        )
+        capacities = assess(project, model, pushovers, demands, []) if project.assessment else {}
         found[state] = {
             way: {key: value for key, value in numbers.items() if key in quantities}
             for way in directions(project)
@@ -231,7 +229,7 @@ def measure(
 
 
 def _new_failures(coarse: Sequence[StateResult], fine: Sequence[StateResult], state: str) -> str:
-    """Return the failures of the finer stages of a state that had fewer before, else nothing."""
+    """Return the failures of the finer analyses of a state if there are more than before, else ""."""
     before, after = (
         [text for stage in stages if stage.state == state for text in stage.failures]
         for stages in (coarse, fine)
@@ -240,7 +238,7 @@ def _new_failures(coarse: Sequence[StateResult], fine: Sequence[StateResult], st
 
 
 def _finest(coarse: StateResult, stages: Sequence[StateResult], failed: Collection[str]) -> StateResult:
-    """Return the finer stage of the same state and contacts where there is one; the time of both counts."""
+    """Return the finer result of the same state and contacts if there is one; the times of both are added."""
     same = (each for each in stages if (each.state, each.behaviour) == (coarse.state, coarse.behaviour))
     fine = next(same, None)
     if fine is None:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def refined(project: Project, halvings: int) -> Project:
-    """Return the project with twice as many increments of settlements and pushover, so many times over."""
+    """Return the project with the increments of settlements and pushover halved so many times."""
     if halvings == 0:
         return project
     pushover = project.pushover
@@ -24,16 +24,17 @@ def refined(project: Project, halvings: int) -> Project:
     )
 
 
-def finest_settlements(project: Project, halvings: Mapping[str, int]) -> list[SettlementTable]:
-    """Return the settlements in the increments at which their states ended, `halvings` of those given."""
-    return [
-        refined(project, halvings.get(each.name, 0)).settlements[number]
-        for number, each in enumerate(project.settlements)
-    ]
+def finest(project: Project, halvings: Mapping[str, int]) -> list[tuple[Project, SettlementTable]]:
+    """Return each settlement in the increments at which its state ended, with the project in those increments.
+
+    `halvings`: how often the increments of each state were halved.
+    """
+    projects = [refined(project, halvings.get(each.name, 0)) for each in project.settlements]
+    return [(each, each.settlements[number]) for number, each in enumerate(projects)]
 
 
 def _refined(settlement: SettlementTable, times: int) -> SettlementTable:
-    """Return the settlement in exactly `times` as many increments, whole ones of its movement."""
+    """Return the settlement in exactly `times` as many equal increments."""
     count = times * settlement.increments
     movement, rotation = max(map(abs, settlement.displacement_m)), abs(settlement.rotation_rad)
     shares = {"increment_m": movement / count, "increment_rad": rotation / count}

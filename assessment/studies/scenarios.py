@@ -1,21 +1,20 @@
 """All movements side by side: capacity against settlement along each of them, and the worst case.
 
-A point of a sweep is what a scenario of that movement would be: the structure as drawn is settled by that part of
-the movement, comes to rest, and is pushed over.
+A point of a sweep is computed like a scenario of its own: the structure as drawn is settled by a part of the movement,
+comes to rest, and is pushed over.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from assessment.analyses.static.states import StateResult
 from assessment.project.schema import ORIGINAL
 from assessment.results.table import reduction
-from assessment.studies.increments import refined
+from assessment.studies.increments import finest
 from assessment.studies.variants import (
-    Demands,
     Numbers,
+    Statics,
     Study,
     Variant,
     analyse,
@@ -28,6 +27,7 @@ from assessment.studies.variants import (
 from mechanics.procedures import whole_movement
 
 if TYPE_CHECKING:
+    from assessment.analyses.checks.demand import Demands
     from assessment.project.project import Project
     from assessment.project.schema import SettlementTable
     from assessment.runtime.tasks import Workers
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 def asks_for_scenarios(project: Project) -> bool:
-    """Whether there is something to set side by side: two settlements, or a sweep of one."""
+    """Whether there are scenarios to compare: several settlements, or a sweep of one."""
     several = len(project.settlements) > 1 or any(each.steps for each in project.settlements)
     return several and project.pushover is not None
 
@@ -43,26 +43,20 @@ def asks_for_scenarios(project: Project) -> bool:
 def scenarios(
     project: Project,
     model: Assembly,
-    states: Mapping[str, Any],
-    stages: Sequence[StateResult],
-    halvings: Mapping[str, int],
+    statics: Statics,
     demands: Demands,
     workers: Workers,
     study: Study,
 ) -> Numbers:
-    """Review the states that there are, and the parts of each movement that is swept.
+    """Compare the states of the project and the parts of each movement with a sweep.
 
-    The parts are reviewed with the increments of the whole, halved as often (`halvings` of each state).
-    Returns the points in the order of the scenarios, what they are judged by, and the worst of them.
+    The parts have the increments of the whole movement, halved as often. Return the points in the order of the
+    scenarios, the quantity that they are compared by, and the worst point.
     """
-    finest = [
-        (refined(project, halvings.get(whole.name, 0)), number)
-        for number, whole in enumerate(project.settlements)
-    ]
     swept = [
-        (finer, finer.settlements[number], k)
-        for finer, number in finest
-        for k in range(1, finer.settlements[number].steps or 1)
+        (finer, whole, k)
+        for finer, whole in finest(project, statics.halvings)
+        for k in range(1, whole.steps or 1)
     ]
     variants = [
         Variant(f"part {k} of {whole.steps}", finer, model, part(whole, k / (whole.steps or 1)))
@@ -71,7 +65,7 @@ def scenarios(
     keys = [(whole.name, k) for _, whole, k in swept]
     parts = dict(zip(keys, analyse(variants, demands, workers, study, "scenarios"), strict=True))
 
-    by, original = quantity(project), _of_state(project, states, stages, ORIGINAL)
+    by, original = quantity(project), _of_state(project, statics, ORIGINAL)
     points = _points(ORIGINAL, 0.0, 0.0, original, original, by)
     for settlement in project.settlements:
         movement = whole_movement(
@@ -80,9 +74,7 @@ def scenarios(
         steps = settlement.steps or 1
         for k in range(1, steps + 1):
             last = k == steps
-            numbers = (
-                _of_state(project, states, stages, settlement.name) if last else parts[settlement.name, k]
-            )
+            numbers = _of_state(project, statics, settlement.name) if last else parts[settlement.name, k]
             points += _points(settlement.name, k / steps, k / steps * movement, numbers, original, by)
     return {
         "quantity": by,
@@ -93,14 +85,14 @@ def scenarios(
 
 
 def part(whole: SettlementTable, share: float) -> SettlementTable:
-    """Return the settlement by a share of a movement, not taken on to collapse."""
+    """Return the settlement by a share of a movement, without its search for collapse."""
     x, z = whole.displacement_m
     moved = {"displacement_m": (share * x, share * z), "rotation_rad": share * whole.rotation_rad}
     return whole.model_copy(update=moved | {"to_collapse": False, "steps": None})
 
 
 def worst(points: Sequence[Numbers], by: str) -> Numbers | None:
-    """Return the point of a settlement with the lowest capacity; the shortest movement where some collapse."""
+    """Return the settled point with the lowest capacity; if some collapse, the one with the shortest movement."""
     settled = [point for point in points if point["state"] != ORIGINAL]
     fallen = [point for point in settled if point["collapses"]]
     if fallen:
@@ -109,12 +101,10 @@ def worst(points: Sequence[Numbers], by: str) -> Numbers | None:
     return min(known, key=lambda point: point[by], default=None)
 
 
-def _of_state(
-    project: Project, states: Mapping[str, Any], stages: Sequence[StateResult], name: str
-) -> dict[str, Numbers]:
-    """Return what was found of a state of the project, by direction."""
-    own = [stage for stage in stages if stage.state == name and stage.behaviour in behaviours(project)]
-    curves, checks = states[name]["pushover"], states[name]["capacity"]
+def _of_state(project: Project, statics: Statics, name: str) -> dict[str, Numbers]:
+    """Return the capacity of a state of the project, by direction."""
+    own = [stage for stage in statics.stages_of(name) if stage.behaviour in behaviours(project)]
+    curves, checks = statics.pushed(name)
     return {
         direction: capacity_numbers(project, own, curves.get(direction, {}), checks.get(direction))
         for direction in directions(project)

@@ -1,4 +1,4 @@
-"""What the capacity owes to each property of the masonry: one at a time, lower and higher, everywhere at once."""
+"""Sensitivity of the capacity to the properties of the masonry: each lower and higher, everywhere at once."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING
 
 from assessment.project.model import build_model
 from assessment.project.schema import ORIGINAL, Table
-from assessment.studies.increments import finest_settlements, refined
-from assessment.studies.variants import Demands, Numbers, Study, Variant, analyse, quoted_limit_state
+from assessment.studies.increments import finest, refined
+from assessment.studies.variants import Numbers, Study, Variant, analyse, quoted_limit_state
 
 if TYPE_CHECKING:
+    from assessment.analyses.checks.demand import Demands
     from assessment.project.project import Project
     from assessment.project.schema import SettlementTable
     from assessment.runtime.tasks import Workers
 
-SCATTER = 0.005  # of a_g: differences that would be seen in the third digit
+SCATTER = 0.005  # of a_g: a difference in the third digit
 KEYS = {  # property: the keys of [material], [geometry] and [layers] that it stands for
     "friction": ("friction",),
     "stiffness": ("normal_stiffness_kN_m3", "tangential_stiffness_kN_m3"),
@@ -31,7 +32,7 @@ def sensitivity(
 ) -> Numbers:
     """Analyse every state with each property lower and higher; return the runs, two to a property and state.
 
-    Increments are those of the state itself, halved as often (`halvings`): differences are then the property's.
+    The increments are those of the state itself, halved as often (`halvings`): only the property differs.
     """
     assert project.sensitivity is not None
     factors = [(key, factor) for key, pair in project.sensitivity.factors.items() for factor in pair]
@@ -65,10 +66,9 @@ def sensitivity(
 
 
 def without_effect(project: Project) -> set[str]:
-    """Return the properties that no capacity can depend on: all forces change alike.
+    """Return the properties on which no capacity depends, since all forces are proportional to them.
 
-    Those of depth do, stiffness included, unless loads are given in kN; those of weight if nothing is elastic or
-    crushes.
+    The depth is one unless loads are given in kN; the unit weight is one if joints neither are elastic nor crush.
     """
     if any(layer.vertical_load_kN or layer.variable_load_kN for layer in project.layers.values()):
         return set()
@@ -126,9 +126,8 @@ def with_factor(project: Project, key: str, factor: float) -> Project:
 
 
 def _settlements(project: Project, halvings: Mapping[str, int]) -> list[SettlementTable | None]:
-    """Return the settlements of the states to vary, None for the original one, not taken on to collapse."""
+    """Return the settlements of the states to vary, None for the original one, without their search for collapse."""
     assert project.sensitivity is not None
     states = project.sensitivity.states or project.states
-    finest = finest_settlements(project, halvings)
-    short = [each.model_copy(update={"to_collapse": False}) for each in finest]
+    short = [each.model_copy(update={"to_collapse": False}) for _, each in finest(project, halvings)]
     return [None for name in states if name == ORIGINAL] + [each for each in short if each.name in states]

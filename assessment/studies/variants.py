@@ -1,4 +1,4 @@
-"""Variants of a project analysed beside its states: what sweeps and sensitivities have in common."""
+"""Variants of a project that are analysed beside its states, for sweeps and sensitivities."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from assessment.ntc.limit_states import QUOTED
 from assessment.project.schema import ORIGINAL
 
 if TYPE_CHECKING:
-    from assessment.ntc.hazard import HazardCurve
-    from assessment.ntc.spectrum import Spectrum
+    from assessment.analyses.checks.demand import Demands
     from assessment.project.project import Project
     from assessment.project.schema import SettlementTable
     from assessment.runtime.tasks import Workers
@@ -25,7 +24,7 @@ Numbers = dict[str, Any]
 
 @dataclass(frozen=True)
 class Variant:
-    """A project and its model after a settlement (None: as drawn); `what` tells it from the state."""
+    """A project and its model after a settlement (None: as drawn); `what`: how it differs from the state."""
 
     what: str
     project: Project
@@ -38,20 +37,29 @@ class Variant:
         return f"{self.what}: {self.settlement.name if self.settlement else ORIGINAL}"
 
 
-@dataclass(frozen=True)
-class Demands:
-    """What capacities are assessed against: the spectrum of each limit state, and the site's hazard curve."""
+@dataclass(frozen=True, eq=False)
+class Statics:
+    """What the static analyses gave: numbers of each state as results.json has them, and the results behind them.
 
-    spectra: Mapping[str, Spectrum]
-    hazard: HazardCurve | None
+    `halvings`: how often the increments of each state were halved; the studies of a state halve theirs as often.
+    """
+
+    states: Mapping[str, Any]
+    stages: Sequence[StateResult]
+    halvings: Mapping[str, int]
+
+    def stages_of(self, name: str) -> list[StateResult]:
+        """Return the results of a state, one for each contact behaviour."""
+        return [stage for stage in self.stages if stage.state == name]
+
+    def pushed(self, name: str) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
+        """Return the pushover curves and the checks of a state, by direction."""
+        return self.states[name]["pushover"], self.states[name]["capacity"]
 
 
 @dataclass
 class Study:
-    """What a study leaves beside its numbers.
-
-    Rows of quality, warnings of its runs, findings about all of them, analyses that failed, and the time they took.
-    """
+    """Rows of quality, warnings and failures of the runs of a study, findings about all of them, and their time (s)."""
 
     quality: list[Numbers] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
@@ -60,7 +68,7 @@ class Study:
     seconds: float = 0.0
 
     def take(self, variant: Variant, stages: Iterable[StateResult]) -> None:
-        """Take in what the stages of a variant left; their messages name the state and here also what varied."""
+        """Add quality, times and messages of the analyses of a variant; the messages get its name."""
         for stage in stages:
             self.quality += stage.quality
             self.seconds += sum(stage.seconds.values())
@@ -86,9 +94,7 @@ def analyse(
         capacities: Numbers = {}
         if variant.project.assessment:
             notes: list[str] = []
-            capacities = assess(
-                variant.project, variant.model, pushovers, demands.spectra, demands.hazard, notes
-            )
+            capacities = assess(variant.project, variant.model, pushovers, demands, notes)
             study.warnings += [f"{variant.title}: {note}" for note in notes]
         yield {
             direction: capacity_numbers(
@@ -123,7 +129,7 @@ def capacity_numbers(
     pushover: Mapping[str, Any],
     capacity: Mapping[str, Any] | None,
 ) -> Numbers:
-    """Return what a study keeps of one state in one direction, None for what was asked for and not reached.
+    """Return the capacity of one state in one direction for a study; None: asked for, but not reached.
 
     `collapses`: under one of the contact behaviours the structure falls before the whole movement is applied;
     a_g and ζ_E are of the farthest limit state.
@@ -148,5 +154,5 @@ def quoted_limit_state(project: Project) -> str | None:
 
 
 def quantity(project: Project) -> str:
-    """Return what capacities are compared by: a_g where there is an assessment, otherwise α0, or α_u without it."""
+    """Return the quantity that capacities are compared by: a_g with an assessment, else α0, or α_u without it."""
     return "a_g_g" if project.assessment else "alpha_0" if "rigid" in behaviours(project) else "alpha_u"

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from assessment.report.pdf import printable
 from assessment.runtime import fingerprint
-from assessment.runtime.atomic_files import file_digest
 from assessment.runtime.cache import FOLDER, Store
+from assessment.runtime.files.atomic_files import file_digest
 from assessment.runtime.outcome import Outcome
 
 if TYPE_CHECKING:

@@ -8,12 +8,12 @@ import tempfile
 from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import Future
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from assessment.report.pdf import printable
-from assessment.runtime.atomic_files import write_atomically
-from assessment.runtime.pool import KilledError, Pool, processes, result_of
-from assessment.runtime.swap import SCRATCH, put_in_place
+from assessment.runtime.files.atomic_files import write_atomically
+from assessment.runtime.files.swap import SCRATCH, put_in_place
+from assessment.runtime.processes.pool import KilledError, Pool, processes, result_of
 from assessment.workflow.earlier import (
     EVERYTHING,
     FIGURES,
@@ -23,6 +23,9 @@ from assessment.workflow.earlier import (
     TABLES,
     files_of,
 )
+
+if TYPE_CHECKING:
+    from assessment.results.schema import Results
 
 
 def prepare(report: bool) -> None:
@@ -39,7 +42,8 @@ def prepare(report: bool) -> None:
 
 
 def write(
-    results: Mapping[str, Any],
+    results: Results,
+    content: Mapping[str, Any],
     folder: Path,
     parts: Collection[str] = EVERYTHING,
     kept: Collection[str] = (),
@@ -48,6 +52,7 @@ def write(
 ) -> list[str]:
     """Write parts of what is made of results into `folder`, all at once; each set appears whole or not at all.
 
+    `content`: the same results in plain numbers, as results.json has them.
     Parts `kept` stand there as they are; those of earlier results that are neither go. A judgement.md that was edited
     is kept and printed. Returns warnings (a PDF that could not be made). `jobs`: processes, 0: one per core;
     `attachments`: pictures that end the report. Raises
@@ -60,7 +65,7 @@ def write(
         try:
             for name in files_of(folder, kept):  # the report is made with them
                 _linked(folder / name, new / name)
-            warnings = _make(results, folder, new, parts, jobs, attachments)
+            warnings = _make(results, content, folder, new, parts, jobs, attachments)
             gone = files_of(folder, EVERYTHING - {*kept}) if ours else []
             put_in_place(new, folder, files_of(new, parts), gone)
         except KilledError as error:
@@ -71,7 +76,8 @@ def write(
 
 
 def _make(
-    results: Mapping[str, Any],
+    results: Results,
+    content: Mapping[str, Any],
     folder: Path,
     new: Path,
     parts: Collection[str],
@@ -112,7 +118,7 @@ def _make(
         if REPORT in parts:  # its figures are the images
             begun.append(pool.apply(write_docx, new, opinion.edited))
         if RESULTS in parts:
-            write_atomically(new / "results.json", as_bytes(results))
+            write_atomically(new / "results.json", as_bytes(content))
         for work in begun:
             result_of(work)
         return [*opinion.warnings, *(result_of(printed) if printed else [])]

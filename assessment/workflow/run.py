@@ -9,11 +9,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from assessment.runtime.journal import journal
-from assessment.runtime.lock import locked
+from assessment.runtime.files.journal import journal
+from assessment.runtime.files.lock import locked
+from assessment.runtime.files.swap import clear
 from assessment.runtime.outcome import Outcome
-from assessment.runtime.pool import KilledError
-from assessment.runtime.swap import clear
+from assessment.runtime.processes.pool import KilledError
 from assessment.workflow.earlier import (
     EVERYTHING,
     NO_REPORT,
@@ -70,7 +70,9 @@ def carry_out(
         show.begin("report" if report else "figures and tables", 1, 0)
         from assessment.workflow.output import write
 
-        warnings = write(outcome.results, folder, parts - standing, standing, jobs, project.attachments())
+        warnings = write(
+            outcome.typed, outcome.results, folder, parts - standing, standing, jobs, project.attachments()
+        )
         if last and REPORT in standing:
             warnings = [*last.warnings, *warnings]
         remember(folder, outcome, keys, parts | standing, warnings)
@@ -99,7 +101,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
     Title page and language are those of the project. Returns warnings. Raises ValueError for results that are not
     there, or that cannot be printed: damaged, edited, of another version. BusyError as `carry_out`.
     """
-    from assessment.results.file import read_results
+    from assessment.results.file import read_content, typed
     from assessment.workflow.output import write
 
     stored = folder / "results.json"
@@ -107,13 +109,13 @@ def print_again(project: Project, folder: Path) -> list[str]:
         raise ValueError(f"{stored}: no stored results; run the project first (assesto run {project.folder})")
     with locked(folder):
         clear(folder)
-        results, last = read_results(stored), recall(folder)
+        results, last = read_content(stored), recall(folder)
         edited = last is not None and not last.intact(folder, RESULTS)
         warnings = [EDITED] if edited else []
         try:
             results["quality"]["warnings"] += warnings
             _retitle(results, project)
-            warnings += write(results, folder, jobs=0, attachments=project.attachments())
+            warnings += write(typed(results), results, folder, jobs=0, attachments=project.attachments())
         except (OSError, KilledError):
             raise
         except Exception as error:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.checks.capacity import assess, assess_chosen, governing, safety_index
-from assessment.analyses.checks.demand import demand_spectra, spectra_numbers
+from assessment.analyses.checks.demand import Demands, demand_spectra, spectra_numbers
 from assessment.analyses.checks.indices import knowledge_numbers, state_indices
 from assessment.analyses.checks.ranges import Assess, with_ranges
 from assessment.analyses.static.ensemble import members
@@ -20,12 +20,12 @@ from assessment.analyses.static.states import Request, StateResult, analyse_stat
 from assessment.ntc.limit_states import SURFACE
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.schema import ORIGINAL
-from assessment.results.table import brought_together, quoted_limit_state, reduction, static_pga
+from assessment.results.table import brought_together, quoted_limit_state, reduction
 from assessment.runtime.outcome import Outcome
 from assessment.runtime.tasks import SILENCE, Show, Workers, large
-from assessment.studies.convergence import converge
+from assessment.studies.convergence import Convergence, converge
 from assessment.studies.increments import refined
-from assessment.studies.variants import Demands, behaviours, curves
+from assessment.studies.variants import Statics, behaviours, curves
 from assessment.workflow.dynamic import add_dynamics, dynamic_contacts, read_motions
 from assessment.workflow.skeleton import describe
 from assessment.workflow.studies import add_studies
@@ -39,6 +39,8 @@ if TYPE_CHECKING:
     from mechanics.model import Behaviour
 
 Results = dict[str, Any]
+Ensemble = Sequence[Sequence[StateResult]]
+"""The further runs of a state: of each member, the results of its contact behaviours."""
 
 
 def run(
@@ -68,47 +70,83 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
     """Return the results and whether every analysis asked for was completed."""
     assembly = model.assembly
     motions = read_motions(project)
-    demands, hazard = demand_spectra(project, motions.history) if project.assessment else ({}, None)
+    demands = demand_spectra(project, motions.history) if project.assessment else Demands()
     results = describe(project, model)
-    results["quality"]["warnings"] += [*motions.notes, *implausible_hazard(project, demands)]
+    results["quality"]["warnings"] += [*motions.notes, *implausible_hazard(project, demands.spectra)]
+    if _falls_by_itself(results, assembly, workers):
+        _sum_up(results["quality"])
+        return results, False
+
+    converged = _converged(project, assembly, demands, workers)
+    ensembles = _ensembles(project, assembly, converged, workers)
+    _add_states(results, converged)
+    _add_capacities(results, project, assembly, demands, ensembles)
+
+    statics = Statics(results["states"], converged.stages, converged.halvings)
+    studied = add_studies(results, project, assembly, statics, demands, motions.campaign, workers)
+    shaken = add_dynamics(results, project, assembly, motions, converged.stages, workers)
+    if project.assessment or project.incremental:
+        results["comparison"] = _comparison(results["states"])
+    _sum_up(results["quality"])
+    return results, shaken and studied and not any(stage.failures for stage in converged.stages)
+
+
+def _falls_by_itself(results: Results, assembly: Assembly, workers: Workers) -> bool:
+    """Return whether the structure as drawn cannot carry its own weight, and say so in the results."""
     [unstable] = workers.each("self-weight", stand, [(assembly,)], ["self-weight"], large(assembly))
     if unstable:
         results["model"]["self_weight_stable"] = False
         results["quality"]["warnings"].append(unstable)
-        _sum_up(results["quality"])
-        return results, False
-    converged = converge(
-        project,
-        assembly,
-        Demands(demands, hazard),
-        lambda finer, names: analyse_states(
-            [request for request in _requests(finer, assembly) if request.state in names], workers
-        ),
-    )
-    stages = converged.stages
-    ensembles = members(
-        [
-            replace(request, project=refined(project, converged.halvings.get(request.state, 0)))
-            for request in _requests(project, assembly)
-        ],
-        stages,
-        workers,
-    )
-    warnings = results["quality"]["warnings"]
-    warnings += converged.warnings
+    return bool(unstable)
+
+
+def _converged(project: Project, assembly: Assembly, demands: Demands, workers: Workers) -> Convergence:
+    """Settle and push over every state, in increments halved until its capacity is within the tolerance."""
+
+    def analyse(finer: Project, names: Collection[str]) -> list[StateResult]:
+        requests = _requests(finer, assembly)
+        return analyse_states([request for request in requests if request.state in names], workers)
+
+    return converge(project, assembly, demands, analyse)
+
+
+def _ensembles(
+    project: Project, assembly: Assembly, converged: Convergence, workers: Workers
+) -> Mapping[str, Ensemble]:
+    """Repeat the states whose paths scatter, in the increments at which they converged; by state, by member."""
+    requests = [
+        replace(request, project=refined(project, converged.halvings.get(request.state, 0)))
+        for request in _requests(project, assembly)
+    ]
+    return members(requests, converged.stages, workers)
+
+
+def _add_states(results: Results, converged: Convergence) -> None:
+    """Add the curves of every state, the certificates and times behind them, and how far they are from converged."""
+    results["quality"]["warnings"] += converged.warnings
     results["convergence"]["rows"] += converged.rows
-    states = results["states"]
-    for stage in stages:
-        _merge(states[stage.state], stage)
-        warnings += stage.warnings + stage.failures
+    for stage in converged.stages:
+        _merge(results["states"][stage.state], stage)
+        results["quality"]["warnings"] += stage.warnings + stage.failures
         results["quality"]["by_stage"] += stage.quality
         for name, seconds in stage.seconds.items():
             results["timing_s"][name] = results["timing_s"].get(name, 0.0) + seconds
+
+
+def _add_capacities(
+    results: Results,
+    project: Project,
+    assembly: Assembly,
+    demands: Demands,
+    ensembles: Mapping[str, Ensemble],
+) -> None:
+    """Add the ranges of every state and, where asked for, its checks, the demand and the chosen mechanisms."""
     began = time.perf_counter()
+    warnings, states = results["quality"]["warnings"], results["states"]
     for name, state in states.items():
         notes: list[str] = []
         checked: Assess = (
-            partial(assess, project, assembly, demands=demands, hazard=hazard, warnings=notes)
+            partial(assess, project, assembly, demands=demands, warnings=notes)
             if project.assessment
             else lambda _: {}
         )
@@ -125,18 +163,10 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
     if project.assessment:
         if project.assessment.knowledge:
             results["knowledge"] = knowledge_numbers(project.assessment.knowledge)
-        results["spectra"] = spectra_numbers(project, demands, hazard)
+        results["spectra"] = spectra_numbers(project, demands)
         results["timing_s"]["assessment"] = time.perf_counter() - began
     if project.mechanism:
-        results["mechanisms"] = assess_chosen(project, assembly, states, demands, hazard, warnings)
-    studied = add_studies(
-        results, project, assembly, stages, converged.halvings, demands, hazard, motions.campaign, workers
-    )
-    shaken = add_dynamics(results, project, assembly, motions, stages, workers)
-    if project.assessment or project.incremental:
-        results["comparison"] = _comparison(states)
-    _sum_up(results["quality"])
-    return results, shaken and studied and not any(stage.failures for stage in stages)
+        results["mechanisms"] = assess_chosen(project, assembly, states, demands, warnings)
 
 
 def _requests(project: Project, model: Assembly) -> list[Request]:
@@ -166,7 +196,7 @@ def settled_and_pushed(member: Sequence[StateResult]) -> tuple[Results, dict[str
     return settled, curves(member)
 
 
-def told_of(ensemble: Sequence[Sequence[StateResult]]) -> Iterator[str]:
+def told_of(ensemble: Ensemble) -> Iterator[str]:
     """Yield what a reader has to know of an ensemble: how large it is, and which members found no result."""
     yield (
         f"joints slide, or a part moves by itself: {len(ensemble) + 1} runs with other increments and corners moved "
@@ -192,9 +222,10 @@ def _comparison(states: Mapping[str, Any]) -> list[Results]:
             continue
         dynamic = state["incremental"].get("pga_collapse_g")
         for direction in original["pushover"] or ([None] if state["incremental"] else []):
-            checked = [each["capacity"].get(direction) for each in (original, state)]
-            before, after = map(static_pga, checked)
+            checked = [each["capacity"].get(direction) or {} for each in (original, state)]
+            before, after = map(_static_pga, checked)
             limit = next(filter(None, map(quoted_limit_state, checked)), None)
+            nominal = checked[1].get("nominal") or {}
             rows.append(
                 {
                     "state": name,
@@ -204,12 +235,19 @@ def _comparison(states: Mapping[str, Any]) -> list[Results]:
                     "static_reduction": reduction(before, after),
                     "dynamic_pga_g": dynamic,
                     "dynamic_reduction": reduction(original["incremental"].get("pga_collapse_g"), dynamic),
-                    "static_reference": (checked[1] or {}).get(limit, {}).get("reference"),
+                    "static_reference": checked[1].get(limit, {}).get("reference"),
                     "dynamic_reference": None if dynamic is None else SURFACE,
                 }
-                | (brought_together(checked[1], dynamic) if dynamic is not None else {})
+                | (brought_together(nominal.get("pga_g"), dynamic) if dynamic is not None else {})
             )
     return rows
+
+
+def _static_pga(checks: Results) -> float | None:
+    """Return the a_g borne (g) at the farthest limit state that was checked."""
+    limit = quoted_limit_state(checks)
+    value: float | None = checks[limit]["a_g_g"] if limit else None
+    return value
 
 
 def _sum_up(quality: Results) -> None:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from assessment.analyses.static.states import StateResult, joined_quality
+from assessment.analyses.static.states import joined_quality
 from assessment.studies.campaign.stage import campaign
 from assessment.studies.scenarios import asks_for_scenarios, scenarios
 from assessment.studies.sensitivity import sensitivity
-from assessment.studies.variants import Demands, Numbers, Study
+from assessment.studies.variants import Numbers, Statics, Study
 
 if TYPE_CHECKING:
-    from assessment.ntc.hazard import HazardCurve
-    from assessment.ntc.spectrum import Spectrum
+    from assessment.analyses.checks.demand import Demands
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
     from assessment.runtime.tasks import Workers
@@ -26,30 +25,22 @@ def add_studies(
     results: Numbers,
     project: Project,
     model: Assembly,
-    stages: Sequence[StateResult],
-    halvings: Mapping[str, int],
-    spectra: Mapping[str, Spectrum],
-    hazard: HazardCurve | None,
+    statics: Statics,
+    demands: Demands,
     records: Sequence[BaseMotion],
     workers: Workers,
 ) -> bool:
     """Set the scenarios side by side, vary the properties, run the campaign, where asked for.
 
-    Returns whether all was completed. `records`: of the files that [campaign] names; `halvings`:
-    of each state's increments behind `stages`; the studies of a state take the same.
+    Returns whether all was completed. `records`: of the files that [campaign] names.
     """
-    demands = Demands(spectra, hazard)
     made: dict[str, Callable[[Study], Numbers]] = {}
     if asks_for_scenarios(project):
-        made["scenarios"] = lambda study: scenarios(
-            project, model, results["states"], stages, halvings, demands, workers, study
-        )
+        made["scenarios"] = lambda study: scenarios(project, model, statics, demands, workers, study)
     if project.sensitivity:
-        made["sensitivity"] = lambda study: sensitivity(project, halvings, demands, workers, study)
+        made["sensitivity"] = lambda study: sensitivity(project, statics.halvings, demands, workers, study)
     if project.campaign:
-        made["campaign"] = lambda study: campaign(
-            project, model, records, results["states"], stages, halvings, demands, workers, study
-        )
+        made["campaign"] = lambda study: campaign(project, model, records, statics, demands, workers, study)
     complete = True
     for name, make in made.items():
         study = Study()

@@ -16,6 +16,8 @@ from __future__ import annotations
 import numpy as np
 
 from mechanics.kernels.jit import compiler
+from mechanics.kernels.law import BED, SEGMENTS, STRENGTH
+from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc", allocates=False)
 
@@ -216,3 +218,18 @@ def points(
             n, m = n - k * gap, m - k * gap * s
             c0, c1, c2 = c0 + k, c1 + k * s, c2 + k * s * s
     return n, m, c0, c1, c2
+
+
+@compiled
+def ends_under(ends: Array, half: Array, law: Array, gaps: Array) -> None:
+    """Gaps (j, 2), m, of the ends of elastic joints under end forces (j, 2) > 0, kN; `half` (j,) m, `law` (j, LAW)."""
+    for k in range(len(ends)):
+        n1, n2, h = ends[k, 0], ends[k, 1], half[k]
+        bed, strength, segments = law[k, BED], law[k, STRENGTH], law[k, SEGMENTS]
+        soft = 1.0 / (2.0 * h * bed)
+        if strength < np.inf:
+            gaps[k, 0], gaps[k, 1] = under(n1, n2, h, bed, strength)
+        elif segments > 0.0:
+            gaps[k, 0], gaps[k, 1], _, _, _ = points_under(n1, n2, int(segments), soft)
+        else:
+            gaps[k, 0], gaps[k, 1] = closures(n1, n2, soft)

@@ -299,6 +299,7 @@ def _refine(
 
     Closed and stuck joints are stiff: forces that follow from motions lose their digits there.
     """
+    # many arguments: arrays one by one, see mechanics.kernels
     for _ in range(REFINEMENTS):
         fine[:] = load
         if len(lateral):
@@ -328,9 +329,10 @@ def iterate(
     `places` (j, PLACE), `law` (j, LAW); `lateral`, `mass` (m,) and `curved` (j, 7: joint.curvature) may be empty;
     `scale`: weight, size and step, and what is accepted of unbalanced forces per weight, of products per weight and
     step, and of gaps, WIDE times as much, per step; `which` (j,): their places among the joints of the pattern, that of
-    `packed`. Returns the number of iterations, negative where none leads on
-    (with curvature: where equilibrium is not stable), α, and these three.
+    `packed`. Returns the number of iterations, negative if no iteration leads on (with curvature: if equilibrium is not
+    stable), α, and the residuals of forces, gaps and products, scaled likewise.
     """
+    # many arguments and lines: arrays one by one, and a loop whose stages share a dozen arrays, see mechanics.kernels
     pattern = unpacked(packed)
     weight, size, step, accepted = scale
     count, c, unit = len(x), len(row), step / weight
@@ -339,17 +341,11 @@ def iterate(
     tied = len(mass) > 0 or (law[:, BED] < np.inf).any()  # forces and gaps, to each other
     pushed, signed, stiff, holding = len(lateral) > 0, len(curved) > 0, 1.0 / unit, HOLDING
     kept_dx, kept_change = np.empty(count), np.empty((c, 11))
-    residual, dx, swayed, held, fine = (
-        np.empty(count), np.empty(count), np.empty(count), np.empty(count), np.empty(count),
-    )  # fmt: skip
+    residual, dx, swayed = np.empty(count), np.empty(count), np.empty(count)
+    held, fine = np.empty(count), np.empty(count)
     best, since, iteration = np.inf, 0, 0
-    best_x, best_alpha, best_f, best_y, best_off = (
-        x.copy(),
-        alpha,
-        f.copy(),
-        y.copy(),
-        (np.inf, np.inf, np.inf),
-    )
+    best_x, best_f, best_y = x.copy(), f.copy(), y.copy()
+    best_alpha, best_off = alpha, (np.inf, np.inf, np.inf)
     while True:
         residual[:] = load
         if pushed:

@@ -2,13 +2,14 @@
 
 A joint is where a face of block a and a face of block b look at each other: the interval in which they overlap now. Its
 measures are taken at the end that is the more closed, in the frame of the face that a corner touches there (β = 0: b's,
-β = 1: a's; where two corners meet, the bisector of both, β = ½, reached linearly within the tolerance of joints):
+β = 1: a's; where two corners meet, the bisector of both, β = ½, reached linearly as they come within `MEET`):
 
     E = x_a + r_A − x_b − r_B      from the end B of b's face to the end A of a's
     t, n = frame at the angle β θ_a + (1 − β) θ_b of the faces, n = perp(t) from b into a
     w = n·E      v = t·E + const      φ = sin (1 − β)δ + sin βδ,  δ = θ_a − θ_b
 
-so that the gap is w + φ s at the distance s from that end, and u is that at the middle of the overlap.
+so that the gap is w + φ s at the distance s from that end (between the two corners, by the share β), and u is that at
+the middle of the overlap.
 """
 
 from __future__ import annotations
@@ -25,9 +26,10 @@ compiled = compiler(allocates=False)
 LEVEL = 1e-11  # rad: faces that rounding turns against each other are level, and keep to one of their ends
 
 # columns of what a joint is (faces, j × 13): reference point and unit tangent of either face, in its block's axes, from
-# the centroid; along the tangents, from the reference points: the ends of a's face, then of b's
-PX, PZ, TAX, TAZ, QX, QZ, TBX, TBZ, A1, A2, B1, B2 = range(12)
-FACE = 12
+# the centroid; along the tangents, from the reference points: the ends of a's face, then of b's; how
+# near two corners meet, m
+PX, PZ, TAX, TAZ, QX, QZ, TBX, TBZ, A1, A2, B1, B2, MEET = range(13)
+FACE = 13
 # columns of where it is (places, j × 15): normal; moments of the rows of u, φ and v about a's centroid; lever from b's
 # centroid to a's; half the overlap; u, φ and v; β; from the end to the middle; t·E and d²φ/dδ²
 NX, NZ, MU, MPHI, MV, LX, LZ, H, U, PHI, V, BETA, ARM, ALONG, BEND = range(15)
@@ -35,7 +37,7 @@ PLACE = 15
 
 
 @compiled
-def place(a: Any, b: Any, faces: Array, positions: Array, tolerance: float, places: Array) -> None:
+def place(a: Any, b: Any, faces: Array, positions: Array, places: Array) -> None:
     """Where the joints (j,) of blocks at `positions` (b, 3) are, into `places` (j, PLACE).
 
     The half-length is negative where faces do not overlap, or lie deeper in each other than they overlap: a corner is
@@ -61,8 +63,9 @@ def place(a: Any, b: Any, faces: Array, positions: Array, tolerance: float, plac
         low, high = max(f[A1], f[B1] - slid), min(f[A2], f[B2] - slid)
         upper = delta <= LEVEL
         beyond = f[B2] - slid - f[A2] if upper else f[A1] - f[B1] + slid
-        beta = min(max(0.5 - 0.5 * beyond / tolerance, 0.0), 1.0)
+        beta = min(max(0.5 - 0.5 * beyond / f[MEET], 0.0), 1.0)
         at_a, at_b = (f[A2], f[B2]) if upper else (f[A1], f[B1])
+        end = at_a + beta * beyond if upper else at_a - beta * beyond
         rax, raz = px + at_a * tax, pz + at_a * taz
         rbx, rbz = qx + at_b * tbx, qz + at_b * tbz
         cos, sin = np.cos(beta * delta), np.sin(beta * delta)
@@ -73,7 +76,7 @@ def place(a: Any, b: Any, faces: Array, positions: Array, tolerance: float, plac
         phi = np.sin((1.0 - beta) * delta) + sin
         turn = (1.0 - beta) * np.cos((1.0 - beta) * delta) + beta * cos
         half = 0.5 * (high - low)
-        arm = -half if upper else half
+        arm = 0.5 * (high + low) - end  # so that level faces have one middle, whichever end measures it
         if 2.0 * half < -w:
             half = -abs(half)
         out = places[k]
@@ -92,8 +95,7 @@ def curvature(p: Array, n: float, m: float, t: float, out: Array) -> None:
     """How forces N, P and T (n, m, t) of a joint at a place p (PLACE,) change as it moves: N∇²u + P∇²φ + T∇²v.
 
     Into `out` (7,): the entries of x_a, z_a with θ_a and with θ_b (those of b have the opposite sign), then those of
-    θ_a
-    with itself, of θ_a with θ_b and of θ_b with itself.
+    θ_a with itself, of θ_a with θ_b and of θ_b with itself.
     """
     beta, rest = p[BETA], 1.0 - p[BETA]
     nx, nz = p[NX], p[NZ]
@@ -114,3 +116,10 @@ def curvature(p: Array, n: float, m: float, t: float, out: Array) -> None:
         - bend
     )
     out[6] = n * (-skew * nb - rest**2 * w) + t * (-skew * tb - rest**2 * p[ALONG]) + bend
+
+
+@compiled
+def curvatures(places: Array, forces: Array, out: Array) -> None:
+    """How the forces N, P and T (j, 3) of joints at places (j, PLACE) change as these move, into `out` (j, 7)."""
+    for k in range(len(places)):
+        curvature(places[k], forces[k, 0], forces[k, 1], forces[k, 2], out[k])

@@ -47,6 +47,7 @@ def missing(
     `least` (m/kN): added to compliances, bounds the stiffness. Gaps y (4,) of the ends change where the bed's own can
     be told from them.
     """
+    # many arguments: arrays one by one, see mechanics.kernels
     du, dphi, dv = motion(p, i, j, x)
     n1, n2, t, h, mu = f[0], f[1], f[2], p[H], law[FRICTION]
     n = n1 + n2

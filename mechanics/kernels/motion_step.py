@@ -140,10 +140,11 @@ def posed(
     a: Any, b: Any, start: Array, v: Array, joints: Array, basic: Array, h: float, theta: float, beta: float,
     restitution: float, size: float, places: Array, law: Array, back: Array,
 ) -> Any:  # fmt: skip
-    """Which joints (i,) overlap in a step; gaps of the start, with the rows of the middle, are left in `places`.
+    """Return which joints (i,) overlap in a step; `places` get the gaps of the start with the rows of the middle.
 
-    `law` (j, LAW) becomes that of the step; `back` (j,): the lift of slides that is taken back, m.
+    `law` (j, LAW) becomes that of the step; `back` (j,) m: the lift of slides that is subtracted.
     """
+    # many arguments: arrays one by one, see mechanics.kernels
     elastic, count = basic[0, BED] < np.inf, 0
     stretch = theta + beta / h if elastic else 1.0
     active = np.empty(len(a), np.intp)
@@ -202,11 +203,13 @@ def _solve(
     rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any, cold: bool,
     elastic: bool, stops: float, stored_matrix: Array, packed: Any, chosen: Any,
 ) -> tuple[int, float, float, float]:  # fmt: skip
-    """Displacements dx (m,), forces f (j, 3) and gaps y (j, 4) of a step: iterations and residuals as of `iterate`.
+    """Solve for displacements dx (m,), forces f (j, 3) and gaps y (j, 4) of a step; return as `iterate` does, but no α.
 
-    Elastic joints: by Newton's method from the start of the step; where many joints slide, from what the interior point
-    has found ROUGHLY; else, as with rigid joints, by the interior point, near the dx, f and y given.
+    With elastic joints Newton's method is tried from the start of the step; if it fails since many joints slide, from
+    a rough solution (ROUGHLY) of the interior point. Otherwise, and with rigid joints, the interior point begins near
+    the dx, f and y given.
     """
+    # many arguments: arrays one by one, see mechanics.kernels
     weight, size, span, accepted = scale
     done, none = 0, np.empty(0)
     if elastic and not cold:
@@ -269,18 +272,18 @@ def sunk(
 
 @compiled
 def attempt(
-    a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, load: Array,
+    a: Any, b: Any, faces: Array, basic: Array, row: Any, first: Any, mass: Array, load: Array,
     blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float, scale: Any,
     resultants: Array, stored_matrix: Array, packed: Any, cold: bool,
 ) -> tuple[int, float, float, float, float]:  # fmt: skip
     """A step of length h from the state of blocks (3, b, 3), joints (j, JOINT) and energy, changed in place if solved.
 
     `load` (b, 3) kN at the share θ; `restitution` of velocities at which rigid ends meet; `scale`: weight, size and
-    span of the step, and what is accepted; `resultants` (j, 3): N, P and T found; `cold`: nothing is known of what is
-    sought but the gaps that are there. Returns the
-    iterations, negative where nothing was found, the energy that was taken and that which slides that turn back leave
-    unsure, and the residuals: force and product.
+    span of the step, and the accepted residual; `resultants` (j, 3): N, P and T found; `cold`: the program begins from
+    the gaps alone. Returns the number of iterations, negative if no solution was found, the energy that the step took,
+    the part of it that slides which turn back leave uncertain, and the residuals of force and product.
     """
+    # many arguments and lines: arrays one by one, shared by the stages of a step, see mechanics.kernels
     weight, size, span, accepted = scale
     c, n, m = len(a), blocks.shape[1], 0
     x, v, past = blocks[0], blocks[1], blocks[2]
@@ -288,9 +291,9 @@ def attempt(
         m += 3 * (first[i] >= 0)
     elastic = basic[0, BED] < np.inf
     places, start, law, back = np.empty((c, PLACE)), np.empty((c, PLACE)), basic.copy(), np.zeros(c)
-    place(a, b, faces, x, tolerance, start)
+    place(a, b, faces, x, start)
     ahead = 0.5 * h if elastic else (1.0 - theta) * h
-    place(a, b, faces, x + ahead * (v + 0.5 * ahead * past), tolerance, places)
+    place(a, b, faces, x + ahead * (v + 0.5 * ahead * past), places)
     chosen = posed(a, b, start, v, joints, basic, h, theta, beta, restitution, size, places, law, back)
     at, laws = places[chosen], law[chosen]
     f, y = joints[chosen][:, N1:GAPS].copy(), joints[chosen][:, GAPS:SPRING].copy()
@@ -338,7 +341,7 @@ def attempt(
             closest[k] = u - at[q, H] * abs(start[k, PHI] + dphi)
             done_on[k] = -(resultants[k, 0] * du + resultants[k, 1] * dphi)
         end = np.empty((c, PLACE))
-        place(a, b, faces, x + moved, tolerance, end)
+        place(a, b, faces, x + moved, end)
         spent[ELASTIC] += sunk(start, end, basic, closest, done_on, joints, size)
     # computed from the forces, not as what is missing: the balance is a check
     taken = (theta - 0.5) * jerked - contact - spent[RUBBED] - spent[VISCOUS] - spent[ELASTIC]
@@ -360,11 +363,12 @@ def _worked(
     v: Array, moved: Array, speed: Array, h: float, theta: float, beta: float, weight: float, joints: Array,
     resultants: Array, spent: Array,
 ) -> tuple[float, float]:  # fmt: skip
-    """The work of all joints on the blocks in a step, and that of friction that slides which turn back leave unsure.
+    """Return the work of all joints on the blocks in a step, and the part that slides which turn back leave uncertain.
 
-    What friction, dashpots, springs in shear and faces that meet too slowly to tell take and store goes into `spent`
-    (ENERGIES,), forces into `resultants` (j, 3) and the state of the `joints`.
+    `spent` (ENERGIES,) gets the energies of friction, dashpots, springs in shear and slow impacts, `resultants` (j, 3)
+    and `joints` (j, JOINT) the forces.
     """
+    # many arguments: arrays one by one, see mechanics.kernels
     elastic = basic[0, BED] < np.inf
     stretch = theta + beta / h if elastic else 1.0
     contact, turned = 0.0, 0.0
@@ -411,7 +415,7 @@ def _worked(
 
 @compiled
 def march(
-    a: Any, b: Any, faces: Array, basic: Array, tolerance: float, row: Any, first: Any, mass: Array, dead: Array,
+    a: Any, b: Any, faces: Array, basic: Array, row: Any, first: Any, mass: Array, dead: Array,
     base: Array, blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float,
     sizes: Any, halving: Any, margin: float, radius: Array, begun: Array, xs: Array, vs: Array, fs: Array, es: Array,
     counts: Any, stored_matrix: Array, packed: Any,
@@ -422,10 +426,10 @@ def march(
     halved where it takes, or leaves unsure, more than a share of the kinetic energy, that share, and levels where it is
     not solved: a part is as long as the one before unless that took little; `margin` (m): how far a corner may go from
     where it has `begun` (b, 3) before contacts are looked for anew, `radius` (b,) of blocks; `counts` (6,): programs,
-    iterations, halvings, cold starts, and the worst residuals.
-    Returns the steps done and why no more: 0 all are, 1 a corner has gone that far, 2 a program is not solved (the
-    motion is as before that step).
+    iterations, halvings, cold starts, and the worst residuals. Returns the number of steps done and why the march ends:
+    0: all steps are done, 1: a corner has moved by the margin, 2: a program is not solved (the motion is as before it).
     """
+    # many arguments and lines: arrays one by one, in one loop over steps, see mechanics.kernels
     weight, size, accepted = sizes
     levels, share, most = halving
     n, c, steps = blocks.shape[1], len(a), len(base) - 1
@@ -451,7 +455,7 @@ def march(
             for start in range(2):
                 counts[3] += start
                 done, taken, turned, force, product = attempt(
-                    a, b, faces, basic, tolerance, row, first, mass, load, blocks, joints, energy, step, theta, beta,
+                    a, b, faces, basic, row, first, mass, load, blocks, joints, energy, step, theta, beta,
                     restitution, (weight, size, span, accepted), resultants, stored_matrix, packed, start > 0,
                 )  # fmt: skip
                 counts[0] += 1

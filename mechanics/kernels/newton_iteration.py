@@ -178,6 +178,7 @@ def newton(
     `scale`: weight, size and step, and what is accepted of unbalanced forces per weight. Returns the number of
     iterations, the unbalanced force per weight, infinite where it has not converged, and the gaps missed, per step.
     """
+    # many arguments: arrays one by one, see mechanics.kernels
     pattern = unpacked(packed)
     weight, size, step, accepted = scale
     joints, known = Joints(row, places, law, which), np.empty((len(row), KNOWN))

@@ -19,7 +19,7 @@ from mechanics.model.proximity import Outlines
 from mechanics.types import GRAVITY, Array, Index, Mask
 
 LIGHTEST = (
-    1e-6  # of the mean block's weight: equilibrium, solved to 1e-8 of that, would not see a lighter one
+    1e-6  # of the mean block's weight: equilibrium is solved to 1e-8 of it, and would not see a lighter block
 )
 
 Behaviour = Literal["rigid", "elastic"]
@@ -28,14 +28,13 @@ Direction = Literal["+x", "-x"]
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Where the blocks are and how they move.
+    """Positions and velocities of the blocks, and the forces that their joints remember.
 
     `positions` (b, 3): x, z (m) of each centroid and rotation (rad) from the drawing, supports included;
-    `velocities` (b, 3): their rates; `shear` (j,): tangential forces (kN) of the drawn joints, and `met` (k, 3): two
-    edges and that force, of pairs of faces that met on the way and carry; `carrying` (j,): drawn joints that carry in
-    the
-    equilibrium that led here, closed where rigid whatever gap dilatant sliding has left in them; None where no
-    equilibrium did.
+    `velocities` (b, 3): m/s and rad/s. `shear` (j,): tangential forces (kN) in the springs of the drawn joints; `met`
+    (k, 3): the same for faces that came into contact, by their two edges. `carrying` (j,): which drawn joints carry in
+    the equilibrium of this state; rigid ones count as closed whatever gap dilatant sliding has left. None: the state is
+    not from an equilibrium.
     """
 
     positions: Array
@@ -47,13 +46,11 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Assembly:
-    """Blocks and the dry joints between them; supports are the blocks that bear a support's name.
+    """Blocks and the dry joints between them; blocks with the name of a support are fixed.
 
-    `segments_per_joint`: of the paper's beds of points in elastic analyses; by default the bed is exact.
-    `tolerance` (m): edges closer than this touch (default: a thousandth of the median edge). `collisions`: blocks that
-    were
-    apart as drawn may come to touch.
-    Raises ValueError where there is nothing to analyse.
+    `segments_per_joint`: contact points of the paper in elastic analyses; by default the bed is exact. `tolerance`
+    (m): edges closer than this touch (default: a thousandth of the median edge). `collisions`: blocks that are apart as
+    drawn may come to touch. Raises ArgumentError for blocks that cannot be analysed.
     """
 
     blocks: Sequence[Block]
@@ -90,7 +87,7 @@ class Assembly:
 
     @property
     def joint_tolerance(self) -> float:
-        """Tolerance in use, m."""
+        """Tolerance in use (m): the one given, or the default."""
         assert self.tolerance is not None
         return self.tolerance
 
@@ -120,19 +117,19 @@ class Assembly:
         return np.array([np.sqrt(b.area) for b in self.blocks])
 
     def farthest(self, one: Array, other: Array) -> float:
-        """The longest way (m) that a corner can have gone from positions (b, 3) to others."""
+        """Return an upper bound (m) of the way of any corner from positions (b, 3) to others."""
         moved = abs(other - one)
         return float((np.hypot(moved[:, 0], moved[:, 1]) + self.radius * moved[:, 2]).max())
 
     def check_behaviour(self, behaviour: Behaviour) -> None:
-        """Raise ValueError where it is none, or where elastic joints lack a stiffness."""
+        """Raise ArgumentError for an unknown behaviour, and for elastic joints without stiffness."""
         require(behaviour in {"rigid", "elastic"}, "contacts", behaviour, '"rigid" or "elastic"')
         if behaviour == "elastic" and np.isnan(self.contacts.bed).any():
             raise ArgumentError("normal_stiffness: elastic contacts need it for the material of every block")
 
     @cached_property
     def joints_in_a_row(self) -> int:
-        """The most joints between a block and the support nearest to it."""
+        """Largest number of joints from a block to the support nearest to it."""
         near, count = ~self.movable, 0
         while True:
             touched = near.copy()
@@ -144,7 +141,7 @@ class Assembly:
 
     @cached_property
     def movable(self) -> Mask:
-        """Which blocks (b,) are no supports."""
+        """Mask (b,) of the blocks that are no supports."""
         return np.array([b.support is None for b in self.blocks])
 
     @cached_property
@@ -173,7 +170,7 @@ class Assembly:
         return load
 
     def lateral_load(self, direction: Direction) -> Array:
-        """f_L (b, 3), kN: the weight of every seismic mass, laid over in the direction."""
+        """Return f_L (b, 3), kN: the weight of every seismic mass as a horizontal force in the direction."""
         require(direction in {"+x", "-x"}, "direction", direction, '"+x" or "-x"')
         load = np.zeros((len(self.blocks), 3))
         load[:, 0] = (1.0 if direction == "+x" else -1.0) * GRAVITY * self.mass[:, 0]
@@ -190,21 +187,24 @@ class Assembly:
         return float(np.sqrt(np.mean([b.area for b in self.blocks if b.support is None])))
 
     def support(self, name: str) -> Index:
-        """Blocks of a support; ValueError naming the known ones."""
+        """Return the blocks of a support; raise ArgumentError with the known names if there is none of this name."""
         index = np.array([i for i, b in enumerate(self.blocks) if b.support == name], dtype=np.intp)
         known = sorted({b.support for b in self.blocks if b.support})
         require(len(index) > 0, "support", name, f"one of {', '.join(known) or '(the model has no support)'}")
         return index
 
     def support_centre(self, name: str) -> Array:
-        """Centroid (2,) of a support's blocks as drawn, m."""
+        """Return the centroid (2,) of a support's blocks as drawn, m."""
         index = self.support(name)
         area = np.array([self.blocks[i].area for i in index])
         centre: Array = area @ self.initial.positions[index, :2] / area.sum()
         return centre
 
     def moved_support(self, positions: Array, name: str, displacement: Array, rotation: float) -> Array:
-        """Positions after the rigid movement of a support: a translation and a turn about its drawn centroid."""
+        """Return positions (b, 3) after a rigid movement of a support.
+
+        `displacement` (2,) m; `rotation` (rad), about the support's drawn centroid.
+        """
         index, centre = self.support(name), self.support_centre(name)
         arm = self.initial.positions[index, :2] - centre
         cos, sin = np.cos(rotation), np.sin(rotation)
@@ -215,7 +215,7 @@ class Assembly:
         return moved
 
     def rotated(self, block: int, about: ArrayLike, rotation: float) -> State:
-        """The drawn state with one block turned by `rotation` (rad) about a point (m): an initial position."""
+        """Return the drawn state with one block rotated by `rotation` (rad) about a point (2,) m."""
         require(0 <= block < len(self.blocks), "block", block, f"from 0 to {len(self.blocks) - 1}")
         pivot = np.asarray(about, dtype=float)
         require(pivot.shape == (2,), "about", about, "a point (x, z) in m")
@@ -230,7 +230,7 @@ class Assembly:
         return State(positions, np.zeros_like(positions))
 
     def starting(self, state: State | None) -> State:
-        """The state an analysis starts from (None: as drawn); ValueError where it is none of this assembly."""
+        """Return the state in which an analysis starts (None: as drawn); ArgumentError if it has other blocks."""
         if state is None:
             return self.initial
         require(
@@ -242,7 +242,7 @@ class Assembly:
         return state
 
     def block_at(self, point: ArrayLike) -> int:
-        """The block that holds a point (m) as drawn, edges included; ValueError where none does."""
+        """Return the block that contains a drawn point (2,) m, edges included; raise ArgumentError if none does."""
         import shapely
 
         at = np.asarray(point, dtype=float)
@@ -250,7 +250,7 @@ class Assembly:
         distance = shapely.distance([shapely.Polygon(b.polygon) for b in self.blocks], shapely.Point(at))
         distance = distance + np.where(
             self.movable, 0.0, 0.5 * self.joint_tolerance
-        )  # a shared edge: the movable one
+        )  # on a shared edge the movable block is taken
         nearest = int(np.argmin(distance))
         require(
             distance[nearest] <= self.joint_tolerance,
@@ -261,7 +261,7 @@ class Assembly:
         return nearest
 
     def point_displacement(self, point: ArrayLike, block: int, positions: Array) -> Array:
-        """Displacement (2,), m, of a drawn point of a block in the given positions."""
+        """Return the displacement (2,), m, of a drawn point (2,) m of a block at positions (b, 3)."""
         arm = np.asarray(point, dtype=float) - self.initial.positions[block, :2]
         cos, sin = np.cos(positions[block, 2]), np.sin(positions[block, 2])
         turned = np.array([cos * arm[0] - sin * arm[1], sin * arm[0] + cos * arm[1]])

@@ -14,12 +14,12 @@ from mechanics.types import GRAVITY, Array
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """Stone and the dry joints it makes.
+    """Stone and its dry joints.
 
-    unit_weight in kN/m³; friction is the tangent of the friction angle, infinite where nothing slides; the stiffnesses
-    (kN/m³) are of a joint per unit area. Without normal_stiffness only rigid analyses are possible; an infinite
-    tangential_stiffness is the paper's choice (§4). compressive_strength (kN/m²) is that of a joint's bed. Raises
-    ValueError naming the argument.
+    unit_weight: kN/m³; friction: tangent of the friction angle, infinite: no sliding; normal_stiffness and
+    tangential_stiffness: of a joint per unit area, kN/m³. Without normal_stiffness only rigid analyses are possible; an
+    infinite tangential_stiffness is the paper's choice (§4). compressive_strength: of a joint, kN/m². Raises
+    ArgumentError naming the argument.
     """
 
     unit_weight: float
@@ -55,10 +55,10 @@ class Material:
 class Block:
     """A rigid block: simple polygon `vertices` (n, 2) in m, kept anticlockwise, `depth` in m out of plane.
 
-    `support` names the support the block belongs to (None: movable). `vertical_load` (kN) acts downward
-    at the centroid and counts as seismic mass when `load_has_mass`. `segments` overrides the assembly's
-    segments per joint. `layer` and `handle` say where the block comes from in the drawing.
-    Raises ValueError for fewer than three distinct vertices, zero area, or non-finite numbers.
+    `support`: name of the support that the block belongs to (None: movable). `vertical_load` (kN) acts downward at the
+    centroid and counts as seismic mass if `load_has_mass`. `segments`: instead of the assembly's segments per joint.
+    `layer`, `handle`: origin of the block in the drawing. Raises ArgumentError for fewer than three distinct vertices,
+    zero area, or numbers that are not finite.
     """
 
     vertices: ArrayLike
@@ -83,7 +83,7 @@ class Block:
         require(bool(np.isfinite(self.vertical_load)), "vertical_load", self.vertical_load, "finite, in kN")
         require(self.segments is None or self.segments >= 1, "segments", self.segments, "a whole number ≥ 1")
         size = float(np.ptp(v, axis=0).max())
-        v = v[np.hypot(*(v - np.roll(v, 1, axis=0)).T) > 1e-12 * size]  # a repeated vertex is no edge
+        v = v[np.hypot(*(v - np.roll(v, 1, axis=0)).T) > 1e-12 * size]  # repeated vertices are dropped
         require(len(v) >= 3, "vertices", len(v), "three or more distinct points")
         area = _signed_area(v)
         require(abs(area) > 1e-12 * size**2, "vertices", area, "a polygon with an area")
@@ -112,7 +112,7 @@ class Block:
 
     @cached_property
     def mass(self) -> float:
-        """Seismic mass, Mg: the stone's and, where it has mass, the load's."""
+        """Seismic mass, Mg: that of the stone, and of the load if it has mass."""
         load = self.vertical_load if self.load_has_mass else 0.0
         return (self.material.unit_weight * self.area * self.depth + load) / GRAVITY
 

@@ -1,4 +1,4 @@
-"""Where blocks touch: pairs of faces, as drawn or met on the way, and what each carries."""
+"""Contacts: pairs of faces that touch as drawn or as blocks move, with their properties."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from mechanics.kernels.joint import (
     FACE,
     LX,
     LZ,
+    MEET,
     MPHI,
     MU,
     MV,
@@ -40,7 +41,10 @@ from mechanics.model.block import Block
 from mechanics.model.joints import Joints
 from mechanics.types import Array, Index
 
-MOST_FRICTION = 1e3  # a tangent; friction beyond it, infinite too, lets nothing slide
+MOST_FRICTION = 1e3  # tangent of the friction angle that stands for infinite friction
+# of the shorter face of a joint: how near two corners meet. Their normal turns as they slide past each other: if it
+# turned over less slip than joints yield in shear, hinges at corners would be unstable
+CORNER = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,10 +52,9 @@ class Contacts:
     """Pairs of faces of blocks `a` and `b` (j,), those of the drawn joints first.
 
     `faces` (j, FACE): see kernels.joint. `friction` (j,); `bed` (j,) kN/m² and `shear` (j,) kN/m: stiffness per
-    length of the joint and of the whole joint in shear (NaN where a block has no stiffness); `strength` (j,) kN/m: the
-    most that a length of it bears; `segments` (j,) of a bed of points, 0 for the exact bed. `edges` (j, 2): which edges
-    of the blocks the faces are, among all edges.
-    `tolerance` m: corners closer than this meet.
+    length of the joint and of the whole joint in shear (NaN where a block has no stiffness); `strength` (j,) kN/m:
+    per length of the joint; `segments` (j,): of a bed of points, 0 for the exact bed. `edges` (j, 2): the edges of the
+    faces, among the edges of all blocks. `tolerance` (m): faces drawn no farther apart touch.
     """
 
     a: Index
@@ -69,12 +72,12 @@ class Contacts:
         return len(self.a)
 
     def take(self, index: Index) -> Contacts:
-        """The contacts of the given indices."""
+        """Return the contacts `index`."""
         arrays = {f.name: getattr(self, f.name)[index] for f in fields(self) if f.name != "tolerance"}
         return Contacts(**arrays, tolerance=self.tolerance)
 
     def joined(self, more: Contacts) -> Contacts:
-        """These and then others."""
+        """Return these contacts followed by others."""
         arrays = {
             f.name: np.concatenate([getattr(self, f.name), getattr(more, f.name)])
             for f in fields(self)
@@ -83,30 +86,30 @@ class Contacts:
         return Contacts(**arrays, tolerance=self.tolerance)
 
     def places(self, positions: Array) -> Array:
-        """Where the joints are (j, PLACE) for block positions (b, 3): see kernels.joint."""
+        """Return the geometry (j, PLACE) of the contacts at block positions (b, 3): see kernels.joint."""
         found = np.empty((len(self), PLACE))
-        place(self.a, self.b, self.faces, positions, self.tolerance, found)
+        place(self.a, self.b, self.faces, positions, found)
         return found
 
     @cached_property
     def key(self) -> bytes:
-        """Which pairs of faces these are."""
+        """Key of the pairs of faces."""
         return self.edges.tobytes()
 
 
 def deformation(places: Array) -> Array:
-    """Gap u at the middle of the overlap, turn φ and slip v (j, 3) of joints at their places (j, PLACE)."""
+    """Return gap u (m) at the middle of the overlap, rotation φ and slip v (m), (j, 3), of places (j, PLACE)."""
     return places[:, [U, PHI, V]]
 
 
 def end_gaps(places: Array) -> Array:
-    """Gaps (j, 2), m, at the lower and the upper end of the overlaps."""
+    """Return the gaps (j, 2), m, at the lower and the upper end of the overlaps."""
     half = places[:, H] * places[:, PHI]
     return np.stack([places[:, U] - half, places[:, U] + half], axis=1)
 
 
 def rows(places: Array) -> Array:
-    """B (j, 3, 6): change of u, φ and v per unit x, z, ω of block a, then of block b."""
+    """Return B (j, 3, 6): change of u, φ and v per unit x, z, ω of block a, then of block b."""
     n = places[:, [NX, NZ]]
     t = np.stack([n[:, 1], -n[:, 0]], axis=1)
     lever = places[:, [LX, LZ]]
@@ -121,22 +124,24 @@ def rows(places: Array) -> Array:
 
 
 def drawn_contacts(blocks: Sequence[Block], joints: Joints, segments: int, tolerance: float) -> Contacts:
-    """The contacts of the joints as drawn, closed there: a drawing's inaccuracy within the tolerance is no gap."""
+    """Return the contacts of the joints as drawn, without the gaps of the drawing within the tolerance."""
     centroid = np.array([b.centroid for b in blocks])
     middle, half = joints.ends.mean(axis=1), 0.5 * joints.length[:, None]
     faces = np.zeros((len(joints.a), FACE))
     faces[:, [PX, PZ]], faces[:, [QX, QZ]] = middle - centroid[joints.a], middle - centroid[joints.b]
     faces[:, [TAX, TAZ]] = faces[:, [TBX, TBZ]] = joints.tangent
     faces[:, [A1, A2]], faces[:, [B1, B2]] = joints.room_a - half, joints.room_b - half
+    shorter = np.minimum(faces[:, A2] - faces[:, A1], faces[:, B2] - faces[:, B1])
+    faces[:, MEET] = np.maximum(CORNER * shorter, tolerance)
     return between(blocks, joints.a, joints.b, faces, segments, joints.edges, tolerance)
 
 
 def between(
     blocks: Sequence[Block], a: Index, b: Index, faces: Array, segments: int, edges: Index, tolerance: float
 ) -> Contacts:
-    """Contacts of these faces (j, FACE): of unlike stones the two halves act in series, the lesser μ and depth govern.
+    """Return contacts with the `faces` (j, FACE); unlike stones act in series, the lesser μ and depth count.
 
-    `segments`: of joints whose blocks ask for none of their own, 0 for the exact bed.
+    `segments`: of joints whose blocks have no number of their own, 0 for the exact bed.
     """
     depth = np.array([block.depth for block in blocks])
     mu = np.array([block.material.friction for block in blocks])
@@ -164,7 +169,7 @@ def between(
 
 
 def end_points(contacts: Contacts, positions: Array) -> Array:
-    """The lower and the upper end (j, 2, 2), m, of the overlaps, midway between the two faces."""
+    """Return the lower and the upper end (j, 2, 2), m, of the overlaps, midway between the two faces."""
     places = contacts.places(positions)
     cos, sin = np.cos(positions[:, 2]), np.sin(positions[:, 2])
 

@@ -1,4 +1,4 @@
-"""Which edges of which blocks touch: dry joints, split at partial overlaps."""
+"""Dry joints: pairs of edges of blocks that touch, divided at partial overlaps."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ class Joints:
 
     `ends` (j, 2, 2) m: the two ends of the overlap, midway between the two edges; the tangent runs from the first
     to the second and the normal, a quarter turn anticlockwise from it, points from b into a.
-    `room_a`, `room_b` (j, 2) m: coordinates along the tangent, from the first end, between which the edge of a
-    (of b) extends. `edges` (j, 2): which edges these are, among those of all blocks (see block_edges).
+    `room_a`, `room_b` (j, 2) m: first and last coordinate of the edge of a (of b) along the tangent, from the first
+    end. `edges` (j, 2): indices of the two edges among those of all blocks (see block_edges).
     """
 
     a: Index
@@ -41,17 +41,17 @@ class Joints:
 
 
 def default_tolerance(blocks: Sequence[Block]) -> float:
-    """A thousandth of the median edge, m: above the rounding of a drawing, below any real gap."""
+    """Return a thousandth of the median edge, m: more than the rounding of a drawing, less than a real gap."""
     return 1e-3 * float(np.median(np.concatenate([_lengths(b.polygon) for b in blocks])))
 
 
 def find_joints(blocks: Sequence[Block], tolerance: float) -> Joints:
-    """Find the joints of an assembly.
+    """Return the joints of an assembly.
 
-    Two edges of different blocks make a joint where they run in opposite directions and overlap by more than
-    `tolerance` (m), being nowhere along the overlap further apart than `tolerance`. Running bond, L- and T-contacts
-    are partial overlaps and need no extra vertices; vertices in the middle of a straight edge are passed over.
-    Joints between two supports are left out.
+    Two edges of different blocks form a joint if they run in opposite directions, overlap by more than `tolerance` (m),
+    and are nowhere along the overlap farther apart than `tolerance`. Running bond and L- or T-contacts are partial
+    overlaps and need no extra vertices; vertices in the middle of a straight edge are ignored. Two supports have no
+    joint.
     """
     start, end, owner = block_edges(blocks)
     first, second = _candidates(start, end, owner, tolerance)
@@ -90,7 +90,7 @@ def find_joints(blocks: Sequence[Block], tolerance: float) -> Joints:
 
 
 def _candidates(start: Array, end: Array, owner: Index, tolerance: float) -> tuple[Index, Index]:
-    """Pairs of edges of different blocks that come within the tolerance of each other."""
+    """Return the pairs of edges of different blocks that are somewhere closer than the tolerance (m)."""
     lines = shapely.linestrings(np.stack([start, end], axis=1))
     first, second = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=1.01 * tolerance)
     keep = owner[first] < owner[second]
@@ -98,7 +98,7 @@ def _candidates(start: Array, end: Array, owner: Index, tolerance: float) -> tup
 
 
 def block_edges(blocks: Sequence[Block]) -> tuple[Array, Array, Index]:
-    """Straight edges of all blocks: start (e, 2), end (e, 2), block (e,)."""
+    """Return the straight edges of all blocks: start (e, 2) m, end (e, 2) m, block (e,)."""
     corners = [_corners(b.polygon) for b in blocks]
     start = np.concatenate(corners)
     end = np.concatenate([np.roll(v, -1, axis=0) for v in corners])
@@ -106,7 +106,7 @@ def block_edges(blocks: Sequence[Block]) -> tuple[Array, Array, Index]:
 
 
 def _corners(v: Array) -> Array:
-    """The vertices at which the outline turns, by more than rounding."""
+    """Return the vertices (n, 2) at which the outline changes direction by more than rounding."""
     before, after = v - np.roll(v, 1, axis=0), np.roll(v, -1, axis=0) - v
     turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     return v[abs(turn) > 1e-9 * np.hypot(*before.T) * np.hypot(*after.T)]

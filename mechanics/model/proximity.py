@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 import shapely
 
-from mechanics.kernels.joint import A1, A2, B1, B2, FACE, PX, PZ, QX, QZ, TAX, TAZ, TBX, TBZ, H
+from mechanics.kernels.joint import A1, A2, B1, B2, FACE, MEET, PX, PZ, QX, QZ, TAX, TAZ, TBX, TBZ, H
 from mechanics.model.block import Block
 from mechanics.model.contacts import Contacts, between, end_gaps
 from mechanics.model.joints import block_edges
@@ -162,6 +162,7 @@ def _met(
     faces[:, A2] = faces[:, A1] + outlines.length[e]
     faces[:, B1] = ((outlines.end[f] - at_b) * tb).sum(axis=1)
     faces[:, B2] = faces[:, B1] + outlines.length[f]
+    faces[:, MEET] = drawn.tolerance
     found = between(outlines.blocks, a, b, faces, 0, edges, drawn.tolerance)
     # what touches within the tolerance as drawn does so without a gap; corners, which no stone has sharper, must
     # overlap by it

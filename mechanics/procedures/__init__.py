@@ -1,6 +1,6 @@
 """The analyses: each reads as its pseudo-code.
 
-The analyses themselves are public names of `mechanics`; here is what they return, and what goes with them.
+The analyses themselves are public names of `mechanics`; here are their results and helpers.
 """
 
 from mechanics.procedures.limit_analysis import limit_in

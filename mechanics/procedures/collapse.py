@@ -1,4 +1,4 @@
-"""Collapse, read from the motion and never from a solver."""
+"""Collapse is decided from the motion of the blocks, never from a solver that fails."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class ControlPoint:
 def collapse(
     model: Assembly, contacts: Contacts, start: State, x: Array, v: Array, control: ControlPoint | None
 ) -> str:
-    """Why a motion, at positions x and velocities v (b, 3), cannot come back; empty where it can.
+    """Return why a motion at positions x (b, 3) and velocities v (b, 3) cannot come back; "" where it can.
 
     The control point is past its ultimate displacement and moves outward; or a block has turned by more than 1 rad, or
     fallen by more than its size and still falls, or is out of reach of all its contacts.
@@ -51,7 +51,7 @@ def collapse(
             return f"the control point is {displacement:.3g} m away, past its ultimate displacement, and moving outward"
     moved, size = x - start.positions, model.block_size
     if abs(moved).max() <= min(TURNED, float(size.min())):
-        return ""  # nothing of what follows
+        return ""  # the cheap test: no block has moved far enough for any criterion below
     turned = abs(moved[:, 2])
     if turned.max() > TURNED:
         return f"block {int(turned.argmax())} has turned by {turned.max():.2f} rad"
@@ -64,7 +64,7 @@ def collapse(
 
 
 def _in_reach(size: Array, contacts: Contacts, x: Array) -> Mask:
-    """Which blocks (b,) have a contact left: neither open nor slid off by more than the smaller block's size."""
+    """Return which blocks (b,) still have a contact: neither its gap nor its slide exceeds the smaller block's size."""
     places = contacts.places(x)
     near = np.maximum(places[:, U], -2.0 * places[:, H]) <= np.minimum(size[contacts.a], size[contacts.b])
     has = np.zeros(len(size), dtype=bool)
@@ -73,7 +73,10 @@ def _in_reach(size: Array, contacts: Contacts, x: Array) -> Mask:
 
 
 def passing_through(model: Assembly, x: Array) -> tuple[str, ...]:
-    """The two blocks that lie in each other most, for positions (b, 3), where contacts are not looked for anew."""
+    """Return a note on the two blocks that overlap most at positions (b, 3); empty where none overlap.
+
+    It can be needed only where contacts are not looked for again as blocks move.
+    """
     cos, sin = np.cos(x[:, 2]), np.sin(x[:, 2])
     turned = [
         at[:2] + (block.polygon - block.centroid) @ np.array([[c, s], [-s, c]])

@@ -15,12 +15,14 @@ class Energy:
 
     `kinetic`, `potential` (from the start) and `elastic` (joints) are stored, computed from positions and velocities.
     `input` by the base motion and dissipated by `friction`, `impact`s, `viscous` joint forces and the `integrator` are
-    summed since the start, each from forces and displacements of its own kind. The `integrator` takes: of implicit
-    Euler ½ΔvᵀMΔv a step, and impacts in it; with elastic joints what beds lose where forces are not the mean ones,
-    impacts shorter than a step among it; with rigid ones, of impacts, what faces that met no faster than a block that
-    falls for one step would have brought; less the dilation of slides that change, and what beds give back beyond what
-    they stored (up to 2 % of the turnover was measured on stiff joints). So the balance is a check: its `residual` is
-    what the solver's tolerance leaves open.
+    summed since the start, each from its own forces and displacements. The balance is therefore a check: its
+    `residual` is the error that the solver's tolerance leaves.
+
+    The `integrator` term holds the losses of the scheme itself. Implicit Euler loses ½ΔvᵀMΔv in each step, impacts
+    included. Elastic beds lose energy where the force of a step is not its mean force, as in impacts shorter than a
+    step. With rigid joints the term holds impacts of faces that meet no faster than a block falls within one step. The
+    dilation of slides that change and the energy that beds return beyond what they stored are subtracted (up to 2 % of
+    the turnover was measured on stiff joints).
     """
 
     kinetic: Array
@@ -34,13 +36,13 @@ class Energy:
 
     @classmethod
     def of(cls, model: Assembly, x: Array, v: Array, energy: Array) -> Energy:
-        """The balance of a motion: positions and velocities (k, b, 3), energies (k, ENERGIES)."""
+        """Return the balance of a motion: positions and velocities (k, b, 3), energies (k, ENERGIES) in kNm."""
         potential = -(model.dead_load * (x - x[0])).sum(axis=(1, 2))
         return cls(
             0.5 * (model.mass * v**2).sum(axis=(1, 2)),
             potential,
             energy[:, ELASTIC],
-            energy[:, INPUT] + potential,  # of all loads, less the dead ones
+            energy[:, INPUT] + potential,  # INPUT is the work of all loads; the dead loads are in `potential`
             energy[:, RUBBED],
             energy[:, IMPACT],
             energy[:, VISCOUS],
@@ -49,32 +51,32 @@ class Energy:
 
     @property
     def mechanical(self) -> Array:
-        """Kinetic, potential and elastic energy (k,), kNm."""
+        """Sum of kinetic, potential and elastic energy (k,), kNm."""
         return self.kinetic + self.potential + self.elastic
 
     @property
     def dissipated(self) -> Array:
-        """Dissipated in all (k,), kNm."""
+        """All the energy dissipated (k,), kNm."""
         return self.friction + self.impact + self.viscous + self.integrator
 
     @property
     def residual(self) -> Array:
-        """What the balance leaves open (k,), kNm: positive where energy is missing."""
+        """Error of the balance (k,), kNm; positive where energy is missing."""
         missing: Array = self.mechanical[0] + self.input - self.mechanical - self.dissipated
         return missing
 
     @property
     def turnover(self) -> float:
-        """The largest energy (kNm) that was kinetic, dissipated or put in: what a residual is measured by."""
+        """The largest kinetic, dissipated or input energy, kNm: residuals are compared with it."""
         return float(max(self.kinetic.max(), self.dissipated.max(), self.input.max()))
 
     @property
     def imbalance(self) -> float:
-        """Largest residual over the turnover; 0 where nothing moved."""
+        """Largest residual over the turnover; 0 if nothing moved."""
         return float(abs(self.residual).max()) / self.turnover if self.turnover > 0.0 else 0.0
 
     @property
     def integrator_share(self) -> float:
-        """What the integrator itself took, of all that was dissipated; 0 where nothing was."""
+        """Share of all dissipated energy that the integrator dissipated; 0 if none was dissipated."""
         taken = float(self.dissipated[-1])
         return float(abs(self.integrator[-1])) / taken if taken > 0.0 else 0.0

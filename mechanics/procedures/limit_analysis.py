@@ -11,9 +11,10 @@ from mechanics.kernels.joint import U
 from mechanics.kernels.law import FRICTION
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts
-from mechanics.program import LARGEST_MULTIPLIER, Certificate
+from mechanics.program import LARGEST_MULTIPLIER, Certificate, Solution
 from mechanics.solvers import solve
-from mechanics.steps.equilibrium import check_self_weight, closed_program
+from mechanics.solvers.interior import Iterate
+from mechanics.steps.equilibrium import ClosedProgram, check_self_weight, closed_program
 from mechanics.steps.static_system import Sliding
 from mechanics.steps.tolerances import LIMIT
 from mechanics.types import Array
@@ -23,10 +24,10 @@ from mechanics.types import Array
 class Limit:
     """Onset of collapse.
 
-    `alpha`; `mechanism` (b, 3): virtual displacements, the largest centroid displacement being 1; `forces` (j, 3): N, P
-    and T, kN and kNm, of the `contacts`, the drawn joints first; and the certificate. `residual`: with Coulomb
-    friction, what the lift of slips changed by in the last repetition, as a share of the mechanism's largest
-    displacement; beyond LEVEL the repetitions alternate between mechanisms.
+    `alpha`: multiplier of the lateral load; `mechanism` (b, 3): virtual displacements, scaled so that the largest
+    centroid displacement is 1; `forces` (j, 3): N (kN), P (kNm) and T (kN) of the `contacts`, the drawn joints first.
+    `residual` (Coulomb friction): by how much sliding joints are still lifted, over the mechanism's largest
+    displacement; above LimitTolerances.slip_gap the slips have not settled.
     """
 
     alpha: float
@@ -43,40 +44,62 @@ def limit_analysis(
     state: State | None = None,
     sliding: Sliding = "associative",
 ) -> Limit:
-    """The largest α with equilibrium under f_D + α f_L over the joints closed in a state (default: as drawn).
+    """Return the largest α with equilibrium under f_D + α f_L over the joints closed in a state (paper, eq. 5).
 
-    `sliding`: "associative", as in the paper: what slides is lifted; "coulomb": it is not. The multiplier is then not
-    unique: see limit_in, which gives the least that it comes upon. Raises UnstableError where gravity alone cannot be
-    carried and NoEquilibriumError where the load meets no mechanism (an interlocked assembly).
+    `state`: default as drawn. `sliding`: "associative", as in the paper, opens a joint that slides; "coulomb" does not:
+    its multiplier is not unique, see limit_in. Raises UnstableError if the joints
+    cannot carry gravity alone, NoEquilibriumError if the load meets no mechanism (an interlocked assembly).
     """
     state = model.starting(state)
     check_self_weight(model, state)
     return limit_in(model, direction, state, sliding)
 
 
-def limit_in(model: Assembly, direction: Direction, state: State, sliding: Sliding = "associative") -> Limit:
-    """Limit analysis in a state that is known to stand.
+def _without_lift(closed: ClosedProgram, lifting: Solution, iterate: Iterate) -> tuple[Solution, float]:
+    """Return a flow that lifts no sliding joint, and the lift per step that is left: 0 with Coulomb's law.
 
-    With Coulomb friction the program is repeated, the lift of its last slips taken back each time: where these settle,
-    nothing is lifted. They may alternate between mechanisms; the least multiplier of the sequence is the one returned.
+    Begins with the flow and the iterate of the associative program, whose sliding joints lift in full. If the slips do
+    not settle, the least multiplier of a flow that lifts by less than it moves; if there is none, that which lifts the
+    least.
+    """
+    program = closed.program
+    mu = program.law[:, FRICTION]
+    slips = _slips(iterate)
+    best, least = lifting, float((mu * slips).max(initial=0.0)) / program.step
+    for _ in range(LIMIT.repeats):
+        if least <= LIMIT.slip_gap:
+            break
+        places = program.places.copy()
+        places[:, U] += mu * slips
+        found, after = solve(replace(program, places=places), closed.layout)
+        if after is None:
+            break
+        before, slips = slips, _slips(after)
+        lift = float((mu * abs(slips - before)).max(initial=0.0)) / program.step
+        lower = found.alpha < best.alpha and lift < LIMIT.lifted
+        if lift <= LIMIT.slip_gap or lower or (least >= LIMIT.lifted and lift < least):
+            best, least = found, lift
+    return best, least
+
+
+def _slips(iterate: Iterate) -> Array:
+    """Return the slips (j,) m of an iterate, either way."""
+    return np.asarray(abs(iterate.gaps[:, 2] - iterate.gaps[:, 3]))
+
+
+def limit_in(model: Assembly, direction: Direction, state: State, sliding: Sliding = "associative") -> Limit:
+    """Return the onset of collapse of a state that is known to stand under gravity.
+
+    With Coulomb friction the program is repeated, and each repetition subtracts the lift of the last slips: once the
+    slips settle, no joint is lifted. If they do not, see _without_lift: the lift that is left is told. Raises
+    NoEquilibriumError if the load meets no mechanism.
     """
     closed = closed_program(model, state, model.lateral_load(direction))
     program = closed.program
     solution, iterate = solve(program, closed.layout)
-    slips = np.zeros(len(program.law))
     residual = 0.0
-    for _ in range(LIMIT.repeats if sliding == "coulomb" else 0):
-        if iterate is None:
-            break
-        before, slips = slips, abs(iterate.gaps[:, 2] - iterate.gaps[:, 3])
-        residual = float((program.law[:, FRICTION] * abs(slips - before)).max(initial=0.0)) / program.step
-        if residual <= LIMIT.slip_gap:
-            break
-        places = program.places.copy()
-        places[:, U] += program.law[:, FRICTION] * slips
-        found, iterate = solve(replace(program, places=places), closed.layout)
-        if found.alpha < solution.alpha:
-            solution = found
+    if sliding == "coulomb" and iterate is not None:
+        solution, residual = _without_lift(closed, solution, iterate)
     if abs(solution.alpha) > 0.99 * LARGEST_MULTIPLIER:
         raise NoEquilibriumError(
             f"{direction}: no mechanism, the load only wedges the blocks (α > {LARGEST_MULTIPLIER:g})"

@@ -1,4 +1,4 @@
-"""What a mechanism is made of: hinges, sliding joints, moving weight; and its multiplier by virtual work."""
+"""Hinges, sliding joints and moving weight of a mechanism, and its multiplier by virtual work."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ CARRYING = 2e-3  # of the weight: a joint that carries less is no part of the lo
 
 @dataclass(frozen=True, eq=False)
 class Hinges:
-    """What moves in a mechanism.
+    """Hinges, sliding joints and moving weight of a mechanism.
 
-    `points` (h, 2) m: centres of pressure, in the state, of joints that carry and turn; hinges closer than a block are
-    one. `sliding`: joints that carry and slip; `moving_weight` kN.
+    `points` (h, 2) m: centres of pressure of the joints that carry and turn, in the state; hinges closer than a
+    block count as one. `sliding`: joints that carry and slip; `moving_weight` kN.
     """
 
     points: Array
@@ -29,9 +29,9 @@ class Hinges:
 
 
 def hinges(model: Assembly, contacts: Contacts, state: State, mechanism: Array, forces: Array) -> Hinges:
-    """Find the hinges and sliding joints of virtual displacements (b, 3) under forces N, P, T (j, 3) of the joints.
+    """Return hinges and sliding joints of virtual displacements (b, 3) under joint forces N, P, T (j, 3).
 
-    Motions below a fiftieth of the largest, and of joints off the load path, do not count.
+    Relative motions below a fiftieth of the largest one do not count, nor do joints that carry next to nothing.
     """
     places = contacts.places(state.positions)
     relative = np.concatenate([mechanism[contacts.a], mechanism[contacts.b]], axis=1)
@@ -48,7 +48,7 @@ def hinges(model: Assembly, contacts: Contacts, state: State, mechanism: Array, 
 
 
 def pressure_centres(contacts: Contacts, positions: Array, forces: Array) -> Array:
-    """Where forces N, P, T (j, 3) act in a configuration, (j, 2) m; the middle of joints that carry nothing."""
+    """Return where forces N, P, T (j, 3) act in a configuration (j, 2), m; for a joint without force its middle."""
     low, high = end_points(contacts, positions).transpose(1, 0, 2)
     half = np.maximum(contacts.places(positions)[:, H], 1e-300)
     eccentricity = np.where(forces[:, 0] > 0.0, forces[:, 1] / np.maximum(forces[:, 0], 1e-300), 0.0)
@@ -58,7 +58,7 @@ def pressure_centres(contacts: Contacts, positions: Array, forces: Array) -> Arr
 
 
 def _merged(points: Array, turn: Array, distance: float) -> Array:
-    """Of points closer than a distance, the one that turns most."""
+    """Return the points (h, 2) m; of points closer than a distance (m) only the one that turns most is kept."""
     kept: list[Array] = []
     for k in np.argsort(-turn, kind="stable"):
         if all(np.hypot(*(points[k] - other)) > distance for other in kept):
@@ -67,6 +67,6 @@ def _merged(points: Array, turn: Array, distance: float) -> Array:
 
 
 def virtual_work_multiplier(model: Assembly, mechanism: Array, direction: Direction) -> float:
-    """α = −f_Dᵀδ / f_Lᵀδ of virtual displacements δ (b, 3): contact forces do no work on an associated mechanism."""
+    """Return α = −f_Dᵀδ/f_Lᵀδ of virtual displacements δ (b, 3): associative contact forces do no work."""
     moved = np.where(model.movable[:, None], mechanism, 0.0)
     return -float((model.dead_load * moved).sum() / (model.lateral_load(direction) * moved).sum())

@@ -1,4 +1,4 @@
-"""Structures that are their own mirror image: pushed one way, they do what they do pushed the other way."""
+"""Mirror symmetry: a push of a symmetric structure towards −x is the mirror image of that towards +x."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from mechanics.steps.static_step import Equilibrium
 from mechanics.types import Array, Index
 
 EXACT = 1e-9  # of the model's extent, and of its loads and stiffnesses: a difference that is rounding
-TURNED = np.array([-1.0, 1.0, -1.0])  # what the image of x, z, ω is multiplied by
+TURNED = np.array([-1.0, 1.0, -1.0])  # factors on x, z and ω in the image
 
 
 @dataclass(frozen=True, eq=False)
 class Mirror:
-    """The reflection in the plane x = `axis` (m) that leaves a model as drawn as it is.
+    """The reflection in the plane x = `axis` (m) that maps a drawn model onto itself.
 
-    `block` (b,), `joint` (j,): the block, and the drawn joint, at which each one's image lies; `moment` (j,): by what P
-    is multiplied: −1, or 1 where the two blocks change their places.
+    `block` (b,), `joint` (j,): index of the block, and of the drawn joint, that is the image of each; `moment` (j,):
+    factor on P, −1, or 1 where the joint's two blocks are exchanged.
     """
 
     model: Assembly
@@ -33,7 +33,7 @@ class Mirror:
 
     @classmethod
     def of(cls, model: Assembly, behaviour: Behaviour) -> Mirror | None:
-        """The mirror of a model; None where the image of a block, a load or a joint is not another, exactly."""
+        """Return the mirror of a model; None if the image of a block, load or joint is not exactly one of the model."""
         x = np.concatenate([block.polygon[:, 0] for block in model.blocks])
         axis, extent = 0.5 * float(x.min() + x.max()), float(np.ptp(x))
         centre = model.initial.positions[:, :2]
@@ -45,7 +45,9 @@ class Mirror:
         if not _same(model.lateral_load("+x")[block], model.lateral_load("-x") * TURNED):
             return None
         joints, contacts = model.joints, model.contacts
-        apart = 10.0 * extent  # joints of other blocks are none that lie near
+        apart = (
+            10.0 * extent
+        )  # shifts joints of different pairs of blocks apart: only those of the same pair can match
         middle = joints.ends.mean(axis=1)
         owner = np.sort(np.stack([joints.a, joints.b], axis=1), axis=1)
         image_owner = np.sort(block[owner], axis=1)
@@ -66,16 +68,16 @@ class Mirror:
         return cls(model, axis, block, joint, moment)
 
     def swaps(self, one: ArrayLike, other: ArrayLike) -> bool:
-        """Whether control points (m) are each other's image, and so are the blocks that they are fixed to."""
+        """Whether two control points (m), and the blocks that they are fixed to, are each other's image."""
         image = np.asarray(one, dtype=float) * [-1.0, 1.0] + [2.0 * self.axis, 0.0]
         if abs(image - np.asarray(other, dtype=float)).max() > EXACT * self.model.size:
             return False
         return bool(self.block[self.model.block_at(one)] == self.model.block_at(other))
 
     def pushover(self, path: Pushover) -> Pushover | None:
-        """The image of a path from the state as drawn: that of the push the other way.
+        """Return the image of a path from the state as drawn, which is the path of the push the other way.
 
-        None where blocks met on the way that did not touch as drawn.
+        None if blocks came into contact on the way that do not touch as drawn.
         """
         drawn = len(self.model.contacts)
         met = [step.forces[drawn:, 0].max(initial=0.0) for step in path.steps]
@@ -92,7 +94,7 @@ class Mirror:
         )
 
     def _mirrored(self, text: str) -> str:
-        """A message, its blocks and its direction."""
+        """Return the image of a message: its block numbers and its direction are exchanged."""
         swapped = {"+x": "-x", "-x": "+x"}
         return re.sub(
             r"block (\d+)|([+-]x)",
@@ -101,7 +103,7 @@ class Mirror:
         )
 
     def _motion(self, motion: Array) -> Array:
-        """Displacements or loads (b, 3) of the blocks."""
+        """Return the image of displacements or loads (b, 3) of the blocks."""
         image = np.empty_like(motion)
         image[self.block] = motion * TURNED
         return image
@@ -110,7 +112,7 @@ class Mirror:
         return self._motion(positions) + np.array([2.0 * self.axis, 0.0, 0.0])
 
     def _forces(self, forces: Array) -> Array:
-        """N, P and T (j, 3) of the drawn joints."""
+        """Return the image of N, P and T (j, 3) of the drawn joints."""
         image = np.empty_like(forces)
         image[self.joint] = forces * np.column_stack(
             [np.ones(len(forces)), self.moment, -np.ones(len(forces))]
@@ -136,7 +138,7 @@ class Mirror:
 
 
 def _matched(points: Array, images: Array, tolerance: float) -> Index | None:
-    """The point (k,) that each image is; None where one is none, or two are the same."""
+    """Return the index (k,) of the point at each image; None if an image lies at no point or two lie at the same."""
     from scipy.spatial import KDTree
 
     distance, found = KDTree(points).query(images)

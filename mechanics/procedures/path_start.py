@@ -1,4 +1,4 @@
-"""Where a capacity curve begins: a mechanism at its onset, or elastic rest."""
+"""The first point of a capacity curve: a mechanism at its onset (rigid joints), or rest (elastic joints)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mechanics.errors import NoEquilibriumError, UnstableError
+from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
 from mechanics.kernels.joint import H
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts
@@ -23,10 +23,11 @@ from mechanics.types import Array
 
 @dataclass(frozen=True, slots=True)
 class StartTolerances:
-    """Of the start of a curve.
+    """Tolerances of the start of a curve.
 
-    `first`: of the rigid multiplier, the first step of an elastic curve; `settled`: of an increment, the first step
-    from a settled state, whose open hinges may close first; `soft`: of the block size, a compression that is not small.
+    `first`: load of the first step of an elastic curve, as a share of the rigid multiplier; `settled`: first step from
+    a settled state, whose open hinges may close first, as a share of an increment; `soft`: compression of a joint, as a
+    share of the block size, that is no longer small.
     """
 
     first: float = 0.02
@@ -39,10 +40,10 @@ START = StartTolerances()
 
 @dataclass(frozen=True, eq=False)
 class PathStart:
-    """A curve's first point: its state, multiplier, forces (j, 3) of its contacts, and certificate.
+    """First point of a curve: its state, multiplier, forces (j, 3) of its contacts, and certificate.
 
-    `step`: the equilibrium behind it (rigid: none); `rate` (b, 3): displacements per unit work with which the
-    structure leaves it; `share`: how much of an increment the first step is.
+    `step`: its equilibrium (rigid joints: None); `rate` (b, 3): displacements per unit work (1/kN, rad/kNm) of the
+    first step; `share`: length of that step as a share of an increment.
     """
 
     state: State
@@ -58,7 +59,7 @@ class PathStart:
 def mechanism_start(
     model: Assembly, direction: Direction, state: State | None, sliding: Sliding
 ) -> PathStart:
-    """The onset of a rigid curve: the mechanism of limit analysis, which see for the errors raised."""
+    """Return the onset of a rigid curve: the mechanism of limit analysis. Raises what limit_analysis raises."""
     limit = limit_analysis(model, direction, state, sliding)
     rate = limit.mechanism / float((model.lateral_load(direction) * limit.mechanism).sum())
     share = 1.0 if state is None else START.settled
@@ -77,22 +78,23 @@ def mechanism_start(
 def elastic_start(
     model: Assembly, direction: Direction, state: State | None, increment: float, sliding: Sliding
 ) -> PathStart:
-    """The start of an elastic curve: rest, and the displacements of a small load; `increment` (m) of its steps.
+    """Return the start of an elastic curve: rest, and the displacements under a small lateral load.
 
-    Raises UnstableError.
+    `increment` (m): length of the curve's steps. Raises UnstableError if the structure has no rest, or no equilibrium
+    leads away from it; NoEquilibriumError if none leads away from a given `state`.
     """
     start = settled(model, state, sliding)
     system = start.system
     lateral = model.lateral_load(direction)
     try:
         alpha = START.first * limit_analysis(model, direction).alpha
-    except NoEquilibriumError:  # interlocked rigid blocks have no multiplier to go by
+    except NoEquilibriumError:  # interlocked rigid blocks have no multiplier that gives the scale
         alpha = START.first
     load = model.dead_load + alpha * lateral
     try:
         problem = StepProblem(system, start.state, load, rest_size(model, "elastic"))
         begun = find_equilibrium(problem, start.state.positions, start)
-    except NoEquilibriumError as stop:
+    except (NoEquilibriumError, ConvergenceError) as stop:
         if state is not None:
             raise
         raise no_way_from_rest(str(stop)) from stop
@@ -103,7 +105,7 @@ def elastic_start(
 
 
 def no_way_from_rest(why: str) -> UnstableError:
-    """The refusal of a structure that stands on elastic joints, but from whose rest no path leads."""
+    """Return the error of a structure that stands on elastic joints, but has no equilibrium beyond its rest."""
     return UnstableError(
         f"with elastic joints no equilibrium leads away from rest: {why}; joints too soft to keep the structure "
         "upright (check normal_stiffness, in kN/m³), or the increment is too large"
@@ -111,9 +113,10 @@ def no_way_from_rest(why: str) -> UnstableError:
 
 
 def settled(model: Assembly, state: State | None, sliding: Sliding = "associative") -> Equilibrium:
-    """Elastic rest under gravity from a state (default: as drawn).
+    """Return the elastic rest under gravity that a state (default: as drawn) settles into.
 
-    Raises UnstableError where there is none, or where joints as drawn are too soft to be small beside the blocks.
+    Raises UnstableError if there is none, or if the joints as drawn are so soft that their compression is not small
+    beside the blocks.
     """
     check_self_weight(model)
     begun = model.starting(state)

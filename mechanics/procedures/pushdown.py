@@ -21,11 +21,11 @@ from mechanics.types import Array
 
 @dataclass(frozen=True, slots=True)
 class PushdownTolerances:
-    """Of a moving support.
+    """Tolerances of a moving support.
 
-    `onset`: of an increment, at most of a block: the movement at which the reaction at its beginning is taken; `whole`:
-    of the movement, by how much the blocks of a structure that moves as a whole may differ from it; `look_ahead`:
-    expected displacements of a step, within which contacts are looked for.
+    `onset`: movement at which the first reaction is taken, as a share of an increment and at most of the block size;
+    `whole`: difference between the blocks' movement and the support's, as a share of it, up to which the structure
+    moves as a whole; `look_ahead`: contacts are looked for within so many times the expected displacement of a step.
     """
 
     onset: float = 1e-3
@@ -40,11 +40,12 @@ PUSHDOWN = PushdownTolerances()
 class Pushdown:
     """The path of a moving support.
 
-    `movement` (k,) m: its largest component, from zero (a pure turn: the arc at the support's farthest corner);
-    `reaction` (k, 2) kN: x, z force of the support on the structure (at zero, rigid: as the movement begins);
-    `states` of each point and `final`, at rest after the whole movement. `ultimate` m: the movement beyond which no
-    equilibrium is found, bracketed to an increment's 1/32 (None: not sought or not reached); `end` says why. `crossed`
-    (n, 2) m: between which movements a part moves by itself, until others hold it again. `steps`: the equilibria.
+    `movement` (k,) m: its largest component, from zero (a pure rotation: the arc at the support's farthest corner);
+    `reaction` (k, 2) kN: x and z force of the support on the structure (rigid joints: the first one is taken as the
+    movement begins); `states`: of each point; `final`: at rest after the whole movement. `ultimate` (m): movement
+    beyond which no equilibrium is found, located to 1/32 of an increment (None: not sought or not reached); `end`: why
+    the path ends. `crossed` (n, 2) m: movements between which a part moves by itself, until other blocks hold it again.
+    `steps`: the equilibria.
     """
 
     movement: Array
@@ -70,20 +71,16 @@ def pushdown(
 ) -> Pushdown:
     """Move a support by `displacement` (2,) m and `rotation` (rad, about its drawn centroid), in increments.
 
-    `increment` (m) is of the largest component. With `to_collapse` the movement goes on in the same direction to the
-    last equilibrium, after `final` has been taken. Where no equilibrium lies near, the blocks are released until they
-    rest; where they run away, the structure has collapsed. Raises UnstableError where the structure as drawn cannot
-    stand, CollapseError where it collapses before the whole movement is applied (it carries the path up to there),
-    NoEquilibriumError or ConvergenceError where that is not decided, ValueError for bad arguments.
+    `increment` (m): of the largest component. With `to_collapse` the movement continues in the same direction, after
+    `final` is taken, up to the last equilibrium. If no equilibrium lies near, the blocks are released until they rest;
+    if they do not come to rest, the structure has collapsed.
+
+    Raises UnstableError if the structure as drawn cannot stand, CollapseError if it collapses before the whole movement
+    is applied (the error carries the path so far), NoEquilibriumError or ConvergenceError if that cannot be decided,
+    ArgumentError for an argument out of its range.
     """
-    target = np.asarray(displacement, dtype=float)
-    require(
-        target.shape == (2,) and bool(np.isfinite(target).all()), "displacement", displacement, "(x, z) in m"
-    )
-    require(bool(np.isfinite(rotation)), "rotation", rotation, "finite, in rad")
+    target, full = _target(model, support, displacement, rotation)
     require(0.0 < increment < np.inf, "increment", increment, "positive, in m")
-    full = whole_movement(model, support, target, rotation)
-    require(full > 0.0, "displacement", displacement, "a movement: displacement and rotation are both zero")
     check_self_weight(model)
     moving = _Moving(static_system(model, contacts, sliding), support, target, rotation, full)
     path = _Path(moving, increment)
@@ -103,8 +100,8 @@ def pushdown(
                 raise
             ultimate, end = here if collapses else None, str(stop)
             break
-        bisection.longer()
-        if final is None and path.movement[-1] >= full * (1.0 - 1e-9):
+        bisection.longer(path.jumped)
+        if final is None and path.applied:
             try:
                 final = path.settle()
             except RunawayError as stop:
@@ -115,14 +112,20 @@ def pushdown(
             break
     found = path.result(final, ultimate, end)
     if final is None:
-        after = path.movement[-1] >= full * (1.0 - 1e-9)
-        when = (
-            "after the whole movement"
-            if after
-            else f"at a movement of {path.movement[-1]:.4g} m, before the whole"
-        )
-        raise CollapseError(f"the structure collapses {when} of {full:.4g} m: {end}", found)
+        raise CollapseError(f"the structure collapses {path.reached} of {full:.4g} m: {end}", found)
     return found
+
+
+def _target(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> tuple[Array, float]:
+    """Return the displacement (2,) of the whole movement, m, and its largest component; ArgumentError if it is none."""
+    target = np.asarray(displacement, dtype=float)
+    require(
+        target.shape == (2,) and bool(np.isfinite(target).all()), "displacement", displacement, "(x, z) in m"
+    )
+    require(bool(np.isfinite(rotation)), "rotation", rotation, "finite, in rad")
+    full = whole_movement(model, support, target, rotation)
+    require(full > 0.0, "displacement", displacement, "a movement: displacement and rotation are both zero")
+    return target, full
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +139,7 @@ class _Moving:
     full: float
 
     def moved(self, positions: Array, movement: float) -> Array:
-        """Positions (b, 3) with those of the support after a movement (m)."""
+        """Return the positions (b, 3) with the support displaced by a movement (m)."""
         share = movement / self.full
         return self.system.model.moved_support(
             positions, self.support, share * self.displacement, share * self.rotation
@@ -144,13 +147,13 @@ class _Moving:
 
     @property
     def lever(self) -> float:
-        """How much farther than the movement a corner of the support goes: a turn may outdo the translation."""
+        """Ratio, 1 or more, of the longest way of the support's corners to the movement: a rotation may exceed it."""
         turned = whole_movement(self.system.model, self.support, (0.0, 0.0), self.rotation)
         return max(1.0, turned / self.full)
 
 
 class _Path:
-    """The path so far."""
+    """The path as far as it has been followed."""
 
     def __init__(self, moving: _Moving, increment: float) -> None:
         self.moving, self.system, self.model = moving, moving.system, moving.system.model
@@ -174,15 +177,15 @@ class _Path:
         expected = max(self.moving.lever * max(by, size), self.smallest)
         self.system = self.system.around(last.state.positions, PUSHDOWN.look_ahead * expected)
         problem = StepProblem(self.system, last.state, self.model.dead_load, expected)
-        # a structure at rest is no neighbour of one that begins to move: which hinges open is open
+        # the forces at rest do not tell which hinges will open: the first step has a cold start
         found, self.jumped = reach(problem, guess, last if past.any() else None, shortest)
         return found
 
     def advance(self, by: float, increment: float, shortest: bool) -> None:
-        """The next point, `by` (m) further on."""
+        """Add the next point, `by` (m) further on; the errors are those of `reach`."""
         here, last = self.movement[-1], self.steps[-1]
         step = self._step(last, self.past, here, by, 0.0, shortest)
-        if by > 0.05 * increment:  # the rate of a tiny step is mostly rounding
+        if by > 0.05 * increment:  # the rate of a shorter step is mostly rounding
             moved = (step.state.positions - last.state.positions) / by
             self.past = np.zeros_like(moved) if self.jumped else moved
         self.steps.append(step)
@@ -192,8 +195,13 @@ class _Path:
         if self.jumped:
             self.crossed.append((here, here + by))
 
+    @property
+    def applied(self) -> bool:
+        """Whether the whole movement is applied."""
+        return self.movement[-1] >= self.moving.full * (1.0 - 1e-9)
+
     def settle(self) -> State:
-        """The state at rest after the movement: what sliding has lifted comes down."""
+        """Return the state at rest after the movement: blocks that sliding has lifted come down."""
         step = self.steps[-1]
         lift = lifted(step, self.model.weight)
         if lift <= REST.lifted * self.model.size:
@@ -204,13 +212,13 @@ class _Path:
         return rested.state
 
     def moves_as_a_whole(self, moved: Array) -> bool:
-        """Whether every movable block made just the support's translation (2,) in the last step."""
+        """Whether every movable block moved by just the support's translation (2,) m in the last step."""
         before, after = (step.state.positions for step in self.steps[-2:])
         apart = abs((after - before)[self.model.movable] - [*moved, 0.0]).max()
         return bool(apart < PUSHDOWN.whole * float(abs(moved).max()))
 
     def result(self, final: State | None, ultimate: float | None, end: str) -> Pushdown:
-        """The path as it is handed on."""
+        """Return the path found."""
         states = tuple(step.state for step in self.steps)
         return Pushdown(
             np.array(self.movement),
@@ -224,15 +232,22 @@ class _Path:
             tuple(self.certificates),
         )
 
+    @property
+    def reached(self) -> str:
+        """How far the movement has come, for messages."""
+        if self.applied:
+            return "after the whole movement"
+        return f"at a movement of {self.movement[-1]:.4g} m, before the whole"
+
 
 def whole_movement(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> float:
-    """Largest component of a support's movement, m; of a pure turn, the arc at the support's farthest corner."""
+    """Return the largest component of a support's movement, m; of a pure rotation, the arc at its farthest corner."""
     corners = np.concatenate([model.blocks[i].polygon for i in model.support(support)])
     far = float(np.hypot(*(corners - model.support_centre(support)).T).max())
     return float(abs(np.asarray(displacement, dtype=float)).max()) or abs(rotation) * far
 
 
 def drawn_extent(model: Assembly) -> Array:
-    """Corners (2, 2) of the drawing's bounding box, m."""
+    """Return the lower left and the upper right corner (2, 2) of the drawing's bounding box, m."""
     points = np.concatenate([b.polygon for b in model.blocks])
     return np.stack([points.min(axis=0), points.max(axis=0)])

@@ -18,24 +18,30 @@ from mechanics.errors import (
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import limit_in
-from mechanics.procedures.path_start import elastic_start, mechanism_start, no_way_from_rest
+from mechanics.procedures.path_start import (
+    PathStart,
+    elastic_start,
+    mechanism_start,
+    no_way_from_rest,
+)
 from mechanics.procedures.step_control import HALVINGS, Bisection, reach
 from mechanics.program import Certificate
 from mechanics.steps.contact_values import moved_over
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
-from mechanics.steps.static_system import Sliding, static_system
+from mechanics.steps.static_system import Sliding, StaticSystem, static_system
 from mechanics.types import Array
 
 
 @dataclass(frozen=True, slots=True)
 class PushoverTolerances:
-    """Of a capacity curve.
+    """Tolerances of a capacity curve.
 
-    `still`: of the largest displacement, a control point that takes no part; `largest`: increments that a block may
-    move where the control point moves less; of the largest multiplier, `zero`: one that is none, found by at most
-    `chords`, `nearly`: one from which a path that comes down may jump below zero, `flat`: a change that is none;
-    `back`: of its displacement, to where a control point goes back as a part falls; `points`: the most.
+    `still`: displacement of a control point, as a share of the largest displacement, below which it takes no part;
+    `largest`: increments that a block may move in a step in which the control point moves less. As shares of the
+    largest multiplier: `zero`, a multiplier that counts as zero (found with at most `chords` chords); `nearly`, one
+    from which a falling path may jump below zero; `flat`, a change that does not count. `back`: share of its
+    displacement by which the control point goes back where a part falls; `points`: most points of a curve.
     """
 
     still: float = 1e-3
@@ -56,11 +62,12 @@ class Pushover:
     """A capacity curve from a state's own equilibrium.
 
     `displacement` (k,) m of the control point, positive along the push; `multiplier` (k,); `states` of each point;
-    `steps`: the equilibria behind the points (rigid: none at the onset). `reached_zero`: whether the curve was
-    followed to α = 0, at its last point; `lost`: whether it ends because no equilibrium lies beyond that point; `end`:
-    why it ends; `crossed` (n, 2) m: between which displacements a part moves by itself, until others hold it again.
-    `certificates` of every step. `mechanism` (b, 3): virtual displacements at the point `formed`, the first with the
-    largest multiplier in which the control point moves; `forces` (j, 3): N, P and T of the `contacts` there.
+    `steps`: the equilibria of the points (rigid joints: none at the onset); `certificates` of every step.
+    `reached_zero`: whether the last point has α = 0; `lost`: whether the curve ends because no equilibrium lies beyond
+    its last point; `end`: why it ends; `crossed` (n, 2) m: displacements between which a part moves by itself, until
+    other blocks hold it again. `formed`: index of the point of the mechanism, the first from the peak on in which the
+    control point moves; `mechanism` (b, 3): its virtual displacements; `forces` (j, 3): N, P and T of the `contacts`
+    there, kN and kNm.
     """
 
     displacement: Array
@@ -98,80 +105,90 @@ def pushover(
     sliding: Sliding = "associative",
     tolerances: PushoverTolerances = PUSHOVER,
 ) -> Pushover:
-    """Push the assembly over, from onset (rigid) or rest (elastic) until the multiplier has come down to zero.
+    """Push the assembly over, from the onset of its mechanism (rigid joints) or from rest (elastic) to α = 0.
 
-    `control`: drawn point (m) in or on a block; `increment` (m) of its displacement along the push; `until`: the share
-    of its peak at which the multiplier has come down far enough. Every point is an equilibrium in its own displaced
-    geometry, under a free multiplier whose loads do a given work (eq. 5; with elastic joints the same program traces
-    the curve through its peak). Where no equilibrium lies near, the blocks are released with that work held, until they
-    rest; where the multiplier comes down to zero, under gravity. Where they rest again the curve goes on (with rigid
-    joints at the multiplier that moves them again); where they run away, or the control point goes back, or α jumps
-    below zero, the structure has collapsed, and the last equilibrium before is located. Raises
-    UnstableError, ValueError for a control point outside every block, ControlError for one that takes no part in the
-    mechanism, NoEquilibriumError where the load meets no mechanism.
+    `control`: drawn point (2,) m in or on a block; `increment`: step of its displacement along the push, m; `state`:
+    where the push begins, default as drawn; `until`: share of the peak at which the curve ends.
+
+    Every point is an equilibrium in its own displaced geometry: the multiplier is free, and the lateral loads do a
+    given work (eq. 5; with elastic joints the same program follows the curve through its peak). If no equilibrium lies
+    near, the blocks are released with that work held constant; at α = 0 they are released under gravity. If they come
+    to rest, the curve goes on (with rigid joints at the multiplier that moves them again). If they do not, or the
+    control point goes back, or α jumps below zero, the structure has collapsed: the last equilibrium before is located.
+
+    Raises UnstableError if the state cannot stand, ArgumentError for a control point outside every block, ControlError
+    for one that takes no part in the mechanism, NoEquilibriumError if the load meets no mechanism.
     """
+    # nine arguments: the public function of the package, called with keywords
     require(0.0 < increment < np.inf, "increment", increment, "positive, in m")
     require(0.0 <= until < 1.0, "until", until, "a share of the peak")
-    curve = _Curve(model, control, direction, contacts, increment, state, until, sliding, tolerances)
+    push = _Push(np.asarray(control, dtype=float), direction, increment, until, tolerances)
+    curve = _Curve(push, static_system(model, contacts, sliding), state)
     bisection = Bisection(increment, curve.first.share * increment)
     while not curve.end:
+        jumps = len(curve.crossed)
         try:
             curve.advance(bisection.length, bisection.shortest)
         except (NoEquilibriumError, ConvergenceError) as stop:
             if not bisection.shorter():
                 curve.end, curve.lost = str(stop), isinstance(stop, RunawayError)
             continue
-        bisection.longer()
+        bisection.longer(len(curve.crossed) > jumps)
     return curve.finished()
 
 
-class _Curve:
-    """A capacity curve as far as it has been followed; `end`: why it goes no farther."""
+@dataclass(frozen=True, eq=False)
+class _Push:
+    """What is asked for: the `control` point (2,) m, the direction, the step (`increment`, m) and where to end."""
 
-    def __init__(
-        self,
-        model: Assembly,
-        control: ArrayLike,
-        direction: Direction,
-        contacts: Behaviour,
-        increment: float,
-        state: State | None,
-        until: float,
-        sliding: Sliding,
-        tolerances: PushoverTolerances,
-    ) -> None:
-        self.tolerances = tolerances
-        self.model, self.increment, self.until, self.drawn = model, increment, until, state is None
-        self.control, self.direction = np.asarray(control, dtype=float), direction
-        self.block = model.block_at(control)
-        self.lateral = model.lateral_load(direction)
-        self.system = static_system(model, contacts, sliding)
-        self.first = (
-            mechanism_start(model, direction, state, sliding)
-            if contacts == "rigid"
-            else elastic_start(model, direction, state, increment, sliding)
-        )
+    control: Array
+    direction: Direction
+    increment: float
+    until: float
+    tolerances: PushoverTolerances
+
+
+class _Curve:
+    """A capacity curve as far as it has been followed; `end`: why it ends, "" while it goes on."""
+
+    def __init__(self, push: _Push, system: StaticSystem, state: State | None) -> None:
+        self.push, self.system, self.model, self.drawn = push, system, system.model, state is None
+        self.tolerances = push.tolerances
+        self.block = self.model.block_at(push.control)
+        self.lateral = self.model.lateral_load(push.direction)
+        self.first = self._start(state)
         self.states, self.multiplier, self.displacement = [self.first.state], [self.first.alpha], [0.0]
         self.steps = [self.first.step] if self.first.step else []
         self.certificates = [self.first.certificate]
-        # the next step from the rate of the last one: per unit work, how far the blocks and the control point move
+        # the next step is predicted from the displacements of blocks and control point per unit work in the last one
         self.rate = self.first.rate
-        little = 1e-6 * model.size / float(abs(self.rate[:, :2]).max())
-        self.control_rate = self.along(self.first.state.positions + little * self.rate) / little
-        self.plateau = (0.0, self.first.alpha)  # where α last changed, and to what
+        self.control_rate = self._control_rate(self.first.state.positions)
+        self.plateau = (0.0, self.first.alpha)  # displacement at which α last changed, and its value since
         self.crossed: list[tuple[float, float]] = []
         self.end, self.reached, self.lost = "", False, False
 
+    def _start(self, state: State | None) -> PathStart:
+        """Return the start of a curve from a state (None: as drawn)."""
+        direction, sliding = self.push.direction, self.system.sliding
+        if self.system.rigid:
+            return mechanism_start(self.model, direction, state, sliding)
+        return elastic_start(self.model, direction, state, self.push.increment, sliding)
+
+    def _control_rate(self, positions: Array) -> float:
+        """Return the displacement of the control point per unit work (m/kNm) at positions (b, 3) of the last point."""
+        little = 1e-6 * self.model.size / float(abs(self.rate[:, :2]).max())
+        return (self.along(positions + little * self.rate) - self.displacement[-1]) / little
+
     def along(self, positions: Array) -> float:
-        """Displacement (m) of the control point along the push."""
+        """Return the displacement (m) of the control point along the push, at positions (b, 3)."""
         now, begun = (
-            self.model.point_displacement(self.control, self.block, at)[0]
+            self.model.point_displacement(self.push.control, self.block, at)[0]
             for at in (positions, self.states[0].positions)
         )
-        return float(now - begun) if self.direction == "+x" else float(begun - now)
+        return float(now - begun) if self.push.direction == "+x" else float(begun - now)
 
     def advance(self, length: float, shortest: bool) -> None:
-        """The next point, about a length (m) further on: whether it is the `shortest` that is tried."""
+        """Add the next point, about a length (m) further on; `shortest`: whether no shorter one is tried after it."""
         fastest = float(abs(self.rate[:, :2]).max())
         work = length / max(self.control_rate, fastest / self.tolerances.largest)
         step, jumped = self._step(work, fastest, shortest)
@@ -180,8 +197,12 @@ class _Curve:
             self.tolerances.back * self.displacement[-1], self.tolerances.still * self.model.size
         ):
             raise RunawayError("a part falls, and the control point goes back")
+        if jumped and self.along(step.state.positions) <= max(
+            (then for then, _ in self.crossed), default=-np.inf
+        ):
+            raise RunawayError("the structure falls back to where it has jumped before")
         if jumped and self.system.rigid and self._go_on_from(step):
-            return  # rigid blocks rest under many multipliers: the one that moves them again is theirs
+            return  # rigid blocks rest under a range of multipliers: the curve takes the one that moves them again
         if step.alpha >= 0.0:
             self._append(work, step, jumped)
             return
@@ -202,7 +223,7 @@ class _Curve:
             self.end = "α = 0, and no push moves the structure where it rests again"
 
     def _step(self, work: float, fastest: float, shortest: bool = True) -> tuple[Equilibrium, bool]:
-        """The equilibrium after so much work (kNm), and whether blocks jumped to it."""
+        """Return the equilibrium after `work` (kNm) of the lateral loads, and whether blocks jumped to it."""
         now = self.states[-1]
         self.system = self.system.around(now.positions, 2.0 * work * fastest)
         problem = StepProblem(self.system, now, self.model.dead_load, work * fastest, self.lateral, work)
@@ -212,9 +233,10 @@ class _Curve:
     def _down_to_zero(
         self, work: float, fastest: float, beyond: Equilibrium
     ) -> tuple[float, Equilibrium, bool] | None:
-        """The step that brings the multiplier down to zero on the way to one beyond (false position, Illinois rule).
+        """Return the step to α = 0 on the way to an equilibrium beyond it (false position, Illinois rule).
 
-        As `_append` takes it. Where the multiplier jumps below zero: the last one found before the jump, or None.
+        The result has the arguments of `_append`. If the multiplier jumps below zero it is the last step found before
+        the jump, or None.
         """
         low, high = (0.0, self.multiplier[-1]), (work, beyond.alpha)
         tolerance, least = self.tolerances.zero * max(self.multiplier), work / 2.0**HALVINGS
@@ -238,40 +260,33 @@ class _Curve:
         return last
 
     def _held_again(self, beyond: Equilibrium) -> Equilibrium | None:
-        """The rest under gravity near a point beyond zero, where a part that has moved by itself is held again."""
-        size = max(self.increment, 1e-3 * self.model.size)
+        """Return the rest under gravity near an equilibrium beyond α = 0; None if there is none or it lies far back."""
+        size = max(self.push.increment, 1e-3 * self.model.size)
         problem = StepProblem(self.system, beyond.state, self.model.dead_load, size)
         try:
             held = motion_to_rest(problem, beyond.state.positions)
         except (NoEquilibriumError, ConvergenceError):
             return None
-        return held if self.along(held.state.positions) >= self.displacement[-1] - self.increment else None
+        return (
+            held if self.along(held.state.positions) >= self.displacement[-1] - self.push.increment else None
+        )
 
     def _go_on_from(self, held: Equilibrium) -> bool:
-        """Whether the curve goes on where the structure rests again, or nothing can be pushed there."""
+        """Add the onset of a new push where the structure rests again; return False if no push moves it there."""
         try:
-            start = (
-                mechanism_start(self.model, self.direction, held.state, self.system.sliding)
-                if self.system.rigid
-                else elastic_start(
-                    self.model, self.direction, held.state, self.increment, self.system.sliding
-                )
-            )
+            start = self._start(held.state)
         except (UnstableError, NoEquilibriumError, ConvergenceError):
             return False
-        # the point is the onset there: its forces are those under α, not those of the rest under gravity
+        # the new point is the onset of the push: it has the forces under α, not those of the rest under gravity
         forces = moved_over(start.forces, start.contacts, held.contacts)
         onset = replace(held, alpha=start.alpha, forces=forces, certificate=start.certificate)
         self._append(1.0, onset, jumped=True)
         self.rate = start.rate
-        little = 1e-6 * self.model.size / float(abs(self.rate[:, :2]).max())
-        self.control_rate = (
-            self.along(held.state.positions + little * self.rate) - self.displacement[-1]
-        ) / little
+        self.control_rate = self._control_rate(held.state.positions)
         return True
 
     def _append(self, work: float, step: Equilibrium, jumped: bool) -> None:
-        """The next point."""
+        """Add a point, the rate of the next step, and why the curve ends if it does."""
         before = self.states[-1].positions
         self.states.append(step.state)
         self.steps.append(step)
@@ -288,19 +303,24 @@ class _Curve:
         size, alpha = self.model.size, self.multiplier[-1]
         if now - self.plateau[0] > size:
             self.end = f"the structure slides: α stays {alpha:.4g} over {size:.3g} m, and nothing ends that"
-        if not self.end and now > 0.5 * self.increment and alpha <= self.until * max(self.multiplier):
-            self.end = f"α has come down to {self.until:g} of its peak"
+        if (
+            not self.end
+            and now > 0.5 * self.push.increment
+            and alpha <= self.push.until * max(self.multiplier)
+        ):
+            self.end = f"α has come down to {self.push.until:g} of its peak"
         if len(self.states) == self.tolerances.points and not self.end:
             self.end = f"{self.tolerances.points} points"
 
     def finished(self) -> Pushover:
-        """The curve; ControlError where the control point takes no part in it."""
+        """Return the curve; raise ControlError if the control point takes no part in it."""
         if len(self.states) == 1 and not self.system.rigid and self.drawn:
             raise no_way_from_rest(self.end)
         moved = float(abs(self.states[-1].positions - self.states[0].positions)[:, :2].max())
         if len(self.states) == 1 or max(self.displacement) < self.tolerances.still * moved:
             raise ControlError(
-                f"control = {tuple(self.control.tolist())} takes no part in the mechanism along {self.direction}, "
+                f"control = {tuple(self.push.control.tolist())} takes no part in the mechanism along "
+                f"{self.push.direction}, "
                 f"or the increment is too large: {self.end}"
             )
         formed, mechanism, forces, contacts = self._mechanism()
@@ -321,7 +341,7 @@ class _Curve:
         )
 
     def _mechanism(self) -> tuple[int, Array, Array, Contacts]:
-        """The point at which the mechanism is activated, its virtual displacements (b, 3), and the forces there."""
+        """Return the point at which the mechanism forms, its displacements (b, 3), forces (j, 3) and contacts."""
         peak = _peak(np.array(self.multiplier))
         for point in range(peak, len(self.states)):
             mechanism, forces, contacts = self._mechanism_at(point)
@@ -330,7 +350,10 @@ class _Curve:
         return peak, *self._mechanism_at(peak)
 
     def _mechanism_at(self, point: int) -> tuple[Array, Array, Contacts]:
-        """Virtual displacements (b, 3), forces (j, 3) and contacts at a point; elastic: the next motion."""
+        """Return virtual displacements (b, 3), forces (j, 3) and contacts at a point.
+
+        With elastic joints the displacements are those of the step from it.
+        """
         rigid = self.system.rigid
         if rigid and point == 0:
             return self.first.rate, self.first.forces, self.first.contacts
@@ -338,7 +361,7 @@ class _Curve:
         forces, contacts = step.forces, step.contacts
         if rigid:
             try:
-                found = limit_in(self.model, self.direction, self.states[point], self.system.sliding)
+                found = limit_in(self.model, self.push.direction, self.states[point], self.system.sliding)
                 return found.mechanism, forces, contacts
             except (NoEquilibriumError, ConvergenceError):
                 pass
@@ -346,7 +369,7 @@ class _Curve:
         return self.states[begin + 1].positions - self.states[begin].positions, forces, contacts
 
     def _takes_part(self, point: int, mechanism: Array) -> bool:
-        """Whether the control point moves along the push in virtual displacements (b, 3) of a point."""
+        """Whether virtual displacements (b, 3) at a point move the control point along the push."""
         fastest = float(abs(mechanism[:, :2]).max())
         little, at = 1e-6 * self.model.size / fastest, self.states[point].positions
         moved = self.along(at + little * mechanism) - self.along(at)
@@ -354,6 +377,6 @@ class _Curve:
 
 
 def _peak(multiplier: Array) -> int:
-    """Index of the largest multiplier (k,), the first of those that differ by no more than rounding."""
+    """Return the index of the largest multiplier (k,), the first of those that differ by rounding alone."""
     largest = float(multiplier.max())
     return int(np.argmax(multiplier >= largest - PUSHOVER.zero * abs(largest)))

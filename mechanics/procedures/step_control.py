@@ -1,4 +1,4 @@
-"""How long a step of a path is, and what is done where none leads on."""
+"""Length of the steps of a path, and what is tried where a step finds no equilibrium."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.tolerances import STEP
 from mechanics.types import Array
 
-HALVINGS = 5  # down to which the end of a path is located
-JUMP = 2.0  # of a step: a motion that it does not account for
-GROWTH = 1.5  # of steps that have been halved, or begin small
+HALVINGS = 5  # of an increment: the end of a path is located to 1/32 of it
+JUMP = 2.0  # times the expected displacement of a step: a longer motion is a jump
+GROWTH = 1.5  # factor from one step to the next, after halvings or a small first step
 
 
 @dataclass(slots=True)
 class Bisection:
-    """The `length` of the next step of a path: halved where one fails, down to 1/32 of the `increment`, and back up."""
+    """The `length` of the next step of a path: halved if a step fails, down to 1/32 of the `increment`, and back up."""
 
     increment: float
     length: float = 0.0
@@ -31,31 +31,31 @@ class Bisection:
 
     @property
     def shortest(self) -> bool:
-        """Whether it is not halved any more."""
+        """Whether the length may not be halved any more."""
         return self.length <= self.increment * 0.5**HALVINGS * (1.0 + 1e-9)
 
     def shorter(self) -> bool:
-        """Half of it, where that is long enough."""
+        """Halve the length; return False, and leave it, if it is the shortest already."""
         if self.shortest:
             return False
         self.length *= 0.5
         return True
 
-    def longer(self) -> None:
-        """Towards the increment again."""
-        self.length = min(self.increment, GROWTH * self.length)
+    def longer(self, jumped: bool) -> None:
+        """Lengthen the step, up to the increment; at once if the blocks have `jumped`: the difficult part is behind."""
+        self.length = self.increment if jumped else min(self.increment, GROWTH * self.length)
 
 
 def reach(
     problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool
 ) -> tuple[Equilibrium, bool]:
-    """The equilibrium of a step, and whether blocks that were released to find it jumped.
+    """Return the equilibrium of a step, and whether the blocks had to be released and jumped to it.
 
-    Collapse is a fact and not a failed step. Where no equilibrium is found the step is taken in short ones; where
-    blocks fall in these, the motion that follows decides. A step in which blocks came into each other that were too far
-    apart to touch is repeated with their faces in contact. Raises RunawayError where the motion runs away,
-    UnsettledError of an elastic step that may be halved (it is not the `shortest`), ConvergenceError or
-    NoEquilibriumError where nothing is decided.
+    A failed step is not yet a collapse. If no equilibrium is found near the `guess` (b, 3), a step of rigid joints is
+    divided into short ones. A step that still fails is to be halved; at the `shortest` the blocks are released, and
+    their motion decides. If blocks penetrate that were too far apart to touch, the step is repeated with their faces in
+    contact. Raises RunawayError if the motion does not come to rest, NoEquilibriumError or ConvergenceError if the step
+    may still be halved, ConvergenceError if nothing is decided.
     """
     while True:
         found, jumped = _reach(problem, guess, last, shortest)
@@ -66,7 +66,7 @@ def reach(
 
 
 def slides(found: Equilibrium, size: float) -> bool:
-    """Whether joints slide in the program that led to an equilibrium, by a share of its step's size (m)."""
+    """Whether joints slide in the program of an equilibrium by more than a share of its step's `size` (m)."""
     if found.iterate is None:
         return False
     slip = abs(found.iterate.gaps[:, 2] - found.iterate.gaps[:, 3]).max(initial=0.0)
@@ -82,21 +82,21 @@ def _reach(
     except (NoEquilibriumError, ConvergenceError) as error:
         stop: Exception = error
     unsettled = isinstance(stop, UnsettledError)
-    if unsettled and not rigid and not shortest:
-        raise stop  # rigid joints that slide settle in shorter steps as little
-    if unsettled or rigid:
+    if rigid:
         try:
             found = in_short_steps(problem, guess)
-            if unsettled or slides(found, problem.size):
-                return found, False  # what only turns is followed exactly, or not at all
+            if unsettled or slides(found, problem.size):  # what only turns is followed exactly or not at all
+                return found, False
         except (NoEquilibriumError, ConvergenceError) as error:
             error.__cause__ = stop
             stop = error
+    if not shortest:
+        raise stop
     begun = np.where(problem.system.model.movable[:, None], problem.start.positions, guess)
     try:
         rested = motion_to_rest(problem, begun)
     except RunawayError as fall:
-        same = str(fall) == str(stop)  # the motion was stopped by what had stopped the step
+        same = str(fall) == str(stop)  # motion and step ended for the same reason
         raise RunawayError(str(fall) if same else f"{fall} ({stop})") from stop
     jumped = way(begun, rested.state.positions, problem.system.model.size) > JUMP * problem.size
     return rested, jumped

@@ -31,28 +31,29 @@ from mechanics.types import GRAVITY, Array
 
 Integrator = Literal["auto", "moreau-jean", "second-order", "implicit-euler"]
 
-FEW = 3  # movable blocks up to which impacts are located
-LOCATED = Halving(10, 1e-4)  # steps of 1/1024 at impacts
-RESOLVED = Halving(6, 1e-2)
-CLOSING = Halving(4, 0.05)  # elastic joints: the same, but no finer than their impacts last
-UNSOLVED = Halving(0, np.inf)  # only steps that are not solved
-CHUNK = 200  # steps between looks at what was recorded
-BALANCED = 1e-4  # of the energy turned over: an imbalance that is none
-TAKEN = 0.2  # of all that was dissipated: a share of the integrator that is warned of
-NOTHING = 1e-6  # of the weight lifted by a block's size: an energy that is no motion
+FEW = 3  # most movable blocks for which every impact is located
+LOCATED = Halving(10, 1e-4)  # second order, rigid: steps down to 1/1024 at impacts
+RESOLVED = Halving(6, 1e-2)  # Moreau-Jean: steps down to 1/64 where impacts take energy
+CLOSING = Halving(4, 0.05)  # second order, elastic: steps down to 1/16, but not shorter than an impact lasts
+UNSOLVED = Halving(0, np.inf)  # implicit Euler: only steps that are not solved are halved
+CHUNK = 200  # steps after which collapse is looked for
+BALANCED = 1e-4  # imbalance, as a share of the energy turned over, that needs no warning
+TAKEN = 0.2  # share of the integrator in the dissipated energy above which a warning is given
+NOTHING = 1e-6  # energy, as a share of the weight lifted by a block's size, below which nothing moves
 
 
 @dataclass(frozen=True, eq=False)
 class TimeHistory:
-    """The motion of b blocks at k times, in the frame of the ground: supports rest, the base motion is inertia.
+    """The motion of b blocks at k times in the frame of the ground: supports rest, the base motion acts as inertia.
 
-    `time` (k,) s; `positions` (k, b, 3): x, z, ω as in State, `velocities` (k, b, 3); `forces` (k, j, 3): N, P and T
-    (kN, kNm) of the drawn joints in the step that led to each time; `start` the state at rest the motion began from;
-    `final` its last one. `displacement` (k,) m: of the control point along x from `start`, None without a control
-    point.
-    `collapsed`, `time_of_collapse` (s) and `collapse_reason`: see time_history; the arrays end there. `energy`: its
-    balance at each time. `integrator` used, and `chosen` why. `programs` solved, in so many `iterations`, `halvings` of
-    steps, `cold` starts; `worst`: the largest residual of a program, relative. `notes`: what to know about the motion.
+    `time` (k,) s; `positions` (k, b, 3): x, z (m) and ω (rad); `velocities` (k, b, 3): m/s and rad/s; `forces`
+    (k, j, 3): N (kN), P (kNm) and T (kN) of the drawn joints in the step that led to each time; `start`: the state in
+    which the motion begins; `final`: its last state. `displacement` (k,) m: of the control point along x from `start`,
+    None without a control point. `collapsed`, `time_of_collapse` (s) and `collapse_reason`: see time_history; the
+    arrays end there. `energy`: the balance at each time.
+
+    `integrator`: the one used; `chosen`: why. Numbers of `programs` solved, of their `iterations`, of `halvings` of
+    steps and of `cold` starts; `worst`: largest relative residual of a program. `notes`: warnings about the motion.
     """
 
     time: Array
@@ -91,31 +92,25 @@ def time_history(
 ) -> TimeHistory:
     """Integrate the motion under base accelerations (k,) in g, sampled at `time_step` (s) and linear in between.
 
-    `integrator`: "second-order" is the midpoint rule; impacts of rigid joints are located in steps of down to 1/1024,
-    those of elastic ones, where they take more than 5 % of the kinetic energy, in steps of 1/16 or of √(m/k);
-    "moreau-jean" the same with steps of down to 1/64, halved where impacts take more than 1 % of the kinetic energy;
-    "implicit-euler" the paper's; "auto" the second of them for rigid joints of more than three blocks, else the first.
-    `vertical_acceleration` (k,) g, upward. A state at rest that gravity lets stand first settles on its elastic
-    joints; any other, tilted or moving, is released as it is (default: as drawn). `damping_ratio`: of the viscous
-    forces, proportional to the contact stiffness, at the first frequency of the structure as drawn, all joints closed
-    (elastic joints). `restitution`: of normal velocities at impacts (rigid joints, second order). `control`: a drawn
-    point whose horizontal displacement is followed.
+    `integrator`: "second-order" is the midpoint rule. It locates impacts of rigid joints in steps down to 1/1024; with
+    elastic joints a step in which impacts take more than 5 % of the kinetic energy is halved down to 1/16 or √(m/k).
+    "moreau-jean" is the same rule with steps down to 1/64, halved where impacts take more than 1 % of the kinetic
+    energy. "implicit-euler" is the paper's. "auto" is "moreau-jean" for rigid joints of more than three movable blocks,
+    otherwise "second-order".
 
-    The run stops at collapse: a block turned by more than 1 rad, or fallen by more than its size and still falling,
-    or out of reach of all its contacts; or the control point past its `ultimate` displacement (m) and moving outward.
-    Raises ValueError naming a bad argument, ConvergenceError where a step is not solved.
+    `state` (default: as drawn): a state at rest that can stand first settles on its elastic joints; any other, tilted
+    or moving, is released as it is. `vertical_acceleration` (k,) g, upward. `damping_ratio` (elastic joints): of
+    viscous contact forces proportional to stiffness, at the first frequency of the structure as drawn with all joints
+    closed. `restitution` (rigid joints, second order): of normal velocities at impacts. `control`: a drawn point (2,) m
+    whose horizontal displacement is recorded.
+
+    The motion ends at collapse: a block has turned by more than 1 rad, has fallen by more than its size and still
+    falls, or is out of reach of all its contacts; or the control point is past its `ultimate` displacement (m) and
+    moves outward. Raises ArgumentError for an argument out of its range, ConvergenceError if a step is not solved.
     """
+    # eleven arguments: the public function of the package, called with keywords
     base = _base(acceleration, vertical_acceleration, time_step)
-    names = ("auto", "moreau-jean", "second-order", "implicit-euler")
-    require(integrator in names, "integrator", integrator, ", ".join(f'"{name}"' for name in names))
-    require(contacts == "rigid" or integrator != "moreau-jean", "integrator", integrator,
-            '"auto", "second-order" or "implicit-euler" with elastic contacts')  # fmt: skip
-    require(0.0 <= damping_ratio < 1.0, "damping_ratio", damping_ratio, "from 0 to less than 1")
-    require(damping_ratio == 0.0 or contacts == "elastic", "damping_ratio", damping_ratio,
-            "0 with rigid contacts, which have no stiffness to be proportional to")  # fmt: skip
-    require(0.0 <= restitution <= 1.0, "restitution", restitution, "from 0 to 1")
-    require(restitution == 0.0 or (contacts == "rigid" and integrator != "implicit-euler"), "restitution", restitution,
-            "0 except with rigid contacts and an integrator of second order")  # fmt: skip
+    _check(contacts, integrator, damping_ratio, restitution)
     require(ultimate is None or (control is not None and ultimate > 0.0), "ultimate", ultimate,
             "positive, in m, and given with a control point")  # fmt: skip
     point = None
@@ -141,8 +136,22 @@ def time_history(
     return _history(system, start, motion, parts, time_step, point, reason, used, chosen)
 
 
+def _check(contacts: Behaviour, integrator: Integrator, damping_ratio: float, restitution: float) -> None:
+    """Raise ArgumentError for an integrator, a damping or a restitution that the contacts do not have."""
+    names = ("auto", "moreau-jean", "second-order", "implicit-euler")
+    require(integrator in names, "integrator", integrator, ", ".join(f'"{name}"' for name in names))
+    require(contacts == "rigid" or integrator != "moreau-jean", "integrator", integrator,
+            '"auto", "second-order" or "implicit-euler" with elastic contacts')  # fmt: skip
+    require(0.0 <= damping_ratio < 1.0, "damping_ratio", damping_ratio, "from 0 to less than 1")
+    require(damping_ratio == 0.0 or contacts == "elastic", "damping_ratio", damping_ratio,
+            "0 with rigid contacts, which have no stiffness to be proportional to")  # fmt: skip
+    require(0.0 <= restitution <= 1.0, "restitution", restitution, "from 0 to 1")
+    require(restitution == 0.0 or (contacts == "rigid" and integrator != "implicit-euler"), "restitution", restitution,
+            "0 except with rigid contacts and an integrator of second order")  # fmt: skip
+
+
 def _chosen(model: Assembly, contacts: Behaviour, integrator: Integrator) -> tuple[Integrator, str]:
-    """The integrator used, and why."""
+    """Return the integrator that is used, and why."""
     if integrator != "auto":
         return integrator, "as asked for"
     if contacts == "elastic":
@@ -162,12 +171,12 @@ def _begun(
     damping_ratio: float,
     restitution: float,
 ) -> tuple[DynamicSystem, State, Motion]:
-    """The system, the state from which the motion begins, and the motion."""
+    """Return the system, the state in which the motion begins, and the motion."""
     start, forces = _settled(model, contacts, state)
     statics = static_system(model, contacts).around(start.positions, 0.0)
     gaps = np.zeros(len(statics.contacts))
     if contacts == "rigid":
-        # dilatant sliding has left gaps under joints that carry, from which loose blocks would begin to fall
+        # dilatant sliding leaves gaps in joints that carry: loose blocks must not fall through them
         gap = end_gaps(statics.contacts.places(start.positions)).min(axis=1).clip(0.0)
         gaps = np.where(carried(statics.contacts, start), gap, 0.0)
     damping = 0.0
@@ -190,7 +199,7 @@ def _begun(
 
 
 def _settled(model: Assembly, contacts: Behaviour, state: State) -> tuple[State, Array | None]:
-    """The state from which the motion begins, and its forces (j, 3) where they are known."""
+    """Return the state in which the motion begins, and its joint forces (j, 3); None where they are not known."""
     if contacts == "rigid" or state.velocities.any():
         return state, None
     size = rest_size(model, contacts)
@@ -202,7 +211,7 @@ def _settled(model: Assembly, contacts: Behaviour, state: State) -> tuple[State,
             step = motion_to_rest(
                 StepProblem(step.system, step.state, model.dead_load, size), step.state.positions
             )
-        # what carries in a pushed state carries more than gravity
+        # the joints of a pushed state carry the push too: that it stands without it has to be checked
         if (
             state.carrying is not None
             and way(state.positions, step.state.positions, model.size) > REST.lifted * model.size
@@ -217,7 +226,8 @@ def _history(
     system: DynamicSystem, start: State, motion: Motion, parts: list[Recorded], time_step: float,
     point: ControlPoint | None, reason: str, integrator: Integrator, chosen: str,
 ) -> TimeHistory:  # fmt: skip
-    """What was recorded, in one."""
+    """Join the recorded parts of a motion to its result."""
+    # nine arguments: all that the run has, used once
     model, drawn = system.model, len(system.model.contacts)
     x, v, energies = (
         np.concatenate([parts[0].__dict__[name][:1], *(part.__dict__[name][1:] for part in parts)])
@@ -254,7 +264,7 @@ def _history(
 
 
 def _base(horizontal: ArrayLike, vertical: ArrayLike | None, time_step: float) -> Array:
-    """Base acceleration (k, 3) in m/s²: x, z and no rotation."""
+    """Return the base acceleration (k, 3) in m/s²: x, z, and 0 for the rotation."""
     require(0.0 < time_step < np.inf, "time_step", time_step, "positive, in s")
     given = {"acceleration": horizontal} | ({} if vertical is None else {"vertical_acceleration": vertical})
     components = {name: np.asarray(values, dtype=float) for name, values in given.items()}
@@ -269,7 +279,7 @@ def _base(horizontal: ArrayLike, vertical: ArrayLike | None, time_step: float) -
 
 
 def _notes(model: Assembly, last: Array, energy: Energy) -> tuple[str, ...]:
-    """What to know about a motion: blocks lying in each other, an open energy balance, what the integrator took."""
+    """Return warnings: blocks that overlap, an energy balance with an error, energy that the integrator dissipated."""
     notes = () if model.collisions else passing_through(model, last)
     moves = energy.turnover > NOTHING * model.weight * model.size
     if moves and energy.imbalance > BALANCED:

@@ -17,23 +17,25 @@ from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
 from mechanics.types import GRAVITY
 
-ACCEPTED = 1e-10  # per weight and step: what an interior-point solution may miss
+ACCEPTED = 1e-10  # residual of an interior-point solution, per weight and step
 GOOD = 1e-8  # a certificate that needs no second opinion
-USABLE = 1e-6  # the worst that is accepted when every solver has been asked
-BALANCED = 1e-6  # of gravity: an acceleration that is none
-MARGINAL = 1e-8  # of gravity: one that decides where no solver finds an answer
-OPEN = 100.0  # steps: a gap that does not close
+USABLE = (
+    1e-6  # the worst certificate that is accepted, after all solvers have been tried or where a motion rests
+)
+BALANCED = 1e-6  # of gravity: acceleration up to which loads count as balanced
+MARGINAL = 1e-8  # of gravity: the same if no solver finds a solution
+OPEN = 100.0  # steps: gap of a joint that stays open
 
 
 def solve(
     program: Program, layout: Elimination, near: Iterate | None = None
 ) -> tuple[Solution, Iterate | None]:
-    """The first certified solution, and the iterate near which a next one may be sought (None: PIQP's has none).
+    """Return the first certified solution, and its iterate as the start of a next one (None for a solution of PIQP).
 
-    By the interior-point method of our own, from `near` where that is given, then from a cold start; then by PIQP,
-    where the program is a quadratic one. No status is ever trusted. Raises NoEquilibriumError where the loads cannot be
-    balanced (decided by a program of its own, see imbalance), ConvergenceError where they can but no solver shows how,
-    or where not even that program is solved.
+    The package's interior-point method is tried first, from `near` if it is given, then from a cold start; then PIQP,
+    if the program is quadratic. A solver's status is never relied on: the certificate decides. Raises
+    NoEquilibriumError if the loads cannot be balanced (a program of its own decides, see imbalance), ConvergenceError
+    if they can but no solver finds forces, or if that program is not solved either.
     """
     best: Solution | None = None
     starts = [] if near is None else [near]
@@ -49,7 +51,7 @@ def solve(
     if program.mass is None:
         try:
             acceleration = imbalance(program, layout)
-        except ConvergenceError as error:  # of no account where an attempt finds a certified solution
+        except ConvergenceError as error:  # ignored if an attempt finds a certified solution
             undecided = error
     if acceleration <= BALANCED:
         from mechanics.solvers import qp_piqp
@@ -76,10 +78,10 @@ def _better(program: Program, best: Solution | None, found: Solution) -> Solutio
 
 
 def imbalance(program: Program, layout: Elimination) -> float:
-    """The least acceleration, per gravity, with which blocks of mean mass would start to move (Gauss's principle).
+    """Return the least acceleration, per gravity, with which blocks of mean mass start to move (Gauss's principle).
 
-    Joints count as rigid, and as closed where they may close within the program's step. This auxiliary program always
-    has a solution: zero where the loads (for some multiplier, where there is one) can be balanced.
+    Joints count as rigid, and as closed if they may close within the program's step. This auxiliary program always has
+    a solution; it is zero if the loads can be balanced (with a lateral load, for some multiplier).
     """
     places, law = program.places.copy(), program.law.copy()
     low, high = np.where(end_gaps(places) > OPEN * program.step, OPEN * GRAVITY, 0.0).T
@@ -94,7 +96,7 @@ def imbalance(program: Program, layout: Elimination) -> float:
         return float(abs(acceleration.reshape(-1, 3) * (1.0, 1.0, program.size)).max()) / GRAVITY
 
     iterate, outcome = interior.run(gauss, layout, interior.cold(gauss), 1e-11)
-    # the objective, the square of the acceleration, is known to the products that are left
+    # the objective, the square of the acceleration, is known up to the residual products
     if outcome.force <= BALANCED and outcome.product <= 1e-9:
         found = least(iterate.displacement)
         if outcome.accepted or found > 10.0 * np.sqrt(outcome.product):

@@ -1,4 +1,4 @@
-"""Blocks in an order that makes the matrices of the program narrow-banded."""
+"""Order of the blocks for a narrow band of the program's matrices."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ SWEEPS, TILT = 16, 0.01  # directions (of π), and the angle (rad) that keeps th
 
 
 def narrowest_order(linked: Index, blocks: int, centres: Array | None) -> Index:
-    """The order of the blocks (b,) in which linked pairs (l, 2) lie closest: reverse Cuthill–McKee's, or a sweep's.
+    """Return the order of the blocks (b,) with the narrowest band for linked pairs (l, 2).
 
-    A sweep of the plane in a direction meets the courses of a wall one by one: a band by a quarter to a third narrower.
+    Reverse Cuthill–McKee is compared with sweeps of the plane in several directions: a sweep meets the courses of a
+    wall one by one, and its band is narrower by a quarter to a third.
     """
     graph = sparse.coo_matrix((np.ones(len(linked)), (linked[:, 0], linked[:, 1])), shape=(blocks, blocks))
     orders = [reverse_cuthill_mckee(sparse.csr_matrix(graph + graph.T), symmetric_mode=True).astype(np.intp)]
@@ -25,13 +26,13 @@ def narrowest_order(linked: Index, blocks: int, centres: Array | None) -> Index:
 
 
 def half_band(linked: Index, order: Index) -> int:
-    """The largest distance between linked blocks in that order."""
+    """Return the largest distance of linked blocks in an order."""
     rank = np.argsort(order)
     return int(abs(rank[linked[:, 0]] - rank[linked[:, 1]]).max(initial=0))
 
 
 def envelope(row: Index, size: int) -> tuple[Index, Index]:
-    """First column and last row (size,) that rows and columns of the factor reach; contact points as in Elimination.
+    """Return the first column of each row and the last row of each column of the factor, (size,) each.
 
     No row of a Cholesky factor begins before that of its matrix; a column ends with the last row that has begun.
     """

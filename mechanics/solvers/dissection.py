@@ -1,4 +1,4 @@
-"""Blocks by nested dissection: fewer entries in the factors of large models than a band has (George, 1973).
+"""Order of the blocks by nested dissection: factors of large models have fewer entries than a band (George, 1973).
 
 A line of blocks whose removal leaves two parts that do not touch is eliminated last, and so on in either part. The
 blocks of a line, or of a part too small to divide, are a front: what they fill, among themselves and in the rows of
@@ -21,9 +21,9 @@ UNEVEN = 0.15  # of the blocks: a line that divides them as unevenly counts as l
 
 
 def dissected(linked: Index, centres: Array) -> tuple[Index, Index]:
-    """An order of the blocks (b,) at these centres (b, 2), linked by pairs (l, 2), and the first place of each front.
+    """Return an order of the blocks (b,) at `centres` (b, 2), m, linked by pairs (l, 2), and the bounds of the fronts.
 
-    The latter ends with b.
+    The bounds are the first place of each front, and b at the end.
     """
     parts: list[Index] = []
     _divide(np.arange(len(centres)), np.unique(np.sort(linked, axis=1), axis=0), centres, parts)
@@ -32,7 +32,7 @@ def dissected(linked: Index, centres: Array) -> tuple[Index, Index]:
 
 
 def _divide(blocks: Index, linked: Index, centres: Array, parts: list[Index]) -> None:
-    """Fronts of some blocks, linked by pairs of places in `blocks`, onto `parts`."""
+    """Append to `parts` the fronts of some blocks, linked by pairs of places in `blocks`."""
     if len(blocks) <= SMALLEST:
         if len(blocks):
             parts.append(blocks)
@@ -46,7 +46,7 @@ def _divide(blocks: Index, linked: Index, centres: Array, parts: list[Index]) ->
 
 
 def _shortest_line(linked: Index, centres: Array) -> tuple[Mask, Mask]:
-    """The blocks (b,) of the shortest line that divides them about evenly, and those on one side of it."""
+    """Return the blocks (b,) of the shortest line that divides them about evenly, and those on one side of it."""
     best, found = np.inf, None
     b = len(centres)
     for angle in np.pi * np.arange(DIRECTIONS) / DIRECTIONS + TILT:
@@ -67,7 +67,7 @@ def _shortest_line(linked: Index, centres: Array) -> tuple[Mask, Mask]:
 
 
 def fronts(linked: Index, bounds: Index) -> Fronts:
-    """The fronts of blocks in the order of their elimination, linked by pairs (l, 2); `bounds`: as of `dissected`."""
+    """Return the fronts of blocks in their order of elimination, linked by pairs (l, 2); `bounds`: of `dissected`."""
     reached = _reached(linked, bounds)
     count = np.array([len(rows) for rows in reached])
     width = 3 * np.diff(bounds)
@@ -100,9 +100,9 @@ def fronts(linked: Index, bounds: Index) -> Fronts:
 
 
 def _reached(linked: Index, bounds: Index) -> list[Index]:
-    """The later blocks that each front fills: those linked with its own, and what earlier fronts leave to it.
+    """Return the later blocks that each front fills: those linked with its own, and those passed on by earlier fronts.
 
-    A front leaves all that it reaches to the first front reached.
+    A front passes all blocks that it reaches on to the first front among them.
     """
     pairs = np.sort(linked, axis=1)
     pairs = pairs[np.argsort(pairs[:, 0], kind="stable")]
@@ -119,11 +119,11 @@ def _reached(linked: Index, bounds: Index) -> list[Index]:
 
 
 def _spans(values: Index) -> list[tuple[int, int, int]]:
-    """Of equal values in a row: the value, the first and the end."""
+    """Return the value, the first place and the end of each run of equal values."""
     bounds = [0, *(1 + np.flatnonzero(np.diff(values))), len(values)]
     return [(int(values[i]), int(i), int(j)) for i, j in pairwise(bounds) if i < j]
 
 
 def _to_the_end_of_each(spans: list[tuple[int, int, int]]) -> Index:
-    """From every place in the spans the distance to the end of its own."""
+    """Return, for every place in the spans, the distance to the end of its span."""
     return np.concatenate([np.arange(end - begin, 0, -1) for _, begin, end in spans])

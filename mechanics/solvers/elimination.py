@@ -1,6 +1,6 @@
-"""In which order the rows of equilibrium are eliminated, and where the matrices that follow are stored.
+"""Order of elimination of the equilibrium rows, and storage of the matrices.
 
-In a band where that is narrow; for large models, in the fronts of a nested dissection.
+They are stored in a band if it is narrow, for large models in the fronts of a nested dissection.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from mechanics.types import Array, Index
 
 PADDING = 13  # places of a band beyond its width, for tiles that reach over its edge
 WORTH_WHILE = 4e6  # products of a factorisation in the band, from which dissection is tried
-DEARER = 1.5  # a product in a front than one in the band
+DEARER = 1.5  # cost of a product in a front over that of one in the band
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +37,9 @@ class Elimination:
 
     @classmethod
     def of(cls, dof: Index, centres: Array | None = None, banded: bool = False) -> Elimination:
-        """The order for contact points of rows `dof` (c, 6), as in Program; `centres` (m/3, 2) of the blocks help.
+        """Return the order for joints with the rows `dof` (c, 6), as in Program; `centres` (m/3, 2), m: of the blocks.
 
-        `banded`: no fronts, whatever the size.
+        `banded`: without fronts, whatever the size.
         """
         blocks = (int(dof.max(initial=-1)) + 1) // 3 if centres is None else len(centres)
         pairs = dof[:, [0, 3]] // 3
@@ -59,21 +59,21 @@ class Elimination:
         return cls(rows, np.argsort(rows), row, width + PADDING, found)
 
     def take(self, index: Index) -> Elimination:
-        """The same order for a choice of the contact points."""
+        """Return the same order for the joints `index`."""
         return Elimination(self.order, self.back, self.row[index], self.places, self.fronts)
 
     def matrix(self) -> Array:
-        """Work space for a matrix."""
+        """Return new work space for a matrix."""
         return np.zeros(self.fronts.size or len(self.order) * self.places)
 
     @cached_property
     def work_space(self) -> Array:
-        """The same, kept: one solve at a time works in it."""
+        """Work space that is used again; only one solve at a time may use it."""
         return self.matrix()
 
     @cached_property
     def pattern(self) -> Pattern:
-        """Where its numbers stand."""
+        """Places of the entries of a matrix."""
         size = len(self.order)
         first = 3 * np.arange(size // 3)
         low, high = self.row.min(axis=1), self.row.max(axis=1)
@@ -87,5 +87,5 @@ class Elimination:
 
     @cached_property
     def packed(self) -> Index:
-        """The same in one array, for compiled iterations."""
+        """The pattern in one array, for compiled iterations."""
         return packed(self.pattern)

@@ -29,7 +29,7 @@ class Iterate:
     displacement: Array
 
     def warm(self, program: Program, distance: float) -> Iterate:
-        """The same, no nearer to the bounds than a distance per weight and step: where a next solution is sought."""
+        """Return the iterate with a least distance from the bounds, per weight and step, for a next solution."""
         p = program
         mu = np.maximum(p.law[:, FRICTION], 1.0)
         least = 0.5 * distance * p.weight
@@ -44,9 +44,9 @@ class Iterate:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """Where an iteration has ended: `accepted`, or else whether it found equilibrium `unstable`; its `iterations`.
+    """End of an iteration: whether its result is `accepted`, or equilibrium was found `unstable`; its `iterations`.
 
-    `force` and `product` per weight (and step), `gap` per step: what is left.
+    Residuals: `force` per weight, `product` per weight and step, `gap` per step.
     """
 
     accepted: bool
@@ -58,7 +58,7 @@ class Outcome:
 
 
 def cold(program: Program) -> Iterate:
-    """Where nothing is known: all joints bear and open alike."""
+    """Return the iterate of a cold start: all joints carry equal forces and have equal gaps."""
     far = COLD * np.sqrt(len(program.load) / 3)
     mu = np.maximum(program.law[:, FRICTION], 1.0)
     forces = np.zeros((len(program.places), 3))
@@ -69,10 +69,10 @@ def cold(program: Program) -> Iterate:
 
 
 def _within_strength(program: Program, ends: Array) -> Array:
-    """The factors (j, 1) that bring forces of two ends (j, 2) within the strength of their joints."""
+    """Return factors (j, 1) that bring forces of two ends (j, 2) within the strength of their joints."""
     most = 2.0 * UNDER_STRENGTH * program.places[:, H] * program.law[:, STRENGTH]
     n = ends.sum(axis=1)
-    centred = np.minimum(1.0, most / n)  # as if both ends bore alike
+    centred = np.minimum(1.0, most / n)  # as if both ends carried the same force
     skew = n * n / (4.0 * program.places[:, H] * program.law[:, STRENGTH]) / ends.min(axis=1)
     found: Array = np.minimum(centred, UNDER_STRENGTH / np.maximum(skew, UNDER_STRENGTH))
     return found[:, None]
@@ -80,7 +80,7 @@ def _within_strength(program: Program, ends: Array) -> Array:
 
 @one_thread()
 def run(program: Program, layout: Elimination, start: Iterate, accepted: float) -> tuple[Iterate, Outcome]:
-    """Iterate from a start until what is missed is `accepted`, per weight and step; a start is left as it is."""
+    """Iterate from a start until the residuals, per weight and step, are within `accepted`; `start` is not changed."""
     p, order = program, layout.order
     none = np.zeros(0)
     x, forces, gaps = start.displacement[order], start.forces.copy(), start.gaps.copy()
@@ -109,7 +109,7 @@ def run(program: Program, layout: Elimination, start: Iterate, accepted: float) 
 
 
 def solution(program: Program, iterate: Iterate) -> Solution:
-    """The certified solution that an iterate is."""
+    """Return the certified solution of an iterate."""
     n1, n2, t = iterate.forces.T
     forces = np.stack([n1 + n2, program.places[:, H] * (n2 - n1), t], axis=1)
     return Solution(
@@ -121,5 +121,5 @@ def solution(program: Program, iterate: Iterate) -> Solution:
 
 
 def frozen(program: Program) -> Program:
-    """The program without what forces change with the geometry."""
+    """Return the program without the change of forces with the geometry."""
     return replace(program, curved=None)

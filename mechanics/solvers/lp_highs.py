@@ -13,7 +13,7 @@ from mechanics.solvers.qp_piqp import Answer, StandardForm
 
 
 def solve(program: Program, method: Literal["highs-ds", "highs-ipm"] = "highs-ds") -> Answer | None:
-    """Joint forces (j, 3), multiplier and displacements (m,), or None where HiGHS finds no optimum."""
+    """Return joint forces (j, 3), multiplier and displacements (m,); None if HiGHS finds no optimum."""
     form = StandardForm.of(program)
     if form.p.nnz:
         raise ArgumentError("a program with beds or mass is not linear")

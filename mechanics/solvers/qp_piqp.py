@@ -22,21 +22,21 @@ from mechanics.model.contacts import rows
 from mechanics.program import LARGEST_MULTIPLIER, Program
 from mechanics.types import Array, Index
 
-POINTS = 32  # segments that stand for an exact bed
+POINTS = 32  # segments in place of an exact bed
 
 Answer = tuple[Array, float, Array]
 
 
 def suits(program: Program) -> bool:
-    """Whether the program is a quadratic one: no joint crushes."""
+    """Whether the program is quadratic: no joint crushes."""
     return bool(np.isinf(program.law[:, STRENGTH]).all())
 
 
 def solve(program: Program, tolerance: float, most_iterations: int = 60) -> Answer | None:
-    """Joint forces (j, 3), multiplier and displacements (m,) where PIQP stops, whatever it says of them.
+    """Return joint forces (j, 3), multiplier and displacements (m,) at which PIQP stops, whatever its status.
 
-    None only where they are not finite: an answer at "max iterations" is often good to ten digits and one that is
-    "solved" may be wrong, so that the certificate decides. `tolerance` is PIQP's, in the dimensionless program.
+    None only if they are not finite: a result at "max iterations" is often good to ten digits, and a "solved" one may
+    be wrong, so the certificate decides. `tolerance` is PIQP's, in the dimensionless program.
     """
     form = StandardForm.of(program)
     if not all(np.isfinite(v).all() for v in (form.p.data, form.q, form.a.data, form.b)):
@@ -69,7 +69,7 @@ class Points:
 
     @classmethod
     def of(cls, program: Program) -> Points:
-        """The ends of rigid joints, those of the segments of a bed."""
+        """Return the ends of rigid joints, and the ends of the segments of beds."""
         law, half = program.law, program.places[:, H]
         segments = np.where(
             np.isinf(law[:, BED]), 1, np.where(law[:, SEGMENTS] > 0, law[:, SEGMENTS], POINTS)
@@ -98,12 +98,12 @@ class StandardForm:
 
     @property
     def rays(self) -> int:
-        """How many there are: two a point."""
+        """Number of rays, two for each point."""
         return 2 * len(self.points.joint)
 
     @classmethod
     def of(cls, program: Program) -> StandardForm:
-        """The standard form of a program."""
+        """Return the standard form of a program."""
         points = Points.of(program)
         j, s, c, m = points.joint, points.s, len(points.joint), len(program.load)
         has_alpha, has_mass = program.lateral is not None, program.mass is not None
@@ -149,7 +149,7 @@ class StandardForm:
         return cls(program, points, upper, q, a, program.load / scale / w, scale)
 
     def recover(self, z: Array, y: Array) -> Answer:
-        """Joint forces, multiplier and displacements with their units from the solution and its multipliers."""
+        """Return joint forces, multiplier and displacements, with units, from the solution and its multipliers."""
         p, j = self.program, self.points.joint
         rays = p.weight * z[: self.rays].reshape(-1, 2)
         n, t = _ray(p.law[j, FRICTION])
@@ -167,6 +167,6 @@ def _matrix(parts: list[tuple[Array, Index, Index]], shape: tuple[int, int]) -> 
 
 
 def _ray(friction: Array) -> tuple[Array, Array]:
-    """Normal and tangential component of the unit ray (1, μ)."""
+    """Return normal and tangential component of the unit ray (1, μ)."""
     size = np.hypot(1.0, friction)
     return 1.0 / size, friction / size

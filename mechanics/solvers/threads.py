@@ -1,4 +1,4 @@
-"""How many threads the BLAS of NumPy and SciPy may use."""
+"""Number of threads of the BLAS of NumPy and SciPy."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import scipy
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Keep the OpenBLAS of NumPy's and SciPy's wheels to one thread; without effect where they bring another one.
+    """Limit the OpenBLAS of NumPy's and SciPy's wheels to one thread; no effect with another BLAS.
 
     A band of a hundred rows is factored in half a millisecond, an inner product of ten thousand numbers takes a
     hundredth of that: threads that wait for each other make them ten times as long, a hundred times where other
@@ -33,7 +33,7 @@ def one_thread() -> Iterator[None]:
 
 @cache
 def _libraries() -> tuple[tuple[Any, Any], ...]:
-    """How many threads each library has, and how to give it another number."""
+    """Yield for each library its number of threads and the function that sets it."""
     found = []
     for package, suffix in ((np, "64_"), (scipy, "")):
         folder = Path(str(package.__file__)).parent

@@ -1,4 +1,4 @@
-"""Values of contacts, carried over to other sets of contacts and to states."""
+"""Values of contacts (forces, gaps, springs), transferred to other sets of contacts and to states."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from mechanics.types import Array, Index, Mask
 
 
 def spread(values: Array, index: Index, count: int) -> Array:
-    """Values (k, n) of a choice of joints as those of all (count, n): 0 of the others."""
+    """Return values (k, n) of the joints `index` (k,) as values of all (count, n), 0 for the others."""
     out = np.zeros((count, values.shape[1]))
     out[index] = values
     return out
 
 
 def moved_over(values: Array, before: Contacts, now: Contacts) -> Array:
-    """Values (j, k) of contacts, for others: 0 of those that are new."""
+    """Return the values of the contacts `now` from those (j, k) of the contacts `before`, 0 for new contacts."""
     if before is now:
         return values
     found = np.zeros((len(now), values.shape[1]))
@@ -35,7 +35,7 @@ def moved_over(values: Array, before: Contacts, now: Contacts) -> Array:
 
 
 def iterate_over(iterate: Iterate, before: Contacts, now: Contacts) -> Iterate:
-    """An iterate of contacts, for others."""
+    """Return the iterate of the contacts `now` from that of the contacts `before`."""
     if before is now:
         return iterate
     forces, gaps = (moved_over(v, before, now) for v in (iterate.forces, iterate.gaps))
@@ -43,17 +43,17 @@ def iterate_over(iterate: Iterate, before: Contacts, now: Contacts) -> Iterate:
 
 
 def taken(iterate: Iterate, index: Index) -> Iterate:
-    """The iterate over a choice of the joints."""
+    """Return the iterate of the joints `index` (k,)."""
     return replace(iterate, forces=iterate.forces[index], gaps=iterate.gaps[index])
 
 
 def over_all(found: Iterate, index: Index, count: int) -> Iterate:
-    """An iterate over all joints: those without overlap carry nothing."""
+    """Return an iterate of all joints from that of the joints `index`; the others, without overlap, carry nothing."""
     return replace(found, forces=spread(found.forces, index, count), gaps=spread(found.gaps, index, count))
 
 
 def spring_forces(contacts: Contacts, state: State) -> Array:
-    """Tangential forces (j,) kN in the springs of contacts in a state."""
+    """Return the tangential forces (j,) kN in the springs of contacts in a state."""
     forces = np.zeros(len(contacts))
     if state.shear is not None:
         forces[: len(state.shear)] = state.shear
@@ -65,14 +65,14 @@ def spring_forces(contacts: Contacts, state: State) -> Array:
 
 
 def with_springs(contacts: Contacts, state: State, drawn: int, forces: Array) -> State:
-    """A state with the tangential forces (j,) of its contacts' springs."""
+    """Return a state with the tangential forces (j,) kN of its contacts' springs."""
     met = np.column_stack([contacts.edges[drawn:], forces[drawn:]])
     met = met[met[:, 2] != 0.0]
     return replace(state, shear=forces[:drawn].copy(), met=met if len(met) else None)
 
 
 def carried(contacts: Contacts, state: State) -> Mask:
-    """Which contacts (j,) carry in the equilibrium that led to a state, as far as is known."""
+    """Return which contacts (j,) carry in the equilibrium that led to a state, as far as the state knows."""
     found = np.zeros(len(contacts), dtype=bool)
     if state.carrying is not None:
         found[: len(state.carrying)] = state.carrying
@@ -83,7 +83,7 @@ def carried(contacts: Contacts, state: State) -> Mask:
 
 
 def state_at_rest(system: StaticSystem, at: Array, forces: Array) -> State:
-    """The state at rest at positions (b, 3) under forces (j, 3)."""
+    """Return the state at rest at positions (b, 3) under forces N, P and T (j, 3), kN and kNm."""
     carrying = forces[:, 0] > system.least_force
     drawn = len(system.model.contacts)
     met = np.column_stack([system.contacts.edges, forces[:, 2]])[drawn:][carrying[drawn:]]

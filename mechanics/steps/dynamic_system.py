@@ -1,4 +1,4 @@
-"""What does not change while blocks move, and the motion itself, step by step.
+"""The system of a motion, which does not change while blocks move, and the motion itself, step by step.
 
 Everything moves in the frame of the ground: the supports rest there and base motion acts as inertia on the blocks.
 """
@@ -27,8 +27,8 @@ from mechanics.steps.contact_values import moved_over, spring_forces
 from mechanics.steps.static_system import StaticSystem, static_system
 from mechanics.types import Array, Index
 
-ACCEPTED = 1e-7  # what a program may miss, per weight and span
-AHEAD = 0.05  # of the block size: how far a corner goes before contacts are looked for anew
+ACCEPTED = 1e-7  # residual of a program, per weight and span, that is accepted
+AHEAD = 0.05  # of the block size: how far a corner may move before contacts are looked for again
 
 
 @dataclass(eq=False)
@@ -45,7 +45,7 @@ class Motion:
 
     @property
     def shear(self) -> Array:
-        """Tangential forces (j,) kN of springs."""
+        """Tangential forces (j,) kN of the joints' springs."""
         return self.joints[:, SPRING]
 
 
@@ -53,7 +53,7 @@ class Motion:
 class Recorded:
     """Positions and velocities (k + 1, b, 3), N, P and T (k + 1, j, 3) and energies (k + 1, ENERGIES) of k steps.
 
-    Of the first ones, from which the steps begin, the forces are unknown.
+    Row 0 is where the steps begin; its forces are not known.
     """
 
     x: Array
@@ -62,15 +62,16 @@ class Recorded:
     energy: Array
 
     def until(self, last: int) -> Recorded:
-        """The first steps, up to the `last`."""
+        """Return the first steps, up to the `last`."""
         return Recorded(*(values[: last + 1] for values in (self.x, self.v, self.forces, self.energy)))
 
 
 @dataclass(frozen=True, slots=True)
 class Halving:
-    """Into how many `levels` a step is halved where it takes more than a `share` of the kinetic energy.
+    """How often a step is halved.
 
-    And into how many `unsolved` where its program is not solved.
+    At most `levels` times while impacts take more than a `share` of the kinetic energy; at most `unsolved` times while
+    its program is not solved.
     """
 
     levels: int
@@ -79,7 +80,7 @@ class Halving:
 
     @property
     def limits(self) -> tuple[int, float, int]:
-        """As march takes them."""
+        """Levels, share and unsolved levels, in the order of kernels.motion_step.march."""
         return self.levels, self.share, max(self.levels, self.unsolved)
 
 
@@ -87,9 +88,9 @@ class Halving:
 class DynamicSystem:
     """The system of a motion.
 
-    `theta`: the share of a step at which balance holds; `damping` (s): viscous contact force per elastic one and rate
-    of gap; `restitution` of normal velocities; `halving` of steps. `counts` (6,): programs, iterations, halvings, cold
-    starts, and the worst residuals of force and product.
+    `theta`: share of a step at which the equations of motion hold; `damping` (s): viscous contact force over the
+    stiffness and the rate of the gap; `restitution`: of normal velocities at impacts; `halving`: of steps. `counts`
+    (6,): programs, iterations, halvings, cold starts, and the worst residuals of force and product.
     """
 
     system: StaticSystem
@@ -106,22 +107,22 @@ class DynamicSystem:
 
     @property
     def contacts(self) -> Contacts:
-        """Where blocks touch, or may within the way that is looked ahead."""
+        """The contacts of blocks that touch, or may touch within the margin."""
         return self.system.contacts
 
     @cached_property
     def layout(self) -> Elimination:
-        """In which order the matrices are eliminated."""
+        """The order of elimination of the matrices."""
         model = self.model
         return Elimination.of(self.system.dof, model.initial.positions[model.movable, :2])
 
     @property
     def margin(self) -> float:
-        """How far (m) a corner may go before contacts are looked for anew."""
+        """How far (m) a corner may move before contacts are looked for again."""
         return AHEAD * self.model.size if self.model.collisions else np.inf
 
     def around(self, motion: Motion) -> DynamicSystem:
-        """The system with the contacts about a motion, whose arrays become those of these contacts."""
+        """Return the system with the contacts near a motion, whose arrays become those of these contacts."""
         system, before = self.system.around(motion.blocks[0], self.margin), self.contacts
         if system is self.system:
             return self
@@ -132,22 +133,22 @@ class DynamicSystem:
         motion.joints = moved_over(motion.joints, before, system.contacts)
         if (
             not self.system.rigid
-        ):  # faces that are looked at for the first time bear nothing, however deep they are
+        ):  # a contact found for the first time carries nothing, however deep its faces penetrate
             deep = end_gaps(system.contacts.places(motion.blocks[0])).min(axis=1).clip(max=0.0)
             motion.joints[~kept, SUNK] = deep[~kept]
         return found
 
     @cached_property
     def first(self) -> Index:
-        """First row (b,) of each block in that order, −1 of a support."""
+        """First row (b,) of each block in that order, −1 for a support."""
         first = np.full(len(self.model.blocks), -1, dtype=np.intp)
         first[self.model.movable] = 3 * np.argsort(self.layout.order[::3] // 3)
         return first
 
     def begun(self, start: State, forces: Array | None, lifted: Array) -> Motion:
-        """The motion that begins in a state, with forces (j, 3) N, P and T where they are known.
+        """Return the motion that begins in a state, with joint forces (j, 3) N, P and T where they are known.
 
-        `lifted` (j,) m: gaps that count as none.
+        `lifted` (j,) m: gaps at the beginning that count as closed.
         """
         places, joints, energy = (
             self.contacts.places(start.positions),
@@ -166,10 +167,10 @@ class DynamicSystem:
 
     @one_thread()
     def march(self, motion: Motion, base: Array, step: float) -> Recorded:
-        """The steps of a motion under base accelerations (k + 1, 3), m/s², one `step` (s) apart; the motion goes on.
+        """Advance a motion in place under base accelerations (k + 1, 3), m/s², one `step` (s) apart; return its steps.
 
-        Ends early after the step in which a corner has gone farther than the margin. Raises ConvergenceError where a
-        step is not solved, however short.
+        The motion stops early after the step in which a corner has moved farther than the margin. Raises
+        ConvergenceError if even the shortest step is not solved.
         """
         model, c = self.model, self.contacts
         steps, count = len(base) - 1, len(c)
@@ -177,7 +178,7 @@ class DynamicSystem:
         fs, es = np.zeros((steps + 1, count, 3)), np.empty((steps + 1, ENERGIES))
         xs[0], vs[0], es[0] = motion.blocks[0], motion.blocks[1], motion.energy
         done, reason = march(
-            c.a, c.b, c.faces, self.system.law, c.tolerance, self.layout.row, self.first, model.mass, model.dead_load,
+            c.a, c.b, c.faces, self.system.law, self.layout.row, self.first, model.mass, model.dead_load,
             base, motion.blocks, motion.joints, motion.energy, step, self.theta, self.damping, self.restitution,
             (self.system.weight, model.size, ACCEPTED), self.halving.limits, self.margin,
             model.radius, xs[0].copy(), xs, vs, fs, es, self.counts, self.layout.work_space, self.layout.packed,
@@ -188,7 +189,7 @@ class DynamicSystem:
 
 
 def contact_period(model: Assembly) -> float:
-    """√(m/k) (s) of the stiffest joint as drawn, m the reduced mass of its blocks: what an elastic impact lasts."""
+    """Return √(m/k), s, of the stiffest joint as drawn, m the reduced mass of its blocks: an impact lasts so long."""
     contacts, mass = model.contacts, np.where(model.movable, model.mass[:, 0], np.inf)
     stiffness = contacts.bed * 2.0 * contacts.places(model.initial.positions)[:, H]
     with np.errstate(divide="ignore"):
@@ -196,13 +197,13 @@ def contact_period(model: Assembly) -> float:
     return float(1.0 / np.sqrt((stiffness * lightness).max(initial=1e-300)))
 
 
-RIGID_SHEAR = 1e3  # normal stiffnesses: what stands for an infinite tangential one in the first frequency
+RIGID_SHEAR = 1e3  # tangential over normal stiffness that replaces an infinite one in the first frequency
 
 
 def first_frequency(model: Assembly) -> float:
-    """The lowest circular frequency (rad/s) of the blocks as drawn, all joints closed and sticking.
+    """Return the lowest circular frequency (rad/s) of the blocks as drawn, with all joints closed and sticking.
 
-    Nothing where some blocks are loose.
+    It is 0 if some blocks are loose.
     """
     from scipy.sparse.linalg import LinearOperator, eigsh
 
@@ -229,12 +230,12 @@ def first_frequency(model: Assembly) -> float:
 
     operator = LinearOperator((len(mass), len(mass)), matvec=flexibility, dtype=float)
     largest = eigsh(operator, k=1, which="LA", v0=root, return_eigenvectors=False)
-    # where few modes differ ARPACK goes on from random vectors: its last digits are not repeatable
+    # with few distinct modes ARPACK restarts from random vectors, and its last digits are not repeatable
     return float(f"{1.0 / np.sqrt(largest[0]):.10g}")
 
 
 def _some_are_loose(model: Assembly) -> bool:
-    """Whether no joints lead from some block to a support: rounding might hold it."""
+    """Whether some block is connected to no support by joints (a frequency of rounding alone might hide it)."""
     joints, count = model.joints, len(model.blocks)
     links = sparse.coo_matrix((np.ones(len(joints.a)), (joints.a, joints.b)), shape=(count, count))
     _, part = connected_components(links, directed=False)

@@ -1,4 +1,4 @@
-"""States of equilibrium: whether a structure stands, where it comes to rest, what its supports carry."""
+"""States of equilibrium: whether a structure stands, where it comes to rest, and the reactions of its supports."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mechanics.errors import NoEquilibriumError, UnstableError
+from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import SLID
 from mechanics.model.assembly import Assembly, Behaviour, State
@@ -25,7 +25,7 @@ from mechanics.types import Array, Index
 
 @dataclass(frozen=True, eq=False)
 class ClosedProgram:
-    """The rigid program over the contacts closed in a state, their indices among all, and its layout."""
+    """The rigid program over the contacts closed in a state, their `index` among all contacts, and its layout."""
 
     program: Program
     contacts: Contacts
@@ -36,17 +36,17 @@ class ClosedProgram:
 def closed_program(
     model: Assembly, state: State, lateral: Array | None = None, sliding: Sliding = "associative"
 ) -> ClosedProgram:
-    """The rigid program over the joints closed in a state; the work γ moves the blocks by about a step.
+    """Return the rigid program over the joints closed in a state; its work γ moves the blocks by about a step.
 
-    An end of a joint is closed where its gap is none; of one that carries, as far as is known, where it is no more than
-    that of the nearer end.
+    An end of a joint is closed if its gap is zero within LIMIT.closed. If the joint is known to carry, the gap of its
+    nearer end is subtracted first: sliding has lifted that joint.
     """
     step = LIMIT.onset * model.size
     system = static_system(model, "rigid", sliding).around(state.positions, step)
     places = system.contacts.places(state.positions)
     gaps = end_gaps(places)
     carrying = np.flatnonzero(carried(system.contacts, state))
-    gaps[carrying] -= np.maximum(gaps[carrying].min(axis=1), 0.0)[:, None]  # what sliding has lifted
+    gaps[carrying] -= np.maximum(gaps[carrying].min(axis=1), 0.0)[:, None]  # the gap that sliding has left
     closed = gaps <= LIMIT.closed * model.size
     index = np.flatnonzero(closed.any(axis=1) & (places[:, H] > system.no_overlap))
     low, high = np.where(closed, 0.0, LIMIT.far * step).T
@@ -74,7 +74,7 @@ def check_self_weight(model: Assembly, state: State | None = None) -> None:
     """Raise UnstableError where gravity alone cannot be carried in a state (default: as drawn)."""
     closed = closed_program(model, state or model.initial)
     acceleration = imbalance(closed.program, closed.layout)
-    # a path of equilibrium ends no closer to it than it was followed
+    # the last equilibrium of a path lies within the accuracy of the path, not of a program
     allowed = BALANCED if state is None or state.carrying is None else STEP.slow
     if acceleration > allowed:
         raise UnstableError(
@@ -86,24 +86,25 @@ def check_self_weight(model: Assembly, state: State | None = None) -> None:
 def rest(
     system: StaticSystem, state: State, size: float | None = None, last: Equilibrium | None = None
 ) -> Equilibrium:
-    """The equilibrium under gravity into which a state settles: gaps closed, elastic joints compressed.
+    """Return the equilibrium under gravity into which a state settles: gaps closed, elastic joints compressed.
 
-    A slender arch sinks by a hundred times the compression of its joints: where that is far, the blocks are released
-    until they rest. Raises NoEquilibriumError where they do not.
+    `size` (m): expected displacement; `last`: an equilibrium near it. A slender arch sinks by a hundred times the
+    compression of its joints: if no static step finds that, the blocks are released until they rest. Raises
+    NoEquilibriumError or ConvergenceError if they do not come to rest.
     """
     model = system.model
     size = rest_size(model, system.behaviour) if size is None else size
     problem = StepProblem(system, state, model.dead_load, size)
     try:
         return find_equilibrium(problem, state.positions, last)
-    except NoEquilibriumError:
+    except (NoEquilibriumError, ConvergenceError):
         if system.rigid:
             raise
         return motion_to_rest(problem, state.positions)
 
 
 def rest_size(model: Assembly, behaviour: Behaviour) -> float:
-    """A displacement (m) on the scale of the joints' compression under gravity; rigid: 1/1000 of a block."""
+    """Return a displacement (m) on the scale of the joints' compression under gravity; rigid: 1/1000 of a block."""
     if behaviour == "rigid":
         return 1e-3 * model.size
     contacts = model.contacts
@@ -112,7 +113,7 @@ def rest_size(model: Assembly, behaviour: Behaviour) -> float:
 
 
 def reaction(model: Assembly, step: Equilibrium, support: Index) -> Array:
-    """Force (x, z) in kN and moment about the origin in kNm (3,) that a support exerts on the structure."""
+    """Return the force (x, z), kN, and the moment about the origin, kNm, (3,) of a support on the structure."""
     contacts, x, places = step.contacts, step.state.positions, step.places.copy()
     if not step.system.rigid:
         lay_shear(places, step.forces, np.zeros(len(places)))

@@ -1,4 +1,4 @@
-"""The equilibrium of a static step in its own displaced geometry: a sequence of programs, the geometry updated."""
+"""The equilibrium of a static step in its own displaced geometry: programs are solved as the geometry is updated."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ from mechanics.types import Array, Index
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """What one program of the sequence leaves to the next.
+    """What one program of the sequence passes on to the next.
 
     `at` (b, 3): positions; `forces` (j, 3): N, P and T; `iterate` of all joints, and the `distance` from the bounds at
-    which the next program begins; `slips` (j,): those whose lift is taken back; `touching`: the joints of the program;
+    which the next program begins; `slips` (j,) m: those whose lift is subtracted; `touching`: the program's joints;
     `solves`: programs so far.
     """
 
@@ -47,13 +47,13 @@ class Round:
 
 
 def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | None = None) -> Equilibrium:
-    """The equilibrium near a `guess` (b, 3) of the positions; those of the supports are imposed.
+    """Return the equilibrium near a `guess` (b, 3) of the positions; the supports take the positions of the guess.
 
-    A sequence of programs. Each is convex in the geometry of the positions at which it begins, and includes what the
-    last forces change as that geometry does (Newton's method for geometry and forces together); the first ones are
-    solved roughly. With Coulomb friction each takes back the lift of the last slips: where these settle, sliding does
-    not lift. `last`: a point of the path near which this one is sought. Raises NoEquilibriumError where none lies near,
-    UnsettledError where geometry and forces do not come to agree, ConvergenceError where neither can be decided.
+    A sequence of programs is solved. Each is convex in the geometry of the positions at which it begins, and contains
+    the change of the last forces with that geometry (Newton's method for geometry and forces together); the first ones
+    are solved roughly. With Coulomb friction each program subtracts the lift of the last slips: once the slips settle,
+    sliding lifts nothing. `last`: the previous equilibrium of the path. Raises NoEquilibriumError if none lies near,
+    UnsettledError if geometry and forces do not agree in the end, ConvergenceError if neither can be decided.
     """
     system, model = problem.system, problem.system.model
     residuals, repeats = STEP.residuals(system.behaviour), STEP.rounds(system.behaviour)
@@ -84,22 +84,25 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
 
 
 def _begin(system: StaticSystem, guess: Array, last: Equilibrium | None) -> Round:
-    """Where the sequence begins: at a guess (b, 3), with the forces of a point of the path."""
+    """Return the start of the sequence: at a guess (b, 3), near the last equilibrium of the path.
+
+    The first program of elastic joints is without its forces: of another geometry, they may make it unstable.
+    """
     if last is None:
         return Round(guess, None, None, STEP.begin)
-    forces = moved_over(last.forces, last.contacts, system.contacts)
+    forces = moved_over(last.forces, last.contacts, system.contacts) if system.rigid else None
     iterate = last.iterate and iterate_over(last.iterate, last.contacts, system.contacts)
     return Round(guess, forces, iterate, STEP.begin)
 
 
 def _solve_round(problem: StepProblem, last: Round, residual: float, update_slips: bool) -> Round:
-    """The program in the geometry of the last round, solved to a residual."""
+    """Solve the program in the geometry of the last round to a residual (per weight and step)."""
     system, slips, iterate = problem.system, last.slips, last.iterate
     if system.sliding == "coulomb" and iterate is not None and update_slips:
         slips = _slips(iterate)
     program, index = problem.pose(last.at, last.forces, slips, last.touching)
     near = None if iterate is None else taken(iterate, index).warm(program, last.distance)
-    found, solves = solve_program(program, system.layout.take(index), near, residual, first=last.solves == 0)
+    found, solves = solve_program(program, system.layout.take(index), near, residual)
     at = displaced(system.model, last.at, found.displacement)
     check_motion(problem, at)
     count = len(system.contacts)
@@ -116,12 +119,12 @@ def _solve_round(problem: StepProblem, last: Round, residual: float, update_slip
 
 
 def _slips(iterate: Iterate) -> Array:
-    """The slips (j,) m of an iterate, either way."""
+    """Return the absolute slips (j,) m of an iterate."""
     return np.asarray(abs(iterate.gaps[:, 2] - iterate.gaps[:, 3]))
 
 
 def _slips_changed(problem: StepProblem, now: Round) -> bool:
-    """Whether the slips differ from those whose lift was taken back, so that a gap is left."""
+    """Whether the slips differ so much from those whose lift was subtracted that a gap is left."""
     if now.slips is None or now.iterate is None:
         return False
     gap = abs(problem.system.law[:, FRICTION] * (_slips(now.iterate) - now.slips)).max(initial=0.0)
@@ -129,9 +132,9 @@ def _slips_changed(problem: StepProblem, now: Round) -> bool:
 
 
 def _other_contacts(system: StaticSystem, now: Round) -> Index | None:
-    """The joints that touch at the positions; None where they are those of the program.
+    """Return the indices of the joints that touch at the positions of a round; None if the program has just these.
 
-    Joints that carry beyond their faces are left out, those whose faces lie in each other come in.
+    Joints that carry beyond the edge of their faces are removed, joints whose faces penetrate are added.
     """
     assert now.forces is not None and now.touching is not None
     places = system.contacts.places(now.at)
@@ -147,7 +150,7 @@ def _other_contacts(system: StaticSystem, now: Round) -> Index | None:
 
 
 def certified(problem: StepProblem, now: Round) -> Equilibrium:
-    """The forces and positions of a round, with the certificate of these forces in the geometry of these positions."""
+    """Return forces and positions of a round, with the certificate of the forces in the geometry of the positions."""
     assert now.forces is not None and now.touching is not None
     system = problem.system
     program, index = problem.pose(now.at, now.forces, now.slips, now.touching)
@@ -166,14 +169,14 @@ def certified(problem: StepProblem, now: Round) -> Equilibrium:
 
 
 def _nearer(one: Equilibrium | None, other: Equilibrium) -> Equilibrium:
-    """The one that is nearer to equilibrium, the first of equal ones."""
+    """Return the one with the smaller certificate, the first of equal ones."""
     if one is None or other.certificate.equilibrium < one.certificate.equilibrium:
         return other
     return one
 
 
 def _farthest(displacement: Array) -> int:
-    """Which of the movable blocks moves the farthest in displacements (m,)."""
+    """Return the number of the movable block that moves farthest in displacements (m,)."""
     return int(np.argmax(abs(displacement.reshape(-1, 3)[:, :2]).max(axis=1)))
 
 
@@ -185,7 +188,7 @@ class Relaxation:
     residual: Array | None = None
 
     def after(self, residual: Array) -> Relaxation:
-        """The relaxation that the next residual asks for, between 0.1 and 1."""
+        """Return the relaxation after the next residual, its factor between 0.1 and 1."""
         if self.residual is None:
             return Relaxation(self.factor, residual)
         change = residual - self.residual

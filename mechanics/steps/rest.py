@@ -1,8 +1,8 @@
-"""Coming to rest by a motion whose velocity is reset in every step: it finds what no static step finds.
+"""Coming to rest by a motion whose velocity is reset to zero in every step, where a static step finds no equilibrium.
 
-A step of implicit Euler from rest, in a time h, is the static program with the mass M/h²: it always has a solution,
-short of equilibrium by the inertia alone. Where the steps come to rest there is an equilibrium; where they run away
-there is none, and the structure collapses.
+A step of implicit Euler from rest over a time h is the static program with the mass M/h². It always has a solution,
+which differs from equilibrium by the inertia alone. If the steps come to rest there is an equilibrium; if the blocks
+run away there is none, and the structure collapses.
 """
 
 from __future__ import annotations
@@ -11,54 +11,57 @@ from dataclasses import replace
 
 import numpy as np
 
-from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, UnsettledError
+from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError
 from mechanics.kernels.joint import H
 from mechanics.model.assembly import State
 from mechanics.model.contacts import end_gaps
 from mechanics.program import bed_gaps, end_forces
 from mechanics.solvers import ACCEPTED, USABLE, interior, solve
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.contact_values import iterate_over, over_all, spread, taken
+from mechanics.steps.contact_values import iterate_over, moved_over, over_all, spread, taken
 from mechanics.steps.geometry_iteration import Round, certified, find_equilibrium
 from mechanics.steps.static_step import Equilibrium, StepProblem, displaced
+from mechanics.steps.static_system import StaticSystem
 from mechanics.steps.tolerances import REST, STEP, RestTolerances
 from mechanics.types import GRAVITY, Array
 
-STEADY = 0.9  # of the force that was left half way: of a motion that does not slow down
+STEADY = 0.9  # share of the unbalanced force half-way that is left in a motion that does not slow down
 
 
 def way(one: Array, other: Array, size: float) -> float:
-    """The longest (m) of a block from positions (b, 3) to others; a turn counts at a block's `size`."""
+    """Return the longest way (m) of a block between two positions (b, 3); 1 rad counts as `size` (m)."""
     return float((abs(other - one) * (1.0, 1.0, size)).max())
 
 
 def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerances = REST) -> Equilibrium:
-    """The equilibrium in which blocks come to rest that are released at `begun` (b, 3).
+    """Return the equilibrium in which blocks released at `begun` (b, 3) come to rest.
 
-    Under the problem's load, or pushed until its `work` is done and held there. The time of a step follows the motion:
-    what falls moves a `way` a step, what creeps takes longer ones. Raises RunawayError where the blocks go far, or have
-    not slowed down after all `steps` of the tolerances; ConvergenceError where they still do.
+    They move under the problem's load; if it has a lateral load, that pushes until its `work` is done and then holds
+    them. The time step follows the motion: blocks that fall move by `way` in a step, blocks that creep take longer
+    steps. Raises RunawayError if a block moves farther than `farthest`, or if the motion does not slow down within
+    `steps`; ConvergenceError if it still slows down then.
     """
     model, solves = problem.system.model, 0
     still = tolerances.still * model.size
     now, at, time = replace(problem, size=tolerances.way * model.size), begun, tolerances.first
-    iterate: Iterate | None = None
-    half_way = np.inf
+    last: Round | None = None
+    half_way, slowing = np.inf, False
     for step in range(tolerances.steps):
         before, now = now, replace(now, system=now.system.around(at, now.size))
-        iterate = iterate and iterate_over(iterate, before.system.contacts, now.system.contacts)
         mass = model.mass / (time**2 * model.size / GRAVITY)
-        last = _step_from_rest(replace(now, mass=mass), at, iterate)
-        moved, iterate, solves = last.at, last.iterate, solves + last.solves
+        last, stable = _step_from_rest(
+            replace(now, mass=mass), at, last and _over(last, before.system, now.system)
+        )
+        moved, solves = last.at, solves + last.solves
         left, far = way(at, moved, model.size), way(begun, moved, model.size)
-        # slips count from the last step: what has slid does not come back
+        # slips count from the last step: a joint that has slid does not slide back
         start, work = State(moved, np.zeros_like(moved)), problem.work - _work_done(problem, begun, moved)
         now, at = replace(now, start=start, work=work), moved
         if far > tolerances.farthest * model.size:
             raise RunawayError(
                 f"the structure falls: left to itself it moves by {far:.2g} m and does not rest"
             )
-        force = left / time**2  # that is left, per mass
+        force = left / time**2  # unbalanced force per mass
         if 0 < step == tolerances.steps // 2:
             half_way = force
         longer = min(2.0, np.sqrt(tolerances.way * model.size / max(left, 1e-300)))
@@ -67,56 +70,71 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
             continue
         try:
             found = find_equilibrium(replace(now, size=problem.size), moved)
-        except UnsettledError:  # forces and geometry alternate about the rest that the motion comes to
-            found = certified(now, last)
-            if found.certificate.worst(problem.size) <= USABLE:
-                return replace(found, solves=solves)
-        except (NoEquilibriumError, ConvergenceError):
-            pass
-        else:
             return replace(found, solves=found.solves + solves)
-        still = 0.5 * force  # slow, but not at rest: it gains speed, or slows down further
+        except (NoEquilibriumError, ConvergenceError):
+            # forces and geometry may alternate about the rest; what is unstable only passes an equilibrium
+            found = certified(replace(now, size=problem.size), last)
+            if slowing and stable and found.certificate.worst(problem.size) <= USABLE:
+                return replace(found, solves=solves)
+        slowing = True
+        still = 0.5 * force  # slow, but no equilibrium yet: at rest only if it slows down further
     kind = RunawayError if force > STEADY * half_way else ConvergenceError
     raise kind(f"left to itself the structure does not come to rest: it goes on by {left:.2g} m a step")
 
 
 def _work_done(problem: StepProblem, begun: Array, at: Array) -> float:
-    """The work (kNm) of the lateral load on the way from `begun` to `at` (b, 3); 0 where there is none."""
+    """Return the work (kNm) of the lateral load from `begun` to `at` (b, 3); 0 without a lateral load."""
     return 0.0 if problem.lateral is None else float((problem.lateral * (at - begun)).sum())
 
 
-def _step_from_rest(problem: StepProblem, at: Array, iterate: Iterate | None) -> Round:
-    """One step from positions (b, 3), and the programs solved."""
+def _over(last: Round, before: StaticSystem, now: StaticSystem) -> Round:
+    """Return the round with the forces and the iterate of the contacts of another system."""
+    assert last.forces is not None
+    forces = moved_over(last.forces, before.contacts, now.contacts)
+    iterate = last.iterate and iterate_over(last.iterate, before.contacts, now.contacts)
+    return replace(last, forces=forces, iterate=iterate)
+
+
+def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> tuple[Round, bool]:
+    """Return the round of one step from rest at positions (b, 3), and whether it is stable; sought near the last one.
+
+    Stable with what the forces of the last one change as the geometry does; rigid joints, which are not asked: true.
+    """
     system = problem.system
-    program, index = problem.pose(at, None)
+    program, index = problem.pose(at, None if last is None else last.forces)
     layout, solves = system.layout.take(index), 0
-    starts = [interior.cold(program)]
-    if iterate is not None:
-        starts.insert(0, taken(iterate, index).warm(program, STEP.begin))
-    for start in starts:
-        found, outcome = interior.run(program, layout, start, 1e3 * ACCEPTED)
+    # what falls is unstable in the geometry that its forces change: then with the geometry held
+    held = interior.frozen(program)
+    programs = (held,) if program.curved is None else (program, held)
+    attempts = [(held, interior.cold(held))]
+    if last is not None and last.iterate is not None:
+        warm = taken(last.iterate, index)
+        attempts = [(tried, warm.warm(tried, STEP.begin)) for tried in programs] + attempts
+    for tried, start in attempts:
+        found, outcome = interior.run(tried, layout, start, 1e3 * ACCEPTED)
         solves += 1
         if outcome.accepted:
-            solution = interior.solution(program, found)
-            last: Iterate | None = found
+            solution = interior.solution(tried, found)
+            iterate: Iterate | None = found
             break
     else:
-        solution, last = solve(program, layout)
+        solution, iterate = solve(held, layout)
         solves += 1
     count = len(system.contacts)
-    return Round(
+    last = Round(
         displaced(system.model, at, solution.displacement),
         spread(solution.forces, index, count),
-        last and over_all(last, index, count),
+        iterate and over_all(iterate, index, count),
         STEP.begin,
         touching=index,
         alpha=solution.alpha,
         solves=solves,
     )
+    return last, system.rigid or tried is program
 
 
 def lifted(equilibrium: Equilibrium, weight: float) -> float:
-    """By how much (m) joints that carry lack the compression of their forces, at most; rigid ones: their gap."""
+    """Return the largest difference (m) between gap and compression of joints that carry; rigid joints: their gap."""
     carries = equilibrium.forces[:, 0] > 1e-6 * weight
     places, forces = equilibrium.places[carries], equilibrium.forces[carries]
     missing = end_gaps(places)

@@ -1,4 +1,4 @@
-"""A static step in short ones, where its geometry does not settle in one."""
+"""A static step divided into short ones, for steps whose geometry does not settle."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from mechanics.types import GRAVITY, Array
 
 
 def inertia(program: Program, displacement: Array) -> float:
-    """The largest force of inertia in displacements (m,) from rest, per weight; moments by the block size."""
+    """Return the largest force of inertia in displacements (m,) from rest, per weight; moments over the block size."""
     if program.mass is None:
         return 0.0
     force = (program.mass * displacement).reshape(-1, 3) / (1.0, 1.0, program.size)
@@ -32,13 +32,13 @@ def inertia(program: Program, displacement: Array) -> float:
 
 
 def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
-    """The step in short ones, to where the supports are in `guess` (b, 3).
+    """Return the equilibrium of a step of rigid joints taken in short ones, up to the supports in `guess` (b, 3).
 
-    Each is a single program in the geometry in which it begins, with a little inertia, which keeps loose blocks where
-    they are. What sliding has lifted stays lifted while it goes on: the change of the lift, the dilation, vanishes, as
-    with Coulomb friction. Under given loads blocks that gain speed fall; a push moves them as far as its work. The
-    forces are those that hold the blocks where they arrive, without inertia. Raises NoEquilibriumError where there are
-    none or blocks fall, ConvergenceError where a program is not solved.
+    Each short step is one program in the geometry in which it begins, with a little inertia that keeps loose blocks in
+    place. A joint that sliding has lifted stays lifted while it slides: the further lift (dilation) vanishes, as with
+    Coulomb friction. Under given loads, blocks that gain speed fall; a push ends when its work is done. The forces of
+    the result hold the blocks at their positions without inertia. Raises NoEquilibriumError if there are no such forces
+    or blocks fall, ConvergenceError if a program is not solved.
     """
     system, model = problem.system, problem.system.model
     begun, fixed = problem.start.positions, ~model.movable
@@ -51,7 +51,7 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
         posed[fixed] = begun[fixed] + (k + 1.0) / count * (guess - begun)[fixed]
         program, index = short.pose(posed, None)
         near: Iterate | None = iterate and taken(iterate, index).warm(program, STEP.begin)
-        found, more = solve_program(program, system.layout.take(index), near, STEP.rigid[-1], first=k == 0)
+        found, more = solve_program(program, system.layout.take(index), near, STEP.rigid[-1])
         solves += more
         at = displaced(model, posed, found.displacement)
         check_motion(short, at)

@@ -1,4 +1,4 @@
-"""One static step: its program in a given geometry, and the equilibrium that it leads to."""
+"""One static step: its program in a given geometry, and the equilibrium found from it."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError
-from mechanics.kernels.joint import ARM, BETA, MV, PHI, H, U, V, curvature
-from mechanics.kernels.law import FRICTION, SHEAR, SLID
+from mechanics.kernels.joint import ARM, BETA, MV, PHI, H, U, V, curvatures
+from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID
 from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program, bed_gaps, end_forces
@@ -24,11 +24,11 @@ from mechanics.types import Array, Index
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """Forces and a geometry that agree: a point of a path.
+    """A point of a path: forces and a geometry in agreement.
 
     `places` (j, PLACE) of the system's contacts in the state; `forces` (j, 3): N, P and T, kN and kNm; `alpha`: the
-    multiplier of the lateral load; `iterate`: where the search for the next point begins; `certificate` of the forces
-    in this geometry; `penetration` m: the deepest one in this geometry that no bed explains; `solves`: programs solved.
+    multiplier of the lateral load; `iterate`: start of the next program; `certificate` of the forces in this
+    geometry; `penetration` (m): the deepest one beyond the elastic compression; `solves`: number of programs solved.
     """
 
     state: State
@@ -43,15 +43,16 @@ class Equilibrium:
 
     @property
     def contacts(self) -> Contacts:
-        """Where blocks touch, the drawn joints first."""
+        """The contacts, the drawn joints first."""
         return self.system.contacts
 
 
 @dataclass(frozen=True, eq=False)
 class StepProblem:
-    """The equilibrium sought about `size` (m) from `start`, under `load` (b, 3) or load + α·`lateral` doing `work`.
+    """A step: the equilibrium at about `size` (m) from `start` under `load` (b, 3), kN and kNm.
 
-    `mass` (b, 3), Mg/s²: of a step from rest, the mass over the square of its time; None in statics.
+    With a `lateral` load the multiplier α is free, and the lateral load does the given `work` (kNm). `mass` (b, 3),
+    Mg/s²: of a step from rest, the mass over the square of its time; None in statics.
     """
 
     system: StaticSystem
@@ -64,7 +65,7 @@ class StepProblem:
 
     @cached_property
     def slid(self) -> Array:
-        """Slips (j,) m from which slides count: those at the start, less the deformation of the joints' springs."""
+        """Slips (j,) m from which sliding is measured: those at the start, less the deformation of the springs."""
         system = self.system
         slid: Array = system.contacts.places(self.start.positions)[:, V]
         if self.start.shear is not None and not system.rigid:
@@ -74,11 +75,11 @@ class StepProblem:
     def pose(
         self, at: Array, forces: Array | None, slips: Array | None = None, touching: Index | None = None
     ) -> tuple[Program, Index]:
-        """The program in the geometry of the positions `at` (b, 3), displacements counted from there; and its joints.
+        """Return the program in the geometry of the positions `at` (b, 3), and the indices of its joints.
 
-        `forces` (j, 3): estimate of the joint forces, None where there is none; their change with the geometry belongs
-        to an elastic program. `slips` (j,) m: those whose lift is taken back, None: of none. `touching`: the joints of
-        the program, None: those that overlap.
+        The displacements are measured from `at`. `forces` (j, 3): estimate of the joint forces, None if there is none;
+        an elastic program contains their change with the geometry. `slips` (j,) m: those whose lift is subtracted,
+        None: no lift is. `touching`: indices of the program's joints, None: all joints that overlap.
         """
         system, movable = self.system, self.system.model.movable
         places = self._places(at, forces, slips)
@@ -107,7 +108,7 @@ class StepProblem:
         return program, index
 
     def _places(self, at: Array, forces: Array | None, slips: Array | None) -> Array:
-        """The joints' places (j, PLACE) at positions (b, 3), the lift of slips taken back, T where N and P act."""
+        """Return the joints' places (j, PLACE) at positions (b, 3) without the lift of `slips`; T acts where N acts."""
         contacts = self.system.contacts
         places = contacts.places(at)
         if slips is not None:
@@ -119,18 +120,18 @@ class StepProblem:
 
 
 def _curvatures(places: Array, forces: Array) -> Array:
-    """How the forces (j, 3) of joints change with the geometry (j, 7): see kernels.joint."""
+    """Return how the forces (j, 3) of joints change with the geometry, (j, 7): see kernels.joint.curvature."""
     curved = np.empty((len(places), 7))
-    for k, (place, force) in enumerate(zip(places, forces, strict=True)):
-        curvature(place, *force, curved[k])
+    curvatures(places, forces, curved)
     return curved
 
 
 def lay_shear(places: Array, forces: Array, turned: Array) -> None:
-    """Let T act where the pressure does, midway between the faces: in places (j, PLACE), which are changed.
+    """Let T act at the centre of pressure, midway between the faces: `places` (j, PLACE) are changed.
 
-    At a corner (β = 0 or 1) it would act along the face that the corner touches, though both are pressed into each
-    other. `forces` (j, 3); `turned` (j,): the rotation (rad) of a against b since slips are counted.
+    Otherwise T at a corner (β = 0 or 1) would act along the face that the corner touches, although corner and face are
+    pressed into each other. `forces` (j, 3): kN and kNm; `turned` (j,): rotation (rad) of block a against block b since
+    slips are measured.
     """
     n = np.maximum(forces[:, 0], 1e-300)
     e = np.clip(forces[:, 1] / n, -abs(places[:, H]), abs(places[:, H]))
@@ -142,20 +143,18 @@ def lay_shear(places: Array, forces: Array, turned: Array) -> None:
 
 
 def solve_program(
-    program: Program, layout: Elimination, near: Iterate | None, accepted: float, first: bool
+    program: Program, layout: Elimination, near: Iterate | None, accepted: float
 ) -> tuple[Iterate, int]:
-    """The iterate that solves a program to a residual, sought from one near it, then from a cold start; and the solves.
+    """Return the iterate that solves a program to a residual, and the number of solves.
 
-    The `first` program of a step has forces of another geometry: what these change may make it unstable where the
-    structure is not, so it is solved without that where nothing else helps. Raises NoEquilibriumError where there is no
-    equilibrium, ConvergenceError where that cannot be decided.
+    The search begins `near` an iterate; if it fails, from a cold start. Raises NoEquilibriumError if the
+    structure is unstable or no load moves it, ConvergenceError if no solution is found.
     """
     unstable, solves = False, 0
-    programs = [program] if program.curved is None else [program, interior.frozen(program)]
-    attempts = [] if near is None else [(program, near)]
-    attempts += [(tried, interior.cold(program)) for tried in programs[: 2 if first else 1]]
-    for tried, start in attempts:
-        found, outcome = interior.run(tried, layout, start, accepted)
+    for start in (near, interior.cold(program)):
+        if start is None:
+            continue
+        found, outcome = interior.run(program, layout, start, accepted)
         solves += 1
         if outcome.accepted:
             return found, solves
@@ -166,23 +165,26 @@ def solve_program(
             )
     if unstable:
         raise NoEquilibriumError("loss of stability: the stiffness of the structure is no longer positive")
-    _, iterate = solve(interior.frozen(program), layout)  # raises where there is no equilibrium
-    if iterate is None:
-        raise ConvergenceError("a step of the path was not solved to the required accuracy")
-    return iterate, solves + 1
+    if not (
+        program.law[:, BED] < np.inf
+    ).any():  # rigid: other solvers are asked; elastic ones take seconds in vain
+        _, iterate = solve(program, layout)  # raises if there is no equilibrium
+        if iterate is not None:
+            return iterate, solves + 1
+    raise ConvergenceError("a step of the path was not solved to the required accuracy")
 
 
 def displaced(model: Assembly, positions: Array, displacement: Array) -> Array:
-    """Positions (b, 3) after displacements (m,) of the movable blocks."""
+    """Return the positions (b, 3) after displacements (m,) of the movable blocks."""
     moved = positions.copy()
     moved[model.movable] += displacement.reshape(-1, 3)
     return moved
 
 
 def check_motion(problem: StepProblem, positions: Array) -> None:
-    """Raise NoEquilibriumError where positions (b, 3) are farther from the start than a path of equilibrium leads.
+    """Raise NoEquilibriumError if positions (b, 3) are farther from the start than a step of a path may lead.
 
-    A row of elastic joints adds up their compressions: it may move by as many times the step.
+    The compressions of elastic joints in a row add up: blocks may then move by as many times the step.
     """
     model, size = problem.system.model, problem.size
     motion = abs(positions - problem.start.positions)
@@ -196,13 +198,14 @@ def check_motion(problem: StepProblem, positions: Array) -> None:
 
 
 def balanced(problem: StepProblem, at: Array, solves: int = 0) -> Equilibrium:
-    """The equilibrium of blocks that stay at positions (b, 3): the forces that hold them there, after other `solves`.
+    """Return the equilibrium of blocks that stay at positions (b, 3): the forces that hold them there.
 
-    Raises NoEquilibriumError where there are none, ConvergenceError where they are not found.
+    `solves`: number of programs solved before. Raises NoEquilibriumError if no forces hold them, ConvergenceError if
+    that cannot be decided.
     """
     system = problem.system
     program, index = problem.pose(at, None)
-    found, more = solve_program(program, system.layout.take(index), None, STEP.rigid[-1], first=False)
+    found, more = solve_program(program, system.layout.take(index), None, STEP.rigid[-1])
     solution, count = interior.solution(program, found), len(system.contacts)
     forces, places = spread(solution.forces, index, count), system.contacts.places(at)
     return Equilibrium(
@@ -219,7 +222,7 @@ def balanced(problem: StepProblem, at: Array, solves: int = 0) -> Equilibrium:
 
 
 def penetration(system: StaticSystem, places: Array, forces: Array) -> float:
-    """The deepest penetration (m) at places (j, PLACE) that no bed explains under forces (j, 3)."""
+    """Return the deepest penetration (m) at places (j, PLACE) beyond the elastic compression under forces (j, 3)."""
     overlapping = places[:, H] > system.no_overlap
     p, f = places[overlapping], forces[overlapping]
     gaps = end_gaps(p)

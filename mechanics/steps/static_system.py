@@ -1,4 +1,4 @@
-"""The system of a static path: what does not change from step to step."""
+"""The system of a static path: assembly, joint behaviour and contacts, which do not change from step to step."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ Sliding = Literal["coulomb", "associative"]
 
 @dataclass(frozen=True, eq=False)
 class StaticSystem:
-    """What does not change along a path: an assembly, how its joints behave, and where blocks touch.
+    """An assembly, the behaviour of its joints, and its contacts.
 
-    `law` (j, LAW): see kernels.law, but for the slip from which slides count. The contacts are those of
-    configurations whose corners are within `reach` (m) of where they are at `seen` (b, 3); None: no others than drawn.
+    The contacts are those of all configurations in which no corner is farther than `reach` (m) from its place at the
+    positions `seen` (b, 3); None: only the joints as drawn.
     """
 
     model: Assembly
@@ -36,11 +36,11 @@ class StaticSystem:
     reach: float = np.inf
 
     def __getstate__(self) -> dict[str, object]:
-        """What is pickled: matrices are laid out anew where the system is used again."""
+        """Pickle the system without its cached layouts, which are computed again."""
         return {name: value for name, value in self.__dict__.items() if name not in {"layout", "law", "dof"}}
 
     def around(self, positions: Array, way: float) -> StaticSystem:
-        """The system with the contacts of configurations within a `way` (m) of positions (b, 3)."""
+        """Return the system with the contacts of all configurations within a `way` (m) of positions (b, 3)."""
         model = self.model
         if not model.collisions:
             return self
@@ -50,11 +50,11 @@ class StaticSystem:
         contacts = near(model.outlines, model.contacts, self.contacts, positions, 2.0 * reach)
         found = replace(self, contacts=contacts, seen=positions.copy(), reach=reach)
         if np.array_equal(contacts.edges, self.contacts.edges):
-            found.__dict__["layout"] = self.layout  # the same pairs of blocks
+            found.__dict__["layout"] = self.layout  # the pairs of blocks are the same
         return found
 
     def met_inside(self, before: StaticSystem, positions: Array) -> bool:
-        """Whether faces that the system `before` did not know lie in each other at positions (b, 3)."""
+        """Whether faces that are no contact of the system `before` penetrate at positions (b, 3)."""
         known = set(map(tuple, before.contacts.edges.tolist()))
         new = np.array([tuple(e) not in known for e in self.contacts.edges.tolist()], dtype=bool)
         places = self.contacts.take(np.flatnonzero(new)).places(positions)
@@ -68,7 +68,7 @@ class StaticSystem:
 
     @cached_property
     def law(self) -> Array:
-        """What each joint obeys (j, LAW)."""
+        """The law of each joint (j, LAW), see kernels.law; its slip from which sliding is measured is set later."""
         c = self.contacts
         law = np.zeros((len(c), LAW))
         law[:, FRICTION] = np.maximum(c.friction, STEP.least_friction)
@@ -87,18 +87,18 @@ class StaticSystem:
 
     @cached_property
     def layout(self) -> Elimination:
-        """In which order the matrices are eliminated; signed factors, of elastic joints, stand in a band."""
+        """The order of elimination of the matrices; the signed factors of elastic joints are banded."""
         centres = self.model.initial.positions[self.model.movable, :2]
         return Elimination.of(self.dof, centres, banded=not self.rigid)
 
     @property
     def weight(self) -> float:
-        """The size of a force, kN: the mean weight of the movable blocks."""
+        """Scale of the forces, kN: the mean weight of the movable blocks."""
         return self.model.weight / float(self.model.movable.sum())
 
     @property
     def no_overlap(self) -> float:
-        """Half an overlap (m) that is none."""
+        """Half the overlap (m) up to which faces do not overlap."""
         return STEP.no_overlap * self.model.size
 
     @property
@@ -109,6 +109,6 @@ class StaticSystem:
 
 @lru_cache(maxsize=8)
 def static_system(model: Assembly, behaviour: Behaviour, sliding: Sliding = "associative") -> StaticSystem:
-    """The system of an assembly with its joints as drawn."""
+    """Return the system of an assembly with its joints as drawn."""
     model.check_behaviour(behaviour)
     return StaticSystem(model, behaviour, sliding, model.contacts)

@@ -9,33 +9,34 @@ from mechanics.model.assembly import Behaviour
 
 @dataclass(frozen=True, slots=True)
 class StepTolerances:
-    """Of the search for an equilibrium in its own displaced geometry.
+    """Tolerances of the search for an equilibrium in its own displaced geometry.
 
-    Programs. `rigid`, `elastic`: residuals, per weight and step, to which the programs are solved before the geometry
-    is updated (rigid joints have no give in a wrong geometry); the last one is repeated, at most `rigid_rounds` or
-    `elastic_rounds` times. `begin`: distance from the bounds, per weight and step, at which the first program begins
-    near an earlier solution; `go_on`: the same of the next ones, per residual of the last. `slip_rounds`: programs in
-    which Coulomb slips are updated; `slip_gap`: of a step, a gap left by slips that changed.
+    Programs. `rigid`, `elastic`: residuals, per weight and step, to which the first programs are solved before the
+    geometry is updated (rigid joints yield nothing in a wrong geometry); a program with the last residual is repeated
+    at most `rigid_rounds` or `elastic_rounds` times. `begin`: distance from the bounds, per weight and step, at which
+    the first program begins near an earlier solution; `go_on`: the same for the next ones, over the residual of the
+    last. `slip_rounds`: number of programs in which Coulomb slips are updated; `slip_gap`: gap left by a change of the
+    slips that is accepted, as a share of a step.
 
-    What is accepted. `rigid_certificate`, `elastic_certificate`: of the forces in the geometry to which they lead;
-    `slow`: the same where forces and geometry approach each other only slowly. `fall`: a motion so many times the step
-    is a fall, not a path of equilibrium; `turn` (rad): a step that turns a block by more leaves the range in which its
-    geometry is linear.
+    Acceptance. `rigid_certificate`, `elastic_certificate`: residuals of the forces in the geometry that they lead to;
+    `slow`: the same if forces and geometry approach each other only slowly. `fall`: a motion of so many times the step
+    is a fall, not a path of equilibrium; `turn` (rad): a step that rotates a block by more leaves the range in which
+    its geometry is linear.
 
-    Contacts. `carrying`: of the weight, the least force of a joint that carries; of the block size, `no_overlap`: an
-    overlap that is none, `inside`: a penetration that is one, `look_ahead`: how far beyond a step contacts are looked
-    for. `least_friction`: of a joint without friction.
+    Contacts. `carrying`: least force of a joint that carries, as a share of the weight. As shares of the block size:
+    `no_overlap`, overlap that does not count; `inside`, least penetration that counts; `look_ahead`, distance beyond a
+    step within which contacts are looked for. `least_friction`: coefficient that stands for no friction.
 
-    Short steps. `short`: of the block size, their length; `fewest`: of a step; `short_time`: of each, in units of
-    √(size/g), so long that inertia hardly counts;
-    `inertia`: of the weight, that of a structure that falls.
+    Short steps. `short`: their length, as a share of the block size; `fewest`: least number of short steps in a step;
+    `short_time`: time of each in units of √(size/g), long enough for inertia to have little effect; `inertia`: force of
+    inertia, as a share of the weight, from which a structure falls.
     """
 
     rigid: tuple[float, ...] = (1e-5, 1e-8)
     elastic: tuple[float, ...] = (1e-2, 1e-4, 1e-6, 1e-8)
     rigid_rounds: int = 8
     elastic_rounds: int = 12
-    begin: float = 0.03
+    begin: float = 0.3
     go_on: float = 0.1
     slip_rounds: int = 6
     slip_gap: float = 1e-3
@@ -55,26 +56,26 @@ class StepTolerances:
     inertia: float = 1e-6
 
     def residuals(self, behaviour: Behaviour) -> tuple[float, ...]:
-        """The residuals to which the programs of joints of a behaviour are solved before the last one is repeated."""
+        """Return the residuals of the programs for joints of a behaviour; the last one is repeated."""
         return self.rigid if behaviour == "rigid" else self.elastic
 
     def certificate(self, behaviour: Behaviour) -> float:
-        """The certificate that ends the repetition."""
+        """Return the certificate that ends the repetition."""
         return self.rigid_certificate if behaviour == "rigid" else self.elastic_certificate
 
     def rounds(self, behaviour: Behaviour) -> int:
-        """The most programs that are solved to the last of these residuals, after the first such."""
+        """Return the largest number of repetitions of the program with the last residual."""
         return self.rigid_rounds if behaviour == "rigid" else self.elastic_rounds
 
 
 @dataclass(frozen=True, slots=True)
 class RestTolerances:
-    """Of a motion with reset velocities.
+    """Tolerances of a motion whose velocity is reset in every step.
 
-    In units of √(size/g): `first`, the time of the first step, `longest` of one that hardly moves. Of the block size:
-    `way`, what a step moves; `still`: what one of unit time moves at rest; `lifted`: the gaps of joints that carry;
-    `farthest`: the longest way, beyond which it has run away (a turn of 1 rad counts as 1): what leaves its seat or
-    topples has collapsed, though it may rest where it fell. `steps`: the most.
+    In units of √(size/g): `first`, time of the first step; `longest`, time of a step that hardly moves. As shares of
+    the block size: `way`, motion in a step; `still`, motion in a step of unit time at rest; `lifted`, gap of joints
+    that carry; `farthest`, way beyond which a block runs away (1 rad counts as 1): a block that leaves its seat or
+    topples has collapsed, even if it comes to rest where it falls. `steps`: largest number of steps.
     """
 
     first: float = 0.5
@@ -88,11 +89,12 @@ class RestTolerances:
 
 @dataclass(frozen=True, slots=True)
 class LimitTolerances:
-    """Of limit analysis.
+    """Tolerances of limit analysis.
 
-    Of the block size, `closed`: a gap that is none (dilatant sliding leaves some in a settled state), `onset`: the
-    displacement of a mechanism at its onset. `far`: such displacements, the gap of an end that is open. `repeats`: the
-    most programs with Coulomb friction after the first; `slip_gap`: of the onset, a gap left by slips that changed.
+    As shares of the block size: `closed`, gap that counts as closed (dilatant sliding leaves gaps in a settled state);
+    `onset`, displacement of a mechanism at its onset. `far`: gap of an open end, in such displacements. `repeats`:
+    largest number of programs with Coulomb friction after the first; `slip_gap`: gap left by a change of the slips that
+    is accepted, as a share of `onset`; `lifted`: the same of a flow that still lifts what slides, but may be told.
     """
 
     closed: float = 1e-3
@@ -100,6 +102,7 @@ class LimitTolerances:
     far: float = 1e3
     repeats: int = 12
     slip_gap: float = 1e-3
+    lifted: float = 1.0
 
 
 STEP = StepTolerances()

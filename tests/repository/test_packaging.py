@@ -101,7 +101,9 @@ def test_the_command_runs_from_the_wheel(installed, tmp_path):
 
 
 def test_the_benchmark_runs_from_the_wheel(installed, tmp_path):
-    wall = execute("-m", "assessment.benchmark.walls", "3", "3", cwd=tmp_path, PYTHONPATH=str(installed))
+    wall = execute(
+        "-m", "assessment.benchmark.cases.walls", "3", "3", cwd=tmp_path, PYTHONPATH=str(installed)
+    )
     assert '"blocks": 10' in wall
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from assessment.analyses.accuracy import MOST_HALVINGS, PRESETS
 from assessment.benchmark.command import BENCHMARKS
-from assessment.cli import main as cli
+from assessment.cli import arguments, commands, exit_codes
 from assessment.project.schema import MotionTable, ProjectContent, Table
 from assessment.project.schema_index import annotation_at, table_at, tables_of
 from assessment.report.pdf import APT_COMMAND, COMMANDS
@@ -109,7 +109,9 @@ def test_every_table_of_the_schema_has_a_row_in_the_form_of_the_file():
 
 def parsers() -> dict[str, set[str]]:
     """The commands and their options."""
-    usages = {name: cli._options([name, *["x"] * (name not in {"schema"})]) for name in cli.COMMANDS}
+    usages = {
+        name: arguments.options_of([name, *["x"] * (name not in {"schema"})]) for name in arguments.COMMANDS
+    }
     return {
         name: set(re.findall(r"--[a-z-]+", found.parser.format_usage())) for name, found in usages.items()
     }
@@ -125,7 +127,7 @@ def test_the_commands_and_the_options_that_are_named_exist():
 
 def test_the_templates_and_benchmarks_that_are_named_exist():
     [new] = [cells[1] for cells in rows("command | does", RUN) if cells[0].startswith("`assesto new")]
-    assert tuple(re.findall(r"`([a-z-]+)`", new))[: len(cli.TEMPLATES)] == cli.TEMPLATES
+    assert tuple(re.findall(r"`([a-z-]+)`", new))[: len(commands.TEMPLATES)] == commands.TEMPLATES
 
 
 def test_what_installs_pango_is_what_the_warning_says():
@@ -137,7 +139,7 @@ def test_what_installs_pango_is_what_the_warning_says():
 
 def test_the_exit_codes_are_those_of_the_command_line():
     codes = [int(cells[0]) for cells in rows("code | meaning", RUN)]
-    assert codes == [cli.DONE, cli.WRONG_INPUT, cli.INCOMPLETE]
+    assert codes == [exit_codes.DONE, exit_codes.WRONG_INPUT, exit_codes.INCOMPLETE]
 
 
 def test_the_dependencies_are_those_of_the_package():

@@ -40,7 +40,6 @@ OPEN = {
         "records: at rest in steps of 10 s, rigid, second-order",
     ),
     "extreme stiffnesses": ("stiffness: k = 1e+12 kN/m³", "stiffness: one of three joints stiffer by 1e-05"),
-    "a path that settles to 3e-6 of the weight only": ("several mechanisms: 5 twins, elastic",),
     "an increment longer than the block": ("steps too large: block × 1000, rigid",),
 }
 REASON = {label: reason for reason, labels in OPEN.items() for label in labels}
@@ -92,7 +91,9 @@ def test_the_harness_sees_what_goes_wrong(kind, monkeypatch):
     monkeypatch.setattr("tests.stress.harness.SECONDS", 1)
     outcome = apart(Case("harness", kind, partial(fault, kind), (UnstableError,)))
     assert outcome.verdict == "failed"
-    assert outcome.words == "no answer within 1 s of processor time" if kind == "hang" else outcome.words
+    assert outcome.words
+    if kind == "hang":
+        assert outcome.words == "no answer within 1 s of processor time"
 
 
 def test_an_answer_where_there_is_none_is_a_failure():

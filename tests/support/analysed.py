@@ -28,9 +28,9 @@ unit_weight_kN_m3 = 20.0
 friction = 0.7
 normal_stiffness_kN_m3 = 1e6
 
-[layers.BASE_LEFT]
+[layers.BASE_SINISTRA]
 support = "left"
-[layers.BASE_RIGHT]
+[layers.BASE_DESTRA]
 support = "right"
 
 [[control]]

@@ -51,11 +51,26 @@ class Pair:
         """Whether the more closed end is the upper one."""
         return self.delta <= 0.0
 
-    def beta(self, tolerance: float) -> float:
-        """0 where a corner of a ends the overlap there, 1 where one of b does, linear within the tolerance."""
+    @property
+    def beyond(self) -> float:
+        """How far b's face goes on past a's there; negative: a's past b's."""
         f = self.face
-        beyond = f[B2] - self.slid - f[A2] if self.upper else f[A1] - f[B1] + self.slid
-        return float(np.clip(0.5 - 0.5 * beyond / tolerance, 0.0, 1.0))
+        return float(f[B2] - self.slid - f[A2] if self.upper else f[A1] - f[B1] + self.slid)
+
+    def beta(self) -> float:
+        """0 where a corner of a ends the overlap there, 1 where one of b does, linear within 1/100 of the face."""
+        f = self.face
+        meet = 0.01 * min(f[A2] - f[A1], f[B2] - f[B1])
+        return float(np.clip(0.5 - 0.5 * self.beyond / meet, 0.0, 1.0))
+
+    def arm(self) -> float:
+        """From the end, which lies between the two corners as the share β has it, to the middle of the overlap."""
+        end = (
+            self.face[A2] + self.beta() * self.beyond
+            if self.upper
+            else self.face[A1] - self.beta() * self.beyond
+        )
+        return float(0.5 * sum(self.overlap) - end)
 
     def measures(self, beta: float, arm: float, upper: bool) -> Array:
         """u, φ and v (3,): gap at the distance `arm` from the closed end, in the frame of a share β."""

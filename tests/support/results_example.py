@@ -116,16 +116,11 @@ def results_example(language: str = "it") -> dict[str, Any]:
     }
 
 
-def with_frames(results: dict[str, Any]) -> dict[str, Any]:
-    """Return the results with what the example leaves out for brevity: some configurations of each path."""
-    for state in results["states"].values():
-        pushed = [
-            curves.get(contacts) for curves in state["pushover"].values() for contacts in ("rigid", "elastic")
-        ]
-        for path in filter(None, [*state["pushdown"].values(), *pushed]):
-            path["frames"] = {"index": [0], "configuration": [state["configuration"]]}
-            path["frames"] |= {"force_kN": [None], "centre": [None], "met": []}
-    return results
+def _frames(index: list[int], movement: float) -> dict[str, Any]:
+    """Return frames at some points of a path, all of them alike and without forces."""
+    nothing = [None] * len(index)
+    return {"index": index, "configuration": [_configuration(movement)] * len(index),
+            "force_kN": nothing, "centre": nothing, "met": []}  # fmt: skip
 
 
 def _rings() -> list[np.ndarray]:
@@ -254,6 +249,7 @@ def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
                 "mechanism_configuration": _configuration(movement),
                 "final_configuration": _configuration(movement),
                 "virtual_work_alpha": a0 * 1.0004,
+                "frames": _frames([0], movement),
             },
             "elastic": {
                 "alpha_u": alpha_u,
@@ -267,6 +263,7 @@ def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
                 "reached_zero": True,
                 "rest_configuration": _configuration(movement),
                 "peak_configuration": _configuration(movement),
+                "frames": _frames(sorted({0, int(elastic.argmax())}), movement),
             },
         }
         capacity[direction] = _capacity(a0, d0, alpha_y, d_y, e_star, gamma_star)
@@ -393,6 +390,7 @@ def _pushdown() -> dict[str, Any]:
             "control_displacement_m": np.column_stack([0.5 * movement, 0.0 * movement]).tolist(),
             "end": "the structure falls",
             "sliding": "associative",
+            "frames": _frames(list(range(len(movement))), 0.02),
         }
     return stages
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from assessment.benchmark.structures import block_on_base, rectangle, running_bond
+from assessment.benchmark.cases.structures import block_on_base, rectangle, running_bond
 from mechanics import Assembly, Block, Material
 
 __all__ = [

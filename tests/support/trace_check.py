@@ -9,7 +9,7 @@ from typing import Any
 
 MATHS: dict[str, Any] = {name: getattr(math, name) for name in ("sqrt", "pi", "exp", "log")}
 MATHS |= {"min": min, "max": max, "abs": abs}
-_NAME = re.compile(r"[^\W\d]\w*\*?(?:<sub>[^<]*</sub>)?")  # with its star and its subscript
+_POWER = re.compile(r"<sup>((?:(?!</?sup>).)*)</sup>")  # an innermost one
 
 
 def recomputed(formula: str, inputs: Mapping[str, float]) -> float:
@@ -24,14 +24,16 @@ def from_csv(text: str) -> dict[str, float]:
 
 
 def from_report(formula: str, values: Mapping[str, float]) -> float:
-    """Evaluate a formula as the annex prints it, in English: signs, subscripts; the values by printed symbol."""
-
-    def value(match: re.Match[str]) -> str:
-        return repr(values[match[0]]) if match[0] in values else match[0]
-
-    text = (
-        _NAME.sub(value, formula).replace("·", "*").replace("^", "**").replace("√", "sqrt").replace("π", "pi")
-    )
+    """Evaluate a formula as the annex prints it, in English: signs, scripts; the values by printed symbol."""
+    longest = sorted(values, key=len, reverse=True)
+    names = "|".join(map(re.escape, longest))
+    symbol = re.compile(rf"(?<!\w)(?:{names})(?![\w*²]|<sub>)")
+    text = symbol.sub(lambda match: repr(values[match[0]]), formula)
+    while _POWER.search(text):
+        text = _POWER.sub(r"**(\1)", text)
+    text = re.sub(r"\|([^|]*)\|", r"abs(\1)", text)
+    for sign, plain in {"·": "*", "√": "sqrt", "π": "pi", "ln": "log", "−": "-"}.items():
+        text = text.replace(sign, plain)
     return recomputed(text, {})
 
 

@@ -27,7 +27,7 @@ import pytest
 
 from assessment.ntc.capacity import capacity_curve
 from assessment.ntc.curve_fit import CurveFit
-from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
+from assessment.ntc.demand.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.ntc.verification import Method, verify
 
 G = 9.80665

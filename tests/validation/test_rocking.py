@@ -149,7 +149,7 @@ def test_what_rocking_dissipates_in_a_cycle() -> None:
 
     It takes less the smaller the step, and with elastic contacts less than with rigid ones.
     """
-    from assessment.benchmark.dynamics import dissipation
+    from assessment.benchmark.cases.dynamics import dissipation
 
     rows = list(dissipation(steps=(0.01, 0.005, 0.002), stiffness=(5e5, 5e6, np.inf)))
     share = {(r["stiffness_kN_m3"], r["integrator"], r["step_s"]): r["dissipated"] for r in rows}

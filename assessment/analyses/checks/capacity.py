@@ -1,8 +1,8 @@
-"""Capacity and verification of every state from the stages' results, as plain numbers for results.json."""
+"""Capacity and checks of every state, computed from its pushover curves, as plain numbers for results.json."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,19 +11,19 @@ from numpy.typing import NDArray
 
 from assessment.analyses.checks.check_numbers import check_numbers
 from assessment.analyses.checks.chosen_mechanism import Control, MechanismError, compared, evaluate
-from assessment.analyses.checks.demand import demand_return_periods, ground_of, site_acceleration
+from assessment.analyses.checks.demand import Demands, demand_return_periods, ground_of, site_acceleration
 from assessment.analyses.static.local_loss import loss_told
 from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
 from assessment.ntc.curve_fit import CapacityError, Curve, CurveFit, fit_curve
-from assessment.ntc.hazard import HazardCurve
-from assessment.ntc.limit_states import QUOTED
-from assessment.ntc.spectrum import Spectrum
+from assessment.ntc.demand.hazard import HazardCurve
+from assessment.ntc.demand.spectrum import Spectrum
+from assessment.ntc.limit_states import CHECKS, QUOTED
 from assessment.ntc.verification import Check, Method, verify
 from assessment.ntc.vertical import THRUSTING_A_G, vertical_component
 from assessment.project.mechanisms import chosen_mechanisms
 from assessment.project.schema import ORIGINAL
-from assessment.results.table import indices, ratios, sense
+from assessment.results.table import indices, sense
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
@@ -31,18 +31,20 @@ if TYPE_CHECKING:
     from mechanics import Assembly
 
 
-CONTRADICTION = 0.5  # of the curve's multiplier: that of virtual work is another mechanism's
+CONTRADICTION = 0.5  # relative difference of virtual work from the curve: another mechanism moves
 
 
 def assess(
     project: Project,
     model: Assembly,
     pushovers: Mapping[str, Mapping[str, Any]],
-    demands: Mapping[str, Spectrum],
-    hazard: HazardCurve | None,
+    demands: Demands,
     warnings: list[str],
 ) -> dict[str, Any]:
-    """Capacity and checks of one state in each direction; fills the fitted values into the elastic curves."""
+    """Return capacity and checks of one state by direction, from its curves `pushovers` by direction and behaviour.
+
+    The fitted yield point is added to the elastic curves; what is missing or refused is added to `warnings`.
+    """
     assessment = project.assessment
     assert assessment is not None
     found = {}
@@ -70,9 +72,9 @@ def assess(
             fit = fit_curve(assessment.model, rigid_branch(rigid, direction), branch)
             fit = replace(fit, elastic_end=_elastic_end(elastic) if assessment.model != "none" else None)
             capacity = capacity_curve(fit, part.e_star, part.gamma_star, assessment.confidence_factor)
-            method = with_loss(method_of(project, hazard), rigid.get("local_loss"))
+            method = with_loss(method_of(project, demands.hazard), rigid.get("local_loss"))
             warnings += [f"{direction}: {note}" for note in _beyond_loss(assessment, rigid.get("local_loss"))]
-            checks = verify(capacity, demands, method)
+            checks = verify(capacity, demands.spectra, method)
         except CapacityError as refusal:
             warnings.append(f"{direction}: no capacity: {refusal}")
             continue
@@ -81,24 +83,24 @@ def assess(
         said = dict.fromkeys(note for check in checks.values() for note in check.notes)
         warnings += [f"{direction}: {note}" for note in said]
         found[direction] = _numbers(mechanism, part, fit, capacity, checks)
-        vertical = _vertical(model, capacity, checks.get("SLV linear"), demands)
+        vertical = _vertical(model, capacity, checks.get("SLV linear"), demands.spectra)
         found[direction] |= {"vertical": vertical} if vertical else {}
-        if hazard is not None and "SLV" in demands:
-            found[direction]["scalings"] = _scalings(capacity, checks["SLV"], demands["SLV"], method)
+        if demands.hazard is not None and "SLV" in demands.spectra:
+            found[direction]["scalings"] = _scalings(capacity, checks["SLV"], demands.spectra["SLV"], method)
         if project.incremental:
-            found[direction]["nominal"] = _nominal(capacity, demands, method)
+            found[direction]["nominal"] = _nominal(capacity, demands.spectra, method)
     return found
 
 
 def _elastic_end(elastic: Mapping[str, Any] | None) -> float | None:
-    """Where the structure with elastic contacts has no equilibrium any more, m; None where its curve was cut before."""
+    """Return the displacement (m) at which the elastic curve loses equilibrium; None if the curve was cut before."""
     if elastic is None or not (elastic.get("lost") or elastic.get("reached_zero")):
         return None
     return max(map(abs, elastic["curve"]["displacement_m"]))
 
 
 def _scalings(capacity: CapacityCurve, used: Check, spectrum: Spectrum, method: Method) -> dict[str, Any]:
-    """SLV by both ways of following the demand up to the capacity; the trace of the one `used` is the check's."""
+    """Return the check at SLV by both ways of scaling the demand; the check itself has the trace of the one `used`."""
     ways = {"shape": "demand-shape", "return_period": "grid"}
     found = {ways[method.scaling]: check_numbers(used, 0) | {"trace": [], "used": True}}
     for scaling in ways.keys() - {method.scaling}:
@@ -110,9 +112,9 @@ def _scalings(capacity: CapacityCurve, used: Check, spectrum: Spectrum, method: 
 def _vertical(
     model: Assembly, capacity: CapacityCurve, linear: Check | None, demands: Mapping[str, Spectrum]
 ) -> dict[str, Any] | None:
-    """The linear check at SLV with the vertical component where a_g ≥ 0.15 g (NTC 2018, §7.2.2).
+    """Return the linear check at SLV with the vertical component where a_g ≥ 0.15 g (NTC 2018, §7.2.2).
 
-    None where loads without mass or joints that crush part strength from weight: lighter weights are then no factor.
+    None with loads without mass or joints that crush: strength is then not proportional to the weights.
     """
     ground = ground_of(demands["SLV"]) if linear is not None else None
     proportional = all(block.load_has_mass or block.vertical_load == 0.0 for block in model.blocks) and all(
@@ -135,9 +137,9 @@ def _vertical(
 
 
 def _nominal(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method) -> dict[str, Any]:
-    """The check of the farthest limit state without confidence factor, for comparison with the dynamic capacity.
+    """Return the check of the farthest limit state with F_C = 1, for comparison with the dynamic capacity.
 
-    A dynamic analysis shakes the model as it is, at the surface: its PGA at collapse has no F_C and no factor S.
+    A dynamic analysis shakes the model at the surface: its PGA at collapse contains neither F_C nor S.
     """
     limit = next(limit for limit in QUOTED if limit in demands)
     check = verify(replace(capacity, confidence_factor=1.0), {limit: demands[limit]}, method)[limit]
@@ -149,15 +151,14 @@ def _asked_for_elastic(project: Project) -> bool:
 
 
 def along_push(curve: Mapping[str, Any], direction: str) -> Curve:
-    """A curve of the results over displacements (m) counted along the push."""
+    """Return a curve of the results with displacements (m) positive along the push."""
     return sense(direction) * np.array(curve["displacement_m"]), np.array(curve["multiplier"])
 
 
 def rigid_branch(rigid: Mapping[str, Any], direction: str) -> Curve:
-    """The rigid curve from its peak on, over growing displacements along the push.
+    """Return the rigid curve from its peak on, over growing displacements (m) along the push.
 
-    Where equilibrium is lost before α = 0 the capacity falls to nothing there: the branch ends with a vertical drop,
-    and d_0 is that displacement.
+    If equilibrium is lost before α = 0, the capacity vanishes there: the branch ends with a vertical drop at d_0.
     """
     d, alpha = map(np.asarray, along_push(rigid["curve"], direction))
     peak = int(np.argmax(alpha))
@@ -188,7 +189,7 @@ def method_of(project: Project, hazard: HazardCurve | None) -> Method:
 
 
 def with_loss(method: Method, loss: Mapping[str, Any] | None) -> Method:
-    """Return the method with the local loss of the path as limit where the project gives none (C8.7.1.2)."""
+    """Return the method with the local loss of the path as its limit, if the project gives no limit (C8.7.1.2)."""
     if loss is None or method.local_limits:
         return method
     a, b = loss["blocks"]
@@ -200,31 +201,33 @@ def with_loss(method: Method, loss: Mapping[str, Any] | None) -> Method:
 
 
 def _beyond_loss(assessment: AssessmentTable, loss: Mapping[str, Any] | None) -> Iterator[str]:
-    """Yield a warning where the project's local limit is farther than the loss that the path shows."""
+    """Yield a warning if the project's local limit lies beyond the local loss of the path."""
     given = assessment.local_displacement_limit_m
     if loss is not None and given is not None and given > loss["displacement_m"]:
         yield f"local_displacement_limit_m = {given:.4g} m, but {loss_told(loss)}; write no more than that"
 
 
 def governing(capacities: Mapping[str, Mapping[str, Any]]) -> dict[str, Any] | None:
-    """Return direction, limit state and ratio of the least check of a state; None where no check has a number."""
-    return _least(capacities, ratios, "ratio")
+    """Return direction, limit state and ratio of the check with the least ratio; None if no check has a ratio."""
+    return _least({direction: _ratios(each) for direction, each in capacities.items()}, "ratio")
 
 
 def safety_index(capacities: Mapping[str, Mapping[str, Any]]) -> dict[str, Any] | None:
     """Return direction, limit state and ζ_E of a state: the least ratio at SLV and SLC (NTC 2018, §8.3)."""
-    return _least(capacities, indices, "zeta_E")
+    return _least({direction: indices(_ratios(each)) for direction, each in capacities.items()}, "zeta_E")
 
 
-def _least(
-    capacities: Mapping[str, Mapping[str, Any]],
-    of: Callable[[Mapping[str, Any]], Mapping[str, float]],
-    called: str,
-) -> dict[str, Any] | None:
+def _ratios(capacity: Mapping[str, Any]) -> dict[str, float]:
+    """Return the ratio of a_g borne to a_g demanded of every check of a direction that has one, by its name."""
+    known = {name: (capacity.get(name) or {}).get("zeta_E") for name in CHECKS}
+    return {name: float(ratio) for name, ratio in known.items() if ratio is not None}
+
+
+def _least(ratios: Mapping[str, Mapping[str, float]], called: str) -> dict[str, Any] | None:
     found = [
         (value, direction, name)
-        for direction, capacity in capacities.items()
-        for name, value in of(capacity).items()
+        for direction, of_direction in ratios.items()
+        for name, value in of_direction.items()
     ]
     if not found:
         return None
@@ -236,14 +239,13 @@ def assess_chosen(
     project: Project,
     model: Assembly,
     states: Mapping[str, Mapping[str, Any]],
-    demands: Mapping[str, Spectrum],
-    hazard: HazardCurve | None,
+    demands: Demands,
     warnings: list[str],
 ) -> list[dict[str, Any]]:
-    """Return the mechanisms that the user chose, each in its state's configuration, refused ones with the reason."""
+    """Return the mechanisms that the user chose, each in its state's configuration; a refused one has its reason."""
     found = []
     factor = project.assessment.confidence_factor if project.assessment else 1.0
-    method = method_of(project, hazard) if project.assessment else Method()
+    method = method_of(project, demands.hazard) if project.assessment else Method()
     for chosen in chosen_mechanisms(project, model):
         state = states[chosen.state]
         answer: dict[str, Any] = {"name": chosen.name, "state": chosen.state}
@@ -252,7 +254,7 @@ def assess_chosen(
             if chosen.state != ORIGINAL and not any(map(any, state["configuration"])):
                 raise MechanismError("its state was not reached")
             controls = _controls(project, model, positions)
-            answer |= evaluate(model, positions, chosen, factor, demands, method, controls)
+            answer |= evaluate(model, positions, chosen, factor, demands.spectra, method, controls)
             rigid = (state["pushover"].get(answer["direction"]) or {}).get("rigid")
             answer = compared(answer, *(rigid[key] if rigid else None for key in ("alpha_0", "alpha_onset")))
             warnings += [f'mechanism "{chosen.name}": {note}' for note in answer["notes"]]
@@ -264,7 +266,7 @@ def assess_chosen(
 
 
 def _controls(project: Project, model: Assembly, positions: NDArray[np.float64]) -> dict[str, Control]:
-    """Return the control point of each direction of the pushover, where it is in a configuration (b, 3)."""
+    """Return the control point of each pushover direction at its place in a configuration (b, 3)."""
     found: dict[str, Control] = {}
     for direction in project.pushover.directions if project.pushover else ():
         point = project.pushover_control(direction).point_m
@@ -291,6 +293,6 @@ def _numbers(
         "d_0_star_m": capacity.d_0_star,
         "notes": list(fit.notes),
         "curve": {"d_star_m": capacity.displacement.tolist(), "a_star_g": capacity.acceleration.tolist()},
-        "trace": numbers((*part.steps(), *capacity.steps()[2:])),  # e*, Γ* with what they come from
+        "trace": numbers((*part.steps(), *capacity.steps()[2:])),  # with the steps of e* and Γ*
         **{name: check_numbers(check, len(capacity.steps())) for name, check in checks.items()},
     }

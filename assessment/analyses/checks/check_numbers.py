@@ -10,7 +10,7 @@ from assessment.ntc.verification import Check
 
 
 def check_numbers(check: Check, common: int) -> dict[str, Any]:
-    """The numbers of a check; its trace without the `common` first steps, which are the capacity curve's."""
+    """Return the numbers of a check; its trace leaves out the `common` first steps, those of the capacity curve."""
     return {
         "method": check.method,
         "d_star_m": check.d_star,

@@ -1,7 +1,7 @@
 """Mechanisms chosen by the user: α0 by virtual work, beside that of limit analysis (Circolare 7/2019, C8.7.1.2).
 
-Macro-blocks rotate about given points: δ_x = −θ (z − z_C), δ_z = θ (x − x_C). Contact forces do no work where no
-joint that is closed penetrates and none rubs, so that α0 = Σ W δ_z/Σ P δ_x is then an upper bound of the true one.
+Macro-blocks rotate about given points: δ_x = −θ (z − z_C), δ_z = θ (x − x_C). If no closed joint penetrates or slides
+against friction, contact forces do no work, and α0 = Σ W δ_z/Σ P δ_x is an upper bound of the true multiplier.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from assessment.analyses.checks.check_numbers import check_numbers
 from assessment.analyses.checks.kinematics import Closed, KinematicsError, finite_motion, hinges_of
-from assessment.analyses.checks.virtual_work import virtual_displacements, virtual_work
+from assessment.analyses.checks.virtual_work import VirtualWork, virtual_displacements, virtual_work
 from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import CapacityCurve, capacity_curve
 from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
@@ -26,18 +26,23 @@ from mechanics.steps import LIMIT, static_system
 from mechanics.types import Index, Mask
 
 if TYPE_CHECKING:
-    from assessment.ntc.spectrum import Spectrum
+    from assessment.ntc.demand.spectrum import Spectrum
     from assessment.project.mechanisms import Chosen
     from mechanics import Assembly
 
 Array = NDArray[np.float64]
 Numbers = dict[str, Any]
 
-SLIGHT = 0.02  # of the largest displacement: penetration that a hinge set back from the edge may leave
-ROUNDING = 1e-4  # of the largest displacement: what the digits of typed coordinates leave
-BELOW = 1e-3  # how far an upper bound may fall below the multiplier of limit analysis
-STILL = 1e-6  # of the largest displacement: a control point that takes no part
-CURVE = {"F_C", "a_0_star", "d_0", "d_0_star"}  # steps of a capacity curve that virtual work does not have
+SLIGHT = 0.02  # of the largest displacement: penetration allowed for hinges set back from the edge
+ROUNDING = 1e-4  # of the largest displacement: penetration from rounded coordinates
+BELOW = 1e-3  # relative: tolerance of the comparison with the multiplier of limit analysis
+STILL = 1e-6  # of the largest displacement: a control point that moves less takes no part
+CURVE = {
+    "F_C",
+    "a_0_star",
+    "d_0",
+    "d_0_star",
+}  # steps of the capacity curve that are added to those of virtual work
 
 
 @dataclass(frozen=True)
@@ -55,10 +60,10 @@ class MechanismError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class JointMotion:
-    """What a mechanism does in the joints of a configuration.
+    """Motion in the joints of a configuration under virtual displacements.
 
-    `penetration`: the deepest as a share of the largest displacement, between the blocks `pair`; `shut` and `rubs`
-    (j,): which of the `contacts` are closed, at an end at least, and which slide against friction.
+    `penetration`: the deepest one, between the blocks `pair`, over the largest displacement; `shut` (j,): which
+    `contacts` are closed at one end or both; `rubs` (j,): which slide against friction.
     """
 
     penetration: float
@@ -68,7 +73,7 @@ class JointMotion:
     rubs: Mask
 
     def closed(self, positions: Array) -> Closed:
-        """Blocks and ends of the contacts that are closed at `positions` (b, 3)."""
+        """Return blocks and ends of the closed contacts at `positions` (b, 3)."""
         return (
             self.contacts.a[self.shut],
             self.contacts.b[self.shut],
@@ -77,15 +82,15 @@ class JointMotion:
 
     @property
     def rubbing(self) -> Index:
-        """The contacts that rub."""
+        """Indices of the contacts that slide against friction."""
         return np.flatnonzero(self.rubs)
 
 
 def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion:
-    """Return what virtual displacements (b, 3) do in the joints closed at `positions` (b, 3).
+    """Return the motion of virtual displacements (b, 3) in the joints that are closed at `positions` (b, 3).
 
-    Only ends of faces that overlap and are closed count. A joint rubs where its slip exceeds what associative friction
-    allows for the opening of a closed end, u_t > u_n/μ: friction there would do work.
+    Only closed ends of faces that overlap count. A joint slides against friction (rubs) if its slip exceeds that of
+    associative friction at the opening of a closed end, u_t > u_n/μ: friction would do work.
     """
     contacts = static_system(model, "rigid").around(positions, LIMIT.onset * model.size).contacts
     places = contacts.places(positions)
@@ -117,19 +122,60 @@ def evaluate(
 ) -> Numbers:
     """Return α0 of a chosen mechanism at `positions` (b, 3), its direction, its checks and their steps.
 
-    `controls`: control point of each direction, of which the displacement is if it moves with the mechanism; else that
-    of the block that moves farthest. Raises MechanismError where blocks penetrate, where no weight moves horizontally,
-    or where the weights drive the motion by themselves.
+    `controls`: control point of each direction. If it takes no part in the mechanism, the block that moves farthest
+    has the control point. Raises MechanismError if blocks penetrate, if no weight moves horizontally, or if the weights
+    alone drive the motion.
     """
     delta = virtual_displacements(model, positions, chosen)
     motion = joint_motion(model, positions, delta)
-    penetration, pair = motion.penetration, motion.pair
-    if penetration > SLIGHT:
+    _refuse_penetration(motion)
+    work = virtual_work(model, positions, chosen)
+    _refuse_without_load(work, delta)
+
+    direction = "+x" if work.lateral > 0.0 else "-x"
+    given = (controls or {}).get(direction)
+    control = followed(model, positions, delta, given, 1.0 if direction == "+x" else -1.0)
+    if given is None or (given.block, given.point) != (control.block, control.point):
+        method = replace(method, local_limits={})  # the local loss is a displacement of another point
+
+    met = Met(model)
+    rubbing = met.numbers(motion.contacts, motion.rubs)[motion.rubbing].tolist()
+    notes = _notes(motion.penetration, motion.pair, rubbing)
+    fit = fit_rigid(([0.0, 1.0], [work.alpha_0, work.alpha_0]))
+    if demands.keys() & {"SLV", "SLC"}:
+        try:
+            fit = _fit(model, positions, chosen, motion.closed(positions), control)
+        except (KinematicsError, CapacityError) as refusal:
+            notes.append(f"no nonlinear check: {refusal}")
+    *others, participation = work.participation_steps(control.delta_x)
+    capacity = capacity_curve(fit, work.e_star, participation.result, confidence_factor)
+
+    by_hand = [*work.steps, *work.result_steps(), *others, participation]
+    return {
+        "direction": direction,
+        **_capacity_numbers(work, capacity, control),
+        **_shape_numbers(chosen, delta),
+        "penetration": motion.penetration,
+        "sliding_joints": rubbing,
+        "met": met.joints,
+        "notes": notes,
+        "trace": numbers([*by_hand, *(line for line in capacity.steps() if line.symbol in CURVE)]),
+        **_checks(capacity, demands, method),
+    }
+
+
+def _refuse_penetration(motion: JointMotion) -> None:
+    """Raise MechanismError if blocks penetrate by more than a hinge set back from the edge does."""
+    if motion.penetration > SLIGHT:
+        one, other = motion.pair
         raise MechanismError(
-            f"block {pair[0]} penetrates block {pair[1]} by {100.0 * penetration:.3g} % of the largest displacement; "
+            f"block {one} penetrates block {other} by {100.0 * motion.penetration:.3g} % of the largest displacement; "
             "correct centres, rotations (anticlockwise positive) or the choice of blocks"
         )
-    work = virtual_work(model, positions, chosen)
+
+
+def _refuse_without_load(work: VirtualWork, delta: Array) -> None:
+    """Raise MechanismError if no horizontal load starts the mechanism, or if it moves without any."""
     if abs(work.lateral) <= 1e-9 * work.moving * float(abs(delta[:, :2]).max()):
         raise MechanismError("the weights do no horizontal work: no horizontal load starts it")
     if work.alpha_0 <= 0.0:
@@ -137,50 +183,34 @@ def evaluate(
             f"alpha_0 = {work.alpha_0:.4g}: the weights drive it without any horizontal load; change the sense of "
             "rotation"
         )
-    direction = "+x" if work.lateral > 0.0 else "-x"
-    met = Met(model)
-    rubbing = met.numbers(motion.contacts, motion.rubs)[motion.rubbing].tolist()
-    notes = list(_notes(penetration, pair, rubbing))
-    given = (controls or {}).get(direction)
-    control = followed(model, positions, delta, given, 1.0 if direction == "+x" else -1.0)
-    fit = fit_rigid(([0.0, 1.0], [work.alpha_0, work.alpha_0]))
-    if demands.keys() & {"SLV", "SLC"}:
-        try:
-            fit = _fit(model, positions, chosen, motion.closed(positions), control)
-        except (KinematicsError, CapacityError) as refusal:
-            notes.append(f"no nonlinear check: {refusal}")
-    if (
-        given is None or given.block != control.block or given.point != control.point
-    ):  # the local loss is a displacement of another point
-        method = replace(method, local_limits={})
-    steps = [*work.steps, *work.result_steps(), *work.participation_steps(control.delta_x)]
-    gamma_star = steps[-1].result
-    capacity = capacity_curve(fit, work.e_star, gamma_star, confidence_factor)
-    steps += [line for line in capacity.steps() if line.symbol in CURVE]
+
+
+def _capacity_numbers(work: VirtualWork, capacity: CapacityCurve, control: Control) -> Numbers:
+    """Return α0, e*, Γ*, and the capacity curve of the equivalent system where the motion is known."""
+    d_0 = capacity.fit.d_0
     return {
-        "direction": direction,
         "alpha_0": work.alpha_0,
         "e_star": work.e_star,
-        "gamma_star": gamma_star,
+        "gamma_star": capacity.gamma_star,
         "a_0_star_g": capacity.a_0_star,
-        "d_0_m": fit.d_0,
+        "d_0_m": d_0,
         "d_0_star_m": capacity.d_0_star,
         "control_m": list(control.point),
         "curve": None
-        if fit.d_0 is None
+        if d_0 is None
         else {"d_star_m": capacity.displacement.tolist(), "a_star_g": capacity.acceleration.tolist()},
         "moving_weight_kN": work.moving,
+    }
+
+
+def _shape_numbers(chosen: Chosen, delta: Array) -> Numbers:
+    """Return the macro-blocks with their centres, and the displacements (b, 3) over the largest one."""
+    return {
         "macro_blocks": [
             {"about_m": part.about.tolist(), "rotation": part.rotation, "blocks": part.blocks.tolist()}
             for part in chosen.parts
         ],
         "displacements": (delta / abs(delta[:, :2]).max()).tolist(),
-        "penetration": penetration,
-        "sliding_joints": rubbing,
-        "met": met.joints,
-        "notes": notes,
-        "trace": numbers(steps),
-        **_checks(capacity, demands, method),
     }
 
 
@@ -203,7 +233,7 @@ def followed(
 
 
 def _fit(model: Assembly, positions: Array, chosen: Chosen, closed: Closed, control: Control) -> CurveFit:
-    """Return α over the displacement of the control point, m, as the mechanism moves on (C8.7.1.2.1.2)."""
+    """Return α over the displacement of the control point, m, along the finite motion (C8.7.1.2.1.2)."""
     path = finite_motion(model, positions, chosen, hinges_of(chosen, closed))
     x, z = np.subtract(control.point, positions[control.block, :2])
     turned = path.positions[:, control.block, 2] - positions[control.block, 2]
@@ -227,10 +257,10 @@ def _checks(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Me
 
 
 def compared(found: Numbers, alpha_0: float | None, alpha_onset: float | None) -> Numbers:
-    """Return the mechanism with the α0 of its state in its direction, and a note where it lies below.
+    """Return the mechanism with the α0 of its state in its direction, and a note if its own α0 is lower.
 
-    In a settled state a hinge of the settlement may close at `alpha_onset` < α0: that is the limit analysis in the
-    configuration of the state, of which a mechanism without sliding and penetration is an upper bound.
+    In a settled state a hinge of the settlement may close at `alpha_onset` < α0. A mechanism without sliding and
+    penetration is an upper bound of `alpha_onset`, the limit analysis in the configuration of the state.
     """
     notes = list(found["notes"])
     if alpha_onset is not None and found["alpha_0"] < (1.0 - BELOW) * alpha_onset:

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from assessment.ntc.calculation import Trace, numbers
-from assessment.ntc.floor_spectrum import (
+from assessment.ntc.demand.floor_spectrum import (
     FloorSpectrum,
     FloorSpectrum2009,
     Mode,
     first_mode,
     fundamental_period,
 )
-from assessment.ntc.hazard import HazardCurve, return_period, return_period_steps, site_curve
-from assessment.ntc.hazard_grid import HazardError
+from assessment.ntc.demand.hazard import HazardCurve, return_period, return_period_steps, site_curve
+from assessment.ntc.demand.hazard_grid import HazardError
+from assessment.ntc.demand.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
 from assessment.ntc.limit_states import ROCK, SURFACE
 from assessment.ntc.methods import ACTIVATION_DAMPING, RULES
-from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
 from assessment.runtime.errors import ProjectError
 
 if TYPE_CHECKING:
@@ -30,14 +31,23 @@ if TYPE_CHECKING:
 PERIODS = np.concatenate([np.arange(400) / 100.0, np.arange(80, 201) / 20.0])  # s: finer up to 4 s
 
 
-def demand_spectra(
-    project: Project, shaking: Sequence[BaseMotion] = ()
-) -> tuple[dict[str, Spectrum], HazardCurve | None]:
-    """The demand spectrum of each limit state, and the site's hazard curve where a grid gives it.
+@dataclass(frozen=True)
+class Demands:
+    """What capacities are assessed against: the spectrum of each limit state, and the site's hazard curve.
+
+    Without an assessment there is no spectrum; without a grid there is no hazard curve.
+    """
+
+    spectra: Mapping[str, Spectrum] = field(default_factory=dict)
+    hazard: HazardCurve | None = None
+
+
+def demand_spectra(project: Project, shaking: Sequence[BaseMotion] = ()) -> Demands:
+    """Return the demand spectrum of each limit state, and the site's hazard curve where a grid gives it.
 
     `shaking`: the base motions of [[history]]; with spectrum = "record" the first one's own spectrum is the demand at
-    every limit state. Raises ProjectError for a site that the grid does not hold, and for a record that is to be
-    followed along a grid.
+    every limit state. Raises ProjectError for a site outside the grid, and for method = "grid" with
+    a record.
     """
     assessment = project.assessment
     assert assessment is not None
@@ -47,27 +57,28 @@ def demand_spectra(
             raise ProjectError(f"{project.source}: assessment.method: {text}")
         record = shaking[0].original
         demand = RecordSpectrum(record.acceleration, record.time_step, ACTIVATION_DAMPING)
-        return dict.fromkeys(assessment.limit_states, demand), None
+        return Demands(dict.fromkeys(assessment.limit_states, demand))
     return _site_spectra(project, assessment)
 
 
 def site_acceleration(project: Project) -> dict[str, float]:
-    """Return a_g S (g) of the site per limit state where the demand is a record's spectrum and a site is given.
+    """Return a_g S (g) of the site by limit state, if the demand is a record's spectrum and a site is given.
 
-    The capacity that the record's shape gives is compared with the site's demand, without a site with the record's PGA.
+    The capacity from the shape of the record is compared with it; without a site it is compared with the record's PGA.
     """
     assessment = project.assessment
     if assessment is None or assessment.spectrum != "record" or assessment.site is None:
         return {}
     return {
-        name: spectrum.ag * spectrum.S for name, spectrum in _site_spectra(project, assessment)[0].items()
+        name: spectrum.ag * spectrum.S
+        for name, spectrum in _site_spectra(project, assessment).spectra.items()
     }
 
 
 def demand_return_periods(project: Project) -> dict[str, float]:
-    """Return T_R (years) of the demand per limit state: from V_N and C_U with a grid, as told with a typed hazard.
+    """Return T_R (years) of the demand by limit state: from V_N and C_U with a grid, otherwise as typed in.
 
-    A typed hazard without its return period is of no known one; nothing then follows from V_N and C_U.
+    A limit state without an entry has a typed hazard without return period, which V_N and C_U do not give.
     """
     assessment = project.assessment
     if assessment is None or assessment.spectrum == "record" or assessment.site is None:
@@ -82,9 +93,7 @@ def demand_return_periods(project: Project) -> dict[str, float]:
     return {name: T_R for name, T_R in typed.items() if T_R is not None}
 
 
-def _site_spectra(
-    project: Project, assessment: AssessmentTable
-) -> tuple[dict[str, Spectrum], HazardCurve | None]:
+def _site_spectra(project: Project, assessment: AssessmentTable) -> Demands:
     site = assessment.site
     if site is None:
         raise ProjectError(f"{project.source}: assessment.site: missing; give the site's hazard")
@@ -99,7 +108,7 @@ def _site_spectra(
             ag, F0, Tc_star = typed.ag_g, typed.F0, typed.Tc_star_s
         ground = ElasticSpectrum(ag, F0, Tc_star, site.soil, site.topography, ACTIVATION_DAMPING)
         spectra[limit_state] = _at_height(ground, assessment)
-    return spectra, curve
+    return Demands(spectra, curve)
 
 
 def _at_height(ground: ElasticSpectrum, assessment: AssessmentTable) -> Spectrum:
@@ -125,13 +134,11 @@ def _hazard_curve(project: Project, site: SiteTable) -> HazardCurve | None:
         raise ProjectError(f"{project.source}: assessment.site: {error}") from None
 
 
-def spectra_numbers(
-    project: Project, demands: Mapping[str, Spectrum], hazard: HazardCurve | None
-) -> dict[str, Any]:
-    """The demand spectra as numbers: ordinates at 5 % and at the damping of the check, parameters, calculation."""
+def spectra_numbers(project: Project, demands: Demands) -> dict[str, Any]:
+    """Return the demand spectra: ordinates at 5 % and at the damping of the check, parameters, calculation."""
     assert project.assessment is not None
     found, periods = {}, demand_return_periods(project)
-    for name, spectrum in demands.items():
+    for name, spectrum in demands.spectra.items():
         rule = RULES.get((str(project.assessment.circular), name))
         damped = spectrum.with_damping(rule.damping if rule else ACTIVATION_DAMPING)
         found[name] = {
@@ -152,9 +159,9 @@ def spectra_numbers(
         steps: Trace = ()
         if name in periods:
             found[name]["return_period_years"] = periods[name]
-        if hazard is not None and site is not None:
+        if demands.hazard is not None and site is not None:
             by_life = return_period_steps(name, site.nominal_life_years, site.use_class)
-            steps = (*by_life, *hazard.steps(by_life[-1].result)[1:])
+            steps = (*by_life, *demands.hazard.steps(by_life[-1].result)[1:])
         ground, floor = ground_of(spectrum), project.assessment.floor
         if ground is not None:
             if floor is not None and floor.period_s is None and ground is not spectrum:

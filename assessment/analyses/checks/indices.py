@@ -1,4 +1,4 @@
-"""Indices of a state: ζ_E at SLV, those of heritage and risk, and what interventions must reach."""
+"""Indices of a state: ζ_E at SLV, indices for heritage and of risk, and the values that interventions must reach."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ Numbers = dict[str, Any]
 
 
 def state_indices(project: Project, capacities: Mapping[str, Mapping[str, Any]]) -> Numbers | None:
-    """Return the indices of a state from the checks of its directions, the least favourable of each limit state.
+    """Return the indices of a state from the least favourable check of its directions at each limit state.
 
-    None without a check at SLV that has a number, and where the demand is a record's: nothing is then on rock.
+    None if no check at SLV has a ratio, and if the demand is a record: its a_g does not refer to rock.
     """
     assessment = project.assessment
     if assessment is None or assessment.site is None or assessment.spectrum == "record":
@@ -64,7 +64,7 @@ def state_indices(project: Project, capacities: Mapping[str, Mapping[str, Any]])
 
 
 def knowledge_numbers(knowledge: KnowledgeTable) -> Numbers:
-    """Return F_C with its components and how it follows from them."""
+    """Return F_C, its components, and the calculation of F_C from them."""
     found = confidence_factor(knowledge.level, knowledge.components)
     return {
         "F_C": found.factor,
@@ -78,7 +78,7 @@ def knowledge_numbers(knowledge: KnowledgeTable) -> Numbers:
 def _least(
     capacities: Mapping[str, Mapping[str, Any]], limits: Iterable[str]
 ) -> tuple[str, str, Mapping[str, Any]] | None:
-    """Return direction, name and check of the least ratio among some checks; None where none has a number."""
+    """Return direction, name and check with the least ratio at some limit states; None if no check has a ratio."""
     made = [
         (direction, limit, capacity[limit])
         for direction, capacity in capacities.items()

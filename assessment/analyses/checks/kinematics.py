@@ -22,23 +22,21 @@ Array = NDArray[np.float64]
 Closed = tuple[NDArray[np.intp], NDArray[np.intp], Array]
 """Closed joints: blocks a and b (j,), ends (j, 2, 2) m of where they overlap."""
 
-HINGE = (
-    0.02  # of a joint's length: how far from it a centre may lie and be a hinge of it, as with one set back
-)
-ALIKE = 1e-9  # of the largest rotation: macro-blocks that turn alike have no centre between them
+HINGE = 0.02  # of a joint's length: a centre of rotation no farther from the joint is a hinge of it (set back or not)
+ALIKE = 1e-9  # of the largest rotation: macro-blocks with equal rotations have no relative centre
 STEP = 0.002  # rad, of the macro-block that turns fastest
-FARTHEST = 1.0  # rad: no α of a mechanism stays positive so far
-OPEN = 1e-6  # of the model's size: how far the two sides of a hinge may drift apart
-OVERLAP = 1e-3  # of the smallest block: area that blocks may share before they are in each other's way
+FARTHEST = 1.0  # rad: by then α has vanished in every mechanism
+OPEN = 1e-6  # of the model's size: largest gap of a hinge from the integration
+OVERLAP = 1e-3  # of the smallest block's area: overlap of two blocks that does not stop the motion
 
 
 class KinematicsError(ValueError):
-    """A mechanism whose motion its hinges do not determine, or that is stopped before α = 0."""
+    """A mechanism whose hinges do not determine its motion, or whose motion is stopped before α = 0."""
 
 
 @dataclass(frozen=True)
 class Hinge:
-    """A point (x, z), m, that two macro-blocks share, by their numbers; None: with what stays still."""
+    """A point (x, z), m, that two macro-blocks share; they are given by number, None: the blocks that do not move."""
 
     first: int
     second: int | None
@@ -87,7 +85,7 @@ def _on_a_joint(point: Array, pair: tuple[int, ...], owner: dict[int, int], clos
 def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: list[Hinge]) -> Motion:
     """Follow a mechanism from `positions` (b, 3) until its multiplier is zero.
 
-    Raises KinematicsError where the hinges leave it more than one motion, or none, and where blocks come in its way.
+    Raises KinematicsError if the hinges allow no motion or more than one, and if other blocks stop the motion.
     """
     parts = _Parts.of(model, positions, chosen, hinges)
     q = np.zeros((len(chosen.parts), 3))
@@ -128,13 +126,13 @@ class _Parts:
         return cls([part.blocks for part in chosen.parts], origin, hinges, weight, seismic)
 
     def arm(self, q: Array, part: int, point: Array) -> Array:
-        """Where a material point (2,) or (m, 2), m, of a part is from the part's origin."""
+        """Return the vector (m) from a part's origin to its material point (2,), or points (m, 2)."""
         c, s = np.cos(q[part, 2]), np.sin(q[part, 2])
         x, z = (point - self.origin[part]).T
         return np.stack([c * x - s * z, s * x + c * z], axis=-1)
 
     def rate(self, q: Array, rotations: Array) -> Array:
-        """Return the rates (n, 3) that keep the hinges closed and turn like `rotations` (n,), 1 the fastest one."""
+        """Return the rates (n, 3) that keep the hinges closed and turn like `rotations` (n,); the fastest is 1."""
         rows = np.zeros((2 * len(self.hinges), 3 * len(q)))
         for k, hinge in enumerate(self.hinges):
             for part, sign in ((hinge.first, 1.0), (hinge.second, -1.0)):
@@ -155,7 +153,7 @@ class _Parts:
         return found if found[:, 2] @ rotations > 0.0 else -found
 
     def step(self, q: Array, rate: Array) -> Array:
-        """Go on by STEP of the fastest rotation (Runge and Kutta, fourth order)."""
+        """Return q (n, 3) after STEP of the fastest rotation (Runge-Kutta, fourth order)."""
         turns = rate[:, 2]
         k2 = self.rate(q + 0.5 * STEP * rate, turns)
         k3 = self.rate(q + 0.5 * STEP * k2, turns)
@@ -180,7 +178,7 @@ class _Parts:
         return dead / abs(lateral)
 
     def drift(self, q: Array) -> float:
-        """Return how far the two sides of a hinge are apart, at most, m."""
+        """Return the largest gap (m) between the two sides of a hinge."""
         apart = [0.0]
         for hinge in self.hinges:
             point = np.array(hinge.point)
@@ -193,7 +191,7 @@ class _Parts:
 
 
 def _unhindered(model: Assembly, at: list[Array]) -> None:
-    """Refuse a motion in which blocks overlap that did not at its start."""
+    """Raise KinematicsError if blocks overlap in a motion that do not overlap at its start."""
     least = OVERLAP * min(block.area for block in model.blocks)
     for positions in at[1 :: max(1, len(at) // 20)]:
         outlines = [_outline(block.polygon - block.centroid, *place) for block, place in zip(

@@ -1,4 +1,4 @@
-"""What a state is assessed by where its paths scatter: the least capacity of an ensemble, its range beside it."""
+"""The capacity of a state whose paths scatter: the least one of its ensemble, with the range."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ CHECKED = ("a_g_g", "zeta_E")
 def with_ranges(
     state: dict[str, Any], members: Sequence[tuple[Mapping[str, Any], Curves]], assess: Assess
 ) -> dict[str, Any]:
-    """Return the capacity of a state by the ensemble of its paths; the state's own curves become the least ones.
+    """Return the capacity of a state from the ensemble of its paths; the curves in `state` become those of it.
 
-    `members`: settlements by behaviour and curves of each further member. In each direction the curves are those of the
-    member with the least a_g at the farthest limit state that was checked. Every quantity of QUANTITIES and CHECKED and
-    the ultimate movement is the least of all, with its range beside it; `members` of a curve: what the others found.
+    `members`: settlements by behaviour, and curves, of each further member. In each direction the state takes the
+    curves of the member with the least a_g at the farthest limit state. The ultimate movement and every quantity of
+    QUANTITIES and CHECKED become the least of all members, with their range; `members` of a curve: the curves of the
+    others.
     """
     for behaviour, numbers in state["pushdown"].items():
         others = [pushdown.get(behaviour) or {} for pushdown, _ in members]
@@ -43,8 +44,8 @@ def with_ranges(
 
 
 def _capacity(checked: Mapping[str, Any] | None) -> float:
-    """Return the a_g at the farthest limit state that was checked; infinite where none has one."""
-    limit_state = quoted_limit_state(checked)
+    """Return the a_g at the farthest limit state that was checked; infinite if there is none."""
+    limit_state = quoted_limit_state(checked or {})
     found = checked[limit_state]["a_g_g"] if checked and limit_state else None
     return float("inf") if found is None else float(found)
 
@@ -53,7 +54,7 @@ def _joined(numbers: Mapping[str, Any], followed: Sequence[Mapping[str, Any]]) -
     """Return the numbers of a curve with the ranges of all and the curves of the others."""
     found = {
         key: value for key, value in numbers.items() if key != "control"
-    }  # said once for both behaviours
+    }  # the state has it once for both behaviours
     for name in QUANTITIES:
         if name in found:
             _with_range(found, name, followed)
@@ -62,7 +63,7 @@ def _joined(numbers: Mapping[str, Any], followed: Sequence[Mapping[str, Any]]) -
 
 
 def _checks(least: Mapping[str, Any], known: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the checks of the least member, at each limit state those of the member that is least there."""
+    """Return the checks of the least member; at each limit state the check of the member that is least there."""
     found = dict(least)
     for limit_state in CHECKS:
         asked = [each for each in known if each.get(limit_state) and each[limit_state]["a_g_g"] is not None]
@@ -70,7 +71,7 @@ def _checks(least: Mapping[str, Any], known: Sequence[Mapping[str, Any]]) -> dic
             continue
         lowest = min(asked, key=lambda each: each[limit_state]["a_g_g"])
         check = dict(lowest[limit_state])
-        if lowest is not least:  # another capacity curve: its steps belong to the check
+        if lowest is not least:  # of another capacity curve: its steps belong to the check
             check["trace"] = [*lowest["trace"], *check["trace"]]
         for name in CHECKED:
             _with_range(check, name, [each[limit_state] for each in asked])
@@ -79,7 +80,7 @@ def _checks(least: Mapping[str, Any], known: Sequence[Mapping[str, Any]]) -> dic
 
 
 def _with_range(numbers: dict[str, Any], name: str, members: Sequence[Mapping[str, Any]]) -> None:
-    """Let a quantity be the least of the members', with its range beside it: open above where a member finds no end."""
+    """Set a quantity to the least of the members, and add its range; its upper end is open if a member has no value."""
     values = [each[name] for each in members if name in each]
     known = [value for value in values if value is not None]
     if known:

@@ -1,4 +1,4 @@
-"""The peak ground accelerations between which a structure collapses: where some of an ensemble do, and all."""
+"""The peak ground accelerations at which a structure collapses: some members of an ensemble, and all of them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-# shares of the PGA at collapse where the order of collapse is not taken on trust
+# shares of the PGA at collapse that are run as well: a weaker motion may collapse a structure too
 BELOW = (0.2, 0.4, 0.6, 0.8)
 ABOVE = (1.2, 1.4, 1.6)
 
@@ -16,10 +16,10 @@ Judge = Callable[[float], bool]
 
 @dataclass(frozen=True)
 class Bracket:
-    """All members withstood `safe` (g), and some did not `collapse`; no lower level tried collapsed any.
+    """All members withstood the level `safe` (g); `collapse` (g): the lowest level tried at which a member collapsed.
 
-    `certain` (g): the lowest level tried at which all collapsed. None: nothing tried did. `resurrections` (g): what was
-    tried above `collapse` and withstood by all.
+    `certain` (g): the lowest level tried at which all members collapsed. None: there was no such level. `resurrections`
+    (g): levels above `collapse` that all members withstood.
     """
 
     safe: float
@@ -29,7 +29,7 @@ class Bracket:
 
     @property
     def width(self) -> float:
-        """How far apart the levels are between which the first member collapses, g; 0 where nothing did."""
+        """Distance of the two levels between which the first member collapses, g; 0 if none collapsed."""
         return 0.0 if self.collapse is None else self.collapse - self.safe
 
 
@@ -44,66 +44,92 @@ def find_collapse(
 ) -> Bracket:
     """Bracket the lowest level at which `some` member and at which `every` one collapses, within `tolerance`; in g.
 
-    `relative`: to the level, where that is a wider tolerance; the bisection is then one of ratios. `grid`: shares of
-    the level at collapse that are tried too.
+    `relative`: tolerance relative to the level; the wider of both counts, and the bisection is one of ratios. `grid`:
+    shares of the level at collapse that are tried as well.
 
-    From `first` by doubling, up to `largest`, or halving to a level on each side, then by bisection between levels
-    that were both run. A structure that falls at one level may stand at a higher one: a collapse found on the grid
-    below starts the bisection again. At zero the state stands by itself.
+    `first` is doubled, up to `largest`, or halved until there is a level on each side; then follows a bisection between
+    levels that were both run. A structure that collapses at one level may stand at a higher one: a collapse found on
+    the grid below starts the bisection again. At zero the state stands by itself.
     """
-    tried: dict[float, bool] = {}
-
-    def within(level: float) -> float:
-        return max(tolerance, relative * level)
-
-    def falls(level: float) -> bool:
-        if level not in tried:
-            tried[level] = some(level)
-        return tried[level]
-
-    def lowest() -> float | None:
-        return min((level for level, fallen in tried.items() if fallen), default=None)
-
-    def safe_below(limit: float) -> float:
-        return max((level for level, fallen in tried.items() if not fallen and level < limit), default=0.0)
-
-    def middle(low: float, high: float) -> float:
-        return math.sqrt(low * high) if relative and low else 0.5 * (low + high)
-
-    level = min(first, largest)
-    if falls(level):
-        while level > tolerance and falls(level):
-            level /= 2.0
-    else:
-        while level < largest and not falls(min(2.0 * level, largest)):
-            level = min(2.0 * level, largest)
+    levels = _Levels(some, tolerance, relative)
+    _first_collapse(levels, min(first, largest), largest)
     while True:
-        collapse = lowest()
-        safe = safe_below(math.inf if collapse is None else collapse)
-        if collapse is not None and collapse - safe > within(collapse):
-            falls(middle(safe, collapse))
+        collapse, safe = levels.lowest_collapse(), levels.highest_safe()
+        if collapse is not None and collapse - safe > levels.within(collapse):
+            levels.falls(levels.middle(safe, collapse))
             continue
         about = collapse or largest
-        wanted = [share * about for share in grid if share * about <= largest]
-        new = [level for level in wanted if min(abs(level - other) for other in tried) > within(level)]
-        if not new:
+        wanted = (share * about for share in grid if share * about <= largest)
+        untried = next((level for level in wanted if not levels.near(level)), None)
+        if untried is None:
             break
-        falls(new[0])
+        levels.falls(untried)
     if collapse is None:
         return Bracket(largest, None, None, ())
-    reached = [level for level, fallen in tried.items() if fallen]
-    above = (level for level, fallen in tried.items() if level > collapse and not fallen)
-    certain = _certain(every, sorted(reached), largest, within)
-    return Bracket(safe, collapse, certain, tuple(sorted(above)))
+    certain = _certain(every, levels.collapses(), largest, levels.within)
+    return Bracket(safe, collapse, certain, levels.resurrections(collapse))
+
+
+class _Levels:
+    """The levels (g) that were run, and whether some member collapsed at each; each is run once."""
+
+    def __init__(self, some: Judge, tolerance: float, relative: float) -> None:
+        self.some, self.tolerance, self.relative = some, tolerance, relative
+        self.tried: dict[float, bool] = {}
+
+    def falls(self, level: float) -> bool:
+        if level not in self.tried:
+            self.tried[level] = self.some(level)
+        return self.tried[level]
+
+    def within(self, level: float) -> float:
+        """Tolerance at a level, g."""
+        return max(self.tolerance, self.relative * level)
+
+    def near(self, level: float) -> bool:
+        """Whether a level within the tolerance of this one was run."""
+        return min(abs(level - other) for other in self.tried) <= self.within(level)
+
+    def middle(self, low: float, high: float) -> float:
+        return math.sqrt(low * high) if self.relative and low else 0.5 * (low + high)
+
+    def collapses(self) -> list[float]:
+        """Return the levels at which some member collapsed, the lowest first."""
+        return sorted(level for level, fallen in self.tried.items() if fallen)
+
+    def lowest_collapse(self) -> float | None:
+        return min(self.collapses(), default=None)
+
+    def highest_safe(self) -> float:
+        """Return the highest safe level below every collapse; 0 where there is none: at rest the state stands."""
+        limit = min(self.collapses(), default=math.inf)
+        return max(
+            (level for level, fallen in self.tried.items() if not fallen and level < limit), default=0.0
+        )
+
+    def resurrections(self, collapse: float) -> tuple[float, ...]:
+        """Return the levels above a collapse at which no member collapsed."""
+        return tuple(sorted(level for level, fallen in self.tried.items() if level > collapse and not fallen))
+
+
+def _first_collapse(levels: _Levels, first: float, largest: float) -> None:
+    """Run levels from `first` on: doubled until some member collapses, or halved until none does."""
+    level = first
+    if levels.falls(level):
+        while level > levels.tolerance and levels.falls(level):
+            level /= 2.0
+    else:
+        while level < largest and not levels.falls(min(2.0 * level, largest)):
+            level = min(2.0 * level, largest)
 
 
 def _certain(
     every: Judge, reached: list[float], largest: float, within: Callable[[float], float]
 ) -> float | None:
-    """Return the lowest level at which all collapse: upward from where some do, then by bisection.
+    """Return the lowest level at which all members collapse, searched upward from `reached` and then by bisection.
 
-    Steps double from the tolerance on: most ensembles collapse soon after their first member. None is longer than to
-    the next level of those `reached` by some.
+    `reached`: levels at which some member collapses. The first step is the tolerance, since most ensembles collapse
+    soon after their first member; steps double, but do not pass the next level of `reached`. None: not up to `largest`.
     """
     below, top, step = 0.0, None, within(reached[0])
     level = reached[0]
@@ -123,11 +149,11 @@ def _certain(
 
 
 def collapse_near(some: Judge, near: Bracket, largest: float, tolerance: float) -> Bracket:
-    """Bracket a first collapse within `tolerance` that is expected in the bracket `near`; everything in g.
+    """Bracket a first collapse within `tolerance` that is expected in the bracket `near`; all levels in g.
 
-    Two runs where it is there. Else away from it, down where `near.safe` collapses, up to `largest` where
-    `near.collapse` is withstood, by steps that double from its width, and by bisection between the last two. Levels
-    below the one that is withstood then are not tried.
+    If it lies in `near`, two runs show it. If `near.safe` collapses, lower levels are tried, if `near.collapse` is
+    withstood, higher ones up to `largest`, in steps that double from the width of `near`; a bisection between the last
+    two levels follows. Levels below the safe one are not tried.
     """
     low, high, step = near.safe, near.collapse, near.width or tolerance
     if low > 0.0 and some(low):

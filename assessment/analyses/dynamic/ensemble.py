@@ -1,7 +1,7 @@
-"""Small ensembles: a motion again under the same record, a little weaker and a little stronger.
+"""Small ensembles: a motion is repeated under the same record, a little weaker and a little stronger.
 
-Where impacts or slides are many a motion turns on the last digits of its record: single runs do not converge, their
-distribution does. Where it does not, a first pair of members says so and is all that is run.
+A motion with many impacts or slides depends on the last digits of its record: single runs do not converge, their
+distribution does. If the first two members agree, the motion is not of this kind and no other member is run.
 """
 
 from __future__ import annotations
@@ -26,26 +26,26 @@ PAIR = 2  # members that are run first
 
 @dataclass(frozen=True)
 class Scatter:
-    """How many `members` an ensemble has at most, and to what `tolerance` a pair agrees that is enough."""
+    """The most `members` of an ensemble, and the `tolerance` within which a first pair agrees."""
 
     members: int
     tolerance: float
 
     @property
     def amplitudes(self) -> tuple[float, ...]:
-        """Factors on the record, evenly spread over 1 ± SPREAD: as it is, then the weakest, and the others."""
+        """Factors on the record, evenly spread over 1 ± SPREAD: first 1, then the weakest, then the others."""
         half = self.members // 2
         shares = [k / half for k in range(-half, self.members - half) if k]
         return (1.0, *(1.0 + SPREAD * share for share in shares))
 
     @property
     def strongest_first(self) -> tuple[float, ...]:
-        """The same for a search: after the record as it is those that are likeliest to decide, and to end early."""
+        """The same factors for a search: first 1, then the strongest, which decide and end soonest."""
         return (1.0, *sorted(self.amplitudes[1:], reverse=True))
 
 
 def scatter_of(project: Project) -> Scatter:
-    """Return what the project's keys `scatter` and `accuracy` ask for."""
+    """Return the ensemble that the project's keys `scatter` and `accuracy` ask for."""
     tolerance = accuracy_of(project).tolerance or PRESETS["standard"].tolerance
     assert tolerance is not None
     return Scatter(project.scatter, tolerance)
@@ -61,12 +61,12 @@ class Course:
 
     @property
     def last(self) -> int:
-        """Where the largest displacement is that the structure came back from."""
+        """Index of the largest displacement from which the structure came back."""
         return sustained_peak(self.displacement, self.collapsed)
 
 
 def sustained_peak(displacement: Array, collapsed: bool) -> int:
-    """Return the index of the largest displacement (k,), at a collapse the largest before the last turn outward."""
+    """Return the index of the largest displacement (k,); at a collapse only those before the last way outward count."""
     if collapsed:
         turns = np.flatnonzero(np.diff(np.sign(np.diff(displacement)))) + 1
         displacement = displacement[: turns[-1] + 1] if turns.size else displacement[:1]
@@ -74,10 +74,10 @@ def sustained_peak(displacement: Array, collapsed: bool) -> int:
 
 
 def agree(one: Course, other: Course, tolerance: float, size: float) -> bool:
-    """Whether two members are the same motion: the same end, and the same course up to the peak of both.
+    """Whether two members are the same motion: both collapse or neither, and their courses agree up to the peak.
 
-    `tolerance`: of their distance at any time, relative to the peak; `size` (m) of the model. Equal peaks alone could
-    be chance.
+    `tolerance`: of their distance at any time, relative to the peak; `size` (m): of the model. Equal peaks alone might
+    be a coincidence.
     """
     if one.collapsed != other.collapsed:
         return False
@@ -89,7 +89,7 @@ def agree(one: Course, other: Course, tolerance: float, size: float) -> bool:
 
 
 def enough(courses: Sequence[Course], scatter: Scatter, size: float) -> bool:
-    """Whether the members run so far tell what all would."""
+    """Whether the members run so far suffice: their first pair agrees, or all are run."""
     if len(courses) >= scatter.members:
         return True
     return len(courses) == PAIR and agree(courses[0], courses[1], scatter.tolerance, size)
@@ -98,7 +98,7 @@ def enough(courses: Sequence[Course], scatter: Scatter, size: float) -> bool:
 def lowest_median_highest(
     values: Sequence[float | None],
 ) -> tuple[float | None, float | None, float | None]:
-    """Lowest, median and highest of several values; None is beyond any of them: a collapse."""
+    """Return lowest, median and highest of several values; None, a collapse, counts as higher than any value."""
     counted = [math.inf if value is None else value for value in values]
     low, middle, high = (None if math.isinf(f(counted)) else float(f(counted)) for f in (min, median, max))
     return low, middle, high

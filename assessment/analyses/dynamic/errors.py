@@ -1,13 +1,13 @@
-"""How far a PGA at collapse is from converged in the time step.
+"""The error of a PGA at collapse due to the time step.
 
-It is looked for again about where it was found, with a half and a quarter of the time step: a few runs beside those of
-the search. Results stay as they are; only their error is told.
+The search is repeated near its result with a half and a quarter of the time step, which takes a few runs. The results
+remain unchanged; their estimated error is added.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.accuracy import NOISE, accuracy_of
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from assessment.analyses.dynamic.time_history import StageResult
     from assessment.project.motions import BaseMotion
 
-AGAIN = 20  # motions that a bracket looked for again costs, about, at two to eight levels
+AGAIN = 20  # motions that a repeated search takes, about, at two to eight levels
 PGA = "pga_collapse_g"
 
 
@@ -35,9 +35,10 @@ class Estimates:
 
 
 def collapses_again(campaign: Campaign, motions: list[BaseMotion], given: Sequence[StageResult]) -> Estimates:
-    """Estimate the error of the PGA at collapse; `given`: the searches in their order.
+    """Estimate the error of the PGA at collapse; `given`: the searches in the order of their tasks.
 
-    It is the width of the bracket, the distance to the PGA of the finest time step, and the error of that one.
+    The error is the sum of the width of the bracket, the distance to the PGA of the finest time step, and the error of
+    that PGA.
     """
     found, project = Estimates(), campaign.project
     table, tolerance = project.incremental, accuracy_of(project).tolerance
@@ -49,9 +50,9 @@ def collapses_again(campaign: Campaign, motions: list[BaseMotion], given: Sequen
         if stage.numbers["pga_safe_g"] is not None
     ]
     tasks = [
-        (model, finer, setting, state, start, _bracket(stage))
-        for (model, motion, setting, state, start), stage in searched
-        for finer in (motion.at_half_step(), motion.at_half_step().at_half_step())
+        (replace(task, motion=finer), _bracket(stage))
+        for task, stage in searched
+        for finer in (task.motion.at_half_step(), task.motion.at_half_step().at_half_step())
     ]
     again = campaign.each(
         "finer: incremental",
@@ -64,12 +65,12 @@ def collapses_again(campaign: Campaign, motions: list[BaseMotion], given: Sequen
     )
     found.seconds = sum(stage.seconds for stage in again)
     for (task, stage), half, quarter in zip(searched, again[::2], again[1::2], strict=True):
-        title, near = search_title(task[3], task[1]), _bracket(stage)
+        title, near = search_title(task), _bracket(stage)
         values = tuple(each.numbers[PGA] for each in (stage, half, quarter))
         apart = 0.0 if near.certain is None or near.collapse is None else near.certain - near.collapse
         levels = Refinement(PGA, values, (apart, 0.0, 0.0), NOISE, near.width, 0)
         failed = [each.numbers["reason"] for each in (half, quarter) if each.numbers["pga_safe_g"] is None]
-        row = {"state": task[3], "record": task[1].name, **levels.numbers(tolerance)}
+        row = {"state": task.state, "record": task.motion.name, **levels.numbers(tolerance)}
         found.rows.append(row | ({"met": False} if failed else {}))
         found.warnings += [f"{title}: a finer time step fails: {why}" for why in failed[:1]]
         found.warnings += [] if failed else levels.missed(title, tolerance, "tolerance_g or time_step_s")
@@ -77,7 +78,7 @@ def collapses_again(campaign: Campaign, motions: list[BaseMotion], given: Sequen
 
 
 def _bracket(search: StageResult) -> Bracket:
-    """The bracket that a search found."""
+    """Return the bracket that a search found."""
     numbers = search.numbers
     certain = numbers.get("pga_collapse_g_range", (None, None))[1]
     return Bracket(numbers["pga_safe_g"], numbers[PGA], certain, ())

@@ -8,7 +8,7 @@ all other members at the finest time step, where the pair is not the same motion
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,9 +23,9 @@ from assessment.analyses.dynamic.ensemble import (
     lowest_median_highest,
     scatter_of,
 )
-from assessment.analyses.dynamic.inputs import Campaign, Task
+from assessment.analyses.dynamic.inputs import Campaign
 from assessment.analyses.dynamic.refinement import LEVELS, Refinement
-from assessment.analyses.dynamic.time_history import Numbers, StageResult, history
+from assessment.analyses.dynamic.time_history import Numbers, Shaking, StageResult, history
 
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
@@ -35,7 +35,7 @@ PEAK = "peak_displacement_m"
 
 
 def histories(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult]:
-    """Every time history that the project asks for, in the order of their tasks."""
+    """Return every time history that the project asks for, in the order of their tasks."""
     accuracy, scatter = accuracy_of(campaign.project), scatter_of(campaign.project)
     studies = [Study(task, accuracy, scatter) for task in history_tasks(campaign, motions)]
     for levels in rounds(accuracy):
@@ -45,18 +45,18 @@ def histories(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult
     return [study.result() for study in studies]
 
 
-def history_tasks(campaign: Campaign, motions: list[BaseMotion]) -> list[Task]:
-    """What every time history is made of, state by state."""
+def history_tasks(campaign: Campaign, motions: list[BaseMotion]) -> list[Shaking]:
+    """Return the tasks of all time histories, state by state."""
     by_table = [
         campaign.tasks(table, [motion])
         for table, motion in zip(campaign.project.history, motions, strict=True)
     ]
     states = campaign.project.states
-    return sorted((task for tasks in by_table for task in tasks), key=lambda task: states.index(task[3]))
+    return sorted((task for tasks in by_table for task in tasks), key=lambda task: states.index(task.state))
 
 
 def rounds(accuracy: Accuracy) -> list[list[int]]:
-    """Return which halvings of the time step are run together: three levels, then one by one."""
+    """Return the halvings of the time step that are run together: three levels first, then one at a time."""
     if accuracy.tolerance is None:
         return [[0]]
     return [list(range(LEVELS)), *([level] for level in range(LEVELS, accuracy.halvings + 1))]
@@ -66,19 +66,19 @@ def rounds(accuracy: Accuracy) -> list[list[int]]:
 class Study:
     """One history: its members, by halvings of the time step, then by their place among the amplitudes."""
 
-    task: Task
+    task: Shaking
     accuracy: Accuracy
     scatter: Scatter
     members: dict[int, dict[int, StageResult]] = field(default_factory=dict)
 
     @property
     def pair(self) -> range:
-        """Which members are run first: one where there is nothing to start from."""
+        """The members that are run first; one if the state at rest was not reached."""
         return range(min(PAIR, self.scatter.members)) if self._starts else range(1)
 
     @property
     def others(self) -> range:
-        """Which members are still to be run at the finest time step."""
+        """The members that are still to be run at the finest time step."""
         first = self.members[self.finest]
         if not self._starts or _failures(first) or enough(_courses(first), self.scatter, self._size):
             return range(0)
@@ -94,7 +94,7 @@ class Study:
 
     @property
     def finished(self) -> bool:
-        """Whether a finer time step is not wanted."""
+        """Whether no finer time step is wanted."""
         if not self.members:
             return False
         tolerance, deepest = self.accuracy.tolerance, max(self.members)
@@ -104,7 +104,7 @@ class Study:
 
     @property
     def refinement(self) -> Refinement:
-        """What the time steps tell of the peak; members that are the same motion do not scatter."""
+        """The error of the peak from its time steps; the scatter of members that are the same motion is 0."""
         values, apart = [], []
         for level in range(self.finest + 1):
             one, *more = (self.members[level][n] for n in self.pair)
@@ -115,16 +115,17 @@ class Study:
             apart.append(0.0 if same or other is None or values[-1] is None else abs(other - values[-1]))
         return Refinement(PEAK, tuple(values), tuple(apart), NOISE * self._size)
 
-    def at(self, level: int, member: int) -> Task:
-        """The task of a member at a time step."""
-        model, motion, setting, state, start = self.task
+    def at(self, level: int, member: int) -> Shaking:
+        """Return the task of a member at a halved time step; `level`: how often it is halved."""
+        motion = self.task.motion
         for _ in range(level):
             motion = motion.at_half_step()
-        return model, motion.at_amplitude(self.scatter.amplitudes[member]), setting, state, start
+        return replace(self.task, motion=motion.at_amplitude(self.scatter.amplitudes[member]))
 
     def result(self) -> StageResult:
-        """The history in numbers: those of the members at the finest time step, with the error that the others tell."""
-        state, title = self.task[3], f"{self.task[3]}, history of {self.task[1].name}"
+        """Return the history of the members at the finest time step, with the error estimated from the other steps."""
+        state, record = self.task.state, self.task.motion.name
+        title = f"{state}, history of {record}"
         found = together(title, list(self.members[self.finest].values()))
         found.seconds = sum(each.seconds for level in self.members.values() for each in level.values())
         tolerance = self.accuracy.tolerance
@@ -133,23 +134,23 @@ class Study:
         if self.finest < max(self.members):
             said = "; ".join(_failures(self.members[self.finest + 1]))
             found.warnings.append(f"{title}: a finer time step fails: {said}")
-        found.convergence = {"state": state, "record": self.task[1].name, "halvings": self.finest}
+        found.convergence = {"state": state, "record": record, "halvings": self.finest}
         found.convergence |= self.refinement.numbers(tolerance)
         found.warnings += self.refinement.missed(title, tolerance)
         return found
 
     @property
     def _starts(self) -> bool:
-        return not isinstance(self.task[4], str)
+        return not isinstance(self.task.start, str)
 
     @property
     def _size(self) -> float:
-        return self.task[0].size
+        return self.task.model.size
 
 
 def _run(campaign: Campaign, wanted: Sequence[tuple[Study, int, int]]) -> None:
-    """Run members of studies, side by side."""
-    tasks = [study.at(level, member) for study, level, member in wanted]
+    """Run members of studies side by side."""
+    tasks = [(study.at(level, member),) for study, level, member in wanted]
     for (study, level, member), found in zip(
         wanted, campaign.each("history", history, tasks, 1), strict=True
     ):
@@ -157,9 +158,9 @@ def _run(campaign: Campaign, wanted: Sequence[tuple[Study, int, int]]) -> None:
 
 
 def together(title: str, members: Sequence[StageResult]) -> StageResult:
-    """The members of a history as one result: the numbers of the one that suffers most, and the range of all.
+    """Return the members of a history as one result: the numbers of the worst member, and the range of all.
 
-    A collapse is beyond any peak; of several the earliest counts.
+    A collapse is worse than any peak, an earlier collapse worse than a later one.
     """
     finished = [each for each in members if each.numbers["collapsed"] is not None]
     if not finished or len(members) == 1:
@@ -184,13 +185,16 @@ def together(title: str, members: Sequence[StageResult]) -> StageResult:
 
 
 def band(members: Sequence[StageResult], time: Array) -> Numbers:
-    """The control displacements between which all members are, m, at times (k,) s; a collapsed one is as it ended."""
+    """Return the least and largest control displacement of all members, m, at times (k,) s.
+
+    A member that collapsed keeps its last displacement.
+    """
     each = [np.interp(time, one.time, one.displacement) for one in map(_course, members)]
     return {"low_m": np.min(each, axis=0).tolist(), "high_m": np.max(each, axis=0).tolist()}
 
 
 def peak(result: StageResult) -> float | None:
-    """Return the peak displacement of a history, m; a collapse has none."""
+    """Return the peak displacement of a history, m; None for a collapse."""
     value: float | None = result.numbers[PEAK]
     return None if result.numbers["collapsed"] else value
 
@@ -215,7 +219,7 @@ def _scattered(
 
 
 def _joined(rows: Sequence[Numbers]) -> Numbers:
-    """One row of quality for the programs of several."""
+    """Return one row of quality for the programs of several members."""
     worst = {key: max(row[key] for row in rows) for key in rows[0] if key.startswith("worst")}
     return rows[0] | {"solves": sum(row["solves"] for row in rows)} | worst
 

@@ -14,41 +14,36 @@ from assessment.analyses.dynamic.bracket import Bracket, collapse_near, find_col
 from assessment.analyses.dynamic.ensemble import Course, Scatter, enough, lowest_median_highest, scatter_of
 from assessment.analyses.dynamic.inputs import Campaign
 from assessment.analyses.dynamic.response import Setting, respond
-from assessment.analyses.dynamic.time_history import Numbers, StageResult, Start, quality_row
+from assessment.analyses.dynamic.time_history import Numbers, Shaking, StageResult, quality_row
 from mechanics import Assembly, ConvergenceError, State
 
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
 
 MEAN_FROM, ENOUGH = 7, 3  # records: NTC 2018 §7.3.5
-RUNS = 30  # of a search, about: what it costs
+RUNS = 30  # motions of a search, about
 
 
 def searches(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult]:
-    """The search of every record from every state, state by state."""
+    """Return the search of every record from every state, state by state."""
     table = campaign.project.incremental
     assert table is not None
-    tasks = campaign.tasks(table, motions)
+    tasks = [(task,) for task in campaign.tasks(table, motions)]
     scatter = scatter_of(campaign.project)
     return campaign.each("incremental", search, tasks, RUNS, scatter, table.max_scale, table.tolerance_g)
 
 
-def search(
-    model: Assembly,
-    motion: BaseMotion,
-    setting: Setting,
-    state: str,
-    start: Start,
-    scatter: Scatter,
-    max_scale: float,
-    tolerance: float,
-) -> StageResult:
-    """The PGA at incipient collapse of one record from one state, with every run made on the way, in numbers."""
-    title = search_title(state, motion)
+def search(shaking: Shaking, scatter: Scatter, max_scale: float, tolerance: float) -> StageResult:
+    """Return the PGA (g) at incipient collapse of one record from one state, with every run of the search.
+
+    The levels go up to `max_scale` times the PGA of the record; `tolerance` (g): of the result.
+    """
+    title, pga = search_title(shaking), shaking.motion.pga
     result = _searched(
-        model, motion, setting, state, start, scatter,
-        lambda levels: find_collapse(levels.some, levels.every, motion.pga, max_scale * motion.pga, tolerance),
-    )  # fmt: skip
+        shaking,
+        scatter,
+        lambda levels: find_collapse(levels.some, levels.every, pga, max_scale * pga, tolerance),
+    )
     lowest, safe = result.numbers["pga_collapse_g"], result.numbers["pga_safe_g"]
     if lowest is None and safe is not None:
         result.warnings.append(
@@ -56,7 +51,7 @@ def search(
         )
     upper = result.numbers.get("pga_collapse_g_range", [None, None])[1]
     if lowest is not None and scatter.members > 1 and upper != lowest:
-        result.warnings.append(_spread(title, lowest, upper, max_scale * motion.pga))
+        result.warnings.append(_spread(title, lowest, upper, max_scale * pga))
     if resurrections := result.numbers["resurrections_g"]:
         result.warnings.append(
             f"{title}: collapse at {lowest:.3g} g, but stands at "
@@ -78,39 +73,21 @@ def _spread(title: str, lowest: float, upper: float | None, largest: float) -> s
 
 
 def search_again(
-    model: Assembly,
-    motion: BaseMotion,
-    setting: Setting,
-    state: str,
-    start: Start,
-    near: Bracket,
-    scatter: Scatter,
-    max_scale: float,
-    tolerance: float,
+    shaking: Shaking, near: Bracket, scatter: Scatter, max_scale: float, tolerance: float
 ) -> StageResult:
-    """The PGA at incipient collapse where another model, or another time step, gave the bracket `near`."""
-    return _searched(
-        model, motion, setting, state, start, scatter,
-        lambda levels: collapse_near(levels.some, near, max_scale * motion.pga, tolerance),
-    )  # fmt: skip
+    """Return the PGA (g) at incipient collapse, searched near the bracket that another time step gave."""
+    largest = max_scale * shaking.motion.pga
+    return _searched(shaking, scatter, lambda levels: collapse_near(levels.some, near, largest, tolerance))
 
 
-def search_title(state: str, motion: BaseMotion) -> str:
-    """Return what warnings of a search begin with."""
-    return f"{state}, incremental analysis with {motion.name}"
+def search_title(shaking: Shaking) -> str:
+    """Return the beginning of the warnings of a search."""
+    return f"{shaking.state}, incremental analysis with {shaking.motion.name}"
 
 
-def _searched(
-    model: Assembly,
-    motion: BaseMotion,
-    setting: Setting,
-    state: str,
-    start: Start,
-    scatter: Scatter,
-    bracketing: Callable[[Levels], Bracket],
-) -> StageResult:
-    """Return what `bracketing` finds when given the levels (g), in numbers."""
-    title = search_title(state, motion)
+def _searched(shaking: Shaking, scatter: Scatter, bracketing: Callable[[Levels], Bracket]) -> StageResult:
+    """Return the numbers of the bracket that `bracketing` finds with the levels (g)."""
+    title, motion, start = search_title(shaking), shaking.motion, shaking.start
     numbers: Numbers = {
         "record": motion.name,
         "record_pga_g": motion.pga,
@@ -121,12 +98,12 @@ def _searched(
         "points": [],
         "reason": None,
     }
-    result = StageResult(state, "incremental", numbers)
+    result = StageResult(shaking.state, "incremental", numbers)
     if isinstance(start, str):
         numbers["reason"] = start
         result.warnings.append(f"{title}: {start}")
         return result
-    levels = Levels(model, motion, setting, start, scatter)
+    levels = Levels(shaking.model, motion, shaking.setting, start, scatter)
     began = time.perf_counter()
     try:
         bracket = bracketing(levels)
@@ -146,7 +123,7 @@ def _searched(
     numbers |= {"runs": len(members), "seconds": result.seconds}
     if members:
         worst, programs = max(each.worst for each in members), sum(each.programs for each in members)
-        result.quality.append(quality_row(state, f"incremental, {motion.name}", programs, worst))
+        result.quality.append(quality_row(shaking.state, f"incremental, {motion.name}", programs, worst))
     return result
 
 
@@ -172,14 +149,14 @@ class Levels:
     members: dict[float, list[Member]] = field(default_factory=dict)
 
     def some(self, pga: float) -> bool:
-        """Whether any member collapses: they are run up to the first that does, or a pair that stands alike."""
+        """Whether any member collapses; members are run until one does, or until a pair that withstands agrees."""
         found = self.members.setdefault(pga, [])
         while not any(each.collapsed for each in found) and not enough(found, self.scatter, self.model.size):
             found.append(self._run(pga, len(found)))
         return any(each.collapsed for each in found)
 
     def every(self, pga: float) -> bool:
-        """Whether all members collapse: they are run up to the first that stands."""
+        """Whether all members collapse; members are run until one withstands."""
         found = self.members.setdefault(pga, [])
         while all(each.collapsed for each in found) and len(found) < self.scatter.members:
             found.append(self._run(pga, len(found)))
@@ -200,7 +177,7 @@ class Levels:
 
 
 def point(pga: float, members: Sequence[Member]) -> Numbers:
-    """A level of the search: what the members that were run come to; any collapse counts as one, and has no peak."""
+    """Return a level (PGA, g) of the search from its members; it counts as a collapse if any member collapses."""
     fallen = [each for each in members if each.collapsed]
     first = min(fallen, key=lambda each: each.end, default=None)
     low, _, high = lowest_median_highest(
@@ -219,22 +196,10 @@ def point(pga: float, members: Sequence[Member]) -> Numbers:
 
 
 def summarise(records: Sequence[Mapping[str, Any]], warnings: list[str], state: str) -> Numbers:
-    """The searches of a state together: mean, lowest, what NTC 2018 §7.3.5 takes of them, and the fragility.
-
-    §7.3.5 [k: known, not re-read]: with seven records or more the mean of the effects counts, with three to six the
-    most unfavourable: the lowest PGA at collapse. Fewer are not enough: their lowest is given, with a warning.
-    A mean or lowest that a record without collapse leaves open is None.
-    """
-    collapses = [record["pga_collapse_g"] for record in records]
+    """Return mean and lowest PGA at collapse of a state, the value by NTC 2018 §7.3.5, and the fragility."""
     surely = [record["pga_collapse_g_range"][1] for record in records if record.get("pga_collapse_g_range")]
-    found = [pga for pga in collapses if pga is not None]
-    withstood = [r["pga_safe_g"] for r in records if r["pga_collapse_g"] is None]
-    unknown = [pga for pga in withstood if pga is None]
-    mean = float(np.mean(found)) if found and not withstood else None
-    lowest = min(found, default=None)
-    if lowest is not None and (unknown or min(withstood, default=math.inf) < lowest):
-        lowest = None
-    rule = "mean" if len(records) >= MEAN_FROM else "lowest"
+    collapses = [record["pga_collapse_g"] for record in records if record["pga_collapse_g"] is not None]
+    withstood = [record["pga_safe_g"] for record in records if record["pga_collapse_g"] is None]
     if len(records) < ENOUGH:
         warnings.append(
             f"{state}: records of the incremental analysis: {len(records)}; "
@@ -242,26 +207,45 @@ def summarise(records: Sequence[Mapping[str, Any]], warnings: list[str], state: 
         )
     numbers: Numbers = {
         "records": list(records),
-        "mean_pga_collapse_g": mean,
-        "lowest_pga_collapse_g": lowest,
-        "rule": rule,
-        "pga_collapse_g": mean if rule == "mean" else lowest,
-        "fragility": None if unknown else fragility(found, withstood),
+        **standard_value(records),
+        "fragility": None if None in withstood else fragility(collapses, withstood),
     }
     if surely:
         known = [pga for pga in surely if pga is not None]
         upper = min(known, default=None)
-        if rule == "mean":
+        if numbers["rule"] == "mean":
             upper = float(np.mean(known)) if len(known) == len(records) else None
         numbers["pga_collapse_g_range"] = [numbers["pga_collapse_g"], upper]
     return numbers
 
 
-def fragility(collapses: Sequence[float], withstood: Sequence[float] = ()) -> Numbers | None:
-    """Median (g) and dispersion (of ln PGA) of the lognormal distribution of collapse, by maximum likelihood.
+def standard_value(records: Sequence[Mapping[str, Any]]) -> Numbers:
+    """Return mean and lowest PGA at collapse, and the value by NTC 2018 §7.3.5 with its `rule`.
 
-    `withstood` (g): largest levels tried of records that made nothing collapse; they count as censored. None where
-    two different levels of collapse are wanting.
+    §7.3.5 [k: known, not re-read]: with seven records or more the mean of the effects counts, with three to six the
+    most unfavourable: the lowest PGA at collapse. With fewer the lowest is given. A mean or lowest that a record
+    without collapse leaves undecided is None.
+    """
+    found = [record["pga_collapse_g"] for record in records if record["pga_collapse_g"] is not None]
+    withstood = [record["pga_safe_g"] for record in records if record["pga_collapse_g"] is None]
+    mean = float(np.mean(found)) if found and not withstood else None
+    lowest = min(found, default=None)
+    if lowest is not None and (None in withstood or min(withstood, default=math.inf) < lowest):
+        lowest = None
+    rule = "mean" if len(records) >= MEAN_FROM else "lowest"
+    return {
+        "mean_pga_collapse_g": mean,
+        "lowest_pga_collapse_g": lowest,
+        "rule": rule,
+        "pga_collapse_g": mean if rule == "mean" else lowest,
+    }
+
+
+def fragility(collapses: Sequence[float], withstood: Sequence[float] = ()) -> Numbers | None:
+    """Return median (g) and dispersion (of ln PGA) of the lognormal distribution of collapse, by maximum likelihood.
+
+    `withstood` (g): highest levels of the records without collapse, which count as censored. None if there are not two
+    different levels of collapse.
     """
     if len(set(collapses)) < 2:
         return None

@@ -1,13 +1,13 @@
-"""What the motions of a run are made of: models, settings and the states at rest that they begin from."""
+"""The inputs of the motions of a run: models, settings and the states at rest in which they begin."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.dynamic.response import Setting
-from assessment.analyses.dynamic.time_history import StageResult, Start
+from assessment.analyses.dynamic.time_history import Shaking, StageResult, Start
 from assessment.project.schema import ORIGINAL
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from mechanics import Assembly
     from mechanics.model import Behaviour
 
-Task: TypeAlias = "tuple[Assembly, BaseMotion, Setting, str, Start]"
 """What one motion, or one search, is made of: the arguments of history."""
 
 WORTHWHILE = 50_000  # joints times steps: below it a second process costs more than it saves
@@ -27,7 +26,7 @@ WORTHWHILE = 50_000  # joints times steps: below it a second process costs more 
 
 @dataclass(frozen=True)
 class Campaign:
-    """What every motion of a run is made with.
+    """The inputs that all motions of a run share.
 
     `starts`: state at rest by name and contacts; `ultimates`: ultimate displacement by state and control point.
     """
@@ -38,11 +37,11 @@ class Campaign:
     ultimates: Mapping[tuple[str, str], float]
     workers: Workers
 
-    def tasks(self, table: StatesTable, motions: Iterable[BaseMotion]) -> list[Task]:
-        """The motions from every state that the table asks for."""
+    def tasks(self, table: StatesTable, motions: Iterable[BaseMotion]) -> list[Shaking]:
+        """Return the motions from every state that the table asks for."""
         control = self.project.control_point(table.control)
         return [
-            (
+            Shaking(
                 self.model,
                 motion,
                 Setting(_own(table), control, self.ultimates.get((state, control.name))),
@@ -58,23 +57,23 @@ class Campaign:
         self,
         stage: str,
         function: Callable[..., StageResult],
-        tasks: Sequence[tuple[*Task, *tuple[Any, ...]]],
+        tasks: Sequence[tuple[Shaking, *tuple[Any, ...]]],
         runs: int,
         *more: object,
     ) -> list[StageResult]:
-        """Return function(*task, *more) for every task, in order; `runs`: motions that one costs, about."""
-        samples = sum(motion.record.acceleration.size for _, motion, *_ in tasks)
+        """Return function(*task, *more) for every task, in order; `runs`: motions of one task, about."""
+        samples = sum(shaking.motion.record.acceleration.size for shaking, *_ in tasks)
         return self.workers.each(
             stage,
             function,
             [(*task, *more) for task in tasks],
-            [f"{state}, {motion.name}" for _, motion, _, state, *_ in tasks],
+            [f"{shaking.state}, {shaking.motion.name}" for shaking, *_ in tasks],
             runs * len(self.model.contacts) * samples > WORTHWHILE,
         )
 
 
 def _own(table: MotionTable) -> MotionTable:
-    """Return the table without its choice of states and records: an analysis depends on its own alone."""
+    """Return the table without its choice of states and records: one analysis does not depend on the others."""
     choice: dict[str, Any] = {"states": None, "records": ()}
     return table.model_copy(update={key: choice[key] for key in choice if key in type(table).model_fields})
 
@@ -82,7 +81,7 @@ def _own(table: MotionTable) -> MotionTable:
 def starts_of(
     behaviours: Iterable[Behaviour], model: Assembly, stages: Iterable[StateResult]
 ) -> dict[tuple[str, str], Start]:
-    """The state at rest of each name and behaviour, or why it was not reached."""
+    """Return the state at rest by name and behaviour, or the reason why it was not reached."""
     starts: dict[tuple[str, str], Start] = {(ORIGINAL, behaviour): model.initial for behaviour in behaviours}
     for stage in stages:
         if stage.state != ORIGINAL:
@@ -92,7 +91,10 @@ def starts_of(
 
 
 def ultimates(states: Mapping[str, Any]) -> dict[tuple[str, str], float]:
-    """Displacement at which the static capacity vanishes, m, by state and control point, where both sides have one."""
+    """Return the displacement (m) at which the static capacity vanishes, by state and control point.
+
+    Only where both directions have one.
+    """
     found = {}
     for state, content in states.items():
         curves = content["pushover"]

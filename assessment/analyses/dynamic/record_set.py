@@ -15,13 +15,13 @@ from mechanics.types import Array
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from assessment.ntc.spectrum import Spectrum
+    from assessment.ntc.demand.spectrum import Spectrum
     from assessment.project.motions import BaseMotion
     from assessment.project.schema import CampaignTable
 
 DURATION, PLATEAU, TIME_STEP = 25.0, 10.0, 0.01  # s: NTC 2018 §3.2.3.6 [k: known, not re-read]
 DAMPING = 0.05  # of spectra and of Sa(T)
-LOW, HIGH = -0.10, 0.30  # of the target: where the mean spectrum of a set should lie
+LOW, HIGH = -0.10, 0.30  # of the target: least and largest deviation of the mean spectrum
 PERIODS = 60  # at which spectra are compared
 
 
@@ -46,7 +46,7 @@ def made_record(spectrum: Spectrum, seed: int) -> Record:
 
 
 def ordinate(motion: BaseMotion, period: float) -> float:
-    """Return Sa(T) of what shakes the base, g: 5 % damping, period T in s."""
+    """Return Sa(T) of a base motion, g: 5 % damping, `period` T in s."""
     record = motion.record
     return float(response_spectrum(record.acceleration, record.time_step, period, DAMPING)[0][0])
 
@@ -84,7 +84,7 @@ def _scaled(motion: BaseMotion, periods: Array, wanted: Array, table: CampaignTa
 
 
 def compatibility(target: Target, motions: Sequence[BaseMotion], table: CampaignTable) -> dict[str, Any]:
-    """Compare the mean spectrum of a set of records with the target: its deviations, relative, and where they are."""
+    """Return the mean spectrum of a set of records with the target: relative deviations and their periods (s)."""
     periods = np.geomspace(*table.periods_s, PERIODS)
     own = [
         response_spectrum(each.record.acceleration, each.record.time_step, periods, DAMPING)[0]

@@ -1,4 +1,4 @@
-"""What three and more levels of the time step tell of a quantity: its error with the order observed, or its scatter.
+"""Error of a quantity from three or more levels of the time step, by the observed order, or its scatter.
 
 v₀, v₁, v₂… at time steps h, h/2, h/4…, and at each how far a perturbed pair is apart
 three levels are always there: two may agree by chance
@@ -15,9 +15,7 @@ from typing import Any
 
 from assessment.analyses.accuracy import FIRST_ORDER, SHOWN
 
-FASTEST = (
-    6.0  # ratio of differences beyond which no method converges: those of second order shrink to a quarter
-)
+FASTEST = 6.0  # largest ratio of differences that counts as convergence: second order has 4
 LEVELS = 3
 
 
@@ -37,24 +35,24 @@ class Refinement:
 
     @property
     def collapsed(self) -> bool:
-        """Whether the last levels all collapse: there is no value, and no error of it."""
+        """Whether the last levels all collapse: there is neither a value nor an error."""
         return all(value is None for value in self.values[-LEVELS:])
 
     @property
     def _known(self) -> list[float]:
-        """The values of the last levels, where there are enough of them."""
+        """The values of the last levels, if there are enough."""
         known = [value for value in self.values[-LEVELS:] if value is not None]
         return known if len(known) == LEVELS else []
 
     @property
     def scatters(self) -> float | None:
-        """How far a perturbed pair is apart, where that is more than the levels are; else None."""
+        """Distance of a perturbed pair if it exceeds that of the levels; else None."""
         known, apart = self._known, max(self.scatter[-LEVELS:])
         return apart if known and apart > max(known) - min(known) else None
 
     @property
     def order(self) -> float | None:
-        """The order that the last three levels show; None where their differences shrink as those of no method."""
+        """The order observed in the last three levels; None if their differences do not shrink as with a method."""
         if not self._known:
             return None
         a, b, c = self._known
@@ -65,7 +63,7 @@ class Refinement:
 
     @property
     def error(self) -> float | None:
-        """The estimated error of the finest level, and how far the result is from it; None where it is not known."""
+        """Estimated error of the finest level plus the distance of the result from it; None if not known."""
         result = self.values[self.result]
         if not self._known or result is None:
             return None
@@ -82,13 +80,13 @@ class Refinement:
         return None if amount is None else amount / max(abs(self.values[self.result] or 0.0), self.least)
 
     def within(self, tolerance: float) -> bool:
-        """Whether the value is as sure as asked for."""
+        """Whether scatter or error is within the tolerance."""
         if len(self.values) < LEVELS:
             return False
         return self.collapsed or (self.unsure is not None and self.unsure <= tolerance)
 
     def finished(self, tolerance: float) -> bool:
-        """Whether a finer level would tell no more."""
+        """Whether no finer level is needed."""
         return len(self.values) >= LEVELS and (self.within(tolerance) or self.scatters is not None)
 
     def numbers(self, tolerance: float) -> dict[str, Any]:
@@ -102,7 +100,7 @@ class Refinement:
         return told | {"met": self.within(tolerance), "levels": {self.quantity: list(self.values)}}
 
     def missed(self, title: str, tolerance: float, keys: str = "time_step_s") -> list[str]:
-        """Say what is not as sure as asked for; `keys` of the project that may help."""
+        """Return a warning if the tolerance is not met; `keys`: of the project that may help."""
         if self.within(tolerance):
             return []
         if len(self.values) < LEVELS:

@@ -1,4 +1,4 @@
-"""The response of the structure to a base motion, and to what follows until it rests again."""
+"""The response of the structure to a base motion, and its free motion until it rests again."""
 
 from __future__ import annotations
 
@@ -15,10 +15,8 @@ if TYPE_CHECKING:
     from assessment.project.schema import ControlTable, MotionTable
 
 TAIL = 2.0  # s of free motion after the record, where the blocks still move
-TAILS = (
-    10  # of them at most, while the control point is farther than ever: a fall under way is seen to its end
-)
-STILL = 0.01  # of √(g·size): a speed that is none
+TAILS = 10  # at most, while the control point moves farther than before: a fall is followed to its end
+STILL = 0.01  # of √(g·size): speed below which a block rests
 STORED = ("kinetic", "potential", "elastic")
 TAKEN = ("friction", "impact", "viscous", "integrator")
 ENERGIES = (*STORED, "input", *TAKEN, "residual")
@@ -52,7 +50,7 @@ class Response:
 
     @property
     def last(self) -> TimeHistory:
-        """The run at whose end the response ends."""
+        """The last run."""
         return self.parts[-1]
 
     @property
@@ -67,7 +65,7 @@ class Response:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What to know about the runs."""
+        """Warnings about the runs, each once."""
         return tuple(dict.fromkeys(note for part in self.parts for note in part.notes))
 
     def total(self, count: str) -> int:
@@ -75,7 +73,7 @@ class Response:
         return sum(getattr(part, count) for part in self.parts)
 
     def energy(self) -> dict[str, float]:
-        """Return the balance since the beginning, kNm: changes of the stored energies, input, what was dissipated."""
+        """Return the energy balance since the beginning, kNm: stored energies, input, dissipated energies."""
         return {
             f"{name}_kNm": float(sum(energy[-1] - energy[0] for energy in series))
             for name in ENERGIES
@@ -83,7 +81,7 @@ class Response:
         }
 
     def integrator_share(self) -> float:
-        """Return what the integrator itself took, of all that was dissipated."""
+        """Return the share of the integrator in all dissipated energy."""
         energy = self.energy()
         taken = sum(energy[f"{name}_kNm"] for name in TAKEN)
         return abs(energy["integrator_kNm"]) / taken if taken > 0.0 else 0.0
@@ -92,9 +90,9 @@ class Response:
 def respond(
     model: Assembly, motion: BaseMotion, setting: Setting, start: State, factor: float = 1.0
 ) -> Response:
-    """Shake the structure by a base motion times `factor` and, where it still moves then, let it come to rest.
+    """Return the response to a base motion times `factor`, and the free motion after it until the structure rests.
 
-    Raises ConvergenceError where a step is not solved.
+    Raises ConvergenceError if a step is not solved.
     """
     table, point = setting.table, setting.control.point_m
     step = motion.record.time_step
@@ -114,7 +112,7 @@ def respond(
 
 
 def _goes_on(parts: list[TimeHistory], still: float) -> bool:
-    """Whether free motion is to follow: blocks faster than `still` (m/s) after the record, or a fall under way."""
+    """Whether free motion follows: blocks are faster than `still` (m/s) after the record, or a block falls."""
     last = parts[-1]
     if last.collapsed or abs(last.final.velocities[:, :2]).max() <= still:
         return False
@@ -123,7 +121,7 @@ def _goes_on(parts: list[TimeHistory], still: float) -> bool:
 
 
 def _joined(parts: list[TimeHistory]) -> Response:
-    """The runs one after the other, times and displacements going on."""
+    """Return the runs joined, times and displacements continued."""
     time, displacement = parts[0].time, parts[0].displacement
     for part in parts[1:]:
         assert displacement is not None and part.displacement is not None

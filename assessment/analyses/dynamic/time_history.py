@@ -32,7 +32,7 @@ MOST_POINTS = 2000  # of a curve kept for figures
 
 @dataclass
 class StageResult:
-    """What one motion, or one search, from one state gave; `failures`: what could not be completed."""
+    """Result of one motion, or one search, from one state; `failures`: analyses that could not be completed."""
 
     state: str
     stage: str
@@ -44,14 +44,60 @@ class StageResult:
     convergence: Numbers | None = None
 
 
-def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, start: Start) -> StageResult:
-    """One time history in numbers; displacements are horizontal, of the control point, from the state's own rest.
+@dataclass(frozen=True, eq=False)
+class Shaking:
+    """A base motion that shakes a model from a state: how it is integrated, the state's name, and where it starts."""
 
-    Times count from the first sample of the record's file, the window's start included. "peak_configuration" is that of
-    the largest displacement that the structure came back from, "sustained_displacement_m" at "time_of_peak_s".
+    model: Assembly
+    motion: BaseMotion
+    setting: Setting
+    state: str
+    start: Start
+
+
+def history(shaking: Shaking) -> StageResult:
+    """Return one time history; displacements are horizontal, of the control point, from the state's own rest, m.
+
+    Times count from the first sample of the record's file, the window's start included. The largest displacement from
+    which the structure came back is "sustained_displacement_m", at "time_of_peak_s", with "peak_configuration".
     """
-    title = f"{state}, history of {motion.name}"
-    numbers: Numbers = {
+    model, motion, start = shaking.model, shaking.motion, shaking.start
+    title = f"{shaking.state}, history of {motion.name}"
+    numbers = _asked(motion, shaking.setting)
+    result = StageResult(shaking.state, "history", numbers)
+    if isinstance(start, str):
+        numbers["reason"] = start
+        result.warnings.append(f"{title}: {start}")
+        return result
+    began = time.perf_counter()
+    try:
+        response = respond(model, motion, shaking.setting, start)
+    except ConvergenceError as error:
+        numbers["reason"] = str(error)
+        result.failures.append(f"{title}: {error}")
+        return result
+    result.seconds = time.perf_counter() - began
+
+    numbers |= _response_numbers(model, motion, response)
+    numbers["seconds"] = result.seconds
+    table = shaking.setting.table
+    if isinstance(table, HistoryTable) and table.animation:
+        numbers["frames"] = frames(response, motion.start, model.initial.positions)
+    result.quality.append(
+        quality_row(shaking.state, f"history, {motion.name}", response.total("programs"), response.worst)
+    )
+    result.warnings += [f"{title}: {note}" for note in response.notes]
+    last = response.last
+    if last.collapsed:
+        result.warnings.append(
+            f"{title}: collapse at {numbers['time_of_collapse_s']:.4g} s: {last.collapse_reason}"
+        )
+    return result
+
+
+def _asked(motion: BaseMotion, setting: Setting) -> Numbers:
+    """Return the inputs of a time history, with its results unknown."""
+    return {
         "record": motion.name,
         "pga_g": motion.pga,
         "scale": motion.scale,
@@ -66,43 +112,24 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
         "time_of_collapse_s": None,
         "reason": None,
     }
-    result = StageResult(state, "history", numbers)
-    if isinstance(start, str):
-        numbers["reason"] = start
-        result.warnings.append(f"{title}: {start}")
-        return result
-    began = time.perf_counter()
-    try:
-        response = respond(model, motion, setting, start)
-    except ConvergenceError as error:
-        numbers["reason"] = str(error)
-        result.failures.append(f"{title}: {error}")
-        return result
-    result.seconds = time.perf_counter() - began
+
+
+def _response_numbers(model: Assembly, motion: BaseMotion, response: Response) -> Numbers:
+    """Return peak, residual, collapse, curve, configurations and energies of a response."""
     last, drawn = response.last, model.initial.positions
-    peak = sustained_peak(response.displacement, response.collapsed)
-    kept = thinned(response.displacement)
-    numbers |= {
-        "peak_displacement_m": float(abs(response.displacement).max()),
-        "sustained_displacement_m": float(abs(response.displacement[peak])),
+    moved, times = response.displacement, motion.start + response.time
+    peak, kept = sustained_peak(moved, response.collapsed), thinned(moved)
+    return {
+        "peak_displacement_m": float(abs(moved).max()),
+        "sustained_displacement_m": float(abs(moved[peak])),
         "time_of_peak_s": motion.start + float(response.time[peak]),
-        "residual_displacement_m": None if last.collapsed else float(response.displacement[-1]),
+        "residual_displacement_m": None if last.collapsed else float(moved[-1]),
         "collapsed": last.collapsed,
         "time_of_collapse_s": motion.start + float(response.time[-1]) if last.collapsed else None,
         "reason": last.collapse_reason or None,
         "free_motion_from_s": motion.start + motion.record.duration if len(response.parts) > 1 else None,
-        "curve": {
-            "time_s": (motion.start + response.time[kept]).tolist(),
-            "displacement_m": response.displacement[kept].tolist(),
-        },
-        "snapshots": snapshots(
-            model,
-            motion.start + response.time,
-            response.displacement,
-            response.positions,
-            response.forces,
-            peak,
-        ),
+        "curve": {"time_s": times[kept].tolist(), "displacement_m": moved[kept].tolist()},
+        "snapshots": snapshots(model, times, moved, response.positions, response.forces, peak),
         "peak_configuration": (response.positions[peak] - drawn).tolist(),
         "final_configuration": (response.positions[-1] - drawn).tolist(),
         "energy": response.energy(),
@@ -112,23 +139,11 @@ def history(model: Assembly, motion: BaseMotion, setting: Setting, state: str, s
         "programs": response.total("programs"),
         "halvings": response.total("halvings"),
         "notes": list(response.notes),
-        "seconds": result.seconds,
-    }  # fmt: skip
-    if isinstance(setting.table, HistoryTable) and setting.table.animation:
-        numbers["frames"] = frames(response, motion.start, drawn)
-    result.quality.append(
-        quality_row(state, f"history, {motion.name}", response.total("programs"), response.worst)
-    )
-    result.warnings += [f"{title}: {note}" for note in response.notes]
-    if last.collapsed:
-        result.warnings.append(
-            f"{title}: collapse at {numbers['time_of_collapse_s']:.4g} s: {last.collapse_reason}"
-        )
-    return result
+    }
 
 
 def frames(response: Response, start: float, drawn: Array) -> Numbers:
-    """At most FRAMES configurations (b, 3) of a motion, from positions as `drawn`, at equal times from `start` (s)."""
+    """Return at most FRAMES displacements (b, 3) from the positions `drawn`, at equal times from `start` (s)."""
     steps = max(math.ceil(len(response.time) / FRAMES), round(SHORTEST_FRAME / float(response.time[1])), 1)
     every = slice(None, None, steps)
     moved = response.positions[every] - drawn
@@ -139,9 +154,9 @@ def frames(response: Response, start: float, drawn: Array) -> Numbers:
 
 
 def quality_row(state: str, stage: str, solves: int, worst: float) -> Numbers:
-    """The row of motions in the table of certificates; `worst`: the largest residual of all their programs.
+    """Return the row of motions in the table of certificates; `worst`: the largest residual of all their programs.
 
-    It bounds that of equilibrium and that of the products. Forces stay inside the cone by the method itself.
+    It bounds the residuals of equilibrium and complementarity. The method itself keeps forces inside the cone.
     """
     return {
         "state": state,
@@ -153,7 +168,7 @@ def quality_row(state: str, stage: str, solves: int, worst: float) -> Numbers:
 
 
 def motion_numbers(motion: BaseMotion, periods: Array) -> Numbers:
-    """A base motion for figures: its accelerations in the window, thinned, and its spectrum at 5 % damping."""
+    """Return a base motion for figures: accelerations in the window, thinned, and spectrum at `periods` (s), 5 %."""
     a = motion.record.acceleration
     S_a, S_d = response_spectrum(a, motion.record.time_step, periods)
     kept = thinned(a)
@@ -172,7 +187,7 @@ def motion_numbers(motion: BaseMotion, periods: Array) -> Numbers:
 
 
 def thinned(values: Array, most: int = MOST_POINTS) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
-    """Indices of at most `most` samples that keep a curve's shape: the extremes of equal stretches, and its ends."""
+    """Return indices of at most `most` samples that keep a curve's shape: extremes of equal stretches, and its ends."""
     if values.size <= most:
         return np.arange(values.size)
     bounds = np.linspace(0, values.size, (most - 2) // 2 + 1).astype(int)

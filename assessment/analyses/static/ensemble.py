@@ -1,7 +1,7 @@
-"""Ranges of static results: a path on which joints slide, or a part snaps, turns on the last digits of its input.
+"""Ranges of static results: a path on which joints slide or a part jumps depends on the last digits of its input.
 
-Such a state is settled and pushed over again, in other increments and with corners moved by a ten-millionth of their
-block. Where a first member finds what was found before, nothing scatters and no other is run.
+Such a state is settled and pushed over again, with other increments and with corners moved by a ten-millionth of their
+block. If the first such member agrees with the state itself, nothing scatters and no other member is run.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def members(requests: Sequence[Request], found: Sequence[StateResult], workers: 
 
 
 def apart(one: StateResult, other: StateResult) -> bool:
-    """Whether two members differ in what is taken from their paths."""
+    """Whether two members differ in a quantity of their paths."""
     values, others = dict(quantities(one)), dict(quantities(other))
     if values.keys() != others.keys():
         return True
@@ -60,7 +60,7 @@ def apart(one: StateResult, other: StateResult) -> bool:
 
 
 def quantities(result: StateResult) -> Iterator[tuple[tuple[str, str], float | None]]:
-    """Yield what is taken from the paths of a state, by direction ("": its settlement) and name."""
+    """Yield the quantities of a state's paths by direction ("": the settlement) and name."""
     if result.pushdown is not None:
         yield ("", "ultimate_movement_m"), result.pushdown["ultimate_movement_m"]
     for direction, curve in result.pushover.items():
@@ -70,7 +70,7 @@ def quantities(result: StateResult) -> Iterator[tuple[tuple[str, str], float | N
 
 
 def _follow(requests: Sequence[Request], numbers: Sequence[int], workers: Workers) -> Members:
-    """Follow the paths of requests as the members of those numbers do, side by side."""
+    """Return the results of requests as members of those numbers, computed side by side."""
     if not requests or not numbers:
         return {}
     factors = np.geomspace(*INCREMENTS, max(requests[0].project.scatter - 1, 2))
@@ -117,7 +117,7 @@ def in_increments(project: Project, factor: float) -> Project:
 
 
 def shaken_corners(model: Assembly, seed: int) -> Assembly:
-    """Return the assembly with every corner of its movable blocks moved by NOISE of the block, each its own way."""
+    """Return the assembly with every corner of its movable blocks moved by NOISE of the block, each at random."""
     from mechanics import Assembly
 
     random = np.random.default_rng(seed)

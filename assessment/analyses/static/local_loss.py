@@ -1,4 +1,4 @@
-"""Local losses along a path: a block that slides past the edge of what bears it, a beam that unseats (C8.7.1.2)."""
+"""Local losses along a path: a block slides off the block that supports it, a beam unseats (C8.7.1.2)."""
 
 from __future__ import annotations
 
@@ -13,31 +13,40 @@ if TYPE_CHECKING:
     from mechanics import Assembly, State
     from mechanics.types import Array
 
-BEARS = 1e-3  # of the weight of the model: what a joint carries at least to bear something
+PARTING = 0.02  # of the overlap at the start: most that a joint has left where its loss fells the structure
+BEARS = 1e-3  # of the weight of the model: least force of a joint that carries
 
 
 def local_loss(
-    model: Assembly, states: Sequence[State], displacement: Array, forces: Array
+    model: Assembly, states: Sequence[State], displacement: Array, forces: Array, falls: bool
 ) -> dict[str, Any] | None:
-    """Return the first loss along a path: a drawn joint that bears and whose faces come to overlap no more.
+    """Return the first loss along a path: a drawn joint that carries at the start, and whose faces overlap no longer.
 
     `displacement` (k,) m of the points `states`; `forces` (j, 3), kN, kNm, of the drawn joints, and others, at the
-    start. The displacement is interpolated between the two points about it; `overlap_m`: of the joint at the start.
-    None where there is no loss.
+    start; `falls`: no equilibrium lies beyond the last point. The displacement of the loss is interpolated between two
+    points, or is that of the last point if the structure falls as the faces part; `overlap_m`: of the joint at the
+    start. None if there is no loss.
     """
     drawn = model.contacts
     overlap = np.array([2.0 * drawn.places(state.positions)[:, H] for state in states])
     bears = (forces[: len(drawn), 0] > BEARS * model.weight) & (overlap[0] > 0.0)
     gone = (overlap <= 0.0) & bears
     if not gone.any():
-        return None
+        left = np.where(bears, overlap[-1] / np.where(bears, overlap[0], 1.0), np.inf)
+        joint = int(np.argmin(left))
+        return _loss(model, joint, displacement[-1], overlap) if falls and left[joint] < PARTING else None
     at = int(np.argmax(gone.any(axis=1)))
     before, after = overlap[at - 1], overlap[at]
     share = np.where(gone[at], before / np.where(gone[at], before - after, 1.0), np.inf)
     joint = int(np.argmin(share))
     d_1, d_2 = displacement[at - 1], displacement[at]
+    return _loss(model, joint, d_1 + share[joint] * (d_2 - d_1), overlap)
+
+
+def _loss(model: Assembly, joint: int, displacement: float, overlap: Array) -> dict[str, Any]:
+    drawn = model.contacts
     return {
-        "displacement_m": float(d_1 + share[joint] * (d_2 - d_1)),
+        "displacement_m": float(displacement),
         "joint": joint,
         "blocks": [int(drawn.a[joint]), int(drawn.b[joint])],
         "overlap_m": float(overlap[0, joint]),
@@ -45,6 +54,6 @@ def local_loss(
 
 
 def loss_told(loss: Mapping[str, Any]) -> str:
-    """Return what is lost, and where."""
+    """Return the text of a local loss for messages."""
     a, b = loss["blocks"]
     return f"the faces of blocks {a} and {b} slide off each other at d = {loss['displacement_m']:.4g} m"

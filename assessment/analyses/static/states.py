@@ -1,4 +1,4 @@
-"""States settled and pushed over, every settlement first and then every direction."""
+"""Analysis of states: all settlements first, then the pushover in every direction from the states at rest."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from assessment.analyses.static.paths import Part, configuration, push, settle
+from assessment.analyses.static.lateral import PushSetting, push
+from assessment.analyses.static.paths import Part, configuration
+from assessment.analyses.static.settlement import settle
 from assessment.project.schema import ORIGINAL
 from assessment.runtime.tasks import Workers, large
 from mechanics.procedures import Mirror
@@ -24,7 +26,7 @@ PAST_PEAK = 0.25  # of the peak of an elastic curve
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """One state (settlement None: as drawn) under one behaviour; `what` tells it from others of that name."""
+    """One state (settlement None: as drawn) under one behaviour; `what` distinguishes it from others of that name."""
 
     project: Project
     model: Assembly
@@ -56,7 +58,7 @@ class Request:
 
 @dataclass
 class StateResult:
-    """What one state gave under one behaviour; `failures`: analyses that could not be completed.
+    """Result of one state under one behaviour; `failures`: analyses that could not be completed.
 
     `reached`: the settled state, at rest; None where the structure collapses before. `scatters`: whether a path
     amplifies the last digits of its input.
@@ -75,7 +77,7 @@ class StateResult:
     scatters: bool = False
 
     def take(self, stage: str, parts: Sequence[Part]) -> None:
-        """Take in the messages, certificates and times of the analyses of a stage."""
+        """Add the messages, certificates and times of the analyses of a stage."""
         for part in parts:
             self.warnings += part.warnings
             self.failures += part.failures
@@ -88,10 +90,10 @@ class StateResult:
 
 
 def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "") -> list[StateResult]:
-    """Settle the structure as each request asks, then push over what came to rest; results in order.
+    """Settle the structure as each request asks, then push over the states at rest; return the results in order.
 
-    An analysis is given what it depends on and nothing else, so that it is taken over where that has not changed.
-    `study`: what the requests are for, beside the states themselves.
+    An analysis has only the arguments that it depends on: a stored result is used again while these are unchanged.
+    `study`: name of the study that the requests are for, "" for the states themselves.
     """
     prefix = f"{study}: " if study else ""
     settling = [request for request in requests if request.settlement is not None]
@@ -109,7 +111,7 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
 
     standing = [r for r in requests if r.settlement is None or reached[id(r)].reached is not None]
     pushing = [(request, together) for request in standing for together in _together(request)]
-    pushing.sort(key=lambda asked: asked[0].behaviour, reverse=True)  # rigid first: those that take longest
+    pushing.sort(key=lambda asked: asked[0].behaviour, reverse=True)  # rigid first: they take longest
     pushed = workers.each(
         f"{prefix}pushover",
         push,
@@ -130,7 +132,7 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
 
 
 def _together(request: Request) -> list[tuple[Direction, ...]]:
-    """Return the directions of a request, those together of which one curve is the mirror image of the other."""
+    """Return the directions of a request; two whose curves are mirror images of each other are one task."""
     alone: list[tuple[Direction, ...]] = [(direction,) for direction in request.directions]
     if len(alone) < 2 or request.settlement is not None:
         return alone
@@ -142,7 +144,7 @@ def _together(request: Request) -> list[tuple[Direction, ...]]:
 
 
 def joined_quality(state: str | None, stage: str, rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return one row of quality for the programs of several; those of motions have no penetration."""
+    """Return one row of quality for the rows of several analyses; motions have no penetration."""
     worst = {key: max(found) for key in WORST if (found := [row[key] for row in rows if key in row])}
     return {"state": state, "stage": stage, "solves": sum(row["solves"] for row in rows)} | worst
 
@@ -169,11 +171,12 @@ def _push_arguments(
     assert project.pushover is not None
     controls = tuple(_controls(project, direction) for direction in together)
     state = settled.reached if settled else None
-    # an elastic curve has served once it is past its peak; a bilinear one has the area of the whole
+    # of an elastic curve the part up to its peak is used; a bilinear fit needs the area of the whole curve
     whole = request.behaviour == "rigid" or (project.assessment and project.assessment.model == "bilinear")
-    increment, until = project.pushover.increment_m, 0.0 if whole else PAST_PEAK
-    how = request.behaviour, request.sliding
-    return request.model, request.state, state, *how, together, controls, increment, until
+    setting = PushSetting(
+        request.behaviour, request.sliding, project.pushover.increment_m, 0.0 if whole else PAST_PEAK
+    )
+    return request.model, request.state, state, setting, together, controls
 
 
 def _controls(project: Project, direction: Direction) -> tuple[ControlTable, ...]:
@@ -183,7 +186,7 @@ def _controls(project: Project, direction: Direction) -> tuple[ControlTable, ...
 
 
 def _alone(settlement: SettlementTable | None) -> SettlementTable:
-    """Return the settlement without its sweep, which changes nothing in the whole movement."""
+    """Return the settlement without its sweep, on which the whole movement does not depend."""
     assert settlement is not None
     return settlement.model_copy(update={"steps": None})
 

@@ -117,7 +117,7 @@ def block(*, width_m: float, height_m: float) -> Layout:
     half, base = 0.5 * width_m, 0.5 * width_m
     return tidied(
         BASE=[rectangle(-half - base, half + base, -base, 0.0)],
-        BLOCK=[rectangle(-half, half, 0.0, height_m)],
+        BLOCCO=[rectangle(-half, half, 0.0, height_m)],
     )
 
 
@@ -130,9 +130,9 @@ def wall(
     length, split = blocks * block_length_m, (blocks - moving_blocks) * block_length_m
     levels = np.linspace(0.0, courses * block_height_m, courses + 1)
     return tidied(
-        BASE_LEFT=[rectangle(-block_length_m, split, -block_height_m, 0.0)],
-        BASE_RIGHT=[rectangle(split, length + block_length_m, -block_height_m, 0.0)],
-        WALL=running_bond(0.0, length, levels, blocks),
+        BASE_SINISTRA=[rectangle(-block_length_m, split, -block_height_m, 0.0)],
+        BASE_DESTRA=[rectangle(split, length + block_length_m, -block_height_m, 0.0)],
+        PARETE=running_bond(0.0, length, levels, blocks),
     )
 
 
@@ -140,7 +140,7 @@ def arch(*, span_m: float, rise_m: float, thickness_m: float, voussoirs: int) ->
     """Voussoir arch on two springer supports."""
     ring = Ring(span_m, rise_m, thickness_m, voussoirs)
     springer = ring.springer(thickness_m, -thickness_m)
-    return tidied(BASE_LEFT=mirrored([springer]), BASE_RIGHT=[springer], ARCH=ring.blocks())
+    return tidied(BASE_SINISTRA=mirrored([springer]), BASE_DESTRA=[springer], ARCO=ring.blocks())
 
 
 def buttressed_arch(
@@ -161,10 +161,10 @@ def buttressed_arch(
     pier.append(ring.springer(pier_width_m, float(levels[-2])))
     base = base_below(inner, outer)
     return tidied(
-        BASE_LEFT=mirrored([base]),
-        BASE_RIGHT=[base],
-        PIERS=mirrored(pier) + pier,
-        ARCH=ring.blocks(),
+        BASE_SINISTRA=mirrored([base]),
+        BASE_DESTRA=[base],
+        PIEDRITTI=mirrored(pier) + pier,
+        ARCO=ring.blocks(),
     )
 
 

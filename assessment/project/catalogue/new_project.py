@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from assessment.ntc.spectrum import ElasticSpectrum
+from assessment.ntc.demand.spectrum import ElasticSpectrum
 from assessment.project.catalogue.geometry import Layout
 from assessment.project.catalogue.record import write_artificial_record
 from assessment.project.catalogue.templates import DRAWING, NUMBER, TEMPLATES, Option, Template

@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import lru_cache
 from pathlib import Path
 
-from assessment.ntc.spectrum import ElasticSpectrum
-from assessment.runtime.atomic_files import write_atomically
+from assessment.ntc.demand.spectrum import ElasticSpectrum
+from assessment.runtime.files.atomic_files import write_atomically
 from mechanics.records import compatible_record
 
 RECORD = "records/artificial.csv"

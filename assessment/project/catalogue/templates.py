@@ -85,7 +85,7 @@ def _outward(movement: float, increment: float) -> dict[str, Any]:
     """Return the paper's movement: the right support goes outward and down by equal parts."""
     return {
         "name": f"appoggio destro {1e3 * movement:.4g} mm",
-        "support": "right",
+        "support": "destro",
         "displacement_m": [movement, -movement],
         "increment_m": increment,
         "to_collapse": True,
@@ -123,12 +123,12 @@ def _wall(values: Values) -> dict[str, Any]:
         "Parete a corsi sfalsati",
         depth=0.3,
         material=_stone(18.0, 0.65, 1e6),
-        layers={"BASE_LEFT": {"support": "left"}, "BASE_RIGHT": {"support": "right"}},
+        layers={"BASE_SINISTRA": {"support": "sinistro"}, "BASE_DESTRA": {"support": "destro"}},
         control=[_point("in alto a destra", length, height), _point("in alto a sinistra", 0.0, height)],
         settlements=[
             {
                 "name": f"appoggio destro {1e3 * settlement:.4g} mm",
-                "support": "right",
+                "support": "destro",
                 "displacement_m": [0.0, -settlement],
                 "increment_m": round(settlement / 10.0, 7),
             }
@@ -147,7 +147,7 @@ def _arch(values: Values) -> dict[str, Any]:
         "Arco",
         depth=1.0,
         material=_stone(20.0, 0.6, 1e6),
-        layers={"BASE_LEFT": {"support": "left"}, "BASE_RIGHT": {"support": "right"}},
+        layers={"BASE_SINISTRA": {"support": "sinistro"}, "BASE_DESTRA": {"support": "destro"}},
         control=[_point("chiave", 0.0, crown)],
         settlements=[_outward(movement, round(0.05 * movement, 7))],
         pushover=_pushover(round(0.001 * values["span_m"], 6), both="chiave"),
@@ -161,8 +161,8 @@ def _buttressed_arch(values: Values) -> dict[str, Any]:
         depth=0.1,
         material=_stone(11.5, 0.6, 1.2e5),
         layers={
-            "BASE_LEFT": {"support": "left"},
-            "BASE_RIGHT": {"support": "right"},
+            "BASE_SINISTRA": {"support": "sinistro"},
+            "BASE_DESTRA": {"support": "destro"},
         },
         control=[_point("C1", -outer, top), _point("C2", outer, top)],
         settlements=[_outward(0.02, 0.001)],
@@ -177,10 +177,10 @@ def _triumphal_arch(values: Values) -> dict[str, Any]:
         depth=0.6,
         material=_stone(16.0, 0.65, 5.33e6),
         layers={
-            "BASE_LEFT": {"depth_m": 5.5, "support": "left"},
-            "BASE_RIGHT": {"depth_m": 5.5, "support": "right"},
-            "NAVE": {"depth_m": 5.5},
-            "ROOF": {"vertical_load_kN": 9.1},
+            "BASE_SINISTRA": {"depth_m": 5.5, "support": "sinistro"},
+            "BASE_DESTRA": {"depth_m": 5.5, "support": "destro"},
+            "NAVATA": {"depth_m": 5.5},
+            "COPERTURA": {"vertical_load_kN": 9.1},
         },
         control=[_point("C1", outer, top), _point("C2", -outer, top)],
         settlements=[_outward(0.15, 0.01)],
@@ -210,7 +210,7 @@ TEMPLATES: dict[str, Template] = {
             "block_height_m": (0.3, "m", "height of a course"),
             "blocks": (6, NUMBER, "blocks along the wall"),
             "courses": (8, NUMBER, "courses"),
-            "moving_blocks": (2, NUMBER, "blocks at the right end that stand on the support 'right'"),
+            "moving_blocks": (2, NUMBER, "blocks at the right end that stand on the support 'destro'"),
         },
         parametric.wall,
         _wall,

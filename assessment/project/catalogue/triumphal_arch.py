@@ -92,7 +92,11 @@ class TriumphalArch:
         arch = self.ring.blocks() + self.spandrels()
         base = base_below(self.inner, self.outer)
         return tidied(
-            BASE_LEFT=mirrored([base]), BASE_RIGHT=[base], NAVE=nave, ARCH=arch, ROOF=self.roof(nave + arch)
+            BASE_SINISTRA=mirrored([base]),
+            BASE_DESTRA=[base],
+            NAVATA=nave,
+            ARCO=arch,
+            COPERTURA=self.roof(nave + arch),
         )
 
     def nave_wall(self) -> list[Array]:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from assessment.project.formats.comments import commented_toml
 from assessment.project.formats.toml import read_toml, updated_toml
 from assessment.project.formats.xlsx import to_xlsx
-from assessment.runtime.atomic_files import write_atomically
 from assessment.runtime.errors import ProjectError
+from assessment.runtime.files.atomic_files import write_atomically
 
 if TYPE_CHECKING:
     from assessment.project.project import Project

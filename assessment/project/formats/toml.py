@@ -46,14 +46,6 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise ProjectError(f"{path.name}: {_syntax(text, str(error))}") from None
 
 
-def to_toml(content: Mapping[str, Any]) -> str:
-    """Return the TOML text of a project's content: plain values, lists, tables and lists of tables."""
-    lines: list[str] = []
-    for path, table in toml_tables(content):
-        lines += [*toml_header(path), *(toml_line(key, value) for key, value in plain_values(table).items())]
-    return "\n".join(lines).strip() + "\n"
-
-
 def updated_toml(text: str, content: Mapping[str, Any]) -> str:
     """Return a TOML text that says `content`, with the comments and the order that it has where it says the same.
 
@@ -127,11 +119,11 @@ def _syntax(text: str, message: str) -> str:
     what = shortened(message[: place.start()] if place else message)
     line = text.split("\n")[number - 1].strip()
     comma = _DECIMAL_COMMA.search(_TEXT.sub('""', line))
-    remedy = (
-        f"write a decimal point, not a comma: {shortened(f'{comma[1]}.{comma[2]}')}"
-        if comma
-        else "texts stand in quotes, decimals have a point, a table or key appears once"
-    )
+    if comma:
+        said = line.partition("#")[0].strip() if '"' not in line else line
+        meant = f"write a decimal point, not a comma: {shortened(f'{comma[1]}.{comma[2]}')}"
+        return f"line {number}: {shortened(said)}; {meant}"
+    remedy = "texts stand in quotes, decimals have a point, a table or key appears once"
     return f"line {number}, column {column}: {what[:1].lower()}{what[1:]}: {shortened(line)}; {remedy}"
 
 

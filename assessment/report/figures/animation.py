@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
 from concurrent.futures import Future
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -18,36 +16,40 @@ from assessment.report.figures.dynamic import bounds_of_views, shaken
 from assessment.report.figures.style import STYLE, sheet
 from assessment.report.text.language import slug, words_of
 from assessment.results.outlines import outlines
-from assessment.runtime.atomic_files import naming, write_atomically
-from assessment.runtime.pool import Pool
+from assessment.results.schema import Results
+from assessment.results.schema.dynamic import History
+from assessment.results.schema.part import known
+from assessment.runtime.files.atomic_files import naming, write_atomically
+from assessment.runtime.processes.pool import Pool
 
 DOTS_PER_INCH = 110
 
 
 def write_animations(pool: Pool, folder: Path) -> list[Future[Path]]:
     """Begin to write `history_N_STATE.gif` into the folder for every history whose project asks for an animation."""
-    results, begun = pool.held, []
-    for index, motion in enumerate(results.get("motions") or []):
-        for state, entry in shaken(results, motion["name"]).items():
-            if entry.get("frames"):
+    results: Results = pool.held
+    begun = []
+    for index, motion in enumerate(results.motions or []):
+        for state, entry in shaken(results, motion.name).items():
+            if entry.frames:
                 path = folder / f"history_{index + 1}_{slug(results, state)}.gif"
-                begun.append(pool.apply(_write_animation, path, state, motion["name"]))
+                begun.append(pool.apply(_write_animation, path, state, motion.name))
     return begun
 
 
-def _write_animation(results: Mapping[str, Any], path: Path, state: str, record: str) -> Path:
+def _write_animation(results: Results, path: Path, state: str, record: str) -> Path:
     with naming(path):  # the film is made elsewhere first
         write_atomically(path, animation(results, state, shaken(results, record)[state]))
     return path
 
 
-def animation(results: Mapping[str, Any], state: str, entry: Mapping[str, Any]) -> bytes:
+def animation(results: Results, state: str, entry: History) -> bytes:
     """Draw the frames of a history over the state at rest, dashed; the same bytes for the same results."""
     words, shape = words_of(results), outlines(results)
-    start = shape.moved(results["states"][state]["configuration"])
-    times = entry["frames"]["time_s"]
-    views = [shape.moved(configuration) for configuration in entry["frames"]["configuration"]]
-    supports = np.array([block["support"] is not None for block in results["geometry"]["blocks"]])
+    start = shape.moved(results.states[state].configuration)
+    times = known(entry.frames).time_s
+    views = [shape.moved(configuration) for configuration in known(entry.frames).configuration]
+    supports = np.array([block.support is not None for block in results.geometry.blocks])
     with mpl.rc_context(STYLE):  # type: ignore[arg-type]
         page = sheet(bounds_of_views(start, views), border_mm=5.0, height_mm=115.0)
         (axes,) = page.panels
@@ -64,9 +66,7 @@ def animation(results: Mapping[str, Any], state: str, entry: Mapping[str, Any]) 
             for chosen, patch in groups:
                 patch.set_path(views[frame].path(chosen))
             axes.set_title(
-                words.plain(
-                    "figure.frame", state=words.state(state), record=entry["record"], time=times[frame]
-                )
+                words.plain("figure.frame", state=words.state(state), record=entry.record, time=times[frame])
             )
             return [patch for _, patch in groups]
 

@@ -12,23 +12,32 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from assessment.ntc.limit_states import SURFACE
 from assessment.report.figures.style import DASHES, chart
 from assessment.report.text.language import Words
+from assessment.report.text.table_format import referenced
+from assessment.results.schema import Results
+from assessment.results.schema.campaign import (
+    Campaign,
+    CampaignCombination,
+    CampaignFragility,
+    CampaignLevel,
+)
+from assessment.results.schema.part import known
 
-Results = Mapping[str, Any]
 Run = tuple[str, float, str, int]
 BAND, FAINT = "0.85", "0.55"
 
 
 def moved(results: Results) -> list[str]:
     """Return the settlements of the campaign."""
-    return list(dict.fromkeys(row["settlement"] for row in results["campaign"]["loss"]))
+    return list(dict.fromkeys(row.settlement for row in known(results.campaign).loss))
 
 
-def fragile_shares(results: Results, settlement: str) -> list[Mapping[str, Any]]:
+def fragile_shares(results: Results, settlement: str) -> list[CampaignFragility]:
     """Return the shares of a settlement whose fragility is known."""
-    found = results["campaign"]["fragility"]
-    return [row for row in found if row["settlement"] == settlement and row["median_g"] is not None]
+    found = known(results.campaign).fragility
+    return [row for row in found if row.settlement == settlement and row.median_g is not None]
 
 
 def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Figure:
@@ -37,31 +46,32 @@ def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Fig
     A collapse has no displacement: its cross stands at the right edge. A combination that another one's run stands for
     has the curve of that one, as its mirror image none.
     """
-    runs = {(row["settlement"], row["share"], row["record"], row["sign"]): row["points"]
-            for row in results["campaign"]["combinations"]}  # fmt: skip
-    rows = [row for row in results["campaign"]["combinations"] if row["settlement"] == settlement]
-    shares = list(dict.fromkeys(row["share"] for row in rows))
+    combinations = known(results.campaign).combinations
+    runs = {(row.settlement, row.share, row.record, row.sign): row.points for row in combinations}
+    rows = [row for row in combinations if row.settlement == settlement]
+    shares = list(dict.fromkeys(row.share for row in rows))
     columns = min(2, len(shares))
     figure, panels = chart(words, columns=columns, rows=-(-len(shares) // columns), height_mm=62.0)
     points = [point for row in rows for point in _points(row, runs)]
-    bounds = [row[key] for row in rows for key in ("pga_collapse_g", "pga_safe_g")]
-    peaks = [1000.0 * p["peak_displacement_m"] for p in points if p["peak_displacement_m"] is not None]
+    bounds = [bound for row in rows for bound in (row.pga_collapse_g, row.pga_safe_g)]
+    peaks = [1000.0 * p.peak_displacement_m for p in points if p.peak_displacement_m is not None]
     reach, top = 1.1 * max(peaks, default=1.0) or 1.0, 1.15 * max(filter(None, bounds), default=1.0)
     for axes, share in zip(panels, shares, strict=False):
-        for row in (each for each in rows if each["share"] == share):
-            lowest = row["pga_collapse_g"]
-            found = [p for p in _points(row, runs) if not p["collapsed"]]
-            stood = [p for p in found if not (lowest and p["pga_g"] > lowest)]
+        for row in (each for each in rows if each.share == share):
+            lowest = row.pga_collapse_g
+            found = [p for p in _points(row, runs) if not p.collapsed]
+            stood = [p for p in found if not (lowest and p.pga_g > lowest)]
             if stood:
                 axes.plot(
-                    [0.0, *(1000.0 * p["peak_displacement_m"] for p in stood)],
-                    [0.0, *(p["pga_g"] for p in stood)],
+                    [0.0, *(1000.0 * known(p.peak_displacement_m) for p in stood)],
+                    [0.0, *(p.pga_g for p in stood)],
                     color=FAINT, linewidth=0.6, marker="o", markersize=1.5,
                 )  # fmt: skip
             if lowest is not None:
                 axes.plot(reach, lowest, marker="x", color="0.0", markersize=3.5, clip_on=False)
         axes.set(xlim=(0.0, reach), ylim=(0.0, top), title=_share(share, words))
-        axes.set(xlabel=words.plain("figure.peak_displacement"), ylabel=words.plain("figure.pga"))
+        pga = referenced(words.plain("figure.pga"), words, SURFACE)
+        axes.set(xlabel=words.plain("figure.peak_displacement"), ylabel=pga)
     for axes in panels[len(shares) :]:
         axes.set_axis_off()
     handles = [
@@ -72,32 +82,30 @@ def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Fig
     return figure
 
 
-def _points(row: Mapping[str, Any], runs: Mapping[Run, list[Any]]) -> list[Any]:
+def _points(row: CampaignCombination, runs: Mapping[Run, list[CampaignLevel]]) -> list[CampaignLevel]:
     """Return the levels that were run of a combination, by itself or by the one that is the same."""
-    same = row.get("same_as")
-    if same is None or same["sign"] != row["sign"]:
-        return row["points"]
-    return runs[same["settlement"], same["share"], row["record"], row["sign"]]
+    same = row.same_as
+    if same is None or same.sign != row.sign:
+        return row.points
+    return runs[same.settlement, same.share, row.record, row.sign]
 
 
 def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> Figure:
     """Draw the probability of collapse over the measure, a curve per share; circles: the combinations, or stripes."""
     from scipy.special import ndtr  # late: few reports need it, and it takes long to import
 
-    found = fragile_shares(results, settlement)
+    found, campaign = fragile_shares(results, settlement), known(results.campaign)
     figure, (axes,) = chart(words, height_mm=75.0, foot_mm=8.0 + 4.0 * len(found))
-    top = max(row["median_g"] * np.exp(2.0 * row["beta"]) for row in found)
+    top = max(known(row.median_g) * np.exp(2.0 * known(row.beta)) for row in found)
     level = np.linspace(1e-3 * top, top, 300)
     for dashes, row, shade in zip(cycle(DASHES), found, np.linspace(1.0, 0.0, len(found)), strict=False):
-        curve = ndtr(np.log(level / row["median_g"]) / row["beta"])
+        curve = ndtr(np.log(level / known(row.median_g)) / known(row.beta))
         axes.plot(level, curve, color="0.0", linestyle=dashes, label=_curve_label(row, words))
-        seen, share = _seen(results, settlement, row["share"])
+        seen, share = _seen(campaign, settlement, row.share)
         mark: dict[str, Any] = {"marker": "o", "markersize": 3.0, "markeredgewidth": 0.5}
         axes.plot(seen, share, color="0.0", linestyle="none", markerfacecolor=str(shade), **mark)
-    measure = results["campaign"]["measure"]
-    label = words.plain(
-        "figure.pga" if measure == "PGA" else "figure.sa", period=results["campaign"]["period_s"]
-    )
+    measure = "figure.pga" if campaign.measure == "PGA" else "figure.sa"
+    label = referenced(words.plain(measure, period=campaign.period_s), words, SURFACE)
     axes.set(xlabel=label, ylabel=words.plain("figure.probability"), xlim=(0.0, top), ylim=(0.0, 1.0))
     figure.legend(loc="lower center", ncols=1)
     return figure
@@ -105,23 +113,24 @@ def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> 
 
 def draw_campaign_loss(results: Results, words: Words) -> Figure:
     """Draw the loss of capacity over the movement, a panel per settlement: dynamic with 16-84 %, static beside."""
-    names = moved(results)
+    names, campaign = moved(results), known(results.campaign)
     columns = min(2, len(names))
     figure, panels = chart(words, columns=columns, rows=-(-len(names) // columns), height_mm=70.0)
     for axes, name in zip(panels, names, strict=False):
-        own = [row for row in results["campaign"]["loss"] if row["settlement"] == name]
-        band = [row for row in own if None not in row["dynamic_range"]]
+        own = [row for row in campaign.loss if row.settlement == name]
+        band = [row for row in own if None not in row.dynamic_range]
         axes.fill_between(
-            [1000.0 * row["movement_m"] for row in band],
-            [100.0 * row["dynamic_range"][0] for row in band],
-            [100.0 * row["dynamic_range"][1] for row in band],
+            [1000.0 * row.movement_m for row in band],
+            [100.0 * known(row.dynamic_range[0]) for row in band],
+            [100.0 * known(row.dynamic_range[1]) for row in band],
             color=BAND, linewidth=0.0,
         )  # fmt: skip
-        for key, dashes, face in (("dynamic", "-", "0.0"), ("static", DASHES[1], "1.0")):
-            known = [row for row in own if row[key] is not None]
+        dynamic = [(row.movement_m, row.dynamic) for row in own if row.dynamic is not None]
+        static = [(row.movement_m, row.static) for row in own if row.static is not None]
+        for losses, dashes, face in ((dynamic, "-", "0.0"), (static, DASHES[1], "1.0")):
             axes.plot(
-                [1000.0 * row["movement_m"] for row in known],
-                [100.0 * row[key] for row in known],
+                [1000.0 * movement for movement, _ in losses],
+                [100.0 * loss for _, loss in losses],
                 color="0.0", linestyle=dashes, marker="o", markersize=3.5, markerfacecolor=face,
             )  # fmt: skip
         axes.set(xlabel=words.plain("figure.movement"), ylabel=words.plain("figure.loss"), title=name)
@@ -141,34 +150,34 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
             **line,
         ),
     ]
-    if results["campaign"]["method"] == "stripes":
+    if campaign.method == "stripes":
         del handles[1]
     figure.legend(handles=handles, loc="lower center", ncols=3)
     return figure
 
 
-def _seen(results: Results, settlement: str, share: float) -> tuple[list[float], list[float]]:
+def _seen(campaign: Campaign, settlement: str, share: float) -> tuple[list[float], list[float]]:
     """Return levels (g, of the measure) and the share of the combinations that had collapsed at each."""
-    campaign = results["campaign"]
     rows = [
         row
-        for row in campaign["combinations"]
-        if row["settlement"] == settlement and row["share"] == share and row["pga_safe_g"] is not None
+        for row in campaign.combinations
+        if row.settlement == settlement and row.share == share and row.pga_safe_g is not None
     ]
-    if campaign["method"] == "stripes":
-        fallen = np.array([row["collapsed"] for row in rows], dtype=float)
-        return campaign["levels_g"], fallen.mean(axis=0).tolist()
-    key = "pga_collapse_g" if campaign["measure"] == "PGA" else "sa_collapse_g"
-    levels = sorted(row[key] for row in rows if row[key] is not None)
+    if campaign.method == "stripes":
+        fallen = np.array([known(row.collapsed) for row in rows], dtype=float)
+        return campaign.levels_g, fallen.mean(axis=0).tolist()
+    pga = campaign.measure == "PGA"
+    found = [row.pga_collapse_g if pga else row.sa_collapse_g for row in rows]
+    levels = sorted(level for level in found if level is not None)
     return levels, ((np.arange(len(levels)) + 0.5) / len(rows)).tolist()
 
 
-def _curve_label(row: Mapping[str, Any], words: Words) -> str:
+def _curve_label(row: CampaignFragility, words: Words) -> str:
     return words.plain(
         "figure.fragility",
-        state=_share(row["share"], words),
-        median=row["median_g"],
-        dispersion=row["beta"],
+        state=_share(row.share, words),
+        median=row.median_g,
+        dispersion=row.beta,
     )
 
 

@@ -15,7 +15,7 @@ from assessment.report.figures.labels import LETTER, POINT_MM, Labels
 from assessment.report.figures.style import Sheet, sheet
 from assessment.report.text.language import Words
 from assessment.results.outlines import Array, Outlines, outlines
-from assessment.results.table import Results
+from assessment.results.schema import Results
 
 SMALLEST_PT, LARGEST_PT = 3.5, 6.5  # of the number of a block, as large as the block has room for
 CAPITAL = 0.75  # of the size of a font: the height of a digit
@@ -29,7 +29,7 @@ NUMBER: dict[str, Any] = {
 
 def draw_cracks(results: Results, words: Words, state: str) -> Figure:
     """Draw a settled state, not magnified: numbers in the blocks, and beside the joints of the table of cracks."""
-    shape = outlines(results).moved(results["states"][state]["configuration"])
+    shape = outlines(results).moved(results.states[state].configuration)
     page = sheet(union([shape]), border_mm=8.0, foot_mm=12.0)
     axes = page.panels[0]
     fill_roles(axes, shape, results)
@@ -52,14 +52,14 @@ def draw_cracks(results: Results, words: Words, state: str) -> Figure:
 
 def _face(results: Results, shape: Outlines, joint: int) -> Array:
     """Return the ends (2, 2) m of the second block's face of a joint, in the configuration drawn."""
-    known = results["geometry"]["joints"][joint]
+    known = results.geometry.joints[joint]
     drawn = outlines(results)
-    block = known["blocks"][1]
+    block = known.blocks[1]
     own, now = drawn.points[drawn.owner == block], shape.points[drawn.owner == block]
     arm, turned = own[1] - own[0], now[1] - now[0]
     turn = np.arctan2(turned[1], turned[0]) - np.arctan2(arm[1], arm[0])
     spin = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    face: Array = now[0] + (np.asarray(known["ends_m"]) - own[0]) @ spin.T
+    face: Array = now[0] + (np.asarray(known.ends_m) - own[0]) @ spin.T
     return face
 
 

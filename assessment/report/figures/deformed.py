@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,12 +16,16 @@ from assessment.report.figures.labels import Labels
 from assessment.report.figures.style import WIDTH_MM, Sheet, nice, sheet
 from assessment.report.text.language import Words, direction_name
 from assessment.results.faces import faces_of
-from assessment.results.hand_check import BY_HAND, MacroBlock, macro_blocks
+from assessment.results.hand_check import BY_HAND, MacroBlock, macro_blocks, rigid_push
 from assessment.results.outlines import Array, Outlines, field, outlines
+from assessment.results.schema import Results
+from assessment.results.schema.checks import Direction, GivenMechanism
+from assessment.results.schema.model import Face
+from assessment.results.schema.part import Configuration, Point, known
+from assessment.results.schema.static import Settlement
 from assessment.results.table import sense
 from mechanics.model import end_points
 
-Results = Mapping[str, Any]
 Bounds = tuple[float, float, float, float]
 INK, FAINT, SUPPORT, MOVING = "0.0", "0.55", "0.55", "0.82"
 LIGHT = 0.01  # of the moving weight: a macro-block that is lighter is not numbered
@@ -35,40 +39,40 @@ GHOST = {"fill": False, "edgecolor": FAINT, "linewidth": 0.5, "linestyle": (0, (
 
 def draw_settlement(results: Results, words: Words, state: str) -> Figure:
     """Draw a settled state, magnified until it shows, and the last one before collapse where it was found."""
-    shape, content = outlines(results), results["states"][state]
-    travel = float(np.abs(shape.moved(content["configuration"]).points - shape.points).max())
+    shape, content = outlines(results), results.states[state]
+    travel = float(np.abs(shape.moved(content.configuration).points - shape.points).max())
     times = nice(max(1.0, 0.06 * shape.size / travel)) if travel > 0.0 else 1.0
-    views = {words.plain("figure.settled_true"): shape.moved(content["configuration"])}
+    views = {words.plain("figure.settled_true"): shape.moved(content.configuration)}
     if times > 1.0:
         title = words.plain("figure.settled", times=f"{times:g}")
-        views[title] = shape.moved(content["configuration"], times)
-    for contacts, stage in content.get("pushdown", {}).items():
-        if stage.get("ultimate_configuration") is not None:
+        views[title] = shape.moved(content.configuration, times)
+    for contacts, path in content.pushdown.items():
+        if path.ultimate_configuration is not None:
             title = words.plain(
                 "figure.ultimate",
                 contacts=words.plain(f"value.{contacts}"),
-                movement=words.millimetres(stage["ultimate_movement_m"]),
+                movement=words.millimetres(path.ultimate_movement_m),
             )
-            views[title] = shape.moved(stage["ultimate_configuration"])
+            views[title] = shape.moved(path.ultimate_configuration)
     page = sheet(union([shape, *views.values()]), len(views), border_mm=9.0)
     for axes, (title, view) in zip(page.panels, views.items(), strict=True):
         axes.set_title(title)
         axes.add_patch(PathPatch(shape.path(_all(shape)), **GHOST))
         fill_roles(axes, view, results)
-    _movement(page, shape, results, content["settlement"], words)
+    _movement(page, shape, results, known(content.settlement))
     legend(page, [ghost_handle(words.plain("figure.original_outline"))])
     return page.figure
 
 
-def draw_overturned(results: Results, words: Words, states: Sequence[str], direction: str) -> Figure:
+def draw_overturned(results: Results, words: Words, states: Sequence[str], direction: Direction) -> Figure:
     """Draw each state where its capacity ends (d_0, rigid contacts), to true scale over the state's own rest."""
     drawing = outlines(results)
-    pushed = [results["states"][name]["pushover"][direction]["rigid"] for name in states]
-    starts = [drawing.moved(results["states"][name]["configuration"]) for name in states]
-    ends = [drawing.moved(rigid["final_configuration"]) for rigid in pushed]
+    pushed = [rigid_push(results, name, direction) for name in states]
+    starts = [drawing.moved(results.states[name].configuration) for name in states]
+    ends = [drawing.moved(rigid.final_configuration) for rigid in pushed]
     page = sheet(union([*starts, *ends]), len(states), border_mm=7.0)
     for axes, name, start, end, rigid in zip(page.panels, states, starts, ends, pushed, strict=True):
-        axes.set_title(f"{words.state(name)}\nd₀ = {words.millimetres(rigid['d_0_m'])}")
+        axes.set_title(f"{words.state(name)}\nd₀ = {words.millimetres(rigid.d_0_m)}")
         axes.add_patch(PathPatch(start.path(_all(start)), **GHOST))
         fill_roles(axes, end, results)
         push_arrow(page, axes, end.bounds, direction)
@@ -76,22 +80,22 @@ def draw_overturned(results: Results, words: Words, states: Sequence[str], direc
     return page.figure
 
 
-def draw_mechanisms(results: Results, words: Words, states: Sequence[str], direction: str) -> Figure:
+def draw_mechanisms(results: Results, words: Words, states: Sequence[str], direction: Direction) -> Figure:
     """Draw the mechanism of each state on its deformed shape at activation, hinges and sliding joints marked."""
     views = [found_mechanism(results, name, direction) for name in states]
     return _draw_mechanisms(words, views, direction)
 
 
-def draw_chosen(results: Results, words: Words, given: Mapping[str, Any]) -> Figure:
+def draw_chosen(results: Results, words: Words, given: GivenMechanism) -> Figure:
     """Draw a mechanism that the user chose; its centres of rotation are marked as hinges."""
-    centres = [part["about_m"] for part in given["macro_blocks"]]
-    mechanism = {**given, "hinge_points_m": centres}
-    at = results["states"][given["state"]]["configuration"]
-    view = Mechanism(results, given["state"], mechanism, at, given["met"])
-    return _draw_mechanisms(words, [view], given["direction"])
+    centres = [part.about_m for part in known(given.macro_blocks)]
+    motion = Kinematics(known(given.displacements), centres, known(given.sliding_joints))
+    at = results.states[given.state].configuration
+    view = Mechanism(results, given.state, motion, at, known(given.met))
+    return _draw_mechanisms(words, [view], known(given.direction))
 
 
-def _draw_mechanisms(words: Words, views: Sequence[Mechanism], direction: str) -> Figure:
+def _draw_mechanisms(words: Words, views: Sequence[Mechanism], direction: Direction) -> Figure:
     page = sheet(
         union([outline for view in views for outline in (view.start, view.swept)]),
         len(views),
@@ -129,13 +133,23 @@ LABEL: dict[str, Any] = {
 SLIDING: dict[str, Any] = {"color": INK, "linewidth": 2.4, "solid_capstyle": "butt"}
 
 
-def found_mechanism(results: Results, state: str, direction: str) -> Mechanism:
+def found_mechanism(results: Results, state: str, direction: Direction) -> Mechanism:
     """Return the rigid mechanism of a state in a direction, its macro-blocks numbered where they are printed."""
-    rigid = results["states"][state]["pushover"][direction]["rigid"]
+    rigid = rigid_push(results, state, direction)
+    motion = Kinematics(
+        rigid.mechanism.displacements, rigid.mechanism.hinge_points_m, rigid.mechanism.sliding_joints
+    )
     parts = macro_blocks(results, state, direction)
     numbered = parts if len(parts) <= BY_HAND else ()
-    met = (rigid.get("frames") or {}).get("met", ())
-    return Mechanism(results, state, rigid["mechanism"], rigid["mechanism_configuration"], met, numbered)
+    return Mechanism(results, state, motion, rigid.mechanism_configuration, rigid.frames.met, numbered)
+
+
+class Kinematics(NamedTuple):
+    """What a mechanism does: virtual displacements (b, 3), hinges (n, 2) m, numbers of the joints that slide."""
+
+    displacements: Configuration
+    hinges: Sequence[Point]
+    sliding: Sequence[int]
 
 
 class Mechanism:
@@ -150,22 +164,22 @@ class Mechanism:
         self,
         results: Results,
         state: str,
-        mechanism: Mapping[str, Any],
-        configuration: Sequence[Sequence[float]],
-        met: Sequence[Mapping[str, Any]],
+        motion: Kinematics,
+        configuration: Configuration,
+        met: Sequence[Face],
         numbered: Sequence[MacroBlock] = (),
     ) -> None:
         self.state, self.macro_blocks = state, numbered
         self.configuration = np.asarray(configuration, dtype=float)
-        self.velocity = np.asarray(mechanism["displacements"], dtype=float)
+        self.velocity = np.asarray(motion.displacements, dtype=float)
         self.drawing = outlines(results)
         self.start = self.drawing.moved(self.configuration)
         speed = np.linalg.norm(self._rate(self.start.points, self.start.owner), axis=1)
         self.amount = 0.08 * self.drawing.size / max(float(speed.max()), 1e-12)
         self.swept = self.start.swept(self.velocity, self.amount)
         self.moving = np.bincount(self.start.owner, speed > 1e-4 * speed.max()) > 0
-        self.hinges: list[Any] = mechanism["hinge_points_m"]
-        faces, sliding = faces_of(results, met), np.array(mechanism["sliding_joints"], dtype=np.intp)
+        self.hinges = motion.hinges
+        faces, sliding = faces_of(results, met), np.array(motion.sliding, dtype=np.intp)
         self.sliding = faces.contacts.take(sliding)
         self.slides = end_points(self.sliding, faces.positions(self.configuration))
 
@@ -211,7 +225,7 @@ def fill(axes: Axes, shape: Outlines, chosen: Any, grey: str) -> None:
 
 def fill_roles(axes: Axes, shape: Outlines, results: Results) -> None:
     """Draw movable blocks light and supports dark."""
-    supports = np.array([block["support"] is not None for block in results["geometry"]["blocks"]])
+    supports = np.array([block.support is not None for block in results.geometry.blocks])
     fill(axes, shape, np.flatnonzero(~supports), "0.92")
     fill(axes, shape, np.flatnonzero(supports), SUPPORT)
 
@@ -227,25 +241,22 @@ def union(shapes: Sequence[Outlines]) -> Bounds:
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
-def _movement(
-    page: Sheet, shape: Outlines, results: Results, settlement: Mapping[str, Any], words: Words
-) -> None:
-    blocks = results["geometry"]["blocks"]
-    moved = [i for i, block in enumerate(blocks) if block["support"] == settlement["support"]]
+def _movement(page: Sheet, shape: Outlines, results: Results, settlement: Settlement) -> None:
+    moved = [i for i, block in enumerate(results.geometry.blocks) if block.support == settlement.support]
     x, z = shape.centroids[moved].mean(axis=0)
-    dx, dz = settlement["displacement_m"]
+    dx, dz = settlement.displacement_m
     size = float(np.hypot(dx, dz))
     axes = page.panels[0]
     if size > 0.0:
         reach = page.paper(9.0) / size
         axes.annotate("", (x + reach * dx, z + reach * dz), (x, z), arrowprops=ARROW | {"lw": 1.4})
-    if turn := settlement["rotation_rad"]:  # a half circle over the support, anticlockwise from right to left
+    if turn := settlement.rotation_rad:  # a half circle over the support, anticlockwise from right to left
         half = math.copysign(page.paper(5.0), turn)
         bent = {"connectionstyle": f"arc3,rad={math.copysign(1.0, turn)}"}
         axes.annotate("", (x - half, z), (x + half, z), arrowprops=ARROW | {"lw": 1.4} | bent)
 
 
-def push_arrow(page: Sheet, axes: Axes, bounds: Bounds, direction: str) -> None:
+def push_arrow(page: Sheet, axes: Axes, bounds: Bounds, direction: Direction) -> None:
     """Draw the arrow of the lateral loads above a model."""
     sign = sense(direction)
     x, z = (bounds[0] + bounds[2]) / 2.0, bounds[3] + page.paper(4.0)

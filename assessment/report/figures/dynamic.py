@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,8 +18,10 @@ from assessment.report.figures.style import DASHES, chart, sheet, state_style
 from assessment.report.text.language import Words
 from assessment.report.text.table_format import referenced
 from assessment.results.outlines import Outlines, outlines
+from assessment.results.schema import Results
+from assessment.results.schema.dynamic import History, Incremental, Search
+from assessment.results.schema.part import known
 
-Results = Mapping[str, Any]
 MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")
 BAND = "0.82"  # grey between the members of an ensemble
 FALLING = 0.03  # of the model's size: how far the curve of a collapse is followed at least
@@ -33,39 +35,37 @@ def _at_surface(label: str, words: Words) -> str:
 
 def draw_motion(results: Results, words: Words, index: int) -> Figure:
     """Draw a base motion over time and its acceleration spectrum at 5 % damping."""
-    motion = results["motions"][index]
+    motion = known(results.motions)[index]
     figure, panels = chart(words, columns=2, height_mm=62.0, foot_mm=0.0)
-    panels[0].plot(motion["time_s"], motion["acceleration_g"], color="0.0", linewidth=0.5)
+    panels[0].plot(motion.time_s, motion.acceleration_g, color="0.0", linewidth=0.5)
     panels[0].set(xlabel=words.plain("figure.time"), ylabel=_at_surface("ground_acceleration", words))
-    panels[0].set_xlim(motion["window_s"])
-    panels[1].plot(motion["T_s"], motion["S_a_g"], color="0.0")
+    panels[0].set_xlim(*motion.window_s)
+    panels[1].plot(motion.T_s, motion.S_a_g, color="0.0")
     panels[1].set(xlabel=words.plain("figure.period"), ylabel=_at_surface("spectral_acceleration", words))
-    panels[1].set(xlim=(0.0, motion["T_s"][-1]), ylim=(0.0, None))
+    panels[1].set(xlim=(0.0, motion.T_s[-1]), ylim=(0.0, None))
     return figure
 
 
 def draw_history(results: Results, words: Words, index: int) -> Figure:
     """Draw the control displacement of every state under one record; a cross marks collapse."""
-    name = results["motions"][index]["name"]
-    found = shaken(results, name)
+    found = shaken(results, known(results.motions)[index].name)
     figure, (axes,) = chart(words, height_mm=80.0)
     size = outlines(results).size
-    falls = [entry for entry in found.values() if entry["collapsed"]]
-    sustained = [1.3 * entry["sustained_displacement_m"] for entry in found.values()]
-    bound = max([*sustained, *(min(FALLING * size, entry["peak_displacement_m"]) for entry in falls)])
+    falls = [entry for entry in found.values() if entry.collapsed]
+    sustained = [1.3 * known(entry.sustained_displacement_m) for entry in found.values()]
+    bound = max([*sustained, *(min(FALLING * size, known(entry.peak_displacement_m)) for entry in falls)])
     for number, entry in enumerate(found.values()):
-        time, displacement = (np.asarray(entry["curve"][key]) for key in ("time_s", "displacement_m"))
-        if "band" in entry:
-            low, high = (1000.0 * np.asarray(entry["band"][key]) for key in ("low_m", "high_m"))
+        curve = known(entry.curve)
+        time, displacement = np.asarray(curve.time_s), np.asarray(curve.displacement_m)
+        if entry.band:
+            low, high = 1000.0 * np.asarray(entry.band.low_m), 1000.0 * np.asarray(entry.band.high_m)
             axes.fill_between(time, low, high, color=BAND, linewidth=0.0)
         axes.plot(time, 1000.0 * displacement, linewidth=0.9, **state_style(number))
-        if entry["collapsed"]:
+        if entry.collapsed:
             out = int(np.flatnonzero(abs(displacement) <= bound)[-1])
             place = 1000.0 * displacement[out]
             axes.plot(time[out], place, marker="x", color="0.0", markersize=6.0, clip_on=False)
-    until = [
-        entry["free_motion_from_s"] for entry in found.values() if entry["free_motion_from_s"] is not None
-    ]
+    until = [entry.free_motion_from_s for entry in found.values() if entry.free_motion_from_s is not None]
     if until:
         axes.axvline(min(until), color="0.0", linewidth=0.5, linestyle=DASHES[2])
     axes.set(xlabel=words.plain("figure.time"), ylabel=words.plain("figure.x_displacement"))
@@ -78,7 +78,7 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
     if falls:
         label = words.plain("figure.collapse")
         handles.append(Line2D([], [], color="0.0", marker="x", linestyle="none", label=label))
-    if any("band" in entry for entry in found.values()):
+    if any(entry.band for entry in found.values()):
         handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.members")))
     if until:
         label = words.plain("figure.free_motion")
@@ -89,19 +89,19 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
 
 def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figure:
     """Draw a state at its largest control displacement under a record and at collapse or at the end, to true scale."""
-    entry = shaken(results, results["motions"][index]["name"])[state]
+    entry = shaken(results, known(results.motions)[index].name)[state]
     shape = outlines(results)
-    start = shape.moved(results["states"][state]["configuration"])
-    peak = words.plain("figure.at_peak", time=entry["time_of_peak_s"])
-    views = {peak: shape.moved(entry["peak_configuration"])}
+    start = shape.moved(results.states[state].configuration)
+    peak = words.plain("figure.at_peak", time=entry.time_of_peak_s)
+    views = {peak: shape.moved(known(entry.peak_configuration))}
     title = (
-        words.plain("figure.at_collapse", time=entry["time_of_collapse_s"])
-        if entry["collapsed"]
-        else words.plain("figure.at_end", time=entry["curve"]["time_s"][-1])
+        words.plain("figure.at_collapse", time=entry.time_of_collapse_s)
+        if entry.collapsed
+        else words.plain("figure.at_end", time=known(entry.curve).time_s[-1])
     )
-    views[title] = shape.moved(entry["final_configuration"])
+    views[title] = shape.moved(known(entry.final_configuration))
     page = sheet(bounds_of_views(start, list(views.values())), len(views), border_mm=5.0, height_mm=115.0)
-    supports = np.array([block["support"] is not None for block in results["geometry"]["blocks"]])
+    supports = np.array([block.support is not None for block in results.geometry.blocks])
     for axes, (title, view) in zip(page.panels, views.items(), strict=True):
         axes.set_title(title)
         axes.add_patch(PathPatch(start.path(range(len(supports))), **GHOST))
@@ -117,35 +117,37 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
     """Draw PGA over peak displacement of each record, a panel per state; arrows where the structure collapses."""
     columns = min(2, len(states))
     figure, panels = chart(words, columns=columns, rows=-(-len(states) // columns), height_mm=75.0)
-    found = [results["states"][name]["incremental"] for name in states]
-    points = [point for each in found for record in each["records"] for point in record["points"]]
-    reach = 1.25 * max((p["peak_displacement_m"] for p in points if not p["collapsed"]), default=0.0)
-    records = [record for each in found for record in each["records"]]
-    tops = [record[key] for record in records for key in ("pga_collapse_g", "pga_safe_g") if record[key]]
-    tops += [level for record in records for level in record["resurrections_g"]]
+    found = [results.states[name].incremental for name in states]
+    records = [record for each in found for record in known(each.records)]
+    stood = [point for record in records for point in record.points if not point.collapsed]
+    reach = 1.25 * max((known(point.peak_displacement_m) for point in stood), default=0.0)
+    tops = [level for record in records for level in (record.pga_collapse_g, record.pga_safe_g) if level]
+    tops += [level for record in records for level in record.resurrections_g]
     for axes, name, each in zip(panels, states, found, strict=False):
-        for marker, record in zip(_cycle(len(each["records"]), MARKERS), each["records"], strict=True):
+        for marker, record in zip(
+            _cycle(len(known(each.records)), MARKERS), known(each.records), strict=True
+        ):
             _curve(axes, record, marker, 1000.0 * reach)
-        low, high = each.get("pga_collapse_g_range", (None, None))
+        low, high = each.pga_collapse_g_range or (None, None)
         if low is not None and high is not None and high > low:
             axes.axhspan(low, high, color=BAND, linewidth=0.0, zorder=0.5)
-        if each["pga_collapse_g"] is not None:
-            axes.axhline(each["pga_collapse_g"], color="0.0", linewidth=0.6, linestyle=DASHES[1])
+        if each.pga_collapse_g is not None:
+            axes.axhline(each.pga_collapse_g, color="0.0", linewidth=0.6, linestyle=DASHES[1])
         axes.set(xlabel=words.plain("figure.peak_displacement"), ylabel=_at_surface("pga", words))
         axes.set(title=words.state(name), ylim=(0.0, 1.15 * max(tops, default=1.0)))
         axes.set_xlim(0.0, 1000.0 * reach if reach > 0.0 else None)
     for axes in panels[len(states) :]:
         axes.set_axis_off()
-    names = [record["record"] for record in found[0]["records"]]
+    names = [record.record for record in known(found[0].records)]
     handles: list[Artist] = [
         Line2D([], [], color="0.0", linewidth=0.6, marker=marker, markersize=3.0, label=name)
         for marker, name in zip(_cycle(len(names), MARKERS), names, strict=True)
     ]
     label = words.plain("figure.quoted_pga")
     handles.append(Line2D([], [], color="0.0", linewidth=0.6, linestyle=DASHES[1], label=label))
-    if any(each.get("pga_collapse_g_range", (None, None))[1] is not None for each in found):
+    if any((each.pga_collapse_g_range or (None, None))[1] is not None for each in found):
         handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.to_all_collapse")))
-    if any(record["resurrections_g"] for each in found for record in each["records"]):
+    if any(record.resurrections_g for record in records):
         mark: dict[str, Any] = {
             "marker": "o",
             "markerfacecolor": "1.0",
@@ -163,21 +165,18 @@ def draw_fragility(results: Results, words: Words) -> Figure:
 
     found = fragile(results)
     figure, (axes,) = chart(words, height_mm=75.0)
-    top = max(
-        fit["median_g"] * np.exp(2.0 * fit["dispersion"])
-        for fit in (each["fragility"] for each in found.values())
-    )
+    fits = [known(each.fragility) for each in found.values()]
+    top = max(fit.median_g * np.exp(2.0 * fit.dispersion) for fit in fits)
     pga = np.linspace(1e-3 * top, top, 200)
-    for number, (state, each) in enumerate(found.items()):
-        fit = each["fragility"]
+    for number, (fit, (state, each)) in enumerate(zip(fits, found.items(), strict=True)):
         label = words.plain(
-            "figure.fragility", state=words.state(state), median=fit["median_g"], dispersion=fit["dispersion"]
+            "figure.fragility", state=words.state(state), median=fit.median_g, dispersion=fit.dispersion
         )
-        curve = ndtr(np.log(pga / fit["median_g"]) / fit["dispersion"])
+        curve = ndtr(np.log(pga / fit.median_g) / fit.dispersion)
         style = state_style(number)
         axes.plot(pga, curve, label=label, **style)
-        fallen = sorted(r["pga_collapse_g"] for r in each["records"] if r["pga_collapse_g"] is not None)
-        share = (np.arange(len(fallen)) + 0.5) / len(each["records"])
+        fallen = sorted(r.pga_collapse_g for r in known(each.records) if r.pga_collapse_g is not None)
+        share = (np.arange(len(fallen)) + 0.5) / len(known(each.records))
         axes.plot(fallen, share, linestyle="none", marker="o", markersize=3.5, color=style["color"],
                   markerfacecolor="1.0" if state != "original" else style["color"])  # fmt: skip
     axes.set(xlabel=_at_surface("pga", words), ylabel=words.plain("figure.probability"))
@@ -186,37 +185,37 @@ def draw_fragility(results: Results, words: Words) -> Figure:
     return figure
 
 
-def shaken(results: Results, record: str) -> dict[str, Mapping[str, Any]]:
+def shaken(results: Results, record: str) -> dict[str, History]:
     """Return the time history of each state under a record, where the state was reached."""
     return {
         state: entry
-        for state, content in results["states"].items()
-        for entry in content.get("history") or []
-        if entry["record"] == record and "curve" in entry
+        for state, content in results.states.items()
+        for entry in content.history
+        if entry.record == record and entry.curve
     }
 
 
-def fragile(results: Results) -> dict[str, Mapping[str, Any]]:
+def fragile(results: Results) -> dict[str, Incremental]:
     """Return the incremental analysis of each state that has a fragility."""
     return {
-        state: content["incremental"]
-        for state, content in results["states"].items()
-        if (content.get("incremental") or {}).get("fragility")
+        state: content.incremental
+        for state, content in results.states.items()
+        if content.incremental.fragility
     }
 
 
-def _curve(axes: Axes, record: Mapping[str, Any], marker: str, edge: float) -> None:
+def _curve(axes: Axes, record: Search, marker: str, edge: float) -> None:
     """Draw one IDA curve (mm, g): the runs withstood below collapse, the arrow of collapse, resurrections alone."""
     line: dict[str, Any] = {"color": "0.0", "linewidth": 0.6, "marker": marker, "markersize": 3.0}
-    collapse = record["pga_collapse_g"]
-    stood = [point for point in record["points"] if not point["collapsed"]]
-    below = [p for p in stood if collapse is None or p["pga_g"] < collapse]
+    collapse = record.pga_collapse_g
+    stood = [point for point in record.points if not point.collapsed]
+    below = [p for p in stood if collapse is None or p.pga_g < collapse]
     above = [p for p in stood if p not in below]
-    x, y = ([p[key] for p in below] for key in ("peak_displacement_m", "pga_g"))
+    x, y = [known(p.peak_displacement_m) for p in below], [p.pga_g for p in below]
     axes.plot([0.0, *(1000.0 * d for d in x)], [0.0, *y], **line)
     axes.plot(
-        [1000.0 * p["peak_displacement_m"] for p in above],
-        [p["pga_g"] for p in above],
+        [1000.0 * known(p.peak_displacement_m) for p in above],
+        [p.pga_g for p in above],
         **(line | {"linestyle": "none", "markerfacecolor": "1.0"}),
     )
     if collapse is not None and x:
@@ -224,13 +223,13 @@ def _curve(axes: Axes, record: Mapping[str, Any], marker: str, edge: float) -> N
         axes.annotate("", (edge, collapse), (1000.0 * x[-1], y[-1]), arrowprops=arrow)
 
 
-def _outcome(state: str, entry: Mapping[str, Any], words: Words) -> str:
-    key = "figure.collapses" if entry["collapsed"] else "figure.peak"
+def _outcome(state: str, entry: History, words: Words) -> str:
+    key = "figure.collapses" if entry.collapsed else "figure.peak"
     return words.plain(
         key,
         state=words.state(state),
-        time=entry["time_of_collapse_s"],
-        peak=words.millimetres(entry["peak_displacement_m"]),
+        time=entry.time_of_collapse_s,
+        peak=words.millimetres(entry.peak_displacement_m),
     )
 
 

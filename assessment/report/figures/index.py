@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from matplotlib.figure import Figure
 
@@ -38,11 +38,14 @@ from assessment.report.figures.style import save_png, save_svg
 from assessment.report.figures.thrust import draw_thrust
 from assessment.report.text.language import Words, direction_name, slug, words_of
 from assessment.results.joint_states import situations
-from assessment.runtime.pool import Pool, result_of
+from assessment.results.schema import Results, State
+from assessment.results.schema.checks import Direction
+from assessment.results.schema.part import known
+from assessment.runtime.processes.pool import Pool, result_of
 
 T = TypeVar("T")
 PANELS = 4  # states side by side in one figure
-SIDES = {"+x": "plus_x", "-x": "minus_x"}  # directions in file names
+SIDES: dict[Direction, str] = {"+x": "plus_x", "-x": "minus_x"}  # directions in file names
 
 
 @dataclass(frozen=True)
@@ -71,31 +74,31 @@ def write_images(pool: Pool, folder: Path) -> list[Future[None]]:
     return [*begun, pool.apply(_write_drawing, folder / "deformed.dxf")]
 
 
-def _write_vector(results: Mapping[str, Any], folder: Path, number: int) -> Path:
+def _write_vector(results: Results, folder: Path, number: int) -> Path:
     picture = pictures(results)[number]
     path = folder / f"{picture.name}.svg"
     save_svg(picture.draw, path)
     return path
 
 
-def _write_raster(results: Mapping[str, Any], folder: Path, number: int) -> None:
+def _write_raster(results: Results, folder: Path, number: int) -> None:
     picture = pictures(results)[number]
     save_png(picture.draw, folder / f"{picture.name}.png")
 
 
-def _write_drawing(results: Mapping[str, Any], path: Path) -> None:
+def _write_drawing(results: Results, path: Path) -> None:
     from assessment.report.deformed_dxf import write_deformed  # late: ezdxf is needed for nothing else here
 
     write_deformed(results, path)
 
 
-def pictures(results: Mapping[str, Any]) -> list[Picture]:
+def pictures(results: Results) -> list[Picture]:
     """List the figures that the results allow: nothing is drawn of what was not computed."""
     words = words_of(results)
     found = [Picture("model", "model", partial(draw_model, results, words), "model")]
-    for name, content in results["states"].items():
+    for name, state in results.states.items():
         fields: dict[str, object] = {"state": words.state(name)}
-        if content.get("settlement") and content.get("configuration"):
+        if state.settlement:
             draw = partial(draw_settlement, results, words, name)
             found.append(
                 Picture(f"settlement_{slug(results, name)}", "settlements", draw, "settlement", fields)
@@ -105,43 +108,43 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
                 found.append(
                     Picture(f"cracks_{slug(results, name)}", "settlements", draw, "cracks_drawing", fields)
                 )
-        if content.get("pushdown"):
+        if state.pushdown:
             draw = partial(draw_pushdown, results, words, name)
             found.append(Picture(f"pushdown_{slug(results, name)}", "pushdown", draw, "pushdown", fields))
     found += _thrusts(results, words, None)
-    for number, given in enumerate(results.get("mechanisms") or [], 1):
-        if "refused" not in given:
-            fields = {"name": given["name"], "state": words.state(given["state"])}
+    if results.spectra:
+        found.append(Picture("spectrum", "action", partial(draw_demand, results, words), "spectrum"))
+    for direction in SIDES:
+        found += _of_direction(results, words, direction)
+    for number, given in enumerate(results.mechanisms or [], 1):
+        if not given.refused:
+            fields = {"name": given.name, "state": words.state(given.state)}
             draw = partial(draw_chosen, results, words, given)
             found.append(
                 Picture(f"chosen_mechanism_{number}", "mechanisms", draw, "chosen_mechanism", fields)
             )
-    if results.get("spectra"):
-        found.append(Picture("spectrum", "action", partial(draw_demand, results, words), "spectrum"))
-    for direction in ("+x", "-x"):
-        found += _of_direction(results, words, direction)
     return found + _studies(results, words) + _dynamic(results, words) + _campaign(results, words)
 
 
-def _studies(results: Mapping[str, Any], words: Words) -> list[Picture]:
+def _studies(results: Results, words: Words) -> list[Picture]:
     found = []
-    if results.get("scenarios"):
+    if results.scenarios:
         draw: Callable[[], Figure] = partial(draw_scenarios, results, words)
         found.append(Picture("scenarios", "scenarios", draw, "scenarios_curves"))
     for number, names in enumerate(_portions(varied(results))):
         draw = partial(draw_tornado, results, words, names)
-        fields: dict[str, object] = {"limit": results["sensitivity"]["limit_state"]}
+        fields: dict[str, object] = {"limit": known(results.sensitivity).limit_state}
         found.append(Picture(_numbered("tornado", number), "sensitivity", draw, "tornado_bars", fields))
     return found
 
 
-def _dynamic(results: Mapping[str, Any], words: Words) -> list[Picture]:
+def _dynamic(results: Results, words: Words) -> list[Picture]:
     found = []
-    for index, motion in enumerate(results.get("motions") or []):
-        fields: dict[str, object] = {"record": motion["name"], "pga": motion["pga_g"]}
+    for index, motion in enumerate(results.motions or []):
+        fields: dict[str, object] = {"record": motion.name, "pga": motion.pga_g}
         draw = partial(draw_motion, results, words, index)
         found.append(Picture(f"record_{index + 1}", "history", draw, "motion", fields))
-        states = shaken(results, motion["name"])
+        states = shaken(results, motion.name)
         if states:
             draw = partial(draw_history, results, words, index)
             found.append(Picture(f"history_{index + 1}", "history", draw, "control_history", fields))
@@ -151,8 +154,8 @@ def _dynamic(results: Mapping[str, Any], words: Words) -> list[Picture]:
             found.append(Picture(stem, "history", draw, "shapes", fields | {"state": words.state(name)}))
     searched = [
         name
-        for name, content in results["states"].items()
-        if any(record["points"] for record in (content.get("incremental") or {}).get("records") or [])
+        for name, state in results.states.items()
+        if any(record.points for record in state.incremental.records or [])
     ]
     for number, names in enumerate(_portions(searched)):
         draw = partial(draw_incremental, results, words, names)
@@ -163,8 +166,8 @@ def _dynamic(results: Mapping[str, Any], words: Words) -> list[Picture]:
     return found
 
 
-def _campaign(results: Mapping[str, Any], words: Words) -> list[Picture]:
-    if not results.get("campaign"):
+def _campaign(results: Results, words: Words) -> list[Picture]:
+    if not results.campaign:
         return []
     loss: Callable[[], Figure] = partial(draw_campaign_loss, results, words)
     found = [Picture("campaign_loss", "campaign", loss, "campaign_losses")]
@@ -180,8 +183,8 @@ def _campaign(results: Mapping[str, Any], words: Words) -> list[Picture]:
     return found
 
 
-def _thrusts(results: Mapping[str, Any], words: Words, direction: str | None) -> list[Picture]:
-    known = [each for each in situations(results) if each.direction == direction]
+def _thrusts(results: Results, words: Words, direction: Direction | None) -> list[Picture]:
+    there = [each for each in situations(results) if each.direction == direction]
     stem = "thrust_at_rest" if direction is None else f"thrust_{SIDES[direction]}"
     caption = "thrust_at_rest" if direction is None else "thrust"
     fields: dict[str, object] = {} if direction is None else {"direction": direction_name(direction)}
@@ -190,21 +193,22 @@ def _thrusts(results: Mapping[str, Any], words: Words, direction: str | None) ->
         Picture(
             _numbered(stem, number), section, partial(draw_thrust, results, words, shown), caption, fields
         )
-        for number, shown in enumerate(_portions(known))
+        for number, shown in enumerate(_portions(there))
     ]
 
 
-def _of_direction(results: Mapping[str, Any], words: Words, direction: str) -> list[Picture]:
+def _of_direction(results: Results, words: Words, direction: Direction) -> list[Picture]:
     states = pushed(results, direction)
     side = SIDES[direction]
     fields: dict[str, object] = {"direction": direction_name(direction)}
     found = []
-    failing = [n for n, s in states.items() if s["pushover"][direction].get("rigid", {}).get("mechanism")]
+    rigid = {name: pushover.rigid for name, pushover in states.items() if pushover.rigid}
+    failing = list(rigid)
     for number, names in enumerate(_portions(failing)):
         draw = partial(draw_mechanisms, results, words, names, direction)
         found.append(Picture(_numbered(f"mechanism_{side}", number), "mechanisms", draw, "mechanism", fields))
     found += _thrusts(results, words, direction)
-    overturned = [n for n in failing if states[n]["pushover"][direction]["rigid"]["d_0_m"] is not None]
+    overturned = [name for name, push in rigid.items() if push.d_0_m is not None]
     for number, names in enumerate(_portions(overturned)):
         draw = partial(draw_overturned, results, words, names, direction)
         stem = _numbered(f"overturned_{side}", number)
@@ -213,7 +217,7 @@ def _of_direction(results: Mapping[str, Any], words: Words, direction: str) -> l
         draw = partial(draw_pushover, results, words, direction)
         found.append(Picture(f"pushover_{side}", "pushover", draw, "pushover", fields))
     for limit in ("SLV", "SLC"):
-        able = [n for n, s in results["states"].items() if _has_curve(s, direction, limit)]
+        able = [name for name, state in results.states.items() if _has_curve(state, direction, limit)]
         for number, names in enumerate(_portions(able)):
             draw = partial(draw_spectra, results, words, names, direction, limit)
             stem = _numbered(f"spectra_{side}_{limit}", number)
@@ -221,9 +225,9 @@ def _of_direction(results: Mapping[str, Any], words: Words, direction: str) -> l
     return found
 
 
-def _has_curve(content: Mapping[str, Any], direction: str, limit: str) -> bool:
-    capacity = (content.get("capacity") or {}).get(direction) or {}
-    return bool(capacity.get("curve") and capacity["curve"]["d_star_m"] and capacity.get(limit))
+def _has_curve(state: State, direction: Direction, limit: str) -> bool:
+    capacity = state.capacity.get(direction)
+    return capacity is not None and bool(capacity.curve.d_star_m) and limit in capacity.checks
 
 
 def _portions(names: Sequence[T]) -> list[Sequence[T]]:

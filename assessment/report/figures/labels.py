@@ -57,11 +57,6 @@ class Labels:
         self.taken.append(np.concatenate([place - half, place + half]))
         self.axes.annotate(text, (float(place[0]), float(place[1])), ha="center", va="center", **style)
 
-    def keep_free(self, points: Array, radius_mm: float) -> None:
-        """Let no label come nearer to the points (n, 2) than that: marks that must stay visible."""
-        reach = self.page.paper(radius_mm)
-        self.taken += [np.concatenate([point - reach, point + reach]) for point in points]
-
     def _size(self, text: str, points: float, style: Mapping[str, Any]) -> Array:
         pad = 2.0 * float((style.get("bbox") or {}).get("pad", 0.0))
         width = (LETTER * points * len(text) + pad) * POINT_MM

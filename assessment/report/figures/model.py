@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -15,8 +15,9 @@ from assessment.report.figures.deformed import ARROW, INK, SUPPORT, Bounds, fill
 from assessment.report.figures.style import Sheet, nice, sheet
 from assessment.report.text.language import Words
 from assessment.results.outlines import outlines
+from assessment.results.schema import Results
+from assessment.results.schema.model import Block
 
-Results = Mapping[str, Any]
 LAYER_GREYS = ("1.0", "0.88", "0.76", "0.94", "0.82", "0.70")
 LINE_MM = 4.0  # of the legend
 MOST_NAMED, LONGEST_NAME = 24, 50  # layers, and letters of one, in the legend
@@ -30,20 +31,18 @@ DIMENSION = {
 
 def draw_model(results: Results, words: Words) -> Figure:
     """Draw blocks by layer, supports, vertical loads, control points, overall dimensions and the scale."""
-    shape, blocks = outlines(results), results["geometry"]["blocks"]
+    shape, blocks = outlines(results), results.geometry.blocks
     by_layer: dict[str, list[int]] = {}
     for number, block in enumerate(blocks):
-        by_layer.setdefault(block["layer"], []).append(number)
-    named = {
-        layer: _label(layer, blocks[own[0]]["support"], words) for layer, own in sorted(by_layer.items())
-    }
+        by_layer.setdefault(block.layer, []).append(number)
+    named = {layer: _label(layer, blocks[own[0]].support, words) for layer, own in sorted(by_layer.items())}
     labels = list(named.values())[:MOST_NAMED]
     rows = math.ceil(len(labels) / legend_columns(labels))
     page = sheet(shape.bounds, border_mm=14.0, foot_mm=max(20.0, 12.0 + LINE_MM * rows))
     axes = page.panels[0]
     handles: list[Any] = []
     for index, (layer, label) in enumerate(named.items()):
-        grey = SUPPORT if blocks[by_layer[layer][0]]["support"] else LAYER_GREYS[index % len(LAYER_GREYS)]
+        grey = SUPPORT if blocks[by_layer[layer][0]].support else LAYER_GREYS[index % len(LAYER_GREYS)]
         fill(axes, shape, by_layer[layer], grey)
         if index < MOST_NAMED:
             handles.append(Patch(facecolor=grey, edgecolor=INK, linewidth=0.5, label=label))
@@ -63,12 +62,12 @@ def _label(layer: str, support: str | None, words: Words) -> str:
     return label if len(label) <= LONGEST_NAME else f"{label[: LONGEST_NAME - 1]}…"
 
 
-def _loads(page: Sheet, axes: Axes, blocks: Sequence[Mapping[str, Any]], words: Words) -> list[Any]:
-    loaded = [block for block in blocks if block.get("vertical_load_kN")]
+def _loads(page: Sheet, axes: Axes, blocks: Sequence[Block], words: Words) -> list[Any]:
+    loaded = [block for block in blocks if block.vertical_load_kN]
     for block in loaded:
-        x, z = block["centroid_m"]
+        x, z = block.centroid_m
         axes.annotate("", (x, z), (x, z + page.paper(7.0)), arrowprops=ARROW | {"color": INK})
-    sizes = sorted({block["vertical_load_kN"] for block in loaded})
+    sizes = sorted({block.vertical_load_kN for block in loaded})
     text = " / ".join(words.number(size) for size in sizes)
     label = words.plain("figure.loads", count=len(loaded), loads=text)
     return (
@@ -77,15 +76,16 @@ def _loads(page: Sheet, axes: Axes, blocks: Sequence[Mapping[str, Any]], words: 
 
 
 def _controls(axes: Axes, results: Results, words: Words) -> list[Any]:
-    controls = results["geometry"].get("controls", [])
+    controls = results.geometry.controls
     mark: dict[str, Any] = {"linestyle": "none", "marker": "D", "markersize": 4.0, "color": INK}
     middle = sum(axes.get_xlim()) / 2.0
     for control in controls:
-        axes.plot(*control["point_m"], **mark)
-        left = control["point_m"][0] < middle  # names lie outside, away from one another
+        x, z = control.point_m
+        axes.plot(x, z, **mark)
+        left = x < middle  # names lie outside, away from one another
         axes.annotate(
-            control["name"],
-            control["point_m"],
+            control.name,
+            (x, z),
             (-4.0 if left else 4.0, 4.0),
             textcoords="offset points",
             ha="right" if left else "left",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -14,9 +14,11 @@ from assessment.report.figures.style import chart, state_style
 from assessment.report.tables.studies import ROUNDING, tornado
 from assessment.report.text.language import Words, direction_name
 from assessment.report.text.table_format import referenced
-from assessment.results.table import reference_of
+from assessment.results.schema import Results
+from assessment.results.schema.part import known
+from assessment.results.schema.studies import Scenarios
+from assessment.results.table import Row, compared, reference_of
 
-Results = Mapping[str, Any]
 MARKS = {"+x": (">", "0.0"), "-x": ("<", "1.0")}  # of the directions: full to the right, empty to the left
 BARS: dict[str, dict[str, Any]] = {  # of the factors: light and hatched below, dark above
     "low": {"facecolor": "0.9", "hatch": "////", "edgecolor": "0.0", "linewidth": 0.5},
@@ -29,21 +31,20 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
 
     Ultimate movements (the smallest of the contact behaviours) are crosses on the axis: nothing is left there.
     """
-    found = results["scenarios"]
-    by, points = found["quantity"], found["points"]
-    names = list(dict.fromkeys(point["state"] for point in points if point["movement_m"] > 0.0))
+    found = known(results.scenarios)
+    names = list(dict.fromkeys(point.state for point in found.points if point.movement_m > 0.0))
     figure, (axes,) = chart(words, height_mm=95.0, foot_mm=9.0 + 5.0 * len(names))
     for number, name in enumerate(names, 1):
         style = state_style(number - 1)
         for direction, (marker, face) in MARKS.items():
             own = [
-                point
-                for point in points
-                if point["direction"] == direction
-                and point[by] is not None
-                and (point["state"] == name or point["movement_m"] == 0.0)
+                (point, capacity)
+                for point in found.points
+                if point.direction == direction
+                and (capacity := compared(point, found)) is not None
+                and (point.state == name or point.movement_m == 0.0)
             ]
-            x, y = [1000.0 * point["movement_m"] for point in own], [point[by] for point in own]
+            x, y = [1000.0 * point.movement_m for point, _ in own], [capacity for _, capacity in own]
             axes.plot(
                 x,
                 y,
@@ -52,16 +53,16 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
                 markersize=4.5,
                 **style,
             )
-            if own and own[-1]["state"] == name:
+            if own and own[-1][0].state == name:
                 _label(axes, str(number), x[-1], y[-1])
         ultimate = _ultimate(results, name)
         if ultimate is not None:
             axes.plot(1000.0 * ultimate, 0.0, color="0.0", marker="x", markersize=6.0, clip_on=False)
             _label(axes, str(number), 1000.0 * ultimate, 0.0)
-    _ring(axes, found["worst"], by)
+    _ring(axes, found)
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
-    label = words.plain(f"figure.capacity_{by}", limit=found["limit_state"])
+    label = words.plain(f"figure.capacity_{found.quantity}", limit=found.limit_state)
     label = referenced(label, words, reference_of(results))
     axes.set(xlabel=words.plain("figure.movement"), ylabel=label)
     figure.legend(handles=_scenario_legend(results, names, words), loc="lower center", ncols=2)
@@ -89,7 +90,7 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
         axes.grid(visible=False, axis="y")
         base = words.show(own[0]["a_g_base_g"])
         axes.set_title(words.plain("figure.tornado_base", state=words.state(state), capacity=base))
-    limit = results["sensitivity"]["limit_state"]
+    limit = known(results.sensitivity).limit_state
     panels[-1].set_xlabel(
         referenced(words.plain("figure.capacity_a_g_g", limit=limit), words, reference_of(results))
     )
@@ -104,7 +105,7 @@ def varied(results: Results) -> list[str]:
     return list(dict.fromkeys(row["state"] for row in rows if row["a_g_base_g"] is not None))
 
 
-def _draw_bar(axes: Axes, place: int, row: Mapping[str, Any], side: str, words: Words) -> None:
+def _draw_bar(axes: Axes, place: int, row: Row, side: str, words: Words) -> None:
     """Draw one half of a bar with its factor at the end, where there is room if the half has no length."""
     base = row["a_g_base_g"]
     end, other = (_snapped(row[f"a_g_{each}_g"], base) for each in (side, "high" if side == "low" else "low"))
@@ -130,13 +131,12 @@ def _snapped(value: float | None, base: float) -> float | None:
     return base if value is not None and abs(value - base) <= ROUNDING * base else value
 
 
-def _capacities(row: Mapping[str, Any]) -> list[float]:
+def _capacities(row: Row) -> list[float]:
     return [row[key] for key in ("a_g_low_g", "a_g_base_g", "a_g_high_g") if row[key] is not None]
 
 
 def _ultimate(results: Results, name: str) -> float | None:
-    pushdown = results["states"][name].get("pushdown") or {}
-    found = [stage["ultimate_movement_m"] for stage in pushdown.values()]
+    found = [path.ultimate_movement_m for path in results.states[name].pushdown.values()]
     return min((value for value in found if value is not None), default=None)
 
 
@@ -144,17 +144,16 @@ def _label(axes: Axes, text: str, x: float, y: float) -> None:
     axes.annotate(text, (x, y), (6, 2), textcoords="offset points", annotation_clip=False)
 
 
-def _ring(axes: Axes, worst: Mapping[str, Any] | None, by: str) -> None:
+def _ring(axes: Axes, found: Scenarios) -> None:
     """Ring the worst case; where the structure has fallen, on the axis: no capacity is left."""
-    if worst is not None:
+    if worst := found.worst:
         ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgewidth": 1.2, "linestyle": "none"}
-        y = 0.0 if worst["collapses"] else worst[by]
-        x = 1000.0 * worst["movement_m"]
-        axes.plot(x, y, marker="o", markersize=11, color="0.0", clip_on=False, **ring)
+        y = 0.0 if worst.collapses else known(compared(worst, found))
+        axes.plot(1000.0 * worst.movement_m, y, marker="o", markersize=11, color="0.0", clip_on=False, **ring)
 
 
 def _scenario_legend(results: Results, names: Sequence[str], words: Words) -> list[Line2D]:
-    found = results["scenarios"]
+    found = known(results.scenarios)
     handles = [
         Line2D([], [], label=f"{number}  {name}", **state_style(number - 1))
         for number, name in enumerate(names, 1)
@@ -164,17 +163,16 @@ def _scenario_legend(results: Results, names: Sequence[str], words: Words) -> li
         Line2D([], [], marker=marker, markerfacecolor=face, label=words.plain(
             "figure.direction", direction=direction_name(direction)), **none)
         for direction, (marker, face) in MARKS.items()
-        if any(point["direction"] == direction for point in found["points"])
+        if any(point.direction == direction for point in found.points)
     ]  # fmt: skip
     if any(_ultimate(results, name) is not None for name in names):
         handles.append(Line2D([], [], marker="x", label=words.plain("figure.ultimate_mark"), **none))
-    worst = found["worst"]
-    if worst is not None:
+    if worst := found.worst:
         label = words.plain(
-            "figure.worst_collapses" if worst["collapses"] else "figure.worst",
-            state=worst["state"],
-            movement=words.millimetres(worst["movement_m"]),
-            direction=direction_name(worst["direction"]),
+            "figure.worst_collapses" if worst.collapses else "figure.worst",
+            state=worst.state,
+            movement=words.millimetres(worst.movement_m),
+            direction=direction_name(worst.direction),
         )
         handles.append(Line2D([], [], marker="o", markersize=9, markerfacecolor="none", label=label, **none))
     return handles

@@ -22,10 +22,11 @@ from PIL import Image
 
 from assessment.report.figures.svg import lightened
 from assessment.report.text.language import Words
-from assessment.runtime.atomic_files import write_atomically
+from assessment.runtime.files.atomic_files import write_atomically
 
 WIDTH_MM = 168.0  # column of an A4 page with 20 mm margins, a little air included
 MM = 1.0 / 25.4  # inches
+OVER_LINES = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.6}  # behind a label that lies on lines
 SHADES = 64  # of a PNG in colours
 BAND_MM = 1.0  # of white that is left above and below a figure
 PNG_DPI = 200  # sharp enough on paper at the column's width
@@ -136,13 +137,13 @@ def sheet(
     height_mm: float = 205.0,
     foot_mm: float = 10.0,
 ) -> Sheet:
-    """Lay out `count` panels, two in a row unless the model is wide, at the largest usual scale that fits.
+    """Lay out `count` panels, two in a row unless the model is wide, three if three, at the largest usual scale.
 
     bounds (x0, z0, x1, z1) in m; every panel has a free border; `foot_mm` is kept below for a legend.
     """
     x0, z0, x1, z1 = bounds
     width, height = max(x1 - x0, 1e-6), max(z1 - z0, 1e-6)
-    columns = 1 if count == 1 or width > 2.0 * height else 2
+    columns = 1 if count == 1 or width > 2.0 * height else 3 if count == 3 else 2
     rows = math.ceil(count / columns)
     head_mm = 9.0
     room_x = WIDTH_MM / columns - 2.0 * border_mm

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,8 +17,8 @@ from assessment.report.figures.style import Sheet, sheet
 from assessment.report.text.language import Words
 from assessment.results.joint_states import JointStates, Situation, joint_states, thrust_lines
 from assessment.results.outlines import Outlines, outlines
+from assessment.results.schema import Results
 
-Results = Mapping[str, Any]
 LONGEST_MM = 12.0  # of a resultant on paper
 CROWD = 150  # joints: beyond them marks become finer, so that a wall stays readable
 THRUST: dict[str, Any] = {"color": INK, "linewidth": 1.3}

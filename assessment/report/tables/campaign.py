@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
-from assessment.results.table import Results, Row, Table
+from assessment.results.schema import Results
+from assessment.results.schema.campaign import CampaignCombination
+from assessment.results.table import Row, Table, cells
 
 PLACE = ("settlement", "share", "movement_m")
 RECORDS = ("record", "record_pga_g", "sa_g", "scale", "duration_s", "time_step_s")
@@ -71,75 +72,73 @@ def campaign_tables(results: Results) -> list[Table]:
 
 def reported_campaign(results: Results) -> list[Table]:
     """Return the tables of the report."""
-    single = not results.get("campaign") or results["campaign"]["members"] == 1
+    single = not results.campaign or results.campaign.members == 1
     gone = OF_ENSEMBLES if single else ()
     return [records(results), _short(fragilities(results), gone), _short(losses(results))]
 
 
 def records(results: Results) -> Table:
     """List the records, scaled or made as asked for."""
-    return Table("campaign_records", [dict(each) for each in _found(results, "records")], RECORDS)
+    found = results.campaign.records if results.campaign else []
+    return Table("campaign_records", [cells(each, RECORDS) for each in found], RECORDS)
 
 
 def combinations(results: Results) -> Table:
     """List the levels between which each combination collapses, and why where it was not completed."""
     rows = []
-    for each in _found(results, "combinations"):
-        row = {key: each[key] for key in COMBINATIONS if key in each}
-        if each["pga_collapse_range"]:
-            row["pga_all_collapse_g"] = each["pga_collapse_range"][1]
-        rows.append(row)
+    for each in _combinations(results):
+        found = cells(each, COMBINATIONS)
+        if each.pga_collapse_range:
+            found["pga_all_collapse_g"] = each.pga_collapse_range[1]
+        rows.append(found)
     return Table("campaign", rows, COMBINATIONS)
 
 
 def points(results: Results) -> Table:
     """List every level that was run."""
+    of = ("settlement", "share", "record", "sign")
     rows = [
-        {key: each[key] for key in ("settlement", "share", "record", "sign")}
-        | {key: point[key] for key in POINTS}
-        for each in _found(results, "combinations")
-        for point in each["points"]
+        cells(each, of) | cells(point, POINTS) for each in _combinations(results) for point in each.points
     ]
-    return Table("campaign_curves", rows, ("settlement", "share", "record", "sign", *POINTS))
+    return Table("campaign_curves", rows, (*of, *POINTS))
 
 
 def fragilities(results: Results) -> Table:
     """List the fragility of every movement; the bounds are those of the bootstrap."""
     rows = []
-    for each in _found(results, "fragility"):
-        row = {key: each[key] for key in FRAGILITY if key in each}
-        for name, unit in (("median", "_g"), ("beta", "")):
-            low, high = each[f"{name}_range"] or (None, None)
-            row |= {f"{name}_low{unit}": low, f"{name}_high{unit}": high}
-        rows.append(row)
+    for each in results.campaign.fragility if results.campaign else []:
+        found = cells(each, FRAGILITY)
+        found["median_low_g"], found["median_high_g"] = each.median_range or (None, None)
+        found["beta_low"], found["beta_high"] = each.beta_range or (None, None)
+        rows.append(found)
     return Table("campaign_fragility", rows, FRAGILITY)
 
 
 def losses(results: Results) -> Table:
     """List what each movement costs, dynamic beside static, and the PGA that the standard takes."""
     rows: list[Row] = []
-    fragility = _found(results, "fragility")
-    for each, fit in zip(_found(results, "loss"), fragility, strict=True):
-        low, high = each["dynamic_range"]
-        row: Row = {key: each[key] for key in (*PLACE, "left_out")}
-        row |= {"dynamic_loss": each["dynamic"], "dynamic_loss_low": low, "dynamic_loss_high": high}
-        row |= {"static_loss": each["static"]}
-        if fit["rule"]:
-            row |= {key: fit[key] for key in ("rule", "pga_collapse_g")}
-        rows.append(row)
+    campaign = results.campaign
+    for each, fit in zip(campaign.loss, campaign.fragility, strict=True) if campaign else ():
+        low, high = each.dynamic_range
+        found = cells(each, (*PLACE, "left_out"))
+        found |= {"dynamic_loss": each.dynamic, "dynamic_loss_low": low, "dynamic_loss_high": high}
+        found |= {"static_loss": each.static}
+        if fit.rule:
+            found |= cells(fit, ("rule", "pga_collapse_g"))
+        rows.append(found)
     return Table("campaign_loss", rows, LOSS)
 
 
-def _found(results: Results, what: str) -> list[Any]:
-    return (results.get("campaign") or {}).get(what) or []
+def _combinations(results: Results) -> list[CampaignCombination]:
+    return results.campaign.combinations if results.campaign else []
 
 
 def _short(table: Table, without: Sequence[str] = ()) -> Table:
     """Return the table without counts that are all zero, the bounds of β, and the columns that are named."""
-    empty = {key for key in COUNTS if not any(row.get(key) for row in table.rows)}
+    empty = {key for key in COUNTS if not any(each.get(key) for each in table.rows)}
     gone = empty | {"beta_low", "beta_high", "combinations", *without}
     return Table(
         table.name,
-        [{key: value for key, value in row.items() if key not in gone} for row in table.rows],
+        [{key: value for key, value in each.items() if key not in gone} for each in table.rows],
         tuple(column for column in table.columns if column not in gone),
     )

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator
 
 from assessment.ntc.limit_states import CHECKS, LINEAR
-from assessment.results.table import Results, Row, Table, reduction
+from assessment.results.schema import Results, State
+from assessment.results.schema.checks import Capacity, Count, Direction, GivenMechanism
+from assessment.results.schema.model import Line
+from assessment.results.schema.part import Part, present
+from assessment.results.table import Row, Table, cells, reduction
 
 VERIFICATION: tuple[str, ...] = (
     "d_star_m",
@@ -92,8 +95,7 @@ def capacity_curves(results: Results) -> Table:
     rows = [
         {"state": name, "direction": direction, "d_star_m": d_star, "a_star_g": a_star}
         for name, direction, capacity in capacities(results)
-        if capacity.get("curve")
-        for d_star, a_star in zip(capacity["curve"]["d_star_m"], capacity["curve"]["a_star_g"], strict=True)
+        for d_star, a_star in zip(capacity.curve.d_star_m, capacity.curve.a_star_g, strict=True)
     ]
     return Table("capacity", rows, ("state", "direction", "d_star_m", "a_star_g"))
 
@@ -103,16 +105,16 @@ def summary(results: Results) -> Table:
 
     A reduction is 1 − settled/original: positive where the movement costs capacity.
     """
-    names = list(results["states"])
+    names = list(results.states)
     rows: list[Row] = []
     for direction in directions(results):
         for quantity, limit, values in _quantities(results, direction):
-            row: Row = {"direction": direction, "quantity": quantity, "limit_state": limit} | values
+            found: Row = {"direction": direction, "quantity": quantity, "limit_state": limit} | values
             original = values.get("original")
             for name in names:
                 if name != "original" and name in values:
-                    row[f"reduction: {name}"] = reduction(original, values[name])
-            rows.append(row)
+                    found[f"reduction: {name}"] = reduction(original, values[name])
+            rows.append(found)
     columns = [column for name in names for column in _with_reduction(name)]
     return Table("summary", rows, ("direction", "quantity", "limit_state", *columns))
 
@@ -121,14 +123,13 @@ def verification(results: Results) -> Table:
     """List the checks of every state and direction: what each limit state bears and what governs it."""
     rows = [
         {"state": name, "direction": direction, "limit_state": limit}
-        | {key: capacity[limit][key] for key in VERIFICATION if key in capacity[limit]}
-        | ({"mechanism": mechanism_text(capacity["mechanism"])} if "mechanism" in capacity else {})
+        | cells(check, VERIFICATION)
+        | {"mechanism": mechanism_text(capacity.mechanism)}
         for name, direction, capacity in capacities(results)
-        for limit in CHECKS
-        if capacity.get(limit)
+        for limit, check in capacity.checks.items()
     ]
     columns = VERIFICATION
-    if all(row.get("return_period_years") is None for row in rows):  # no hazard curve to read it from
+    if all(each["return_period_years"] is None for each in rows):  # no hazard curve to read it from
         columns = tuple(column for column in VERIFICATION if column != "return_period_years")
     return Table("verification", rows, ("state", "direction", "limit_state", *columns))
 
@@ -139,22 +140,24 @@ def verification_surface(results: Results) -> Table:
     columns = tuple(
         column for column in ("state", "direction", "limit_state", *AT_SURFACE) if column in whole.columns
     )
-    rows = [{key: row[key] for key in columns if key in row} for row in whole.rows]
-    return Table("verification_surface", [row for row in rows if row.get("pga_g") is not None], columns)
+    rows = [{key: each[key] for key in columns if key in each} for each in whole.rows]
+    return Table("verification_surface", [each for each in rows if each.get("pga_g") is not None], columns)
 
 
-def mechanism_text(mechanism: Mapping[str, int]) -> str:
+def mechanism_text(mechanism: Count) -> str:
     """Return a mechanism as hinges + sliding joints."""
-    return f"{mechanism['hinges']} + {mechanism['sliding_joints']}"
+    return f"{mechanism.hinges} + {mechanism.sliding_joints}"
 
 
 def spectrum(results: Results) -> Table:
     """List the points of the demand spectra: at 5 % damping and at that of the check."""
     rows = [
-        {"limit_state": limit, "damping": content["damping"]}
-        | {key: content[key][k] for key in SPECTRUM if isinstance(content.get(key), list)}
-        for limit, content in (results.get("spectra") or {}).items()
-        for k in range(len(content["T_s"]))
+        {"limit_state": limit, "damping": demand.damping, "T_s": T, "S_e_g": S_e, "S_De_m": S_De}
+        | {"damped_S_e_g": damped_S_e, "damped_S_De_m": damped_S_De}
+        for limit, demand in (results.spectra or {}).items()
+        for T, S_e, S_De, damped_S_e, damped_S_De in zip(
+            demand.T_s, demand.S_e_g, demand.S_De_m, demand.damped_S_e_g, demand.damped_S_De_m, strict=True
+        )
     ]
     return Table("spectrum", rows, SPECTRUM)
 
@@ -162,8 +165,7 @@ def spectrum(results: Results) -> Table:
 def action(results: Results) -> Table:
     """List the parameters of the demand spectra."""
     rows = [
-        {"limit_state": limit} | {key: content[key] for key in ACTION if key in content}
-        for limit, content in (results.get("spectra") or {}).items()
+        {"limit_state": limit} | cells(demand, ACTION) for limit, demand in (results.spectra or {}).items()
     ]
     return Table("action", rows, ACTION)
 
@@ -171,22 +173,24 @@ def action(results: Results) -> Table:
 def chosen_mechanisms(results: Results) -> Table:
     """List the mechanisms that the user chose beside limit analysis; refused ones with the reason."""
     rows: list[Row] = []
-    for given in results.get("mechanisms") or []:
-        row: Row = {"mechanism": given["name"]} | {key: given[key] for key in CHOSEN if key in given}
-        limit = given.get("alpha_0_limit")
-        row |= {"alpha_0_given": given.get("alpha_0"), "ratio": given["alpha_0"] / limit if limit else None}
-        rows.append({key: value for key, value in row.items() if value is not None})
+    for given in results.mechanisms or []:
+        alpha_0, limit = given.alpha_0, given.alpha_0_limit
+        found: Row = {"mechanism": given.name} | cells(given, CHOSEN)
+        found |= {
+            "alpha_0_given": alpha_0,
+            "ratio": alpha_0 / limit if alpha_0 is not None and limit else None,
+        }
+        rows.append(present(found))
     return Table("chosen_mechanisms", rows, CHOSEN)
 
 
 def chosen_checks(results: Results) -> Table:
     """List the checks of the mechanisms that the user chose, linear and, where their motion is known, nonlinear."""
     rows = [
-        {"mechanism": given["name"], "state": given["state"], "limit_state": name}
-        | {key: given[name][key] for key in CHOSEN_CHECK if given[name].get(key) is not None}
-        for given in results.get("mechanisms") or []
-        for name in CHECKS
-        if name in given
+        {"mechanism": given.name, "state": given.state, "limit_state": name}
+        | present(cells(check, CHOSEN_CHECK))
+        for given in results.mechanisms or []
+        for name, check in given.checks.items()
     ]
     return Table("chosen_checks", rows, ("mechanism", "state", "limit_state", *CHOSEN_CHECK))
 
@@ -195,56 +199,52 @@ def linear_checks(results: Results) -> Table:
     """List the linear kinematic checks, of mechanisms found and chosen: a_0* against a_g S/q, or a_Z/q at height."""
     rows = [
         {"state": name, "direction": direction, "limit_state": limit, "mechanism": mechanism}
-        | {
-            "alpha_0": content["alpha_0"],
-            "e_star": content["e_star"],
-            "a_0_star_g": content[limit]["a_star_g"],
-        }
-        | {"demand_a_star_g": content[limit]["demand_a_star_g"], "ratio": content[limit]["zeta_E"]}
-        | {"verified": content[limit]["verified"]}
-        for name, direction, mechanism, content in _mechanisms_checked(results)
-        for limit in LINEAR
-        if (content.get(limit) or {}).get("demand_a_star_g") is not None
+        | {"alpha_0": found.alpha_0, "e_star": found.e_star, "a_0_star_g": check.a_star_g}
+        | {"demand_a_star_g": check.demand_a_star_g, "ratio": check.zeta_E, "verified": check.verified}
+        for name, direction, mechanism, found in _mechanisms_checked(results)
+        for limit, check in found.checks.items()
+        if limit in LINEAR and check.demand_a_star_g is not None
     ]
     return Table("linear_checks", rows, LINEAR_CHECK)
 
 
-def _mechanisms_checked(results: Results) -> Iterator[tuple[str, str, str, Mapping[str, Any]]]:
+def _mechanisms_checked(results: Results) -> Iterator[tuple[str, Direction, str, Capacity | GivenMechanism]]:
     """Yield state, direction, name and checks of every mechanism: those found, then those chosen."""
     for name, direction, capacity in capacities(results):
-        text = mechanism_text(capacity["mechanism"]) if "mechanism" in capacity else ""
-        yield name, direction, text, capacity
-    for given in results.get("mechanisms") or []:
-        if "alpha_0" in given:
-            yield given["state"], given["direction"], given["name"], given
+        yield name, direction, mechanism_text(capacity.mechanism), capacity
+    for given in results.mechanisms or []:
+        if given.direction:
+            yield given.state, given.direction, given.name, given
 
 
 def scalings(results: Results) -> Table:
     """Set the capacity at SLV by both ways of scaling side by side; `counts`: the one that the checks took."""
     rows = [
         {"state": name, "direction": direction, "limit_state": "SLV", "scaling": scaling}
-        | {key: check[key] for key in SCALINGS if key in check}
-        | {"counts": check["used"]}
+        | cells(check, SCALINGS)
+        | {"counts": check.used}
         for name, direction, capacity in capacities(results)
-        for scaling, check in (capacity.get("scalings") or {}).items()
+        for scaling, check in (capacity.scalings or {}).items()
     ]
     return Table("scalings", rows, ("state", "direction", "limit_state", "scaling", *SCALINGS, "counts"))
 
 
-def traces(content: Mapping[str, Any]) -> Iterator[tuple[str, list[Mapping[str, Any]]]]:
+def traces(found: Capacity | GivenMechanism) -> Iterator[tuple[str, list[Line]]]:
     """Yield the traces of a direction or of a chosen mechanism: "capacity" for what its checks share, then theirs."""
-    if content.get("trace"):
-        yield "capacity", content["trace"]
-    for limit in CHECKS:
-        if (content.get(limit) or {}).get("trace"):
-            yield limit, content[limit]["trace"]
-    if content.get(VERTICAL):
-        yield VERTICAL, content[VERTICAL]["trace"]
-    for scaling in (content.get("scalings") or {}).values():
-        if scaling.get("trace"):
-            yield OTHER_SCALING, scaling["trace"]
-    if (content.get(NOMINAL) or {}).get("trace"):
-        yield NOMINAL, content[NOMINAL]["trace"]
+    if found.trace:
+        yield "capacity", found.trace
+    for limit, check in found.checks.items():
+        if check.trace:
+            yield limit, check.trace
+    if isinstance(found, GivenMechanism):
+        return
+    if found.vertical:
+        yield VERTICAL, found.vertical.trace
+    for scaling in (found.scalings or {}).values():
+        if scaling.trace:
+            yield OTHER_SCALING, scaling.trace
+    if found.nominal and found.nominal.trace:
+        yield NOMINAL, found.nominal.trace
 
 
 def trace(results: Results) -> Table:
@@ -254,8 +254,8 @@ def trace(results: Results) -> Table:
             "state": name,
             "direction": direction,
             "part": part,
-            **{key: step.get(key) for key in ("symbol", "formula", "result", "unit", "paragraph")},
-            "inputs": "; ".join(f"{symbol}={value!r}" for symbol, value in step["inputs"].items()),
+            **cells(step, ("symbol", "formula", "result", "unit", "paragraph")),
+            "inputs": "; ".join(f"{symbol}={value!r}" for symbol, value in step.inputs.items()),
         }
         for name, direction, part, steps in _all_traces(results)
         for step in steps
@@ -264,71 +264,62 @@ def trace(results: Results) -> Table:
     return Table("trace", rows, columns)
 
 
-def _all_traces(results: Results) -> Iterator[tuple[str, str, str, list[Mapping[str, Any]]]]:
-    for limit, content in (results.get("spectra") or {}).items():
-        yield "", "", f"spectrum {limit}", content.get("trace") or []
+def _all_traces(results: Results) -> Iterator[tuple[str, str, str, list[Line]]]:
+    for limit, demand in (results.spectra or {}).items():
+        yield "", "", f"spectrum {limit}", demand.trace or []
     for name, direction, capacity in capacities(results):
         for part, steps in traces(capacity):
             yield name, direction, part, steps
-    for name, content in results["states"].items():
-        yield name, "", "indices", (content.get("indices") or {}).get("trace") or []
-    yield "", "", "knowledge", (results.get("knowledge") or {}).get("trace") or []
-    for given in results.get("mechanisms") or []:
+    for name, state in results.states.items():
+        yield name, "", "indices", state.indices.trace if state.indices else []
+    yield "", "", "knowledge", results.knowledge.trace if results.knowledge else []
+    for given in results.mechanisms or []:
         for part, steps in traces(given):
-            yield given["state"], given["direction"], f"{given['name']}: {part}", steps
+            yield given.state, given.direction or "", f"{given.name}: {part}", steps
 
 
-def directions(results: Results) -> list[str]:
+def directions(results: Results) -> list[Direction]:
     """Return the directions in which any state was pushed."""
-    found = {
-        direction for content in results["states"].values() for direction in content.get("pushover") or {}
-    }
-    return sorted(found)
+    return sorted({direction for state in results.states.values() for direction in state.pushover})
 
 
-def _quantities(results: Results, direction: str) -> Iterator[tuple[str, str, Row]]:
+def _quantities(results: Results, direction: Direction) -> Iterator[tuple[str, str, Row]]:
     """Yield quantity, limit state and the value of each state that has it."""
-    sources: dict[str, tuple[str, ...]] = {
-        "alpha_0": ("pushover", direction, "rigid", "alpha_0"),
-        "alpha_u": ("pushover", direction, "elastic", "alpha_u"),
-        "alpha_y": ("pushover", direction, "elastic", "alpha_y"),
-        "d_y_m": ("pushover", direction, "elastic", "d_y_m"),
-        "d_0_m": ("pushover", direction, "rigid", "d_0_m"),
-        "e_star": ("pushover", direction, "rigid", "mechanism", "e_star"),
-        "gamma_star": ("pushover", direction, "rigid", "mechanism", "gamma_star"),
-        "T_0_s": ("capacity", direction, "T_0_s"),
-    }
-    listed = [(quantity, "", path) for quantity, path in sources.items()]
-    listed += [
-        (quantity, limit, ("capacity", direction, limit, quantity))
-        for quantity in ("d_star_m", "T_s", "a_g_g", "zeta_E")
-        for limit in CHECKS
-    ]
-    for quantity, limit, path in listed:
-        values = {}
-        for name, content in results["states"].items():
-            found, value = _look_up(content, path)
-            if found:
-                values[name] = value
+    of_states = [list(_sources(state, direction)) for state in results.states.values()]
+    for sources in zip(*of_states, strict=True):
+        quantity, limit, _ = sources[0]
+        values: Row = {}
+        for name, (_, _, part) in zip(results.states, sources, strict=True):
+            if part is not None and (found := cells(part, [quantity])):
+                values[name] = found[quantity]
         if values:
             yield quantity, limit, values
 
 
-def _look_up(content: Any, path: Sequence[str]) -> tuple[bool, Any]:
-    for key in path:
-        if not isinstance(content, Mapping) or key not in content:
-            return False, None
-        content = content[key]
-    return True, content
+def _sources(state: State, direction: Direction) -> Iterator[tuple[str, str, Part | None]]:
+    """Yield quantity, limit state and what has it in a state: the same of every state, None where it is not there."""
+    pushover, capacity = state.pushover.get(direction), state.capacity.get(direction)
+    rigid, elastic = (pushover.rigid, pushover.elastic) if pushover else (None, None)
+    mechanism, checks = rigid and rigid.mechanism, capacity.checks if capacity else {}
+    yield "alpha_0", "", rigid
+    yield "alpha_u", "", elastic
+    yield "alpha_y", "", elastic
+    yield "d_y_m", "", elastic
+    yield "d_0_m", "", rigid
+    yield "e_star", "", mechanism
+    yield "gamma_star", "", mechanism
+    yield "T_0_s", "", capacity if capacity and capacity.T_0_s is not None else None  # a rigid curve has none
+    for quantity in ("d_star_m", "T_s", "a_g_g", "zeta_E"):
+        for limit in CHECKS:
+            yield quantity, limit, checks.get(limit)
 
 
 def _with_reduction(name: str) -> tuple[str, ...]:
     return (name,) if name == "original" else (name, f"reduction: {name}")
 
 
-def capacities(results: Results) -> Iterator[tuple[str, str, Any]]:
+def capacities(results: Results) -> Iterator[tuple[str, Direction, Capacity]]:
     """Yield state, direction and capacity wherever there is one."""
-    for name, content in results["states"].items():
-        for direction, capacity in (content.get("capacity") or {}).items():
-            if capacity:
-                yield name, direction, capacity
+    for name, state in results.states.items():
+        for direction, capacity in state.capacity.items():
+            yield name, direction, capacity

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from assessment.report.text.language import Words
-from assessment.results.table import Results, Row, Table
+from assessment.results.schema import Results
+from assessment.results.schema.studies import ConvergenceRow
+from assessment.results.table import Row, Table, cells
 
 STATIC = ("alpha_0_error", "d_0_error_m", "alpha_u_error", "a_g_error_g")
 
@@ -11,7 +15,9 @@ STATIC = ("alpha_0_error", "d_0_error_m", "alpha_u_error", "a_g_error_g")
 def convergence(results: Results) -> Table:
     """List the estimated errors of the capacities of every state and direction."""
     columns = ("state", "direction", "halvings", *STATIC, "relative_error", "met")
-    return Table("convergence", [row for row in _rows(results) if "direction" in row], columns)
+    return Table(
+        "convergence", _rows([each for each in results.convergence.rows if each.direction], columns), columns
+    )
 
 
 def history_convergence(results: Results) -> Table:
@@ -27,7 +33,11 @@ def history_convergence(results: Results) -> Table:
         "relative_scatter",
         "met",
     )
-    return Table("history_convergence", [row for row in _rows(results) if "record" in row], columns)
+    return Table(
+        "history_convergence",
+        _rows([each for each in results.convergence.rows if each.record], columns),
+        columns,
+    )
 
 
 def incremental_convergence(results: Results) -> Table:
@@ -42,7 +52,7 @@ def incremental_convergence(results: Results) -> Table:
         "relative_scatter",
         "met",
     )
-    return Table("incremental_convergence", _rows(results, "incremental"), columns)
+    return Table("incremental_convergence", _rows(results.convergence.incremental or [], columns), columns)
 
 
 def convergence_tables(results: Results) -> list[Table]:
@@ -57,14 +67,11 @@ def convergence_tables(results: Results) -> list[Table]:
 def reported(table: Table, words: Words) -> Table:
     """Return the table for the report: an error of null is not known."""
     rows = [
-        {key: words("value.not_known") if value is None else value for key, value in row.items()}
-        for row in table.rows
+        {key: words("value.not_known") if value is None else value for key, value in each.items()}
+        for each in table.rows
     ]
     return Table(table.name, rows, table.columns)
 
 
-def _rows(results: Results, study: str = "rows") -> list[Row]:
-    return [
-        {key: value for key, value in row.items() if key != "levels"}
-        for row in (results.get("convergence") or {}).get(study) or []
-    ]
+def _rows(found: Sequence[ConvergenceRow], columns: Sequence[str]) -> list[Row]:
+    return [cells(each, columns) for each in found]

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
+from assessment.results.schema import Results
+from assessment.results.schema.checks import Capacity, Direction
+from assessment.results.schema.dynamic import History, Incremental, Search
 from assessment.results.table import (
-    Results,
     Row,
     Table,
     brought_together,
+    cells,
     quoted_limit_state,
     reduction,
     static_pga,
@@ -100,10 +102,8 @@ def histories(results: Results) -> Table:
     """List what every time history came to."""
     rows = []
     for state, entry in _histories(results):
-        unasked = {None: "", True: "residual_displacement_m", False: "time_of_collapse_s"}[entry["collapsed"]]
-        rows.append(
-            {"state": state} | {key: entry[key] for key in HISTORY if key in entry and key != unasked}
-        )
+        unasked = {None: "", True: "residual_displacement_m", False: "time_of_collapse_s"}[entry.collapsed]
+        rows.append({"state": state} | cells(entry, [key for key in HISTORY if key != unasked]))
     return Table("history", rows, HISTORY)
 
 
@@ -111,33 +111,34 @@ def ranges(results: Results) -> Table:
     """List how every time history was integrated, by how many members, and the range of their peaks."""
     rows = []
     for state, entry in _histories(results):
-        if "curve" not in entry:
+        if not entry.curve:
             continue
-        row: Row = {"state": state} | {key: entry[key] for key in RANGES if key in entry}
-        if "peak_displacement_m_range" in entry:
-            row["lowest_peak_m"], row["highest_peak_m"] = entry["peak_displacement_m_range"]
-            row["median_peak_m"] = entry["peak_displacement_median_m"]
-        rows.append(row)
+        found: Row = {"state": state} | cells(entry, RANGES)
+        if entry.peak_displacement_m_range:
+            found["lowest_peak_m"], found["highest_peak_m"] = entry.peak_displacement_m_range
+            found["median_peak_m"] = entry.peak_displacement_median_m
+        rows.append(found)
     return Table("history_ranges", rows, RANGES)
 
 
 def energy(results: Results) -> Table:
     """List the energy balance of every time history: input is what was stored and dissipated, and a residual, kNm."""
+    columns = [f"{name}_kNm" for name in ENERGY]
     rows = [
-        {"state": state, "record": entry["record"]} | entry["energy"]
+        {"state": state, "record": entry.record} | cells(entry.energy, columns)
         for state, entry in _histories(results)
-        if "energy" in entry
+        if entry.energy
     ]
-    return Table("history_energy", rows, ("state", "record", *(f"{name}_kNm" for name in ENERGY)))
+    return Table("history_energy", rows, ("state", "record", *columns))
 
 
 def history_curves(results: Results) -> Table:
     """List the points of every control displacement history."""
     rows = [
-        {"state": state, "record": entry["record"], "time_s": time, "displacement_m": displacement}
+        {"state": state, "record": entry.record, "time_s": time, "displacement_m": displacement}
         for state, entry in _histories(results)
-        if "curve" in entry
-        for time, displacement in zip(entry["curve"]["time_s"], entry["curve"]["displacement_m"], strict=True)
+        if entry.curve
+        for time, displacement in zip(entry.curve.time_s, entry.curve.displacement_m, strict=True)
     ]
     return Table("history_curves", rows, ("state", "record", "time_s", "displacement_m"))
 
@@ -145,11 +146,9 @@ def history_curves(results: Results) -> Table:
 def motions(results: Results) -> Table:
     """List the spectral ordinates (5 % damping) of the records of the time histories."""
     rows = [
-        {"record": motion["name"], "T_s": period, "S_a_g": acceleration, "S_d_m": displacement}
-        for motion in results.get("motions") or []
-        for period, acceleration, displacement in zip(
-            motion["T_s"], motion["S_a_g"], motion["S_d_m"], strict=True
-        )
+        {"record": motion.name, "T_s": period, "S_a_g": acceleration, "S_d_m": displacement}
+        for motion in results.motions or []
+        for period, acceleration, displacement in zip(motion.T_s, motion.S_a_g, motion.S_d_m, strict=True)
     ]
     return Table("record_spectra", rows, ("record", "T_s", "S_a_g", "S_d_m"))
 
@@ -158,11 +157,11 @@ def incremental(results: Results) -> Table:
     """List the bracket of the PGA at collapse of every record and state."""
     rows = [
         {"state": state}
-        | {key: record[key] for key in SEARCH if key in record}
+        | cells(record, SEARCH)
         | _all_collapse(record)
-        | {"resurrections": "; ".join(f"{level:.3f}" for level in record["resurrections_g"])}
+        | {"resurrections": "; ".join(f"{level:.3f}" for level in record.resurrections_g)}
         for state, found in _incrementals(results)
-        for record in found["records"]
+        for record in found.records or []
     ]
     return Table("incremental", rows, SEARCH)
 
@@ -171,12 +170,11 @@ def incremental_states(results: Results) -> Table:
     """List mean, lowest and standard's PGA at collapse, and the fragility of every state."""
     rows: list[Row] = []
     for state, found in _incrementals(results):
-        row: Row = {"state": state, "records": len(found["records"])}
-        row |= {key: found[key] for key in OF_STATES if key in found and key != "records"}
-        row |= _all_collapse(found)
-        if found["fragility"]:
-            row |= {key: found["fragility"][key] for key in ("median_g", "dispersion")}
-        rows.append(row)
+        of_state: Row = {"state": state} | cells(found, OF_STATES) | {"records": len(found.records or [])}
+        of_state |= _all_collapse(found)
+        if found.fragility:
+            of_state |= cells(found.fragility, ("median_g", "dispersion"))
+        rows.append(of_state)
     return Table("incremental_states", rows, OF_STATES)
 
 
@@ -191,10 +189,10 @@ def incremental_curves(results: Results) -> Table:
         "time_of_collapse_s",
     )
     rows = [
-        {"state": state, "record": record["record"]} | {key: point[key] for key in columns if key in point}
+        {"state": state, "record": record.record} | cells(point, columns)
         for state, found in _incrementals(results)
-        for record in found["records"]
-        for point in record["points"]
+        for record in found.records or []
+        for point in record.points
     ]
     return Table("incremental_curves", rows, ("state", "record", *columns))
 
@@ -204,39 +202,38 @@ def static_dynamic(results: Results) -> Table:
 
     They are compared at the surface and without confidence factor: `static_surface_pga_g`.
     """
-    found = dict(_incrementals(results))
-    original = results["states"].get("original") or {}
+    original = results.states.get("original")
     rows: list[Row] = []
-    for state, dynamic in found.items():
-        content = results["states"][state]
-        for direction in content.get("capacity") or {None: None}:
-            static = static_pga((content.get("capacity") or {}).get(direction))
-            row: Row = {"state": state, "direction": direction}
-            row |= {"limit_state": quoted_limit_state((content.get("capacity") or {}).get(direction))}
-            row |= {"static_pga_g": static, "dynamic_pga_g": dynamic["pga_collapse_g"]}
-            if state != "original":
-                before = (original.get("capacity") or {}).get(direction)
-                row["static_reduction"] = reduction(static_pga(before), static)
-                row["dynamic_reduction"] = reduction(
-                    (found.get("original") or {}).get("pga_collapse_g"), dynamic["pga_collapse_g"]
-                )
-            row |= brought_together((content.get("capacity") or {}).get(direction), dynamic["pga_collapse_g"])
-            rows.append(row)
+    for name, incremental_of_state in _incrementals(results):
+        state, dynamic = results.states[name], incremental_of_state.pga_collapse_g
+        known: list[tuple[Direction | None, Capacity | None]] = [*state.capacity.items()] or [(None, None)]
+        for direction, capacity in known:
+            static = static_pga(capacity)
+            compared: Row = {"state": name, "direction": direction}
+            compared["limit_state"] = quoted_limit_state(capacity.checks) if capacity else None
+            compared |= {"static_pga_g": static, "dynamic_pga_g": dynamic}
+            if name != "original":
+                before = original.capacity.get(direction) if original and direction else None
+                compared["static_reduction"] = reduction(static_pga(before), static)
+                whole = original.incremental.pga_collapse_g if original else None
+                compared["dynamic_reduction"] = reduction(whole, dynamic)
+            nominal = capacity.nominal.pga_g if capacity and capacity.nominal else None
+            rows.append(compared | brought_together(nominal, dynamic))
     return Table("static_dynamic", rows, COMPARED)
 
 
-def _all_collapse(found: Mapping[str, Any]) -> Row:
+def _all_collapse(found: Search | Incremental) -> Row:
     """The upper end of the range of a PGA at collapse, where there is a range."""
-    return {"pga_all_collapse_g": found["pga_collapse_g_range"][1]} if "pga_collapse_g_range" in found else {}
+    return {"pga_all_collapse_g": found.pga_collapse_g_range[1]} if found.pga_collapse_g_range else {}
 
 
-def _histories(results: Results) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    for name, content in results["states"].items():
-        for entry in content.get("history") or []:
+def _histories(results: Results) -> Iterator[tuple[str, History]]:
+    for name, state in results.states.items():
+        for entry in state.history:
             yield name, entry
 
 
-def _incrementals(results: Results) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    for name, content in results["states"].items():
-        if content.get("incremental"):
-            yield name, content["incremental"]
+def _incrementals(results: Results) -> Iterator[tuple[str, Incremental]]:
+    for name, state in results.states.items():
+        if state.incremental.records is not None:
+            yield name, state.incremental

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from assessment.ntc.limit_states import CHECKS
 from assessment.report.cracks import cracks
 from assessment.report.joints import edge_pressures
 from assessment.report.tables.campaign import campaign_tables
@@ -28,10 +27,15 @@ from assessment.report.tables.indices import index_tables
 from assessment.report.tables.loads import loads, vertical
 from assessment.report.tables.mechanisms import all_mechanisms
 from assessment.report.tables.studies import study_tables
+from assessment.results.echo import material, taken_to_collapse
 from assessment.results.hand_check import hand_check, macro_block_table, outline_area
+from assessment.results.hand_check import mechanisms as found_mechanisms
 from assessment.results.reactions import balance, joint_table, reactions
-from assessment.results.table import Results, Row, Table, taken_to_collapse
-from assessment.runtime.atomic_files import write_atomically
+from assessment.results.schema import Results
+from assessment.results.schema.model import Block
+from assessment.results.schema.part import Part
+from assessment.results.table import Row, Table, cells
+from assessment.runtime.files.atomic_files import write_atomically
 
 OTHER_LAW = ("alpha_0_coulomb", "alpha_0_associative")
 RUN = ("=", "+", "-", "@", "\t", "\r")  # what a formula begins with in a spreadsheet
@@ -121,29 +125,28 @@ QUALITY = (
 
 def comparison(results: Results) -> Table:
     """List the capacities of each settled state beside the original one's."""
-    return Table("comparison", list(results.get("comparison") or []), COMPARISON)
+    return Table("comparison", [cells(each, COMPARISON) for each in results.comparison], COMPARISON)
 
 
 def quality(results: Results) -> Table:
     """List the worst certificates of the solutions by state and stage."""
-    return Table("quality", list(results["quality"].get("by_stage") or []), QUALITY)
+    return Table("quality", [cells(each, QUALITY) for each in results.quality.by_stage], QUALITY)
 
 
 def blocks(results: Results) -> Table:
     """List every block: layer, support, centroid, area, volume and extra load."""
     rows = []
-    for number, block in enumerate(results["geometry"]["blocks"]):
-        area = outline_area(block["vertices_m"])
+    for number, block in enumerate(results.geometry.blocks):
         rows.append(
             {
                 "block": number,
-                "layer": block["layer"],
-                "support": block["support"],
-                "x_m": block["centroid_m"][0],
-                "z_m": block["centroid_m"][1],
-                "area_m2": area,
-                "depth_m": block["depth_m"],
-                "vertical_load_kN": block["vertical_load_kN"],
+                "layer": block.layer,
+                "support": block.support,
+                "x_m": block.centroid_m[0],
+                "z_m": block.centroid_m[1],
+                "area_m2": outline_area(block.vertices_m),
+                "depth_m": block.depth_m,
+                "vertical_load_kN": block.vertical_load_kN,
             }
         )
     return Table("blocks", rows, tuple(rows[0]))
@@ -151,20 +154,20 @@ def blocks(results: Results) -> Table:
 
 def layers(results: Results) -> Table:
     """Sum up each layer: its role, blocks, depth, material and loads; defaults from [material]."""
-    echo, rows = results["echo"], []
-    by_layer: dict[str, list[Any]] = {}
-    for block in results["geometry"]["blocks"]:
-        by_layer.setdefault(block["layer"], []).append(block)
+    rows = []
+    by_layer: dict[str, list[Block]] = {}
+    for block in results.geometry.blocks:
+        by_layer.setdefault(block.layer, []).append(block)
     for layer, own in sorted(by_layer.items()):
-        given = {**(echo.get("material") or {}), **((echo.get("layers") or {}).get(layer) or {})}
+        given = material(results.echo, layer)
         rows.append(
             {
                 "layer": layer,
-                "support": own[0]["support"],
+                "support": own[0].support,
                 "blocks": len(own),
-                "depth_m": own[0]["depth_m"],
-                "area_m2": sum(outline_area(block["vertices_m"]) for block in own),
-                "vertical_load_kN": sum(block["vertical_load_kN"] for block in own),
+                "depth_m": own[0].depth_m,
+                "area_m2": sum(outline_area(block.vertices_m) for block in own),
+                "vertical_load_kN": sum(block.vertical_load_kN for block in own),
             }
             | {key: given[key] for key in MATERIAL if given.get(key) is not None}
         )
@@ -186,21 +189,20 @@ MATERIAL = (
 
 def settlements(results: Results) -> Table:
     """List the movements and how far each may go: the ultimate movement by kind of contact."""
-    rows, sought = [], taken_to_collapse(results)
-    for name, content in results["states"].items():
-        settlement = content.get("settlement")
-        if settlement:
-            row = {
+    rows, sought = [], taken_to_collapse(results.echo)
+    for name, state in results.states.items():
+        if settlement := state.settlement:
+            found: Row = {
                 "state": name,
-                "support": settlement["support"],
-                "displacement_x_m": settlement["displacement_m"][0],
-                "displacement_z_m": settlement["displacement_m"][1],
-                "rotation_rad": settlement.get("rotation_rad") or 0.0,
+                "support": settlement.support,
+                "displacement_x_m": settlement.displacement_m[0],
+                "displacement_z_m": settlement.displacement_m[1],
+                "rotation_rad": settlement.rotation_rad,
             }
-            for contacts, stage in (content.get("pushdown") or {}).items():
-                if name in sought or stage["ultimate_movement_m"] is not None:
-                    row[f"ultimate_{contacts}_m"] = stage["ultimate_movement_m"]
-            rows.append(row)
+            for contacts, path in state.pushdown.items():
+                if name in sought or path.ultimate_movement_m is not None:
+                    found[f"ultimate_{contacts}_m"] = path.ultimate_movement_m
+            rows.append(found)
     columns = ("state", "support", "displacement_x_m", "displacement_z_m", "rotation_rad")
     return Table("settlements", rows, (*columns, "ultimate_rigid_m", "ultimate_elastic_m"))
 
@@ -215,10 +217,10 @@ def pushdown_curves(results: Results) -> Table:
             "reaction_x_kN": reaction_x,
             "reaction_z_kN": reaction_z,
         }
-        for name, content in results["states"].items()
-        for contacts, stage in (content.get("pushdown") or {}).items()
+        for name, state in results.states.items()
+        for contacts, path in state.pushdown.items()
         for movement, reaction_x, reaction_z in zip(
-            stage["movement_m"], stage["reaction_x_kN"], stage["reaction_z_kN"], strict=True
+            path.movement_m, path.reaction_x_kN, path.reaction_z_kN, strict=True
         )
     ]
     return Table("pushdown", rows, ("state", "contacts", "movement_m", "reaction_x_kN", "reaction_z_kN"))
@@ -231,18 +233,16 @@ def mechanisms(results: Results) -> Table:
     part in that mechanism, `mechanism_alpha` is the multiplier at which the one listed is activated.
     """
     rows = []
-    for name, direction, pushover in _pushovers(results):
-        mechanism = pushover.get("rigid", {}).get("mechanism")
-        if mechanism:
-            alpha_0, own = pushover["rigid"]["alpha_0"], mechanism["alpha"]
-            rows.append(
-                {"state": name, "direction": direction, "alpha_0": alpha_0}
-                | ({} if own == alpha_0 else {"mechanism_alpha": own})
-                | {key: value for key, value in pushover["rigid"].items() if key in OTHER_LAW}
-                | {key: mechanism.get(key) for key in ("hinges", "moving_weight_kN", "e_star", "gamma_star")}
-                | {"sliding_joints": len(mechanism["sliding_joints"])}
-            )
-    named = [key for key in (*OTHER_LAW, "mechanism_alpha") if any(key in row for row in rows)]
+    for name, direction, rigid in found_mechanisms(results):
+        mechanism = rigid.mechanism
+        rows.append(
+            {"state": name, "direction": direction, "alpha_0": rigid.alpha_0}
+            | ({} if mechanism.alpha == rigid.alpha_0 else {"mechanism_alpha": mechanism.alpha})
+            | cells(rigid, OTHER_LAW)
+            | cells(mechanism, ("hinges", "moving_weight_kN", "e_star", "gamma_star"))
+            | {"sliding_joints": len(mechanism.sliding_joints)}
+        )
+    named = [key for key in (*OTHER_LAW, "mechanism_alpha") if any(key in each for each in rows)]
     columns = ("hinges", "sliding_joints", "moving_weight_kN", "e_star", "gamma_star")
     return Table("mechanisms", rows, ("state", "direction", "alpha_0", *named, *columns))
 
@@ -250,22 +250,22 @@ def mechanisms(results: Results) -> Table:
 def static_ranges(results: Results) -> Table:
     """List the ranges of the states whose paths scatter: what is used, and what the members of the ensemble found."""
     rows: list[Row] = []
-    for name, state in results["states"].items():
-        for contacts, numbers in (state.get("pushdown") or {}).items():
-            rows += _ranges(numbers, {"state": name, "contacts": contacts})
-        for direction, pushover in (state.get("pushover") or {}).items():
-            for contacts in ("rigid", "elastic"):
-                of = {"state": name, "direction": direction, "contacts": contacts}
-                rows += _ranges((pushover or {}).get(contacts) or {}, of)
-        for direction, capacity in (state.get("capacity") or {}).items():
-            for check in CHECKS:
-                of = {"state": name, "direction": direction, "limit_state": check}
-                rows += _ranges((capacity or {}).get(check) or {}, of)
+    for name, state in results.states.items():
+        for contacts, path in state.pushdown.items():
+            rows += _ranges(path, {"state": name, "contacts": contacts})
+        for direction, pushover in state.pushover.items():
+            for contacts, curve in pushover.by_contacts.items():
+                rows += _ranges(curve, {"state": name, "direction": direction, "contacts": contacts})
+        for direction, capacity in state.capacity.items():
+            for limit, check in capacity.checks.items():
+                rows += _ranges(check, {"state": name, "direction": direction, "limit_state": limit})
     columns = ("state", "direction", "contacts", "limit_state", "quantity", "value", "lowest", "highest")
     return Table("static_ranges", rows, columns)
 
 
-def _ranges(numbers: Mapping[str, Any], of: Row) -> Iterator[Row]:
+def _ranges(part: Part, of: Row) -> Iterator[Row]:
+    """Yield every quantity of a part that has its range beside it."""
+    numbers = cells(part, type(part).model_fields)
     for name, ends in numbers.items():
         if name.endswith("_range"):
             quantity = name.removesuffix("_range")
@@ -287,20 +287,9 @@ def pushover_curves(results: Results) -> Table:
             "displacement_m": displacement,
             "multiplier": multiplier,
         }
-        for name, direction, pushover in _pushovers(results)
-        for contacts in ("rigid", "elastic")
-        if contacts in pushover
-        for displacement, multiplier in zip(
-            pushover[contacts]["curve"]["displacement_m"],
-            pushover[contacts]["curve"]["multiplier"],
-            strict=True,
-        )
+        for name, state in results.states.items()
+        for direction, pushover in state.pushover.items()
+        for contacts, push in pushover.by_contacts.items()
+        for displacement, multiplier in zip(push.curve.displacement_m, push.curve.multiplier, strict=True)
     ]
     return Table("pushover", rows, ("state", "direction", "contacts", "displacement_m", "multiplier"))
-
-
-def _pushovers(results: Results) -> Iterator[tuple[str, str, Any]]:
-    for name, content in results["states"].items():
-        for direction, pushover in (content.get("pushover") or {}).items():
-            if pushover:
-                yield name, direction, pushover

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from assessment.results.table import Results, Row, Table
+from assessment.results.schema import Results
+from assessment.results.schema.indices import Indices
+from assessment.results.schema.part import present
+from assessment.results.table import Row, Table, cells
 
 INDICES: tuple[str, ...] = ("zeta_SLV", "zeta_SLC", "ratio_SLD", "T_SLV_years", "T_R_SLV_years", "I_S", "f_a")
 INDICES += ("acceptable_nominal_life_years", "IS_V_class", "PAM", "PAM_class", "risk_class")
@@ -17,18 +20,15 @@ def index_tables(results: Results) -> list[Table]:
 
 def indices(results: Results) -> Table:
     """List the indices of every state; what is not known for want of a return period is left out."""
-    rows = [
-        {"state": name} | {key: found[key] for key in INDICES if found.get(key) is not None}
-        for name, found in _found(results)
-    ]
+    rows = [{"state": name} | present(cells(found, INDICES)) for name, found in _found(results)]
     return Table("indices", rows, ("state", *INDICES))
 
 
 def interventions(results: Results) -> Table:
     """List ζ_E of every state and what each kind of intervention must reach (NTC 2018, §8.4)."""
     rows = [
-        {"state": name, "use_class": found["use_class"], "zeta_SLV": found["zeta_SLV"]}
-        | {key: value for key, value in found["required_zeta"].items() if value is not None}
+        {"state": name, "use_class": found.use_class, "zeta_SLV": found.zeta_SLV}
+        | present(found.required_zeta)
         for name, found in _found(results)
     ]
     return Table("interventions", rows, ("state", "use_class", "zeta_SLV", *INTERVENTIONS))
@@ -36,19 +36,19 @@ def interventions(results: Results) -> Table:
 
 def knowledge(results: Results) -> Table:
     """List the components of F_C and the origin of each parameter, as given."""
-    found = results.get("knowledge") or {}
-    origins = found.get("origins") or {}
+    found = results.knowledge
+    origins, components = (found.origins, found.components) if found else ({}, {})
     rows: list[Row] = [
         {"parameter": name, "factor_component": value, "origin": origins.get(name, "")}
-        for name, value in (found.get("components") or {}).items()
+        for name, value in components.items()
     ]
     rows += [
         {"parameter": name, "origin": text}
         for name, text in origins.items()
-        if text and name not in (found.get("components") or {})
+        if text and name not in components
     ]
     return Table("knowledge", rows, KNOWLEDGE)
 
 
-def _found(results: Results) -> list[tuple[str, Row]]:
-    return [(name, state["indices"]) for name, state in results["states"].items() if state.get("indices")]
+def _found(results: Results) -> list[tuple[str, Indices]]:
+    return [(name, state.indices) for name, state in results.states.items() if state.indices]

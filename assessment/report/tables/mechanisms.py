@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
-
 from assessment.ntc.limit_states import LINEAR
 from assessment.report.tables.capacity import capacities, mechanism_text
-from assessment.results.table import Results, Row, Table
+from assessment.results.schema import Results
+from assessment.results.schema.checks import Capacity, Direction, GivenMechanism
+from assessment.results.schema.part import Configuration, present
+from assessment.results.table import Row, Table
 
 ALL = (
     "macro_element",
@@ -33,49 +33,55 @@ def all_mechanisms(results: Results) -> Table:
     """
     rows: list[Row] = []
     for name, direction, capacity in capacities(results):
-        rigid = (results["states"][name]["pushover"].get(direction) or {}).get("rigid")
-        if rigid:
-            found = mechanism_text(capacity["mechanism"]) if "mechanism" in capacity else None
-            rows.append(_row(results, found, name, direction, rigid["mechanism"]["displacements"], capacity))
+        pushover = results.states[name].pushover.get(direction)
+        if pushover and pushover.rigid:
+            found = mechanism_text(capacity.mechanism)
+            rows.append(
+                _row(results, found, name, direction, pushover.rigid.mechanism.displacements, capacity)
+            )
     rows += [
-        _row(results, given["name"], given["state"], given["direction"], given["displacements"], given)
-        for given in results.get("mechanisms") or []
-        if "alpha_0" in given
+        _row(results, given.name, given.state, given.direction, given.displacements, given)
+        for given in results.mechanisms or []
+        if given.direction and given.displacements
     ]
     return Table("all_mechanisms", sorted(rows, key=lambda row: str(row["macro_element"])), ALL)
 
 
 def _row(
     results: Results,
-    mechanism: str | None,
+    mechanism: str,
     state: str,
-    direction: str,
-    displacements: Sequence[Sequence[float]],
-    content: Mapping[str, Any],
+    direction: Direction,
+    displacements: Configuration,
+    found: Capacity | GivenMechanism,
 ) -> Row:
-    started = next((content[name]["a_star_g"] for name in LINEAR if content.get(name)), None)
-    row = {
+    checks = found.checks
+    if isinstance(found, GivenMechanism):
+        started = found.a_0_star_g
+    else:
+        started = next((checks[name].a_star_g for name in LINEAR if name in checks), None)
+    numbers = {
         "macro_element": macro_element(results, displacements),
         "mechanism": mechanism,
         "state": state,
         "direction": direction,
-        "alpha_0": content.get("alpha_0"),
-        "a_0_star_g": content.get("a_0_star_g", started),
-        "d_0_star_m": content.get("d_0_star_m"),
+        "alpha_0": found.alpha_0,
+        "a_0_star_g": started,
+        "d_0_star_m": found.d_0_star_m,
     }
-    row |= {key: (content.get(check) or {}).get("zeta_E") for key, check in RATIOS.items()}
-    return {key: value for key, value in row.items() if value is not None}
+    numbers |= {key: checks[check].zeta_E for key, check in RATIOS.items() if check in checks}
+    return present(numbers)
 
 
-def macro_element(results: Results, displacements: Sequence[Sequence[float]]) -> str:
+def macro_element(results: Results, displacements: Configuration) -> str:
     """Return the layers whose blocks move in a mechanism; WHOLE where all do that can."""
     size = [max(abs(x), abs(z)) for x, z, _ in displacements]
     least = MOVES * max(size)
-    blocks = results["geometry"]["blocks"]
-    movable = {block["layer"] for block in blocks if block["support"] is None}
+    blocks = results.geometry.blocks
+    movable = {block.layer for block in blocks if block.support is None}
     moving = {
-        block["layer"]
+        block.layer
         for block, moved in zip(blocks, size, strict=True)
-        if moved > least and block["support"] is None
+        if moved > least and block.support is None
     }
     return WHOLE if moving == movable else ", ".join(sorted(moving))

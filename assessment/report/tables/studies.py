@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Iterable, Sequence
 
-from assessment.results.table import Results, Row, Table, static_pga, taken_to_collapse
+from assessment.results.echo import taken_to_collapse
+from assessment.results.schema import Results
+from assessment.results.schema.studies import Capacities, Scenarios, Sensitivity, SensitivityRun
+from assessment.results.table import Row, Table, cells, static_pga
 
 SCENARIOS = (
     "state",
@@ -59,7 +61,7 @@ def reported_studies(results: Results) -> list[Table]:
     """Return the tables of the report: the scenarios without what holds for all of them, and the tornado."""
     table = scenarios(results)
     left_out = {"limit_state", "worst"} | (
-        {"collapses"} - {key for row in table.rows for key in row if row[key]}
+        {"collapses"} - {key for each in table.rows for key in each if each[key]}
     )
     return [Table(table.name, table.rows, tuple(c for c in SCENARIOS if c not in left_out)), tornado(results)]
 
@@ -69,21 +71,23 @@ def scenarios(results: Results) -> Table:
 
     `reduction` is that of a_g, of α0 where there is no assessment; `worst` marks the lowest of them.
     """
-    found = results.get("scenarios") or {}
-    rows: list[Row] = []
-    for point in found.get("points") or []:
-        row = _judged(point, found) | {"worst": point == found["worst"]}
-        if point["share"] == 1.0 and point["state"] in taken_to_collapse(results):
-            pushdown = results["states"][point["state"]].get("pushdown") or {}
-            row |= {f"ultimate_{contacts}_m": s["ultimate_movement_m"] for contacts, s in pushdown.items()}
-        rows.append(row)
+    found, rows = results.scenarios, []
+    if not found:
+        return Table("scenarios", [], SCENARIOS)
+    for point in found.points:
+        judged = _judged(point, SCENARIOS, found) | {"worst": point == found.worst}
+        if point.share == 1.0 and point.state in taken_to_collapse(results.echo):
+            paths = results.states[point.state].pushdown
+            judged |= {f"ultimate_{contacts}_m": path.ultimate_movement_m for contacts, path in paths.items()}
+        rows.append(judged)
     return Table("scenarios", rows, SCENARIOS)
 
 
 def sensitivity(results: Results) -> Table:
     """List every run of the sensitivity: state, property and its factor, direction, capacity."""
-    found = results.get("sensitivity") or {}
-    return Table("sensitivity", [_judged(run, found) for run in found.get("runs") or []], SENSITIVITY)
+    found = results.sensitivity
+    rows = [_judged(run, SENSITIVITY, found) for run in found.runs] if found else []
+    return Table("sensitivity", rows, SENSITIVITY)
 
 
 def tornado(results: Results) -> Table:
@@ -92,25 +96,22 @@ def tornado(results: Results) -> Table:
     The capacity of a state is that of its weaker direction, in each run anew; None where one of them is not known.
     `swing_g` spans the three capacities. The properties of a state stand in the order of their swing.
     """
-    runs = (results.get("sensitivity") or {}).get("runs") or []
+    runs = results.sensitivity.runs if results.sensitivity else []
     rows: list[Row] = []
-    for state in dict.fromkeys(run["state"] for run in runs):
-        own = [run for run in runs if run["state"] == state]
-        directions = dict.fromkeys(run["direction"] for run in own)
-        checks = results["states"][state]["capacity"]
-        base = _weaker(static_pga(checks.get(direction)) for direction in directions)
-        bars = [_bar(state, name, own, base) for name in dict.fromkeys(run["property"] for run in own)]
-        rows += sorted(bars, key=lambda row: -float("inf") if row["swing_g"] is None else -row["swing_g"])
+    for state in dict.fromkeys(run.state for run in runs):
+        own = [run for run in runs if run.state == state]
+        directions = dict.fromkeys(run.direction for run in own)
+        capacities = results.states[state].capacity
+        base = _weaker(static_pga(capacities.get(direction)) for direction in directions)
+        bars = [_bar(state, name, own, base) for name in dict.fromkeys(run.property for run in own)]
+        rows += sorted(bars, key=lambda bar: -float("inf") if bar["swing_g"] is None else -bar["swing_g"])
     return Table("tornado", rows, TORNADO)
 
 
-def _bar(state: str, name: str, runs: Iterable[Mapping[str, Any]], base: float | None) -> Row:
-    of_property = [run for run in runs if run["property"] == name]
-    low, high = sorted({run["factor"] for run in of_property})
-    at = {
-        factor: _weaker(run["a_g_g"] for run in of_property if run["factor"] == factor)
-        for factor in (low, high)
-    }
+def _bar(state: str, name: str, runs: Iterable[SensitivityRun], base: float | None) -> Row:
+    of_property = [run for run in runs if run.property == name]
+    low, high = sorted({run.factor for run in of_property})
+    at = {factor: _weaker(run.a_g_g for run in of_property if run.factor == factor) for factor in (low, high)}
     known = [value for value in (at[low], base, at[high]) if value is not None]
     return {
         "state": state,
@@ -136,7 +137,7 @@ def _weaker(capacities: Iterable[float | None]) -> float | None:
     return min(known) if known and len(known) == len(values) else None
 
 
-def _judged(numbers: Mapping[str, Any], found: Mapping[str, Any]) -> Row:
+def _judged(numbers: Capacities, columns: Sequence[str], study: Scenarios | Sensitivity) -> Row:
     """Return a row with the limit state of its capacity, where there is an assessment."""
-    limit = found["limit_state"]
-    return {**numbers, "limit_state": limit} if limit else dict(numbers)
+    limit = study.limit_state
+    return cells(numbers, columns) | ({"limit_state": limit} if limit else {})

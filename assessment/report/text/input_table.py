@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from markupsafe import Markup
 
-from assessment.report.text.language import Words
+from assessment.report.text.language import Words, direction_name
 from assessment.results.table import Row
 
 Path = tuple[str, ...]
+# keys whose values are words of the program; others are the user's own
 CHOICES = {"accuracy", "sliding", "contacts", "model", "spectrum", "method", "record_demand", "language"}
-CHOICES |= {
-    "state",
-    "states",
-    "use_category",
-}  # keys whose values are words of the program; others are the user's own
+CHOICES |= {"state", "states", "use_category", "directions", "integrator"}
+GENERATED = re.compile(r"generate:(\d+)")
 LOADS = ("vertical_load_kN", "variable_load_kN")
 
 
@@ -28,7 +27,7 @@ def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:
             continue
         yield {
             "table": _group(path, words) if path != last else Markup(""),
-            "setting": _name(key, words),
+            "setting": _setting(path, key, words),
             "value": Markup.escape(_value(value, words, key in CHOICES)),
         }
         last = path
@@ -64,9 +63,15 @@ def _group(path: Path, words: Words) -> Markup:
     return name
 
 
+def _setting(path: Path, key: str, words: Words) -> Markup:
+    """Name a key: where it means something else in this table than in others, by table and key."""
+    own = "_".join((*path[:1], key))
+    return _name(own if own in words.strings["input"] else key, words)
+
+
 def _name(key: str, words: Words) -> Markup:
     """Return the name of a key or of a table; of what has none, as a direction, the key."""
-    return words(f"input.{key}") if key in words.strings["input"] else Markup.escape(key)
+    return words(f"input.{key}") if key in words.strings["input"] else Markup.escape(direction_name(key))
 
 
 def _value(value: Any, words: Words, choice: bool) -> str:
@@ -80,5 +85,7 @@ def _value(value: Any, words: Words, choice: bool) -> str:
     if isinstance(value, list):
         return "; ".join(_value(item, words, choice) for item in value)
     if isinstance(value, str) and choice:
-        return str(words.strings["setting"].get(value, value))
+        return str(words.strings["setting"].get(value, direction_name(value)))
+    if isinstance(value, str) and (count := GENERATED.fullmatch(value)):
+        return words.plain("value.generate", number=count[1])
     return words.show(value)

@@ -14,6 +14,8 @@ from typing import Any
 
 from markupsafe import Markup
 
+from assessment.results.schema import Results
+
 LANGUAGES = ("it", "en")
 SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
@@ -79,9 +81,9 @@ class Words:
         return str(node)
 
 
-def words_of(results: Mapping[str, Any]) -> Words:
-    """Return the words of the language that the project's [report] table asks for (default Italian)."""
-    language = (results["echo"].get("report") or {}).get("language", "it")
+def words_of(results: Results) -> Words:
+    """Return the words of the language that the project's [report] table asks for."""
+    language = results.echo.report.language
     if language not in LANGUAGES:
         raise ValueError(f"report.language = {language!r}: must be one of {', '.join(LANGUAGES)}")
     return Words.of(language)
@@ -97,8 +99,8 @@ def direction_name(direction: str) -> str:
     return direction.replace("-", "−")
 
 
-def slug(results: Mapping[str, Any], state: str) -> str:
+def slug(results: Results, state: str) -> str:
     """Return a file name for a state: its number among the states and its plain letters."""
-    number = list(results["states"]).index(state)
+    number = list(results.states).index(state)
     ascii_name = unicodedata.normalize("NFKD", state).encode("ascii", "ignore").decode().lower()
     return f"{number}_{re.sub(r'[^a-z0-9]+', '_', ascii_name).strip('_')[:40]}".rstrip("_")

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from markupsafe import Markup
 
 from assessment.ntc.capacity_return_period import stated
-from assessment.ntc.hazard_grid import RETURN_PERIODS
+from assessment.ntc.demand.hazard_grid import RETURN_PERIODS
 from assessment.ntc.limit_states import CHECKS, INDEXED, ROCK, SURFACE
 from assessment.report.tables.capacity import directions
 from assessment.report.tables.mechanisms import WHOLE
 from assessment.report.text.language import Words, direction_name
+from assessment.results.schema import Results
 from assessment.results.table import Row, Table, reference_of
 
 MILLIMETRES = {
@@ -98,6 +100,7 @@ LETTERS = 125.0  # of average width in a row of a table
 CENTRES = {"x_C_m", "z_C_m"}  # a block that does not turn has none
 AT_ONSET = {name for name in CHECKS if name not in INDEXED}
 ROUNDING = 1e-9  # a reduction no larger is none
+GENERATED = re.compile(r"generated (\d+)")  # the name of a record that the program made
 REDUCTIONS = 3  # settled states beside the original in one table
 
 
@@ -210,6 +213,8 @@ def _name(column: str, value: Any, words: Words) -> str:
         return words.state(value)
     if column == "direction":
         return direction_name(value)
+    if column == "record" and (made := GENERATED.fullmatch(str(value))):
+        return words.plain("value.generated", number=made[1])
     if column in {"contacts", "property", "rule"}:
         return words.plain(f"value.{value}")
     if column == "verified" and value is not None:
@@ -231,9 +236,9 @@ def _name(column: str, value: Any, words: Words) -> str:
     return words.show(value)
 
 
-def summary_grids(table: Table, results: Mapping[str, Any], words: Words) -> Iterator[Grid]:
+def summary_grids(table: Table, results: Results, words: Words) -> Iterator[Grid]:
     """Write the paper's Table 1: per direction a column per state, each settled one with its reduction."""
-    settled = [name for name in results["states"] if name != "original"]
+    settled = [name for name in results.states if name != "original"]
     portions = [settled[i : i + REDUCTIONS] for i in range(0, len(settled), REDUCTIONS)] or [[]]
     for direction in directions(results):
         rows = [row for row in table.rows if row["direction"] == direction]

@@ -18,7 +18,7 @@ from assessment.results.schema.dynamic import History, Incremental, Motion
 from assessment.results.schema.indices import Indices, Knowledge
 from assessment.results.schema.model import Echo, Geometry, LayerLoads, ModelSummary, Quality, Software
 from assessment.results.schema.part import Configuration, Part, key, optional
-from assessment.results.schema.static import Pushdowns, Pushovers, Settlement
+from assessment.results.schema.static import Contacts, PushdownPath, Pushovers, Settlement
 from assessment.results.schema.studies import Convergence, Scenarios, Sensitivity
 
 FORMAT = 1
@@ -32,7 +32,7 @@ class State(Part):
         "x, z, ω of each block against the drawing; zeros where the state was not reached", "m, rad"
     )
     settlement: Settlement | None = key("the movement that leads to it; null: as drawn")
-    pushdown: Pushdowns = key("the movement")
+    pushdown: dict[Contacts, PushdownPath] = key("the movement, by behaviour of the joints")
     pushover: dict[Direction, Pushovers] = key("horizontal loads, by direction")
     capacity: dict[Direction, Capacity] = key("capacity and checks, by direction")
     history: list[History] = key("time histories")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from assessment.results.schema.model import Face, Line
-from assessment.results.schema.part import Configuration, Part, Point, key, optional
+from assessment.results.schema.part import Configuration, Part, Point, key, optional, present
 
 Direction = Literal["+x", "-x"]
 
@@ -105,6 +105,26 @@ class Capacity(Part):
     SLV: Check | None = optional("nonlinear check at SLV")
     SLC: Check | None = optional("nonlinear check at SLC")
 
+    @property
+    def checks(self) -> dict[str, Check]:
+        """The checks that were made, by their names in the file."""
+        return present(
+            {
+                "SLO": self.SLO,
+                "SLO elastic": self.SLO_elastic,
+                "SLD": self.SLD,
+                "SLD elastic": self.SLD_elastic,
+                "SLV linear": self.SLV_linear,
+                "SLV": self.SLV,
+                "SLC": self.SLC,
+            }
+        )
+
+    @property
+    def ratios(self) -> dict[str, float]:
+        """Of a_g borne to a_g demanded, of every check that has one."""
+        return present({name: check.zeta_E for name, check in self.checks.items()})
+
 
 class Governing(Part):
     """`governing`: the least ratio of all checks of a state."""
@@ -188,6 +208,19 @@ class GivenMechanism(Part):
     SLV_linear: Check | None = optional("linear check at SLV", alias="SLV linear")
     SLV: Check | None = optional("nonlinear check at SLV")
     SLC: Check | None = optional("nonlinear check at SLC")
+
+    @property
+    def checks(self) -> dict[str, Check]:
+        """The checks that were made, by their names in the file."""
+        return present(
+            {
+                "SLO": self.SLO,
+                "SLD": self.SLD,
+                "SLV linear": self.SLV_linear,
+                "SLV": self.SLV,
+                "SLC": self.SLC,
+            }
+        )
 
 
 class ComparisonRow(Part):

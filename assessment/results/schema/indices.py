@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from assessment.results.schema.checks import Direction
 from assessment.results.schema.model import Line
 from assessment.results.schema.part import Part, key
 
@@ -9,7 +10,7 @@ from assessment.results.schema.part import Part, key
 class Indices(Part):
     """`states.NAME.indices`: of the direction with the least ratio at SLV."""
 
-    direction: str = key("direction of the push")
+    direction: Direction = key("direction of the push")
     check: str = key("which check at SLV: the linear one where the nonlinear one has no number")
     zeta_SLV: float = key("ζ_E at SLV (NTC 2018, §8.3): the headline", "–")
     zeta_SLC: float | None = key("least ratio at SLC; null: not checked", "–")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from pydantic import ConfigDict
-
 from assessment.results.schema.part import Part, Point, key, optional
 
 
@@ -95,14 +93,25 @@ class EchoedReport(Part):
 
 
 class Echo(Part):
-    """`echo`: the project file as it was read, defaults filled in; its other keys are those of `assesto schema`."""
-
-    model_config = ConfigDict(extra="allow")
+    """`echo`: the project file as it was read, defaults filled in; the keys of its tables are in `assesto schema`."""
 
     title: str = key("title of the project")
-    report: EchoedReport = key("title page")
+    accuracy: str | float | None = optional("a name, or a relative tolerance", "–")
+    scatter: int | None = optional("members of each small ensemble")
     geometry: dict[str, Any] = key("[geometry]")
     material: dict[str, Any] = key("[material]")
+    layers: dict[str, dict[str, Any]] | None = optional("[layers]")
+    contacts: dict[str, Any] | None = optional("[contacts]")
+    control: list[dict[str, Any]] | None = optional("[[control]]")
+    settlements: list[dict[str, Any]] | None = optional("[[settlements]]")
+    pushover: dict[str, Any] | None = optional("[pushover]")
+    history: list[dict[str, Any]] | None = optional("[[history]]")
+    incremental: dict[str, Any] | None = optional("[incremental]")
+    campaign: dict[str, Any] | None = optional("[campaign]")
+    assessment: dict[str, Any] | None = optional("[assessment]")
+    mechanism: list[dict[str, Any]] | None = optional("[[mechanism]]")
+    sensitivity: dict[str, Any] | None = optional("[sensitivity]")
+    report: EchoedReport = key("title page")
 
 
 class Software(Part):

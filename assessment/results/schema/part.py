@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
+
+Name = TypeVar("Name")
+Value = TypeVar("Value")
 
 Point = list[float]
 Configuration = list[list[float]]
@@ -12,7 +16,10 @@ Configuration = list[list[float]]
 
 
 class Part(BaseModel):
-    """A table of results.json. A missing optional key was not asked for; null was asked for and not reached."""
+    """A table of results.json. A missing optional key was not asked for; null was asked for and not reached.
+
+    Both are None as attributes; where a reader is told which, `cells` of assessment/results/table.py tells them apart.
+    """
 
     model_config = ConfigDict(
         strict=True, extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True
@@ -27,6 +34,17 @@ def key(meaning: str, unit: str = "", alias: str | None = None) -> Any:
 def optional(meaning: str, unit: str = "", alias: str | None = None) -> Any:
     """Describe a key that is there only where it was asked for, or where it has a meaning."""
     return Field(default=None, description=meaning, alias=alias, json_schema_extra=_of(unit))
+
+
+def present(found: Mapping[Name, Value | None]) -> dict[Name, Value]:
+    """Return what there is of some tables that may be missing, by name."""
+    return {name: value for name, value in found.items() if value is not None}
+
+
+def known(value: Value | None) -> Value:
+    """Return what is always there beside something else, as the configurations of a history that has a curve."""
+    assert value is not None
+    return value
 
 
 def _of(unit: str) -> dict[str, Any] | None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Literal
 
 from assessment.results.schema.model import Face
-from assessment.results.schema.part import Configuration, Part, Point, key, optional
+from assessment.results.schema.part import Configuration, Part, Point, key, optional, present
 
+Contacts = Literal["rigid", "elastic"]
 Sliding = Literal["associative", "coulomb"]
 
 
@@ -52,13 +53,6 @@ class PushdownPath(Part):
     ultimate_configuration: Configuration | None = key("just before collapse; null: not reached", "m, rad")
     control_displacement_m: list[Point] | None = key("x, z of the first control point along the path", "m")
     frames: Frames = key("some of its configurations")
-
-
-class Pushdowns(Part):
-    """`pushdown`: the movement with rigid and with elastic joints; each where asked for and found."""
-
-    rigid: PushdownPath | None = optional("rigid joints")
-    elastic: PushdownPath | None = optional("elastic joints")
 
 
 class Curve(Part):
@@ -150,6 +144,11 @@ class Pushovers(Part):
     control: str = key("control point that was followed")
     rigid: RigidPush | None = optional("rigid joints")
     elastic: ElasticPush | None = optional("elastic joints")
+
+    @property
+    def by_contacts(self) -> dict[Contacts, RigidPush | ElasticPush]:
+        """The curves that are there."""
+        return present({"rigid": self.rigid, "elastic": self.elastic})
 
 
 class Settlement(Part):

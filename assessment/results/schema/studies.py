@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from assessment.results.schema.checks import Direction
 from assessment.results.schema.part import Part, key, optional
 
 
@@ -59,7 +60,7 @@ class ScenarioPoint(Capacities):
     state: str = key("settlement that it is a part of")
     share: float = key("of the whole movement", "–")
     movement_m: float = key("largest component", "m")
-    direction: str = key("direction of the push")
+    direction: Direction = key("direction of the push")
     reduction: float | None = key("of `quantity` from the original state in the same direction", "–")
 
 
@@ -79,7 +80,7 @@ class SensitivityRun(Capacities):
     state: str = key("state")
     property: str = key("friction, stiffness, unit_weight or depth")
     factor: float = key("factor on it", "–")
-    direction: str = key("direction of the push")
+    direction: Direction = key("direction of the push")
 
 
 class Sensitivity(Part):

@@ -1,4 +1,4 @@
-"""The states of a campaign: each movement by each of its shares, settled, at rest, and what the static check gives."""
+"""The states of a campaign: each share of each movement at rest, and its static capacity."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from assessment.analyses.checks.capacity import assess
 from assessment.analyses.dynamic.inputs import ultimates
 from assessment.analyses.dynamic.time_history import Start
 from assessment.analyses.static.states import Request, StateResult, analyse_states
-from assessment.ntc.spectrum import ElasticSpectrum, Spectrum
+from assessment.ntc.demand.spectrum import ElasticSpectrum, Spectrum
 from assessment.project.schema import ORIGINAL
-from assessment.studies.increments import refined
+from assessment.studies.increments import finest
 from assessment.studies.scenarios import part
 from assessment.studies.variants import (
-    Demands,
     Numbers,
+    Statics,
     Study,
     behaviours,
     capacity_numbers,
@@ -26,6 +26,7 @@ from assessment.studies.variants import (
 from mechanics.procedures import whole_movement
 
 if TYPE_CHECKING:
+    from assessment.analyses.checks.demand import Demands
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable, SettlementTable
     from assessment.runtime.tasks import Workers
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Moved:
-    """A movement by a share: its largest component (m), the state at rest or why there is none, static capacity.
+    """A share of a movement: its largest component (m), the state at rest or why there is none, static capacity.
 
     `static`: PGA at the surface (g), or α where there is no assessment, of the weaker direction; `ultimate` (m):
     control displacement at which the static capacity vanishes. None: not known.
@@ -53,86 +54,84 @@ class Moved:
         return f"{self.settlement} × {self.share:g}"
 
 
-def moved_states(
-    project: Project,
-    model: Assembly,
-    states: Mapping[str, Any],
-    stages: Sequence[StateResult],
-    halvings: Mapping[str, int],
-    demands: Demands,
-    workers: Workers,
-    study: Study,
-) -> list[Moved]:
-    """Settle and push over each share of each movement that [campaign] asks for; movement by movement.
+@dataclass(frozen=True, eq=False)
+class _Reviewed:
+    """A state at rest, or why there is none; the analyses behind it, its pushover curves and their checks."""
 
-    Nothing is computed of the original state and of whole movements: they are in `states`, from `stages`.
+    start: Start
+    stages: Sequence[StateResult]
+    curves: Mapping[str, Any]
+    checks: Mapping[str, Any]
+
+
+def moved_states(
+    project: Project, model: Assembly, statics: Statics, demands: Demands, workers: Workers, study: Study
+) -> list[Moved]:
+    """Return the states after each share of each movement that [campaign] asks for, settled and pushed over.
+
+    The original state and whole movements are taken from `statics`.
     """
     table = project.campaign
     assert table is not None
     asked = table.settlements or project.states[1:]
-    wholes = {
-        each.name: (refined(project, halvings.get(each.name, 0)), number)
-        for number, each in enumerate(project.settlements)
-        if each.name in asked
-    }
-    between = [
-        (finer, finer.settlements[number], share)
-        for finer, number in wholes.values()
-        for share in table.shares
-        if 0.0 < share < 1.0
-    ]
-    parts = _parts(between, model, table, workers)
+    movements = [each for each in finest(project, statics.halvings) if each[1].name in asked]
+    parts = _parts(movements, model, table, workers)
     found = []
-    for name, (finer, number) in wholes.items():
-        whole = finer.settlements[number]
+    for _, whole in movements:
         length = whole_movement(model, whole.support, whole.displacement_m, whole.rotation_rad)
         for share in table.shares:
-            own = parts.get((name, share)) or [stage for stage in stages if stage.state == name]
             if share == 0.0:
-                start: Start = model.initial
-                own, curves, checks = [], *_of(states, ORIGINAL)
+                state = _Reviewed(model.initial, [], *statics.pushed(ORIGINAL))
             elif share == 1.0:
-                start = _rest(own, table)
-                curves, checks = _of(states, name)
+                own = statics.stages_of(whole.name)
+                state = _Reviewed(_rest(own, table), own, *statics.pushed(whole.name))
             else:
-                start = _rest(own, table)
-                curves, checks = _curves(own), {}
-                study.quality += [row for stage in own for row in stage.quality]
-                study.seconds += sum(sum(stage.seconds.values()) for stage in own)
-                study.warnings += [f"{name} × {share:g}: {text}" for stage in own for text in stage.failures]
-                if project.assessment:
-                    checks = assess(project, model, curves, demands.spectra, demands.hazard, study.warnings)
-            ultimate = ultimates({name: {"pushover": curves}})
-            point = project.control_point(table.control).name
-            found.append(
-                Moved(
-                    name,
-                    share,
-                    share * length,
-                    start,
-                    _static(project, own, curves, checks, demands),
-                    ultimate.get((name, point)),
-                )
-            )
+                own = parts[whole.name, share]
+                _take(study, whole.name, share, own)
+                state = _part(project, model, own, demands, study)
+            capacity = _static(project, state, demands)
+            ultimate = _ultimate(project, table, state.curves)
+            found.append(Moved(whole.name, share, share * length, state.start, capacity, ultimate))
     return found
 
 
 def _parts(
-    between: Sequence[tuple[Project, SettlementTable, float]],
+    movements: Sequence[tuple[Project, SettlementTable]],
     model: Assembly,
     table: CampaignTable,
     workers: Workers,
 ) -> dict[tuple[str, float], list[StateResult]]:
     """Analyse the shares of movements between none and the whole, under every behaviour that is needed."""
     keys, requests = [], []
-    for finer, whole, share in between:
-        for behaviour in dict.fromkeys([*behaviours(finer), table.contacts]):
-            keys.append((whole.name, share))
-            requests.append(Request(finer, model, part(whole, share), behaviour, f"× {share:g}: "))
+    for finer, whole in movements:
+        for share in table.shares:
+            if not 0.0 < share < 1.0:
+                continue
+            for behaviour in dict.fromkeys([*behaviours(finer), table.contacts]):
+                keys.append((whole.name, share))
+                requests.append(Request(finer, model, part(whole, share), behaviour, f"× {share:g}: "))
     parts: dict[tuple[str, float], list[StateResult]] = {}
     for key, result in zip(keys, analyse_states(requests, workers, "campaign"), strict=True):
         parts.setdefault(key, []).append(result)
     return parts
+
+
+def _part(
+    project: Project, model: Assembly, stages: Sequence[StateResult], demands: Demands, study: Study
+) -> _Reviewed:
+    """Return the state after a share of a movement, with its checks where there is an assessment."""
+    assert project.campaign is not None
+    curves = _curves(stages)
+    checks = assess(project, model, curves, demands, study.warnings) if project.assessment else {}
+    return _Reviewed(_rest(stages, project.campaign), stages, curves, checks)
+
+
+def _take(study: Study, name: str, share: float, stages: Iterable[StateResult]) -> None:
+    """Add what the analyses of a share left beside their curves."""
+    for stage in stages:
+        study.quality += stage.quality
+        study.seconds += sum(stage.seconds.values())
+        study.warnings += [f"{name} × {share:g}: {text}" for text in stage.failures]
 
 
 def _rest(stages: Iterable[StateResult], table: CampaignTable) -> Start:
@@ -141,10 +140,6 @@ def _rest(stages: Iterable[StateResult], table: CampaignTable) -> Start:
     if own.reached is not None:
         return own.reached
     return "; ".join(own.failures) or "the settled state was not reached"
-
-
-def _of(states: Mapping[str, Any], name: str) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-    return states[name]["pushover"], states[name]["capacity"]
 
 
 def _curves(stages: Iterable[StateResult]) -> Numbers:
@@ -157,19 +152,14 @@ def _curves(stages: Iterable[StateResult]) -> Numbers:
     return found
 
 
-def _static(
-    project: Project,
-    stages: Sequence[StateResult],
-    curves: Mapping[str, Any],
-    checks: Mapping[str, Any],
-    demands: Demands,
-) -> float | None:
-    """Return the static capacity of the weaker direction; None where that of a direction is not known."""
+def _static(project: Project, state: _Reviewed, demands: Demands) -> float | None:
+    """Return the static capacity of the weaker direction; None if that of a direction is not known."""
     if project.pushover is None:
         return None
     found = []
     for direction in project.pushover.directions:
-        numbers = capacity_numbers(project, stages, curves.get(direction, {}), checks.get(direction))
+        curves, checks = state.curves.get(direction, {}), state.checks.get(direction)
+        numbers = capacity_numbers(project, state.stages, curves, checks)
         value = numbers[quantity(project)]
         limit_state = quoted_limit_state(project)
         if value is not None and limit_state is not None:
@@ -178,7 +168,13 @@ def _static(
     return None if None in found else min(found)
 
 
+def _ultimate(project: Project, table: CampaignTable, curves: Mapping[str, Any]) -> float | None:
+    """Return the displacement of the campaign's control point (m) at which the static capacity vanishes."""
+    point = project.control_point(table.control).name
+    return ultimates({ORIGINAL: {"pushover": curves}}).get((ORIGINAL, point))
+
+
 def surface_pga(spectrum: Spectrum, a_g: float) -> float:
-    """Return the PGA at the surface (g) where the reference acceleration is a_g (g): a_g S, S that of a_g itself."""
+    """Return the PGA at the surface, a_g S (g), for a reference acceleration a_g (g); S depends on a_g too."""
     ground = getattr(spectrum, "ground", spectrum)
     return float(replace(ground, ag=a_g).S * a_g) if isinstance(ground, ElasticSpectrum) else a_g

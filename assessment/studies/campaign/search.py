@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
 
 Numbers = dict[str, Any]
-LEAST = 1e-3  # g: no search goes below it
+LEAST = 1e-3  # g: the lowest level of a search
 
 
 @dataclass
 class Combination:
-    """What a combination came to: `numbers` for results.json, the programs solved and the worst residual of them.
+    """Result of a combination: `numbers` for results.json, number of programs solved, and their worst residual.
 
-    `failures`: why it could not be completed; its numbers are then open.
+    `failures`: why it could not be completed; its numbers are then null.
     """
 
     numbers: Numbers
@@ -43,7 +43,7 @@ def search_collapse(
     max_scale: float,
     tolerance: float,
 ) -> Combination:
-    """Bracket the PGA (g) at collapse within `tolerance`, relative; levels up to `max_scale` times the record."""
+    """Bracket the PGA (g) at collapse within a relative `tolerance`, up to `max_scale` times the PGA of the record."""
 
     def searched(levels: Levels) -> Numbers:
         found = find_collapse(
@@ -73,7 +73,7 @@ def run_stripes(
     scatter: Scatter,
     pgas: tuple[float, ...],
 ) -> Combination:
-    """Shake by the record at each PGA (g), smallest first: at which some member collapses, and at which all do."""
+    """Return at which of the levels `pgas` (g), in ascending order, some member collapses, and at which all do."""
 
     def struck(levels: Levels) -> Numbers:
         some = [levels.some(pga) for pga in pgas]
@@ -94,7 +94,7 @@ def run_stripes(
 
 
 def open_numbers(reason: str | None) -> Numbers:
-    """Return the numbers of a combination that could not be run, or not to its end."""
+    """Return the numbers of a combination that was not run, or not completed."""
     return {
         "pga_collapse_g": None,
         "pga_safe_g": None,
@@ -130,7 +130,7 @@ def _completed(levels: Levels, run: Callable[[Levels], Mapping[str, Any]]) -> Co
 
 
 def _residual(members: list[Member]) -> float | None:
-    """Return the largest displacement (m) that a member stays with; None where one collapses."""
+    """Return the largest residual displacement (m) of the members; None if one collapses."""
     if any(each.collapsed for each in members):
         return None
     return max(abs(float(each.displacement[-1])) for each in members)

@@ -1,4 +1,4 @@
-"""A campaign: what is run, each combination once and the long ones first, and its results."""
+"""A campaign: its combinations are run, each once and the long ones first, and summed up."""
 
 from __future__ import annotations
 
@@ -9,28 +9,20 @@ from typing import TYPE_CHECKING, Any
 from assessment.analyses.dynamic.ensemble import Scatter, scatter_of
 from assessment.analyses.dynamic.incremental import ENOUGH
 from assessment.analyses.dynamic.inputs import WORTHWHILE
-from assessment.analyses.dynamic.record_set import (
-    HIGH,
-    LOW,
-    Target,
-    compatibility,
-    made_record,
-    ordinate,
-    scaled_to,
-)
+from assessment.analyses.dynamic.record_set import HIGH, LOW
 from assessment.analyses.dynamic.response import Setting
 from assessment.analyses.dynamic.time_history import quality_row
-from assessment.project.motions import motion_of
 from assessment.project.schema import MotionTable
 from assessment.runtime.fingerprint import fingerprint
 from assessment.studies.campaign.movements import Moved, moved_states
+from assessment.studies.campaign.records import RecordSet, record_set
 from assessment.studies.campaign.search import Combination, open_numbers, run_stripes, search_collapse
 from assessment.studies.campaign.summary import Observed, fragility, loss
-from assessment.studies.variants import Demands, Numbers, Study, quantity
+from assessment.studies.variants import Numbers, Statics, Study, quantity
 from mechanics.procedures import Mirror
 
 if TYPE_CHECKING:
-    from assessment.analyses.static.states import StateResult
+    from assessment.analyses.checks.demand import Demands
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable
@@ -42,9 +34,9 @@ RUNS = 30  # motions of a combination, about
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """A combination: a record of one sign from a state at rest; `ratio`: of the measure to the PGA of its record.
+    """A combination: a record of one sign from a state at rest; `ratio`: intensity measure over the PGA of the record.
 
-    `run_sign`: the sign that is run; where the structure is its own mirror image, both signs are the same run.
+    `run_sign`: the sign that is run; both signs of a structure that is its own mirror image are one run.
     """
 
     moved: Moved
@@ -55,12 +47,12 @@ class Asked:
 
     @property
     def title(self) -> str:
-        """What is run, for people."""
+        """Name of the combination for messages."""
         return f"{self.moved.title}, {self.motion.name}, {'+' if self.sign > 0 else '−'}"
 
     @property
     def key(self) -> tuple[str, str, int]:
-        """What combinations that are one have in common."""
+        """Key of the run; combinations with the same key are one run."""
         start = fingerprint(search_collapse, (self.moved.start, self.moved.ultimate))
         return start, self.motion.name, self.run_sign
 
@@ -74,57 +66,25 @@ def campaign(
     project: Project,
     model: Assembly,
     motions: Sequence[BaseMotion],
-    states: Mapping[str, Any],
-    stages: Sequence[StateResult],
-    halvings: Mapping[str, int],
+    statics: Statics,
     demands: Demands,
     workers: Workers,
     study: Study,
 ) -> Numbers:
     """Run every combination that [campaign] asks for and return its results; `motions`: of the files it names.
 
-    What could not be completed is in study.failures, and in the results with its reason.
+    Combinations that could not be completed are in study.failures, and in the results with their reason.
     """
     table = project.campaign
     assert table is not None
-    records, spectrum = _record_set(project, table, motions, demands, workers)
+    records = record_set(project, table, motions, demands, workers)
     told = {note for motion in motions for note in motion.notes}
-    study.warnings += [note for motion in records for note in motion.notes if note not in told]
-    moved = moved_states(project, model, states, stages, halvings, demands, workers, study)
-    ratios = [ordinate(each, table.period_s) / each.pga if table.period_s else 1.0 for each in records]
-    mirrored = _mirrored(project, model, table)
-    asked = [
-        Asked(
-            state, motion, sign, ratio, table.signs[0] if mirrored and state.start is model.initial else sign
-        )
-        for state in moved
-        for motion, ratio in zip(records, ratios, strict=True)
-        for sign in table.signs
-    ]
+    study.warnings += [note for motion in records.motions for note in motion.notes if note not in told]
+    moved = moved_states(project, model, statics, demands, workers, study)
+    asked = _combinations(project, model, table, records, moved)
     scatter = scatter_of(project)
     done = _run(project, model, table, scatter, asked, workers)
-    combinations: list[Numbers] = []
-    first: dict[tuple[str, str, int], Asked] = {}
-    for each in asked:
-        numbers = open_numbers(each.moved.start) if isinstance(each.moved.start, str) else None
-        if numbers is None:
-            origin = first.setdefault(each.key, each)
-            result = done[each.key]
-            numbers = dict(result.numbers)
-            if origin is not each:
-                place = {"settlement": origin.moved.settlement, "share": origin.moved.share}
-                numbers |= {"same_as": place | {"sign": origin.sign}, "runs": 0, "points": []}
-            else:
-                study.quality.append(quality_row(each.moved.title, "campaign", result.programs, result.worst))
-                study.seconds += result.seconds
-                study.failures += [f"campaign: {each.title}: {text}" for text in result.failures]
-        combinations.append(_row(each, numbers, table))
-    observed = {
-        id(state): [
-            _observed(each, row) for each, row in zip(asked, combinations, strict=True) if each.moved is state
-        ]
-        for state in moved
-    }
+    rows = _rows(asked, done, table, study)
     found: Numbers = {
         "measure": table.measure,
         "period_s": table.period_s,
@@ -134,63 +94,40 @@ def campaign(
         "contacts": table.contacts,
         "members": scatter.members,
         "static_quantity": quantity(project) if project.pushover else None,
-        "records": [_record(each, ratio, table) for each, ratio in zip(records, ratios, strict=True)],
-        "spectrum": spectrum,
-        "combinations": combinations,
+        "records": records.numbers(table),
+        "spectrum": records.spectrum,
+        "combinations": rows,
         "computed": len(done),
         "failures": study.failures.copy(),
+        **_by_movement(moved, asked, rows, table, scatter.members),
     }
-    for state in moved:
-        of_state = observed[id(state)]
-        base = next(
-            (other for other in moved if other.settlement == state.settlement and other.share == 0.0), None
-        )
-        place = {"settlement": state.settlement, "share": state.share, "movement_m": state.movement}
-        row = fragility(of_state, table.levels_g, scatter.members)
-        found.setdefault("fragility", []).append(place | row)
-        before = observed[id(base)] if base else []
-        lost = loss(before, of_state, base.static if base else None, state.static, table.levels_g)
-        found.setdefault("loss", []).append(place | lost)
     study.findings += _findings(found, table)
     return found
 
 
-def _mirrored(project: Project, model: Assembly, table: CampaignTable) -> bool:
-    """Whether the structure as drawn collapses under a record as under its negative: as the mirror image of itself.
+def _combinations(
+    project: Project, model: Assembly, table: CampaignTable, records: RecordSet, moved: Sequence[Moved]
+) -> list[Asked]:
+    """Return every state under every record with every sign; a symmetric structure as drawn runs one sign only."""
+    mirrored = _mirrored(project, model, table)
+    return [
+        Asked(
+            state, motion, sign, ratio, table.signs[0] if mirrored and state.start is model.initial else sign
+        )
+        for state in moved
+        for motion, ratio in zip(records.motions, records.ratios, strict=True)
+        for sign in table.signs
+    ]
 
-    The control point decides where its displacement beyond which the static capacity is none is known: it has to be
-    its own image then.
+
+def _mirrored(project: Project, model: Assembly, table: CampaignTable) -> bool:
+    """Whether the structure as drawn responds to a record and to its negative with mirror images.
+
+    The control point has to be its own mirror image too: its ultimate displacement may decide about collapse.
     """
     mirror = Mirror.of(model, table.contacts)
     point = project.control_point(table.control).point_m
     return mirror is not None and mirror.swaps(point, point)
-
-
-def _record_set(
-    project: Project,
-    table: CampaignTable,
-    motions: Sequence[BaseMotion],
-    demands: Demands,
-    workers: Workers,
-) -> tuple[list[BaseMotion], Numbers | None]:
-    """Return the records of the files, or those made; scaled where asked for; their mean spectrum with the target."""
-    found = list(motions)
-    if not (table.generated or table.spectrum_compatible):
-        return found, None
-    target = Target.of(demands.spectra)
-    if table.generated:
-        seeds = range(1, table.generated + 1)
-        made = workers.each(
-            "campaign: records",
-            made_record,
-            [(target.spectrum, seed) for seed in seeds],
-            [f"record {seed}" for seed in seeds],
-            table.generated > 1,
-        )
-        found = [motion_of(project, "campaign", table, record) for record in made]
-    if table.spectrum_compatible:
-        found = scaled_to(target, found, table)
-    return found, compatibility(target, found, table)
 
 
 def _run(
@@ -201,7 +138,7 @@ def _run(
     asked: Sequence[Asked],
     workers: Workers,
 ) -> dict[tuple[str, str, int], Combination]:
-    """Run each combination once, those of most samples first: what is long must not begin last."""
+    """Run each combination once, the ones with most samples first: no long one begins last."""
     own = MotionTable(**{key: getattr(table, key) for key in MotionTable.model_fields})
     point = project.control_point(table.control)
     distinct = {each.key: each for each in reversed(asked) if not isinstance(each.moved.start, str)}
@@ -222,6 +159,32 @@ def _run(
         RUNS * len(model.contacts) * samples > WORTHWHILE,
     )
     return dict(zip(order, found, strict=True))
+
+
+def _rows(
+    asked: Sequence[Asked],
+    done: Mapping[tuple[str, str, int], Combination],
+    table: CampaignTable,
+    study: Study,
+) -> list[Numbers]:
+    """Return the row of each combination; if several are one run, the later ones name the first."""
+    rows: list[Numbers] = []
+    first: dict[tuple[str, str, int], Asked] = {}
+    for each in asked:
+        numbers = open_numbers(each.moved.start) if isinstance(each.moved.start, str) else None
+        if numbers is None:
+            origin = first.setdefault(each.key, each)
+            result = done[each.key]
+            numbers = dict(result.numbers)
+            if origin is not each:
+                place = {"settlement": origin.moved.settlement, "share": origin.moved.share}
+                numbers |= {"same_as": place | {"sign": origin.sign}, "runs": 0, "points": []}
+            else:
+                study.quality.append(quality_row(each.moved.title, "campaign", result.programs, result.worst))
+                study.seconds += result.seconds
+                study.failures += [f"campaign: {each.title}: {text}" for text in result.failures]
+        rows.append(_row(each, numbers, table))
+    return rows
 
 
 def _row(each: Asked, numbers: Numbers, table: CampaignTable) -> Numbers:
@@ -252,19 +215,34 @@ def _observed(each: Asked, row: Numbers) -> Observed:
     )
 
 
-def _record(motion: BaseMotion, ratio: float, table: CampaignTable) -> Numbers:
-    numbers: Numbers = {
-        "record": motion.name,
-        "record_pga_g": motion.pga,
-        "scale": motion.scale,
-        "duration_s": motion.record.duration,
-        "time_step_s": motion.record.time_step,
+def _by_movement(
+    moved: Sequence[Moved],
+    asked: Sequence[Asked],
+    rows: Sequence[Numbers],
+    table: CampaignTable,
+    members: int,
+) -> Numbers:
+    """Return the fragility of each state, and its loss of capacity against the state before the movement."""
+    observed = {
+        id(state): [
+            _observed(each, row) for each, row in zip(asked, rows, strict=True) if each.moved is state
+        ]
+        for state in moved
     }
-    return numbers | ({"sa_g": ratio * motion.pga} if table.period_s else {})
+    unmoved = {state.settlement: state for state in reversed(moved) if state.share == 0.0}
+    found: Numbers = {"fragility": [], "loss": []}
+    for state in moved:
+        after, base = observed[id(state)], unmoved.get(state.settlement)
+        before = observed[id(base)] if base else []
+        place = {"settlement": state.settlement, "share": state.share, "movement_m": state.movement}
+        found["fragility"].append(place | fragility(after, table.levels_g, members))
+        lost = loss(before, after, base.static if base else None, state.static, table.levels_g)
+        found["loss"].append(place | lost)
+    return found
 
 
 def _findings(found: Numbers, table: CampaignTable) -> list[str]:
-    """Return what the user should know of the campaign as a whole."""
+    """Return warnings about the campaign as a whole."""
     findings = []
     records = len(found["records"])
     if records < ENOUGH:

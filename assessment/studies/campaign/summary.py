@@ -1,4 +1,4 @@
-"""What the combinations of a campaign come to at one movement: fragility, the standard's value, loss of capacity."""
+"""Summary of the combinations of a campaign at one movement: fragility, the standard's value, loss of capacity."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assessment.analyses.dynamic.incremental import ENOUGH, summarise
+from assessment.analyses.dynamic.incremental import ENOUGH, standard_value
 from assessment.results.table import reduction
 from assessment.studies.campaign.fragility import (
     Lognormal,
@@ -26,10 +26,10 @@ BAND = (0.16, 0.84)  # of the losses of single records: one standard deviation t
 
 @dataclass(frozen=True)
 class Observed:
-    """What a record of one sign gave at one movement; levels are PGA (g), `ratio` times that the measure.
+    """Result of a record of one sign at one movement. Levels are PGA (g); `ratio` times the PGA is the measure.
 
-    `collapse`: some member collapses, None: none up to `safe`; both None: not completed. `certain`: all members
-    collapse. Of stripes `fallen` and `all_fallen`: whether some, and all, collapse at each level.
+    `collapse`: level at which some member collapses, None: none does up to `safe`; both None: not completed. `certain`:
+    level at which all members collapse. `fallen`, `all_fallen` (stripes): whether some, or all, collapse at each.
     """
 
     record: str
@@ -50,9 +50,9 @@ class Observed:
 def fragility(observed: Sequence[Observed], levels: Sequence[float] | None, members: int) -> Numbers:
     """Fit the lognormal fragility of a movement; `levels` (g): of stripes; `members` of each ensemble.
 
-    `median_g` and `beta` are of the measure, of the levels at which some member collapses; ranges are those that the
-    bootstrap gives. `beta_ensemble` is the scatter within one combination, from the range of its members (Tippett),
-    `beta_record` what remains of `beta` without it. `pga_collapse_g` (PGA): what NTC 2018 §7.3.5 takes by its `rule`.
+    `median_g` and `beta` refer to the measure at which some member collapses; their ranges are those of the bootstrap.
+    `beta_ensemble` is the scatter within a combination, from the range of its members (Tippett); `beta_record` is the
+    rest of `beta`. `pga_collapse_g` (PGA): the value by NTC 2018 §7.3.5, with its `rule`.
     """
     known = [each for each in observed if not each.failed]
     row: Numbers = {
@@ -91,7 +91,7 @@ def _fit(known: Sequence[Observed], levels: Sequence[float] | None, weights: Arr
 def _scatter(
     known: Sequence[Observed], levels: Sequence[float] | None, members: int, median: float, beta: float
 ) -> Numbers:
-    """Part the scatter: what the members of an ensemble have among themselves, and the records beside that."""
+    """Divide the scatter into that within the ensembles and that between the records."""
     if members < 2:
         return {}
     unit = Scatter.of(members)
@@ -117,7 +117,7 @@ def _scatter(
 
 
 def _standard(observed: Sequence[Observed]) -> Numbers:
-    """Return what NTC 2018 §7.3.5 takes: of each record its worse sign; mean of seven or more, else the lowest."""
+    """Return the value by NTC 2018 §7.3.5: each record with its worse sign; mean of seven or more, else the lowest."""
     worse = []
     for name in dict.fromkeys(each.record for each in observed):
         own = [each for each in observed if each.record == name]
@@ -126,7 +126,7 @@ def _standard(observed: Sequence[Observed]) -> Numbers:
         collapse = None if failed else min(fallen, default=None)
         safe = None if failed else min(each.safe for each in own if each.safe is not None)
         worse.append({"record": name, "pga_collapse_g": collapse, "pga_safe_g": safe})
-    found = summarise(worse, [], "")
+    found = standard_value(worse)
     return {key: found[key] for key in ("rule", "pga_collapse_g")}
 
 
@@ -139,8 +139,8 @@ def loss(
 ) -> Numbers:
     """Return the loss of capacity 1 − after/before of a movement, `dynamic` beside `static`.
 
-    Of searches: the median of the losses of single records, each sign by itself, and their 16-84 %; pairs that are not
-    known on both sides are counted in `left_out`. Of stripes: the loss of the median, without a range.
+    Searches give the median of the losses of single records, each sign by itself, and their 16-84 %; pairs with a value
+    missing are counted in `left_out`. Stripes give the loss of the median, without a range.
     """
     row: Numbers = {
         "dynamic": None,
@@ -167,7 +167,7 @@ def loss(
 
 
 def _quantile(values: Sequence[float], share: float) -> float | None:
-    """Return a quantile; None where it is a loss of which only an upper bound is known."""
+    """Return a quantile; None if only an upper bound of it is known."""
     place = share * (len(values) - 1)
     low, high = (sorted(values)[place_of(place)] for place_of in (math.floor, math.ceil))
     if math.isinf(low):

@@ -15,7 +15,7 @@ from assessment.analyses.checks.chosen_mechanism import (
 from assessment.analyses.checks.virtual_work import virtual_displacements
 from assessment.cli.main import main
 from assessment.ntc.capacity import mechanism_participation
-from assessment.ntc.spectrum import ElasticSpectrum
+from assessment.ntc.demand.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method
 from assessment.project.formats.toml import read_toml
 from assessment.project.formats.xlsx import to_xlsx
@@ -23,13 +23,14 @@ from assessment.project.mechanisms import Chosen, MacroBlock
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.tables.capacity import chosen_mechanisms, trace
-from assessment.report.text.language import words_of
+from assessment.report.text.language import Words
 from assessment.report.text.messages import translated
 from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, limit_analysis, pushover
 from tests.support.block_project import PROJECT
 from tests.support.structures import arch_on_piers, block_on_base, rectangle, semicircular_arch
 from tests.support.trace_check import recomputed
+from tests.support.typed import typed
 
 STONE = Material(18.0, 0.7, 1e6)
 GROUND = ElasticSpectrum(0.25, 2.4, 0.30)
@@ -168,7 +169,7 @@ def test_a_wedge_without_hinges_has_no_nonlinear_check():
     answer = found(model, ((1e4, -1e5), -1e-5, [1, 2, 3]), demands={"SLV": GROUND})
     assert "SLV" not in answer and "SLV linear" in answer
     assert any("no nonlinear check: the hinges between" in note for note in answer["notes"])
-    words = words_of({"echo": {}})
+    words = Words.of("it")
     assert all(translated(note, words) != note for note in answer["notes"])
 
 
@@ -249,7 +250,7 @@ def test_in_a_settled_state_it_stands_beside_the_alpha_0_that_is_printed():
     assert note.startswith(
         "alpha_0 is below that of the state, 0.2: a hinge of the settlement closes from α = 0.037"
     )
-    assert "cerniera del cedimento" in translated(note, words_of({"echo": {}}))
+    assert "cerniera del cedimento" in translated(note, Words.of("it"))
 
 
 def test_a_joint_that_slides_is_told():
@@ -326,8 +327,8 @@ def test_a_project_with_mechanisms(project):
     assert any("wrong way" in text and "refused" in text for text in results["quality"]["warnings"])
     assert answers["settled"]["alpha_0"] == pytest.approx(np.tan(np.arctan(1 / 7) - 0.02), rel=2e-3)
     assert answers["settled"]["alpha_0"] == pytest.approx(answers["settled"]["alpha_0_limit"], rel=2e-3)
-    assert len(chosen_mechanisms(results).rows) == 5
-    assert "by region: capacity" in {row["part"] for row in trace(results).rows}
+    assert len(chosen_mechanisms(typed(results)).rows) == 5
+    assert "by region: capacity" in {row["part"] for row in trace(typed(results)).rows}
 
 
 @pytest.mark.parametrize(

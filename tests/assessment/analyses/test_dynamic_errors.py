@@ -15,7 +15,7 @@ from assessment.analyses.dynamic.ensemble import Scatter
 from assessment.analyses.dynamic.errors import collapses_again
 from assessment.analyses.dynamic.incremental import search
 from assessment.analyses.dynamic.inputs import Campaign
-from assessment.analyses.dynamic.time_history import StageResult
+from assessment.analyses.dynamic.time_history import Shaking, StageResult
 from assessment.project.model import build_model
 from assessment.project.motions import incremental_motions
 from assessment.project.project import load_project
@@ -92,7 +92,7 @@ def test_the_error_of_the_pga_at_collapse_bounds_the_distance_from_finer_analyse
     with Workers(1) as workers:
         starts = {("original", "rigid"): model.initial}
         [task] = Campaign(project, model, starts, {}, workers).tasks(project.incremental, [motion])
-    exact = search(*task, Scatter(1, 0.1), 8.0, 0.002).numbers["pga_collapse_g"]
+    exact = search(task, Scatter(1, 0.1), 8.0, 0.002).numbers["pga_collapse_g"]
     [entry] = results["states"]["original"]["incremental"]["records"]
     given_step, *_ = row["levels"]["pga_collapse_g"]
     assert given_step == entry["pga_collapse_g"] and len(row["levels"]["pga_collapse_g"]) == 3
@@ -104,10 +104,10 @@ def test_the_error_of_the_pga_at_collapse_bounds_the_distance_from_finer_analyse
 def again(project, found: dict, *finer: dict):
     """Study one search that is made up, and what the two finer ones find."""
     motions = incremental_motions(project)
-    task = (None, motions[0], None, "original", None)
+    task = Shaking(None, motions[0], None, "original", None)
 
     def each(_, __, tasks, *more) -> list[StageResult]:
-        assert [motion.record.time_step for _, motion, *_ in tasks] == [STEP / 2, STEP / 4][: len(tasks)]
+        assert [task.motion.record.time_step for task, *_ in tasks] == [STEP / 2, STEP / 4][: len(tasks)]
         return [StageResult("original", "incremental", one) for one in finer][: len(tasks)]
 
     campaign = SimpleNamespace(

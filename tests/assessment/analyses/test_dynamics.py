@@ -11,8 +11,8 @@ from assessment.analyses.dynamic import time_history as dynamics
 from assessment.analyses.dynamic.ensemble import sustained_peak
 from assessment.analyses.dynamic.response import TAIL as FREE
 from assessment.analyses.dynamic.response import Setting, respond
-from assessment.analyses.dynamic.time_history import history, thinned
-from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
+from assessment.analyses.dynamic.time_history import Shaking, history, thinned
+from assessment.ntc.demand.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.catalogue.record import write_artificial_record
 from assessment.project.model import build_model
@@ -25,13 +25,14 @@ from assessment.report.figures.index import pictures, write_figures
 from assessment.report.tables.index import tables
 from assessment.report.text.language import words_of
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.pool import Pool
+from assessment.runtime.processes.pool import Pool
 from assessment.workflow.dynamic import read_motions
 from assessment.workflow.stages import run
 from mechanics import ConvergenceError
 from mechanics.records.record import Record, read_record
 from mechanics.records.response_spectrum import response_spectrum
 from tests.support.structures import block_on_base
+from tests.support.typed import typed
 
 STEP = 0.02
 TIME = STEP * np.arange(101)
@@ -192,16 +193,16 @@ def test_results_are_json_and_every_solve_counts(outcome):
 def test_figures_tables_and_report(outcome, tmp_path, language):
     results = json.loads(json.dumps(outcome.results))
     results["echo"]["report"]["language"] = language
-    names = {picture.name for picture in pictures(results)}
+    names = {picture.name for picture in pictures(typed(results))}
     assert {"record_1", "history_1", "history_2", "incremental"} <= names
     assert {"shapes_1_0_original", "shapes_2_1_base_ruotata_20_mrad"} <= names
     assert "fragility" not in names  # one record has no scatter
-    write_figures(Pool(0, results), tmp_path)
-    filled = {table.name: table for table in tables(results) if table.rows}
+    write_figures(Pool(0, typed(results)), tmp_path)
+    filled = {table.name: table for table in tables(typed(results)) if table.rows}
     assert len(filled["history"].rows) == 4
     assert {"history_energy", "history_curves", "record_spectra"} <= filled.keys()
     assert {"incremental", "incremental_states", "incremental_curves", "static_dynamic"} <= filled.keys()
-    html = render_html(results, tmp_path, words_of(results))
+    html = render_html(typed(results), tmp_path, words_of(typed(results)))
     for chapter in ('id="history"', 'id="incremental"'):
         assert chapter in html
 
@@ -213,7 +214,11 @@ def test_without_dynamic_tables_nothing_changes(tmp_path):
     assert "motions" not in outcome.results
     assert list(outcome.results["states"]) == ["base ruotata 20 mrad"]
     assert outcome.results["timing_s"].keys() == {"pushdown"}
-    assert {picture.section for picture in pictures(outcome.results)} == {"model", "settlements", "pushdown"}
+    assert {picture.section for picture in pictures(typed(outcome.results))} == {
+        "model",
+        "settlements",
+        "pushdown",
+    }
 
 
 def test_a_state_that_collapses_under_its_settlement(tmp_path):
@@ -297,7 +302,7 @@ def test_a_step_that_is_not_solved_is_a_failure(setting, monkeypatch):
 
     monkeypatch.setattr(response, "time_history", refuse)
     model = block_on_base(0.6, 2.4)
-    result = history(model, _motion(Record(WAVE, STEP, "wave")), setting, "original", model.initial)
+    result = history(Shaking(model, _motion(Record(WAVE, STEP, "wave")), setting, "original", model.initial))
     assert result.failures == ["original, history of wave: step 3: no solution"]
     assert result.numbers["collapsed"] is None
 
@@ -315,7 +320,7 @@ def test_an_animation_is_written_where_it_is_asked_for(tmp_path, language, monke
     times, configurations = strong["frames"]["time_s"], strong["frames"]["configuration"]
     assert len(times) == len(configurations) <= dynamics.FRAMES
     assert np.array(configurations).shape == (len(times), 2, 3)
-    paths = [film.result() for film in write_animations(Pool(0, results), tmp_path)]
+    paths = [film.result() for film in write_animations(Pool(0, typed(results)), tmp_path)]
     assert [path.name for path in paths] == [
         "history_2_0_original.gif",
         "history_2_1_base_ruotata_20_mrad.gif",
@@ -325,7 +330,7 @@ def test_an_animation_is_written_where_it_is_asked_for(tmp_path, language, monke
         assert sum(_duration(film, n) for n in range(film.n_frames)) == pytest.approx(
             len(times) * times[1], rel=0.05
         )
-    again = write_animations(Pool(0, results), tmp_path / "again")[0].result()
+    again = write_animations(Pool(0, typed(results)), tmp_path / "again")[0].result()
     assert paths[0].read_bytes() == again.read_bytes()
 
 

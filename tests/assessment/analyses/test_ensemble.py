@@ -12,7 +12,7 @@ from assessment.analyses.dynamic import histories
 from assessment.analyses.dynamic.ensemble import Course, Scatter, agree, lowest_median_highest
 from assessment.analyses.dynamic.histories import together
 from assessment.analyses.dynamic.response import Setting, respond
-from assessment.analyses.dynamic.time_history import StageResult
+from assessment.analyses.dynamic.time_history import Shaking, StageResult
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, HistoryTable
 from mechanics.records.record import Record
@@ -70,7 +70,7 @@ class Alone:
         return list(self.own)
 
     def each(self, stage, function, tasks, runs, *more):
-        self.runs += [task[1].amplitude for task in tasks]
+        self.runs += [task.motion.amplitude for task, *_ in tasks]
         return [function(*task, *more) for task in tasks]
 
 
@@ -89,7 +89,7 @@ def shaken(model, point, contacts, acceleration, step, scatter=5, accuracy="fast
     record = Record(acceleration, step, "r")
     motion = BaseMotion(record, record, record.pga, 1.0)
     setting = Setting(table, ControlTable(name="top", point_m=point))
-    task = (model, motion, setting, "original", model.initial)
+    task = Shaking(model, motion, setting, "original", model.initial)
     campaign = Alone(Asked(table, scatter, accuracy), task)
     [found] = histories.histories(campaign, [motion])
     return found, campaign.runs

@@ -7,7 +7,7 @@ import pytest
 
 from assessment.analyses.dynamic import histories
 from assessment.analyses.dynamic.response import Setting, respond
-from assessment.analyses.dynamic.time_history import StageResult
+from assessment.analyses.dynamic.time_history import Shaking, StageResult
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, HistoryTable
 from mechanics.records.record import Record
@@ -30,7 +30,7 @@ class Asked:
         table = HistoryTable(record="pulse", contacts="rigid", integrator=integrator)
         record = Record(acceleration, STEP, "pulse").resampled(step)
         self.motion = BaseMotion(record, record, float(abs(acceleration).max()), 1.0)
-        self.task = (model, self.motion, Setting(table, CONTROL), "original", model.initial)
+        self.task = Shaking(model, self.motion, Setting(table, CONTROL), "original", model.initial)
         self.project, self.history, self.scatter, self.accuracy = self, (table,), 1, accuracy
 
     def tasks(self, *_):
@@ -78,8 +78,8 @@ def test_the_error_of_a_slide_is_bounded_by_the_estimate():
 def test_the_error_of_a_rocking_block_is_bounded_by_the_estimate():
     """Second order, one cycle of a sine; reference: the same with a sixteenth of the step."""
     model = block_on_base()
-    _, motion, setting, _, start = Asked(model, SINE, "fast", "second-order", STEP / 16).task
-    reference = respond(model, motion, setting, start)
+    fine = Asked(model, SINE, "fast", "second-order", STEP / 16).task
+    reference = respond(model, fine.motion, fine.setting, fine.start)
     assert not reference.collapsed
     bounded(Asked(model, SINE, "fine", "second-order").found(), float(abs(reference.displacement).max()))
 
@@ -122,7 +122,8 @@ def test_a_finer_time_step_that_fails_leaves_the_coarser_one(monkeypatch):
 def made_up(monkeypatch, accuracy, told, weaker=None, scatter=1):
     """A history whose peak and collapse are told for each share of the time step; `weaker`: the peak of the other."""
 
-    def made(_, motion, __, state, ___):
+    def made(shaking):
+        motion, state = shaking.motion, shaking.state
         peak, fell = told(motion.record.time_step / STEP)
         if motion.amplitude < 1.0:
             peak = weaker

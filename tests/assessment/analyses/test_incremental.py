@@ -13,6 +13,7 @@ from assessment.analyses.dynamic.bracket import find_collapse
 from assessment.analyses.dynamic.ensemble import Scatter
 from assessment.analyses.dynamic.incremental import Levels, fragility, point, search, summarise
 from assessment.analyses.dynamic.response import Setting
+from assessment.analyses.dynamic.time_history import Shaking
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, IncrementalTable
 from mechanics.records.record import Record
@@ -225,7 +226,7 @@ def setting():
 def test_the_pulse_that_overturns_a_slender_block(pulse, setting):
     """cosh(p t) = 1 + 1/(2k(k − 1)), k = a/(g α) (slender rigid block, benchmark list [L]); α as its tangent, 5 %."""
     model = block_on_base(0.6, 4.2)
-    found = search(model, pulse, setting, "original", model.initial, SINGLE, 5.0, 0.005)
+    found = search(Shaking(model, pulse, setting, "original", model.initial), SINGLE, 5.0, 0.005)
     numbers = found.numbers
     p = math.sqrt(3.0 * 9.80665 / (4.0 * 0.5 * math.hypot(0.6, 4.2)))
     share = 1.0 / (2.0 * (math.cosh(0.5 * p) - 1.0))
@@ -243,14 +244,16 @@ def test_the_pulse_that_overturns_a_slender_block(pulse, setting):
 
 def test_no_collapse_up_to_max_scale_is_null_with_a_warning(pulse, setting):
     model = block_on_base(0.6, 4.2)
-    found = search(model, pulse, setting, "original", model.initial, SINGLE, 1.2, 0.05)
+    found = search(Shaking(model, pulse, setting, "original", model.initial), SINGLE, 1.2, 0.05)
     assert found.numbers["pga_collapse_g"] is None
     assert found.numbers["pga_safe_g"] == pytest.approx(0.12)
     assert "max_scale" in found.warnings[0]
 
 
 def test_a_state_that_was_not_reached_is_null_with_the_reason(pulse, setting):
-    found = search(block_on_base(0.6, 4.2), pulse, setting, "settled", "it collapses", SINGLE, 5.0, 0.05)
+    found = search(
+        Shaking(block_on_base(0.6, 4.2), pulse, setting, "settled", "it collapses"), SINGLE, 5.0, 0.05
+    )
     assert found.numbers["pga_collapse_g"] is None
     assert found.numbers["reason"] == "it collapses"
     assert "it collapses" in found.warnings[0]

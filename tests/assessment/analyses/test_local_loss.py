@@ -9,16 +9,20 @@ from assessment.analyses.checks.capacity import assess, with_loss
 from assessment.analyses.checks.demand import demand_spectra
 from assessment.analyses.static.local_loss import local_loss, loss_told
 from assessment.ntc.verification import Method
+from assessment.project.catalogue.new_project import write_drawing
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.report.document import _local_limit
-from assessment.report.text.language import Words, words_of
+from assessment.report.document import _local_limit, write_page
+from assessment.report.figures.index import write_figures
+from assessment.report.text.language import Words
 from assessment.report.text.messages import translated
+from assessment.runtime.processes.pool import Pool
 from assessment.workflow.stages import run
-from mechanics import Assembly, Block, Material, pushover
+from mechanics import Assembly, Block, Material, pushdown, pushover
 from tests.support.block_project import ASSESSMENT, PROJECT, write_block
 from tests.support.results_example import results_example
 from tests.support.structures import block_on_base, rectangle
+from tests.support.typed import typed
 
 STONE = Material(18.0, 0.2)
 
@@ -36,12 +40,14 @@ def test_a_block_slides_past_an_edge():
     positions = [model.initial.positions + np.array([[0, 0, 0], [way, 0, 0]]) for way in ways]
     states = [replace(model.initial, positions=each) for each in positions]
     forces = np.array([[1.44, 0.0, 0.0]])
-    loss = local_loss(model, states, ways, forces)
+    loss = local_loss(model, states, ways, forces, falls=False)
     assert loss["displacement_m"] == pytest.approx(0.4)
     assert (loss["joint"], loss["blocks"], loss["overlap_m"]) == (0, [0, 1], pytest.approx(0.4))
-    assert local_loss(model, states[:4], ways[:4], forces) is None
-    assert local_loss(model, states, ways, 0.0 * forces) is None  # a joint that bears nothing loses nothing
-    words = words_of({"echo": {}})
+    assert local_loss(model, states[:4], ways[:4], forces, falls=True) is None
+    assert (
+        local_loss(model, states, ways, 0.0 * forces, falls=True) is None
+    )  # a joint that bears nothing loses nothing
+    words = Words.of("it")
     assert "perdere l’appoggio a d = 0,4 m" in translated(loss_told(loss), words)
 
 
@@ -49,7 +55,7 @@ def test_a_hinge_that_turns_loses_nothing():
     model = block_on_base(0.6, 4.2)
     path = pushover(model, (0.6, 4.2), increment=0.05)
     assert path.reached_zero
-    assert local_loss(model, path.states, path.displacement, path.forces) is None
+    assert local_loss(model, path.states, path.displacement, path.forces, path.lost) is None
 
 
 def test_the_loss_is_the_limit_unless_the_project_gives_one():
@@ -68,26 +74,105 @@ def test_the_check_is_made_with_it(tmp_path):
     model = build_model(project)
     results = run(project, model, jobs=1).results
     pushed = results["states"]["original"]["pushover"]
-    demands = demand_spectra(project)[0]
-    whole = assess(project, model.assembly, pushed, demands, None, [])["+x"]["SLV"]
+    demands = demand_spectra(project)
+    whole = assess(project, model.assembly, pushed, demands, [])["+x"]["SLV"]
     pushed["+x"]["rigid"]["local_loss"] = {
         "displacement_m": 0.1,
         "joint": 0,
         "blocks": [0, 1],
         "overlap_m": 0.6,
     }
-    limited = assess(project, model.assembly, pushed, demands, None, [])["+x"]["SLV"]
+    limited = assess(project, model.assembly, pushed, demands, [])["+x"]["SLV"]
     assert whole["governing"] == "0.40 d_0"
     assert limited["governing"] == "local limit"
     assert limited["d_star_m"] == pytest.approx(
         0.1 * results["states"]["original"]["capacity"]["+x"]["gamma_star"]
     )
-    assert "perdere l’appoggio a 100 mm" in _local_limit(results, Words.of("it"))
+    assert "perdere l’appoggio a 100 mm" in _local_limit(typed(results), Words.of("it"))
     table = project.assessment.model_copy(update={"local_displacement_limit_m": 0.2})
     farther, warnings = project.model_copy(update={"assessment": table}), []
-    assess(farther, model.assembly, pushed, demands, None, warnings)
+    assess(farther, model.assembly, pushed, demands, warnings)
     assert any("write no more than that" in warning for warning in warnings)
 
 
 def test_an_example_without_losses_says_nothing():
-    assert "local_displacement_limit_m" not in _local_limit(results_example("en"), Words.of("en"))
+    assert "local_displacement_limit_m" not in _local_limit(typed(results_example("en")), Words.of("en"))
+
+
+BEAM = """title = "Beam on two piers"
+[geometry]
+drawing = "geometry.dxf"
+unit = "m"
+depth_m = 1.0
+[material]
+unit_weight_kN_m3 = 18.0
+friction = 0.2
+[layers.LEFT]
+support = "left"
+[layers.RIGHT]
+support = "right"
+[[control]]
+name = "top of the right pier"
+point_m = [5.35, 3.0]
+[pushover]
+contacts = ["rigid"]
+directions = ["+x"]
+increment_m = 0.01
+"""
+
+
+def beam_on_piers(width):
+    """A beam of 4.05 m with seats of 50 mm on two piers 3 m high; the left one is 1 m wide, the right one `width`."""
+    drawn = {
+        "LEFT": [rectangle(-0.5, -0.3, 1.5, 0.0)],
+        "RIGHT": [rectangle(4.45, -0.3, 5.45 + width, 0.0)],
+        "PIERS": [rectangle(0.0, 0.0, 1.0, 3.0), rectangle(4.95, 0.0, 4.95 + width, 3.0)],
+        "BEAM": [rectangle(0.95, 3.0, 5.0, 3.2)],
+    }
+    return {layer: [np.array(polygon) for polygon in polygons] for layer, polygons in drawn.items()}
+
+
+def test_a_beam_that_unseats_is_followed_from_the_drawing_to_the_report(tmp_path):
+    """The right pier turns by φ about its toe and takes the beam along, whose left end has 50 mm of seat.
+
+    Its inner corner, 0.4 m from the toe and 3 m above, moves by 3 sin φ + 0.4 (1 − cos φ) = 0.05 m, so φ = 0.016648 and
+    the control point moves by 3 sin φ = 0.04994 m. There the beam falls: the capacity ends.
+    """
+    write_drawing(tmp_path / "geometry.dxf", beam_on_piers(0.4))
+    (tmp_path / "project.toml").write_text(BEAM + ASSESSMENT, encoding="utf-8")
+    project = load_project(tmp_path)
+    results = run(project, build_model(project), jobs=1).results
+    rigid = results["states"]["original"]["pushover"]["+x"]["rigid"]
+    loss = rigid["local_loss"]
+    assert loss["displacement_m"] == pytest.approx(0.04994, rel=5e-3)
+    assert (loss["blocks"], loss["overlap_m"]) == ([2, 4], pytest.approx(0.05))
+    assert rigid["lost"] and not rigid["reached_zero"] and rigid["d_0_m"] == loss["displacement_m"]
+    assert any(
+        "the faces of blocks 2 and 4 slide off each other" in text for text in results["quality"]["warnings"]
+    )
+    capacity = results["states"]["original"]["capacity"]["+x"]
+    limit = min(0.4 * rigid["d_0_m"], loss["displacement_m"])
+    assert capacity["SLV"]["d_star_m"] == pytest.approx(capacity["gamma_star"] * limit)
+    write_figures(Pool(0, typed(results)), tmp_path / "figures")
+    write_page(typed(results), tmp_path)
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    shown = Words.of("it").number(1000.0 * loss["displacement_m"])
+    assert "i blocchi 2 e 4, la cui superficie di appoggio all’inizio è lunga 50,0 mm" in page
+    assert f"perdere l’appoggio a {shown} mm del punto di controllo" in page
+
+
+def test_a_pier_that_moves_away_unseats_the_beam():
+    """Two stocky piers stand still: the beam slides alike on both, and 0.1 m of movement use up both seats of 50 mm."""
+    supports = {"LEFT": "left", "RIGHT": "right"}
+    blocks = [
+        Block(polygon, 1.0, Material(18.0, 0.5), support=supports.get(layer))
+        for layer, polygons in beam_on_piers(1.0).items()
+        for polygon in polygons
+    ]
+    model = Assembly(blocks)
+    path = pushdown(model, "right", (0.002, 0.0), increment=0.002, to_collapse=True, sliding="coulomb")
+    assert path.ultimate == pytest.approx(0.1, rel=0.02)
+    loss = local_loss(model, path.states, path.movement, path.steps[0].forces, falls=True)
+    assert loss["displacement_m"] == path.movement[-1] == pytest.approx(0.1, rel=0.02)
+    assert 4 in loss["blocks"]
+    assert local_loss(model, path.states, path.movement, path.steps[0].forces, falls=False) is None

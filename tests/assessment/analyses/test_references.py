@@ -6,7 +6,7 @@ import pytest
 from assessment.analyses.checks.capacity import _nominal
 from assessment.ntc.capacity import capacity_curve
 from assessment.ntc.curve_fit import fit_rigid
-from assessment.ntc.spectrum import ElasticSpectrum
+from assessment.ntc.demand.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method, verify
 from assessment.report.text.language import Words
 from assessment.report.text.table_format import heading
@@ -25,7 +25,7 @@ def test_static_capacity_is_brought_to_the_reference_of_the_dynamic_one():
     nominal = _nominal(capacity, demands, Method())
     assert nominal["limit_state"] == "SLC"
     assert nominal["pga_g"] == pytest.approx(0.474080, rel=2e-6)
-    found = brought_together({"nominal": nominal}, 0.6)
+    found = brought_together(nominal["pga_g"], 0.6)
     assert found["dynamic_to_static"] == pytest.approx(1.265609, rel=2e-6)
     life = _nominal(capacity, {"SLV": demands["SLV"]}, Method())
     assert life["pga_g"] == pytest.approx(0.383616, rel=2e-6)

@@ -8,12 +8,14 @@ from pathlib import Path
 import pytest
 
 from assessment.analyses.checks.capacity import CONTRADICTION, assess
+from assessment.analyses.checks.demand import Demands
 from assessment.analyses.static.paths import crossings
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.text.language import words_of
 from assessment.report.text.messages import translated
 from tests.support.analysed import analysed, arch
+from tests.support.typed import typed
 
 
 @pytest.fixture(scope="module")
@@ -21,12 +23,12 @@ def capacities(tmp_path_factory):
     """What the assessment makes of the small arch pushed towards +x, its curves changed by a function."""
     folder: Path = arch(tmp_path_factory.mktemp("refused") / "arch")
     project = load_project(folder)
-    model, demands = build_model(project).assembly, {}
+    model, demands = build_model(project).assembly, Demands()
 
     def of(change):
         pushovers, warnings = deepcopy(analysed()["states"]["original"]["pushover"]), []
         change(pushovers["+x"])
-        return assess(project, model, pushovers, demands, None, warnings), warnings
+        return assess(project, model, pushovers, demands, warnings), warnings
 
     return of
 
@@ -51,7 +53,7 @@ def test_an_elastic_pushover_that_failed_is_not_asked_for_again(capacities):
     [said] = [text for text in warnings if text.startswith("+x: no capacity")]
     assert "was asked for and gave no curve" in said and "ask for contacts" not in said
     reason = said.removeprefix("+x: ")
-    assert "è stato richiesto" in translated(reason, words_of(analysed("it")))
+    assert "è stato richiesto" in translated(reason, words_of(typed(analysed("it"))))
 
 
 def test_jumps_below_the_accuracy_of_the_path_are_left_out():

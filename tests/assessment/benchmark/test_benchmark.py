@@ -11,11 +11,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from assessment.benchmark import campaigns, command, ensembles, skips, statics, steps, table, walls
+from assessment.benchmark import command, table
+from assessment.benchmark.cases import campaigns, ensembles, skips, statics, steps, walls
+from assessment.benchmark.cases.dynamics import Case, certified_to, pulse, sine, stack
 from assessment.benchmark.command import BENCHMARKS, Benchmark
-from assessment.benchmark.dynamics import Case, certified_to, pulse, sine, stack
 from assessment.benchmark.measure import history_programs, path_programs
-from assessment.cli import main as cli
+from assessment.cli import arguments, exit_codes
+from assessment.cli.main import main
 from assessment.runtime.tasks import Workers
 from assessment.studies.campaign.search import Combination
 from mechanics import ConvergenceError, pushover, time_history
@@ -149,7 +151,7 @@ def test_members_of_an_ensemble_are_scaled_and_halved(overturning, monkeypatch):
         seen.append((float(acceleration.max()), histories.RESOLVED.levels))
         return time_history(model, acceleration, *arguments, **more)
 
-    monkeypatch.setattr("assessment.benchmark.dynamics.time_history", noted)
+    monkeypatch.setattr("assessment.benchmark.cases.dynamics.time_history", noted)
     way = ensembles.Way("moreau-jean", 2)
     row = ensembles.measured(overturning, way, 0.01, np.array([0.5, 1.0, 1.2]), 0.2)
     assert [levels for _, levels in seen] == [2, 2, 2]
@@ -165,7 +167,7 @@ def test_an_ensemble_counts_members_that_are_not_solved(overturning, monkeypatch
             raise ConvergenceError("not solved")
         return time_history(model, acceleration, *arguments, **more)
 
-    monkeypatch.setattr("assessment.benchmark.dynamics.time_history", fails)
+    monkeypatch.setattr("assessment.benchmark.cases.dynamics.time_history", fails)
     factors = np.array([0.5, 0.6, 1.0])
     limit = 0.29
     row = ensembles.measured(overturning, ensembles.DEFAULT, 0.01, factors, 0.2)
@@ -193,19 +195,33 @@ def test_a_case_that_fails_says_so_in_its_rows():
 
 def test_engines_of_a_campaign_are_compared_by_time_and_by_result(monkeypatch):
     def searched(model, motion, *_):
-        return Combination({"runs": 3, "pga_collapse_g": motion.pga})
+        return Combination({"runs": 3, "pga_collapse_g": motion.pga}, seconds=1.0)
 
     monkeypatch.setattr(campaigns, "search_collapse", searched)
     monkeypatch.setattr(campaigns, "Workers", lambda *_, **__: Workers(1))
     monkeypatch.setattr(campaigns, "cores", lambda: 2)
     monkeypatch.setitem(sys.modules, "distributed", None)  # not installed
-    alone, two = campaigns.campaigns(True)
+    alone, four, sixteen, two = campaigns.campaigns(True)
     assert (alone["combinations"], alone["motions"], alone["ratio"], alone["ideal"]) == (4, 12, 1.0, 1.0)
     assert (two["case"], two["ideal"], two["equal"]) == ("2 processes", 0.5, True) and two["ratio"] > 0.0
+    assert four["ratio"] == pytest.approx(0.25, rel=0.01)
+    assert (sixteen["combinations"], sixteen["motions"]) == (200, 600)
+    assert sixteen["ratio"] == pytest.approx(13 / 200, rel=0.01)  # seconds each: the last of 13 rounds has 8
+    assert 10.0 < sixteen["sent_kB"] < 100.0 and sixteen["returned_kB"] < 1.0
+
+
+def test_a_simulated_cluster_computes_side_by_side_what_has_arrived():
+    dispatch, link = campaigns.DISPATCH, campaigns.LINK
+    assert campaigns.simulated([(2.0, 0, 0), (1.0, 0, 0), (1.0, 0, 0)], 2) == pytest.approx(
+        2.0 + 3 * dispatch, abs=3e-3
+    )
+    slow = round(5.0 * link)  # 5 s on the link each: nothing is gained by a second worker
+    assert campaigns.simulated([(1.0, slow, 0)] * 3, 2) == pytest.approx(16.0 + 3 * dispatch)
+    assert campaigns.simulated([(1.0, 0, slow)] * 2, 2) == pytest.approx(11.0 + dispatch)
 
 
 def test_the_command_line_knows_every_benchmark():
-    assert tuple(BENCHMARKS) == cli.BENCHMARKS
+    assert tuple(BENCHMARKS) == arguments.BENCHMARKS
 
 
 @pytest.fixture
@@ -231,7 +247,7 @@ def measured(monkeypatch):
 
 
 def test_tables_plots_and_summary_are_written(measured, tmp_path, capsys):
-    assert cli.main(["benchmark", "--quick", "--out", str(tmp_path / "out")]) == cli.DONE
+    assert main(["benchmark", "--quick", "--out", str(tmp_path / "out")]) == exit_codes.DONE
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
         "made.csv",
         "made-increment.svg",
@@ -248,7 +264,7 @@ def test_tables_plots_and_summary_are_written(measured, tmp_path, capsys):
 
 
 def test_a_benchmark_that_there_is_none_of(tmp_path, capsys):
-    assert cli.main(["benchmark", "wals", "--out", str(tmp_path / "out")]) == cli.WRONG_INPUT
+    assert main(["benchmark", "wals", "--out", str(tmp_path / "out")]) == exit_codes.WRONG_INPUT
     assert 'wals: no such benchmark; did you mean "walls"?' in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from assessment.cli import main as cli
+from assessment.cli import arguments as cli
+from assessment.cli.exit_codes import WRONG_INPUT
 from assessment.cli.main import main
 from assessment.workflow.selection import STAGES
 from tests.support.block_project import edit
@@ -32,7 +33,7 @@ from tests.support.block_project import edit
     ],
 )
 def test_what_is_misspelt_is_told_with_the_nearest_name(capsys, arguments, says):
-    assert main(arguments) == cli.WRONG_INPUT
+    assert main(arguments) == WRONG_INPUT
     out, err = capsys.readouterr()
     assert out == ""
     assert says in err and err.startswith("error: ") and err.count("\n") == 1
@@ -61,7 +62,7 @@ def test_help_ends_with_two_examples_and_the_exit_codes(capsys, command):
 def test_the_examples_of_the_help_can_be_typed(command):
     for example in cli.EXAMPLES[command]:
         words = example.partition(" > ")[0].split()
-        assert words[0] == "assesto" and callable(cli._options(words[1:]).command)
+        assert words[0] == "assesto" and callable(cli.options_of(words[1:]).command)
 
 
 def test_help_lists_the_stages(capsys):
@@ -93,6 +94,32 @@ def test_a_decimal_comma_is_told_as_such(project, capsys, old, new, says):
     assert main(["check", str(project)]) == 2
     err = capsys.readouterr().err
     assert says in err and err.startswith("error: project.toml: ")
+
+
+def test_what_argparse_finds_is_told_as_every_other_message(capsys):
+    for arguments, says in {
+        (): "error: assesto: the following arguments are required: COMMAND; see assesto --help\n",
+        (
+            "run",
+        ): "error: assesto run: the following arguments are required: PROJECT; see assesto run --help\n",
+        (
+            "run",
+            "arch",
+            "--jobs",
+            "0",
+        ): "error: assesto run: argument --jobs: '0' is no number of processes; ",
+    }.items():
+        with pytest.raises(SystemExit) as end:
+            main(list(arguments))
+        assert end.value.code == 2
+        assert capsys.readouterr().err.startswith(says)
+
+
+def test_the_examples_of_the_help_are_accepted(tmp_path, monkeypatch, capsys):
+    """Those of `assesto new`: a folder each."""
+    monkeypatch.chdir(tmp_path)
+    for example in cli.EXAMPLES["new"]:
+        assert main(example.split()[1:]) == 0
 
 
 def test_a_comma_in_a_text_is_no_decimal_comma(project, capsys):

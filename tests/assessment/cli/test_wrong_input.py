@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from assessment.analyses.static import paths as stages
+from assessment.analyses.static import lateral
 from assessment.cli.main import main
 from tests.support.block_project import ASSESSMENT, PROJECT, command, contents, edit, run, write_block
 
@@ -172,7 +172,7 @@ def test_no_traceback_as_a_command(project):
 
 
 def test_a_bug_is_no_input_error(project, monkeypatch):
-    monkeypatch.setattr(stages, "pushover", lambda *_, **__: {}["bug"])
+    monkeypatch.setattr(lateral, "pushover", lambda *_, **__: {}["bug"])
     with pytest.raises(KeyError, match="bug"):
         run(project, "--jobs", "1")
 

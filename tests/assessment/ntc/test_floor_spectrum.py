@@ -10,15 +10,15 @@ from hypothesis import strategies as st
 from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import capacity_curve
 from assessment.ntc.curve_fit import fit_rigid, fit_trilinear
-from assessment.ntc.floor_spectrum import (
+from assessment.ntc.demand.floor_spectrum import (
     FloorSpectrum,
     FloorSpectrum2009,
     Mode,
     first_mode,
     fundamental_period,
 )
+from assessment.ntc.demand.spectrum import ElasticSpectrum
 from assessment.ntc.methods import Method
-from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import verify
 from assessment.workflow.stages import run
 from tests.support.block_project import HAZARD, PUSHED, block, write_block

@@ -2,8 +2,8 @@
 
 import pytest
 
+from assessment.ntc.demand.spectrum import ElasticSpectrum
 from assessment.ntc.load_factors import psi_2
-from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.vertical import vertical_component
 from assessment.project.model import build_model
 from assessment.project.project import ProjectError, load_project
@@ -14,9 +14,10 @@ from mechanics import Assembly, Block, Material, limit_analysis
 from tests.support.block_project import ASSESSMENT, PROJECT, write_block
 from tests.support.structures import rectangle
 from tests.support.trace_check import recomputed
+from tests.support.typed import typed
 
 OWN = 0.6 * 4.2 * 1.0 * 18.0  # kN
-LOADED = '[layers.BLOCK]\nvertical_load_kN = 6.0\nvariable_load_kN = 10.0\nuse_category = "C"\n[layers.BASE]'
+LOADED = '[layers.BLOCCO]\nvertical_load_kN = 6.0\nvariable_load_kN = 10.0\nuse_category = "C"\n[layers.BASE]'
 
 
 def project(folder, *replaced, text=PROJECT + ASSESSMENT):
@@ -42,12 +43,12 @@ def test_permanent_and_variable_loads_are_combined(tmp_path):
     """G_1 = 45.36 kN, G_2 = 6 kN, Q = 10 kN of category C: 45.36 + 6 + 0.6·10 = 57.36 kN, all of it mass."""
     found = results(project(tmp_path))
     [row] = found["loads"]
-    assert (row["layer"], row["use_category"], row["psi_2"]) == ("BLOCK", "C", 0.6)
+    assert (row["layer"], row["use_category"], row["psi_2"]) == ("BLOCCO", "C", 0.6)
     assert row["own_weight_kN"] == pytest.approx(OWN)
     assert (row["permanent_load_kN"], row["variable_load_kN"]) == (6.0, 10.0)
     assert [row["combined_kN"], row["seismic_weight_kN"]] == pytest.approx([57.36, 57.36])
     assert found["model"]["weight_kN"] == pytest.approx(57.36)
-    [printed] = reported_loads(found, Words.of("it")).rows
+    [printed] = reported_loads(typed(found), Words.of("it")).rows
     assert printed["combined_kN"] == pytest.approx(57.36)
     capacity = found["states"]["original"]["capacity"]["+x"]
     assert found["states"]["original"]["pushover"]["+x"]["rigid"]["alpha_0"] == pytest.approx(1 / 7)
@@ -68,8 +69,8 @@ def check_vertical(capacity, found):
     for line in made["trace"]:
         if line["formula"]:
             assert recomputed(line["formula"], line["inputs"]) == pytest.approx(line["result"], rel=1e-12)
-    assert vertical(found).rows[0]["verified"] is made["verified"]
-    [told] = vertical_told(found, Words.of("it"))
+    assert vertical(typed(found)).rows[0]["verified"] is made["verified"]
+    [told] = vertical_told(typed(found), Words.of("it"))
     assert "0,261" in told and "è ripetuta" in told
 
 
@@ -93,7 +94,7 @@ def test_vertical_leading_governs_beyond_077_g():
 def test_vertical_component_that_is_not_checked_is_told(tmp_path, replaced, key):
     found = results(project(tmp_path, replaced))
     assert "vertical" not in found["states"]["original"]["capacity"]["+x"]
-    [told] = vertical_told(found, Words.of("en"))
+    [told] = vertical_told(typed(found), Words.of("en"))
     assert key in told
 
 
@@ -116,11 +117,11 @@ def test_lighter_weights_scale_the_multiplier():
 @pytest.mark.parametrize(
     ("old", "new", "key", "reason"),
     [
-        ('\nuse_category = "C"', "", "layers.BLOCK.variable_load_kN", "add use_category"),
-        ('"C"', '"K"', "layers.BLOCK.use_category", "case by case; add psi_2"),
-        ('"C"', '"C"\npsi_2 = 0.3', "layers.BLOCK.psi_2", 'use_category = "C" has 0.6'),
-        ("variable_load_kN = 10.0\n", "", "layers.BLOCK.use_category", "no variable load"),
-        ('"C"', '"Z"', "layers.BLOCK.use_category", '"A"'),
+        ('\nuse_category = "C"', "", "layers.BLOCCO.variable_load_kN", "add use_category"),
+        ('"C"', '"K"', "layers.BLOCCO.use_category", "case by case; add psi_2"),
+        ('"C"', '"C"\npsi_2 = 0.3', "layers.BLOCCO.psi_2", 'use_category = "C" has 0.6'),
+        ("variable_load_kN = 10.0\n", "", "layers.BLOCCO.use_category", "no variable load"),
+        ('"C"', '"Z"', "layers.BLOCCO.use_category", '"A"'),
     ],
 )
 def test_loads_that_cannot_be_combined_are_refused(tmp_path, old, new, key, reason):

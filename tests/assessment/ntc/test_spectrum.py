@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
+from assessment.ntc.demand.spectrum import ElasticSpectrum, RecordSpectrum
 from mechanics.records.response_spectrum import response_spectrum
 from mechanics.types import GRAVITY
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -101,8 +102,8 @@ def test_triumphal_arch_has_the_size_of_the_papers() -> None:
     model = assembly("triumphal-arch")
     assert len(model.blocks) == pytest.approx(362, abs=5)
     assert 4 * len(model.joints.a) == pytest.approx(3996, rel=0.10)
-    assert len(layout["ROOF"]) == 8
-    assert not any(Polygon(each).buffer(-0.025).is_empty for each in layout["ARCH"] + layout["NAVE"])
+    assert len(layout["COPERTURA"]) == 8
+    assert not any(Polygon(each).buffer(-0.025).is_empty for each in layout["ARCO"] + layout["NAVATA"])
 
 
 @given(
@@ -162,7 +163,7 @@ def test_triumphal_arch_of_any_dimensions_is_tiled_by_stout_blocks(
         },
     )
     assert_tiled(layout)
-    assert not any(Polygon(each).buffer(-0.499 * THINNEST).is_empty for each in layout["ARCH"])
+    assert not any(Polygon(each).buffer(-0.499 * THINNEST).is_empty for each in layout["ARCO"])
 
 
 @templates
@@ -274,3 +275,21 @@ def test_example_project_is_sound(folder: str, template: str | None) -> None:
         content = TEMPLATES[template].content(defaults)
         said = tomllib.loads((PROJECTS / folder / "project.toml").read_text(encoding="utf-8"))
         assert {key: said[key] for key in content} == content
+
+
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_an_italian_report_shows_italian_names(template, tmp_path):
+    """Supports, layers, states and control points are printed as they are: they are in the language of the project."""
+    new_project(tmp_path / "new", template, {})
+    project = load_project(tmp_path / "new")
+    assert project.report.language == "it"
+    layers = {line.strip() for line in (tmp_path / "new" / "geometry.dxf").read_text().splitlines()}
+    names = [
+        *project.supports,
+        *project.states[1:],
+        *project.layers,
+        *(each.name for each in project.control),
+    ]
+    english = re.compile(r"left|right|pier|arch|wall|roof|block|top|crown|support|settle", re.IGNORECASE)
+    assert names and not [name for name in names if english.search(name)]
+    assert not layers & {"ARCH", "PIERS", "NAVE", "ROOF", "WALL", "BASE_LEFT", "BASE_RIGHT"}

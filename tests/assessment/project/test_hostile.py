@@ -39,9 +39,9 @@ def test_what_completes_by_name(tmp_path, case):
 def test_a_floor_at_height_zero_is_the_ground(tmp_path):
     """It divided by zero."""
     folder = write_block(tmp_path / "block", PROJECT + ASSESSMENT)
-    ground, _ = demand_spectra(load_project(folder))
+    ground = demand_spectra(load_project(folder)).spectra
     write_block(folder, PROJECT + ASSESSMENT + FLOOR)
-    floor, _ = demand_spectra(load_project(folder))
+    floor = demand_spectra(load_project(folder)).spectra
     assert floor == ground
 
 
@@ -70,7 +70,7 @@ class _Tags(HTMLParser):
 def test_hostile_names_reach_every_product_and_do_nothing_there(tmp_path, capsys):
     folder = write_block(tmp_path / "block", NAMED)
     drawing = (folder / "geometry.dxf").read_text(encoding="utf-8")
-    (folder / "geometry.dxf").write_text(drawing.replace("BLOCK", "_$x^{$ \\frac|@"), encoding="utf-8")
+    (folder / "geometry.dxf").write_text(drawing.replace("BLOCCO", "_$x^{$ \\frac|@"), encoding="utf-8")
     assert main(["run", str(folder), "--jobs", "1"]) == 0
     assert STATE in capsys.readouterr().out
     output = folder / "output"
@@ -90,7 +90,7 @@ def test_libraries_say_nothing(tmp_path):
     """Neither what openpyxl warns of nor what ezdxf and matplotlib log, with the user's names, reaches the terminal."""
     folder = write_block(tmp_path / "block")
     drawing = (folder / "geometry.dxf").read_text(encoding="utf-8")
-    (folder / "geometry.dxf").write_text(drawing.replace("BLOCK", "中\x1b[31m"), encoding="utf-8")
+    (folder / "geometry.dxf").write_text(drawing.replace("BLOCCO", "中\x1b[31m"), encoding="utf-8")
     (folder / "project.toml").unlink()
     extension = b'<extLst><ext uri="{CCE6A557-97BC-4b89-ADB6-D9C93CAAB3DF}"/></extLst></worksheet>'
     (folder / "book.xlsx").write_bytes(to_xlsx(SHEETS | {"layers": {"BASE": {"support": "base"}}}))

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from assessment.project import consistency as project_checks
+from assessment.project.consistency import files as project_files
 from assessment.project.consistency import matches
-from assessment.project.formats.toml import to_toml
 from assessment.project.project import json_schema, load_project
 from tests.support.contract_project import CONTRACT, HAZARD, MINIMAL, load, message, write_named_files
+from tests.support.project_toml import to_toml
 
 
 @pytest.fixture
@@ -180,7 +180,7 @@ def test_patterns_of_records(folder, pattern, found):
 )
 def test_patterns_have_limits(folder, monkeypatch, limit, pattern, said):
     if limit:
-        monkeypatch.setattr(project_checks, limit, 2)
+        monkeypatch.setattr(project_files, limit, 2)
     text = CONTRACT.replace('"records/*.acc"', f'"{pattern}"')
     (line,) = message(folder, text).splitlines()
     assert line.startswith(f'project.toml: incremental.records[1]: "{pattern}": ') and said in line

@@ -373,7 +373,7 @@ def test_every_problem_is_listed_on_a_line_of_its_own(folder):
     ("text", "place"),
     [
         ("title = Arch\n", "line 1, column 9"),
-        ('title = "A"\n[geometry]\ndepth_m = 0,10\n', "line 3, column 12"),
+        ('title = "A"\n[geometry]\ndepth_m = 0,10\n', "line 3"),
         ('title = "A"\ntitle = "B"', "line 2, column"),
         ('title = "A', "line 1, column 11"),
         ("[geometry]\n[geometry]\n", "line 2, column"),

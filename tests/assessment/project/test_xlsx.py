@@ -12,11 +12,11 @@ from hypothesis import Phase, example, given, settings
 from openpyxl import Workbook, load_workbook
 
 from assessment.project.formats.comments import commented_toml
-from assessment.project.formats.toml import to_toml
 from assessment.project.formats.xlsx import read_xlsx, to_xlsx
 from assessment.project.project import ProjectError, load_project
 from assessment.project.schema import ProjectContent
 from tests.support.project_strategy import project_contents
+from tests.support.project_toml import to_toml
 
 HAZARD = {"ag_g": 0.26, "F0": 2.4, "Tc_star_s": 0.35}
 CONTENT = {

@@ -2,7 +2,7 @@
 
 import pytest
 from docx import Document
-from PIL import Image
+from PIL import Image, ImageFile
 
 from assessment.cli.main import main
 from assessment.project.project import load_project
@@ -44,7 +44,9 @@ def test_pictures_are_upright_small_and_without_hidden_data(tmp_path):
         assert not made.getexif()
 
 
-def test_what_is_no_picture_is_refused_with_one_message(project):
+@pytest.mark.parametrize("accepted", [False, True], ids=["by default", "after WeasyPrint is imported"])
+def test_what_is_no_picture_is_refused_with_one_message(project, monkeypatch, accepted):
+    monkeypatch.setattr(ImageFile, "LOAD_TRUNCATED_IMAGES", accepted)
     (project / "survey.png").write_bytes((project / "survey.png").read_bytes()[:60])
     message = refused(project)
     assert (

@@ -11,16 +11,17 @@ from ezdxf.math import Matrix44
 from assessment.analyses.checks.capacity import assess, assess_chosen, governing
 from assessment.analyses.checks.demand import demand_spectra, spectra_numbers
 from assessment.cli.main import main
-from assessment.ntc.hazard import RETURN_PERIODS
+from assessment.ntc.demand.hazard import RETURN_PERIODS
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.calculation_annex import traces
 from assessment.report.tables.capacity import trace, verification
-from assessment.report.text.language import words_of
+from assessment.report.text.language import Words, words_of
 from assessment.workflow.dynamic import read_motions
 from assessment.workflow.stages import run
 from tests.support.block_project import HAZARD, TURNED, block
 from tests.support.trace_check import from_csv, from_report, printed, recomputed
+from tests.support.typed import typed
 
 PUSHED = """[pushover]
 contacts = ["rigid", "elastic"]
@@ -98,20 +99,20 @@ def outcomes(tmp_path_factory):
 def assessed(project, results):
     """Add to pushovers what the assessment of the project makes of them."""
     model, states, notes = build_model(project).assembly, results["states"], results["quality"]["warnings"]
-    demands, hazard = demand_spectra(project, read_motions(project).history)
+    demands = demand_spectra(project, read_motions(project).history)
     for state in states.values():
-        state["capacity"] = assess(project, model, state["pushover"], demands, hazard, notes)
+        state["capacity"] = assess(project, model, state["pushover"], demands, notes)
         state["governing"] = governing(state["capacity"])
-    results["spectra"] = spectra_numbers(project, demands, hazard)
-    results["mechanisms"] = assess_chosen(project, model, states, demands, hazard, notes)
+    results["spectra"] = spectra_numbers(project, demands)
+    results["mechanisms"] = assess_chosen(project, model, states, demands, notes)
     return results
 
 
 @pytest.mark.parametrize("name", VARIANTS)
 def test_every_line_of_the_trace_table_follows_from_its_inputs(outcomes, name):
-    lines = trace(outcomes[name]).rows
+    lines = trace(typed(outcomes[name])).rows
     parts = {(row["state"], row["direction"], row["part"]) for row in lines}
-    checks = verification(outcomes[name]).rows
+    checks = verification(typed(outcomes[name])).rows
     numbered = [row for row in checks if row["a_g_g"] is not None]
     assert len({(row["state"], row["direction"]) for row in numbered}) == 4
     assert {"SLD", "SLV linear", "SLV"} <= {row["limit_state"] for row in numbered}
@@ -131,7 +132,7 @@ def test_every_line_of_the_printed_annex_follows_from_its_printed_inputs(outcome
     computed = 0
     known = {}  # per column of a table what it printed last: the seismic action, the capacity curve, then each check
     action, curve = {}, {}
-    for grid in traces(outcomes[name], words_of(outcomes[name])):
+    for grid in traces(typed(outcomes[name]), words_of(typed(outcomes[name]))):
         titles = [str(head) for head in grid.head[2:-1]]
         part = str(grid.caption).removeprefix("Steps: ").split(", chosen")[0].rstrip(".").split(",")[0]
         for column, title in enumerate(titles, 2):
@@ -156,9 +157,9 @@ def test_every_line_of_the_printed_annex_follows_from_its_printed_inputs(outcome
 @pytest.mark.parametrize("name", VARIANTS)
 def test_the_checks_are_the_last_numbers_of_their_traces(outcomes, name):
     results = {}
-    for row in trace(outcomes[name]).rows:
+    for row in trace(typed(outcomes[name])).rows:
         results[row["state"], row["direction"], row["part"], row["symbol"]] = row["result"]
-    for row in verification(outcomes[name]).rows:
+    for row in verification(typed(outcomes[name])).rows:
         if row["zeta_E"] is not None:
             key = (row["state"], row["direction"], row["limit_state"])
             symbol = "r_SLD" if row["limit_state"].startswith("SLD") else "zeta_E"  # §8.3: at SLD no index
@@ -173,13 +174,26 @@ def test_what_is_no_paragraph_of_a_standard_is_written_in_the_language_of_the_re
     said = {
         part
         for results in outcomes.values()
-        for row in trace(results).rows
+        for row in trace(typed(results)).rows
         for phrase in row["paragraph"].split("; ")
         for part in phrase.split(": ")
         if not standard.match(part)
     }
-    english = {"assesto": "0", "echo": {"report": {"language": "it"}}}
-    assert said <= set(words_of(english).strings["source"])
+    assert said <= set(Words.of("it").strings["source"])
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_symbols_are_set_and_carry_the_unit_of_their_quantity(outcomes, name):
+    """A period in s beside a return period in years; no caret, underscore or English word below a symbol."""
+    italian = Words.of("it")
+    heads = [str(row[0]) for grid in traces(typed(outcomes[name]), italian) for row in grid.rows]
+    formulas = [str(row[1]) for grid in traces(typed(outcomes[name]), italian) for row in grid.rows]
+    assert not [
+        text for text in heads + formulas if re.search(r"[_^]|demand|capacity|linear\b|elastic|local", text)
+    ]
+    periods = {head for head in heads if re.match(r"T(<sub>(?!R)| )", head)}
+    assert periods and not [head for head in periods if not head.endswith("[s]")]
+    assert all(head.endswith("[anni]") for head in heads if head.startswith("T<sub>R"))
 
 
 def test_the_demand_is_that_of_the_project(outcomes):
@@ -205,16 +219,16 @@ def test_the_demand_is_that_of_the_project(outcomes):
 
 def test_the_local_limit_is_printed_with_its_source(outcomes):
     results = outcomes["typed hazard, trilinear, local limit"]
-    line = next(row for row in trace(results).rows if row["symbol"] == "d_SLC")
+    line = next(row for row in trace(typed(results)).rows if row["symbol"] == "d_SLC")
     assert line["result"] == pytest.approx(0.075)  # 0.15 m of the top, Γ* = 1/2
     assert line["paragraph"].endswith("local limit: the beam unseats")
-    governing = {row["limit_state"]: row["governing"] for row in verification(results).rows}
+    governing = {row["limit_state"]: row["governing"] for row in verification(typed(results)).rows}
     assert governing["SLC"] == "local limit"
 
 
 def test_the_return_period_of_the_capacity_is_on_the_hazard_curve(outcomes):
     """a_g of a whole column of the table gives its return period: here between two columns, log-log."""
-    rows = verification(outcomes["site table, bilinear"]).rows
+    rows = verification(typed(outcomes["site table, bilinear"])).rows
     periods = np.log(RETURN_PERIODS)
     for row in rows:
         expected = np.exp(np.interp(np.log(row["a_g_g"]), np.log(0.05 * np.arange(1, 10)), periods))
@@ -245,7 +259,7 @@ def test_zeta_does_not_know_the_unit_of_the_drawing(tmp_path):
         )
         project = load_project(folder)
         found[unit] = run(project, build_model(project), jobs=1).results
-    rows = [verification(found[unit]).rows for unit in ("m", "mm")]
+    rows = [verification(typed(found[unit])).rows for unit in ("m", "mm")]
     assert len(rows[0]) == 16
     for one, other in zip(*rows, strict=True):
         numbers = [

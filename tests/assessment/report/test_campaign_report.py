@@ -21,9 +21,10 @@ from assessment.report.figures.index import pictures, write_figures
 from assessment.report.tables.campaign import campaign_tables, reported_campaign
 from assessment.report.text.language import LANGUAGES, words_of
 from assessment.results.schema import Campaign
-from assessment.runtime.pool import Pool
+from assessment.runtime.processes.pool import Pool
 from assessment.studies.campaign.summary import Observed, fragility, loss
 from tests.support.results_example import SETTLED, results_example
+from tests.support.typed import typed
 
 SHARES = (0.0, 0.5, 1.0)
 LEVELS = {"a": 0.30, "b": 0.36, "c": 0.45}  # g: at which each record collapses the structure as drawn
@@ -86,7 +87,7 @@ def test_the_made_up_campaign_is_one():
 
 def test_curves_end_at_the_highest_level_withstood_and_a_cross_marks_the_collapse():
     results = results_with_campaign()
-    figure = draw_campaign_curves(results, words_of(results), SETTLED)
+    figure = draw_campaign_curves(typed(results), words_of(typed(results)), SETTLED)
     panels = [axes for axes in figure.axes if axes.axison]
     assert len(panels) == len(SHARES)
     for axes, share in zip(panels, SHARES, strict=True):
@@ -107,7 +108,7 @@ def test_the_mirror_image_of_a_combination_has_no_curve_of_its_own_but_its_cross
     for row in rows[1::2]:
         row |= {"same_as": {"settlement": SETTLED, "share": 0.0, "sign": 1}, "points": [], "runs": 0}
     Campaign.model_validate(results["campaign"])
-    axes, *_ = draw_campaign_curves(results, words_of(results), SETTLED).axes
+    axes, *_ = draw_campaign_curves(typed(results), words_of(typed(results)), SETTLED).axes
     assert sorted(len(x) for x, _ in lines_of(axes)) == [1] * 6 + [3] * 3
 
 
@@ -117,30 +118,33 @@ def test_an_equal_combination_of_another_movement_has_its_curve():
         if row["settlement"] == OTHER and row["share"] == 0.0:
             same = {"settlement": SETTLED, "share": 0.0, "sign": row["sign"]}
             row |= {"same_as": same, "points": [], "runs": 0}
-    one, other = (draw_campaign_curves(results, words_of(results), name).axes[0] for name in (SETTLED, OTHER))
+    one, other = (
+        draw_campaign_curves(typed(results), words_of(typed(results)), name).axes[0]
+        for name in (SETTLED, OTHER)
+    )
     for (x, y), (own_x, own_y) in zip(lines_of(one), lines_of(other), strict=True):
         assert (x == own_x).all() and (y == own_y).all()
 
 
 def test_fragility_curves_are_the_lognormals_of_the_table_with_what_was_seen():
     results = results_with_campaign()
-    [axes] = draw_campaign_fragility(results, words_of(results), SETTLED).axes
+    [axes] = draw_campaign_fragility(typed(results), words_of(typed(results)), SETTLED).axes
     drawn = lines_of(axes)
     assert len(drawn) == 2 * len(SHARES)
     for row, (x, y), (seen, share) in zip(
-        fragile_shares(results, SETTLED), drawn[::2], drawn[1::2], strict=True
+        fragile_shares(typed(results), SETTLED), drawn[::2], drawn[1::2], strict=True
     ):
-        assert y == pytest.approx(ndtr(np.log(x / row["median_g"]) / row["beta"]))
+        assert y == pytest.approx(ndtr(np.log(x / row.median_g) / row.beta))
         assert (np.diff(seen) > 0.0).all() and share == pytest.approx((np.arange(6) + 0.5) / 6)
-        assert np.exp(np.log(seen).mean()) == pytest.approx(row["median_g"])
-    medians = [row["median_g"] for row in fragile_shares(results, SETTLED)]
+        assert np.exp(np.log(seen).mean()) == pytest.approx(row.median_g)
+    medians = [row.median_g for row in fragile_shares(typed(results), SETTLED)]
     assert medians == sorted(medians, reverse=True)
 
 
 def test_losses_are_drawn_over_the_movement_in_per_cent_a_panel_each():
     results = results_with_campaign(settlements=(SETTLED, OTHER))
-    figure = draw_campaign_loss(results, words_of(results))
-    assert [axes.get_title() for axes in figure.axes] == moved(results) == [SETTLED, OTHER]
+    figure = draw_campaign_loss(typed(results), words_of(typed(results)))
+    assert [axes.get_title() for axes in figure.axes] == moved(typed(results)) == [SETTLED, OTHER]
     for axes in figure.axes:
         dynamic, static = lines_of(axes)
         assert dynamic[0] == pytest.approx([0.0, 10.0, 20.0]) == static[0]
@@ -167,23 +171,23 @@ def test_what_is_not_known_is_not_drawn():
     campaign["fragility"][2] |= dict.fromkeys(("median_g", "beta", "median_range", "beta_range"))
     campaign["loss"][2] |= {"dynamic": None, "dynamic_range": [None, None], "static": None}
     Campaign.model_validate(campaign)
-    words = words_of(results)
-    [axes] = draw_campaign_loss(results, words).axes
+    words = words_of(typed(results))
+    [axes] = draw_campaign_loss(typed(results), words).axes
     assert all(len(x) == 2 for x, _ in lines_of(axes))
-    assert len(lines_of(draw_campaign_fragility(results, words, SETTLED).axes[0])) == 4
-    assert not draw_campaign_curves(results, words, SETTLED).axes[2].lines
+    assert len(lines_of(draw_campaign_fragility(typed(results), words, SETTLED).axes[0])) == 4
+    assert not draw_campaign_curves(typed(results), words, SETTLED).axes[2].lines
     for row in campaign["fragility"]:
         row["median_g"] = None
-    assert "campaign_fragility" not in {picture.name for picture in pictures(results)}
+    assert "campaign_fragility" not in {picture.name for picture in pictures(typed(results))}
 
 
 def test_counts_stand_in_the_report_only_where_there_is_something_to_count():
     results = results_with_campaign()
-    _, fits, lost = reported_campaign(results)
+    _, fits, lost = reported_campaign(typed(results))
     assert not {"withstood", "failed", "left_out", "beta_low"} & {*fits.columns, *lost.columns}
     results["campaign"]["fragility"][1]["failed"] = 1
-    assert "failed" in reported_campaign(results)[1].columns
-    tables = {table.name: table for table in campaign_tables(results)}
+    assert "failed" in reported_campaign(typed(results))[1].columns
+    tables = {table.name: table for table in campaign_tables(typed(results))}
     assert len(tables["campaign"].rows) == 18 and len(tables["campaign_curves"].rows) == 54
     row = tables["campaign_fragility"].rows[0]
     assert row["median_low_g"] < row["median_g"] < row["median_high_g"]
@@ -203,9 +207,9 @@ def test_the_chapter_shows_tables_figures_and_what_was_not_completed(language, m
             row |= {"collapsed": fallen, "all_collapsed": fallen}
         for row in campaign["fragility"]:
             row |= {"rule": None, "pga_collapse_g": None}
-    words = words_of(results)
-    write_figures(Pool(0, results), tmp_path)
-    html = render_html(results, tmp_path, words)
+    words = words_of(typed(results))
+    write_figures(Pool(0, typed(results)), tmp_path)
+    html = render_html(typed(results), tmp_path, words)
     start = html.index('<h2 id="campaign"')
     text = html[start : html.index("<h2", start + 4)]
     assert text.count("<figure>") == 3 and text.count("<caption>") == 3
@@ -216,19 +220,19 @@ def test_the_chapter_shows_tables_figures_and_what_was_not_completed(language, m
 
 def test_of_single_runs_nothing_is_said_of_ensembles(tmp_path):
     results = results_with_campaign("en")
-    words = words_of(results)
+    words = words_of(typed(results))
     for members in (5, 1):
         results["campaign"]["members"] = members
-        write_figures(Pool(0, results), tmp_path)
-        html = render_html(results, tmp_path, words)
+        write_figures(Pool(0, typed(results)), tmp_path)
+        html = render_html(typed(results), tmp_path, words)
         start = html.index('<h2 id="campaign"')
         text = html[start : html.index("<h2", start + 4)]
         assert ("ensemble" in text) == (members > 1)
-        assert ("beta_record" in reported_campaign(results)[1].columns) == (members > 1)
+        assert ("beta_record" in reported_campaign(typed(results))[1].columns) == (members > 1)
     assert "not reached" not in text
 
 
 def test_results_without_a_campaign_have_none_of_it():
     results = results_example()
-    assert not any(table.rows for table in campaign_tables(results))
-    assert "campaign" not in {picture.section for picture in pictures(results)}
+    assert not any(table.rows for table in campaign_tables(typed(results)))
+    assert "campaign" not in {picture.section for picture in pictures(typed(results))}

@@ -10,6 +10,7 @@ from assessment.report.figures.labels import Labels
 from assessment.report.figures.style import STYLE, sheet
 from assessment.report.text.language import words_of
 from tests.support.results_example import SETTLED, results_example
+from tests.support.typed import typed
 
 
 def with_motion(block, motion):
@@ -36,7 +37,8 @@ def test_a_joint_opens_by_its_length_times_the_rotation(end):
     length = float(np.hypot(*np.subtract(*known["ends_m"])))
     tried = [with_motion(*about(results_example(), 0, end, turn)) for turn in (0.01, -0.01)]
     rows = [
-        next((r for r in cracks(each).rows if r["joint"] == 0 and r["opening_m"] > 0), None) for each in tried
+        next((r for r in cracks(typed(each)).rows if r["joint"] == 0 and r["opening_m"] > 0), None)
+        for each in tried
     ]
     [row] = [row for row in rows if row and row["opening_m"] > 0.005 * length]  # the other sense penetrates
     assert row["opening_m"] == pytest.approx(0.01 * length, rel=0.02)
@@ -47,19 +49,19 @@ def test_a_joint_opens_by_its_length_times_the_rotation(end):
 
 def test_what_is_too_small_to_be_seen_is_left_out():
     block, motion = about(results_example(), 0, 0, 1e-9)
-    assert cracks(with_motion(block, motion)).rows == []
+    assert cracks(typed(with_motion(block, motion))).rows == []
     along = np.subtract(*results_example()["geometry"]["joints"][0]["ends_m"])
     slip = 2.0 * SEEN * along / np.hypot(*along)
-    rows = [row for row in cracks(with_motion(block, [*slip, 0.0])).rows if row["joint"] == 0]
+    rows = [row for row in cracks(typed(with_motion(block, [*slip, 0.0]))).rows if row["joint"] == 0]
     assert rows[0]["slip_m"] == pytest.approx(2.0 * SEEN, rel=1e-6)
 
 
 def test_every_joint_of_the_table_is_numbered_in_the_drawing():
     results = with_motion(*about(results_example(), 0, 0, 0.05))
     with mpl.rc_context(STYLE):
-        [axes] = draw_cracks(results, words_of(results), SETTLED).axes
+        [axes] = draw_cracks(typed(results), words_of(typed(results)), SETTLED).axes
     said = {text.get_text() for text in axes.texts}
-    assert said >= {f"G{row['joint']}" for row in cracks(results).rows}
+    assert said >= {f"G{row['joint']}" for row in cracks(typed(results)).rows}
 
 
 def test_labels_stay_inside_and_off_one_another():

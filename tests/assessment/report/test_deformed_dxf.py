@@ -8,12 +8,13 @@ from ezdxf.filemanagement import readfile
 from assessment.report.deformed_dxf import shapes, write_deformed
 from assessment.results.outlines import outlines
 from tests.support.analysed import analysed
+from tests.support.typed import typed
 
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     path = tmp_path_factory.mktemp("dxf") / "deformed.dxf"
-    write_deformed(analysed(), path)
+    write_deformed(typed(analysed()), path)
     return path
 
 
@@ -21,7 +22,7 @@ def test_shapes_come_back_from_the_file_as_they_were(written):
     drawing = readfile(written)
     assert drawing.units == 6  # metres
     assert not drawing.audit().errors
-    for layer, shape in shapes(analysed()):
+    for layer, shape in shapes(typed(analysed())):
         read = [list(each.vertices()) for each in drawing.modelspace().query(f'LWPOLYLINE[layer=="{layer}"]')]
         for ring, expected in zip(read, shape.rings(range(13)), strict=True):
             np.testing.assert_allclose(ring, expected, atol=1e-9)
@@ -36,9 +37,11 @@ def test_layers_name_state_and_shape(written):
 
 
 def test_the_settled_shape_has_moved_its_support_by_what_was_asked():
-    found = dict(shapes(analysed()))
+    found = dict(shapes(typed(analysed())))
     right = [b["support"] for b in analysed()["geometry"]["blocks"]].index("right")
-    moved = found["1_RIGHT_SUPPORT_60_MM_SETTLED"].centroids[right] - outlines(analysed()).centroids[right]
+    moved = (
+        found["1_RIGHT_SUPPORT_60_MM_SETTLED"].centroids[right] - outlines(typed(analysed())).centroids[right]
+    )
     assert moved == pytest.approx([0.06, -0.02], abs=1e-9)
 
 
@@ -47,10 +50,10 @@ def test_bytes_do_not_hang_on_the_order_of_sets(written, tmp_path, monkeypatch, 
     """The order of a set of words is another one in every process."""
     kinds = EntityDB.dxf_types_in_use
     monkeypatch.setattr(EntityDB, "dxf_types_in_use", lambda db: sorted(kinds(db), reverse=backwards))
-    write_deformed(analysed(), tmp_path / "again.dxf")
+    write_deformed(typed(analysed()), tmp_path / "again.dxf")
     assert (tmp_path / "again.dxf").read_bytes() == written.read_bytes()
 
 
 def test_the_same_results_give_the_same_bytes(written, tmp_path):
-    write_deformed(analysed(), tmp_path / "again.dxf")
+    write_deformed(typed(analysed()), tmp_path / "again.dxf")
     assert (tmp_path / "again.dxf").read_bytes() == written.read_bytes()

@@ -16,8 +16,9 @@ from assessment.report.figures.index import write_figures
 from assessment.report.joints import joint_law
 from assessment.report.pdf import APT_COMMAND, COMMANDS
 from assessment.report.text.language import LANGUAGES, words_of
-from assessment.runtime.pool import Pool
+from assessment.runtime.processes.pool import Pool
 from tests.support.results_example import SETTLED, results_example
+from tests.support.typed import typed
 
 TEMPLATES = files("templates")
 
@@ -44,9 +45,9 @@ def report(request, tmp_path_factory):
     results = results_example(request.param)
     if request.param == "en":
         one_direction(results)  # half the time, and a form of its own
-    write_figures(Pool(0, results), folder / "figures")
-    write_page(results, folder)
-    assert write_pdf(results, folder) == []
+    write_figures(Pool(0, typed(results)), folder / "figures")
+    write_page(typed(results), folder)
+    assert write_pdf(typed(results), folder) == []
     pages = [page.extract_text() for page in pypdf.PdfReader(folder / "report.pdf").pages]
     return request.param, results, folder, pages
 
@@ -80,7 +81,7 @@ def test_expected_sections_stand_in_order_with_page_numbers(report):
 
 def test_numbers_of_the_results_are_in_the_document(report):
     language, results, made, pages = report
-    words, text = words_of(results), squeezed("".join(pages))
+    words, text = words_of(typed(results)), squeezed("".join(pages))
     for content in results["states"].values():
         for direction, pushover in content["pushover"].items():
             capacity = content["capacity"][direction]
@@ -115,7 +116,8 @@ def test_no_page_is_empty_and_nothing_is_left_unfilled(report):
     assert min(len(page) for page in pages) > 100
     html = (made / "report.html").read_text()
     assert not re.search(
-        r"\bNone\b|\bnan\b|\{\w+\}|http", re.sub(r"base64,[^\"]*|<style>.*?</style>", "", html, flags=re.S)
+        r"\bNone\b|\bnan\b|\{\w+\}|http",
+        re.sub(r"base64,[^\"]*|<(style|script).*?</\1>", "", html, flags=re.S),
     )
 
 
@@ -124,8 +126,8 @@ def test_same_inputs_same_bytes(report, tmp_path):
     language, _, made, _ = report
     results = results_example(language)
     (tmp_path / "figures").symlink_to(made / "figures")
-    write_page(results, tmp_path)
-    write_pdf(results, tmp_path)
+    write_page(typed(results), tmp_path)
+    write_pdf(typed(results), tmp_path)
     for name in ("report.html", "report.pdf"):
         assert (tmp_path / name).read_bytes() == (made / name).read_bytes()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["figures", "report.html", "report.pdf"]
@@ -142,8 +144,6 @@ def without_elastic(results):
         content.get("pushdown", {}).pop("elastic", None)
         for pushover in content["pushover"].values():
             del pushover["elastic"]
-        for capacity in content["capacity"].values():
-            del capacity["T_0_s"]
 
 
 def without_rigid(results):
@@ -165,8 +165,8 @@ def test_the_report_explains_a_curve_that_begins_below_its_largest_multiplier(tm
     rigid = [content["pushover"]["+x"]["rigid"] for content in results["states"].values()]
     for curve, share in zip(rigid, (1.0, 0.3), strict=True):
         curve["alpha_onset"] = share * curve["alpha_0"]
-    write_figures(Pool(0, results), tmp_path)
-    text = render_html(results, tmp_path, words_of(results))
+    write_figures(Pool(0, typed(results)), tmp_path)
+    text = render_html(typed(results), tmp_path, words_of(typed(results)))
     assert text.count("only a part moves, which closes a hinge of the settlement") == 1
     assert f"State “{SETTLED}”, direction +x: from α = " in text
 
@@ -179,7 +179,7 @@ def one_direction(results):
 
 def unstable_state(results):
     content = results["states"][SETTLED]
-    content["pushover"], content["capacity"], content["configuration"] = {}, {}, None
+    content["pushover"], content["capacity"], content["configuration"] = {}, {}, [[0.0] * 3] * 7
     for stage in content["pushdown"].values():
         stage["ultimate_configuration"] = None
     results["model"]["warnings"].append("the settled state cannot stand")
@@ -239,8 +239,8 @@ def test_degraded_forms_render(form, tmp_path):
     results = results_example("en")
     one_direction(results)
     form(results)
-    write_figures(Pool(0, results), tmp_path)
-    html = render_html(results, tmp_path, words_of(results))
+    write_figures(Pool(0, typed(results)), tmp_path)
+    html = render_html(typed(results), tmp_path, words_of(typed(results)))
     for chapter in CHAPTERS:
         assert f'<h2 id="{chapter}">' in html
     assert ("not reached" in re.sub(r"“[^”]*”", "", html)) == (form is nothing_reached)
@@ -254,8 +254,24 @@ def test_degraded_forms_render(form, tmp_path):
         assert "must be reviewed" in html
 
 
+def test_a_level_of_knowledge_needs_no_level_of_evaluation(tmp_path, monkeypatch):
+    """The report was not printed: a key that the project file leaves out is not in the results."""
+    monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
+    results = results_example("en")
+    results["knowledge"] = {
+        "F_C": 1.2,
+        "level": "LC2",
+        "components": {},
+        "origins": {"friction": "tests"},
+        "trace": [],
+    }
+    results["echo"]["assessment"]["knowledge"] = {"level": "LC2", "investigations": ""}
+    text = render_html(typed(results), tmp_path, words_of(typed(results)))
+    assert "LC2" in text and '<td class="text">tests</td>' in text
+
+
 def laws_told(results):
-    return " ".join(joint_law(results, words_of(results), elastic=True))
+    return " ".join(joint_law(typed(results), words_of(typed(results)), elastic=True))
 
 
 def test_the_bed_of_elastic_joints_is_told():
@@ -266,7 +282,9 @@ def test_the_bed_of_elastic_joints_is_told():
     results["echo"]["layers"]["BASE_LEFT"]["segments_per_joint"] = 16
     told = laws_told(results)
     assert "the one that asks for more decides: 4, 16." in told and "closed form" not in told
-    assert "All joints are rigid." in " ".join(joint_law(results, words_of(results), elastic=False))
+    assert "All joints are rigid." in " ".join(
+        joint_law(typed(results), words_of(typed(results)), elastic=False)
+    )
 
 
 def test_crushing_friction_and_collisions_are_told():
@@ -298,7 +316,7 @@ def test_without_system_libraries_the_html_is_written_and_the_command_given(tmp_
     only_the_model(results)
     for system, command in {"Linux": APT_COMMAND, **COMMANDS}.items():
         monkeypatch.setattr("platform.system", lambda system=system: system)
-        [warning] = write_pdf(results, tmp_path)
+        [warning] = write_pdf(typed(results), tmp_path)
         assert command in warning
         assert "(cannot load library 'libpango-1.0-0': not found)" in warning
         assert "print report.html from a browser" in warning
@@ -310,19 +328,19 @@ def test_an_unknown_language_is_refused():
     results = results_example()
     results["echo"]["report"]["language"] = "fr"
     with pytest.raises(ValueError, match=r"report\.language = 'fr'"):
-        words_of(results)
+        words_of(typed(results))
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False, min_value=-1e12, max_value=1e12))
 def test_written_numbers_keep_three_digits(value):
-    text = words_of(results_example("en")).number(value)
+    text = words_of(typed(results_example("en"))).number(value)
     superscripts = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻−", "0123456789--")
     back = float(text.translate(superscripts).replace("·10", "e"))
     assert back == pytest.approx(value, rel=5.1e-3)
 
 
 def test_italian_numbers_have_a_comma():
-    words = words_of(results_example("it"))
+    words = words_of(typed(results_example("it")))
     assert [words.number(x) for x in (0.1532, 12345.6, -0.5, 0.0, 3.2e-10)] == [
         "0,153",
         "12346",

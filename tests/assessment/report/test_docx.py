@@ -15,8 +15,9 @@ from assessment.report.document import CHAPTERS, write_docx, write_page
 from assessment.report.docx import to_docx
 from assessment.report.figures.index import write_figures, write_images
 from assessment.report.text.language import LANGUAGES, words_of
-from assessment.runtime.pool import Pool, result_of
+from assessment.runtime.processes.pool import Pool, result_of
 from tests.support.results_example import results_example
+from tests.support.typed import typed
 
 
 @pytest.fixture(scope="module", params=LANGUAGES)
@@ -26,12 +27,12 @@ def made(request, tmp_path_factory):
     for content in results["states"].values():
         content["pushover"].pop("-x", None)  # half the figures
         content["capacity"].pop("-x", None)
-    pool = Pool(0, results)
+    pool = Pool(0, typed(results))
     write_figures(pool, folder / "figures")
     for work in write_images(pool, folder / "figures"):
         result_of(work)
-    write_page(results, folder)
-    write_docx(results, folder)
+    write_page(typed(results), folder)
+    write_docx(typed(results), folder)
     return results, folder
 
 
@@ -42,7 +43,7 @@ def squeezed(text):
 def test_the_document_says_what_the_page_says(made):
     """Every chapter in its order, every paragraph, table and cell, every figure with its caption."""
     results, folder = made
-    words = words_of(results)
+    words = words_of(typed(results))
     document = Document(folder / "report.docx")
     page = html.document_fromstring((folder / "report.html").read_text(encoding="utf-8"))
     headings = [p.text for p in document.paragraphs if p.style.name == "Heading 1"]
@@ -92,10 +93,34 @@ def test_figures_fit_the_page_and_say_what_they_show(made):
         assert shape._inline.docPr.get("descr")
 
 
+def test_short_tables_stay_on_a_page_and_the_stamp_has_its_room(made):
+    _, folder = made
+    document = Document(folder / "report.docx")
+    for table in (each for each in document.tables if each.style.name == "Report Table"):
+        *rows, last = table.rows
+        kept = len(table.rows) <= 12
+        assert all(row.cells[0].paragraphs[0].paragraph_format.keep_with_next for row in rows[1:]) or not kept
+        assert not last.cells[0].paragraphs[0].paragraph_format.keep_with_next
+    cover = document.tables[0]
+    assert [row.height.mm for row in cover.rows if row.height is not None] == [pytest.approx(22.0, abs=0.1)]
+
+
+def test_running_heads_reach_the_right_margin(made):
+    """One tab stop, at the right margin: the styles of the library bring others."""
+    _, folder = made
+    document = Document(folder / "report.docx")
+    section = document.sections[-1]
+    width = section.page_width - section.left_margin - section.right_margin
+    for part in (section.header, section.footer):
+        [stop] = part.paragraphs[0].paragraph_format.tab_stops
+        assert stop.position == pytest.approx(width, abs=1000)
+        assert not list(document.styles[part.paragraphs[0].style.name].paragraph_format.tab_stops)
+
+
 def test_same_report_same_bytes(made):
     results, folder = made
     before = (folder / "report.docx").read_bytes()
-    write_docx(results, folder)
+    write_docx(typed(results), folder)
     assert (folder / "report.docx").read_bytes() == before
 
 
@@ -117,4 +142,15 @@ def test_libreoffice_renders_the_document(made, tmp_path):
         check=True,
         capture_output=True,
     )
-    assert len(pypdf.PdfReader(tmp_path / "report.pdf").pages) > len(CHAPTERS) // 2
+    pages = pypdf.PdfReader(tmp_path / "report.pdf").pages
+    assert len(pages) > len(CHAPTERS) // 2
+    words = set("\n".join(page.extract_text() for page in pages).split())
+    numbers = [
+        cell.text
+        for table in Document(folder / "report.docx").tables
+        for row in table.rows
+        for cell in row.cells
+        if re.fullmatch(r"−?\d+[.,]\d+", cell.text)
+    ]
+    assert len(numbers) > 100
+    assert [number for number in numbers if number not in words] == []  # none is broken over two lines

@@ -15,19 +15,20 @@ from assessment.report.figures.index import pictures, write_figures
 from assessment.report.figures.style import MM, SCALES, STYLE, SYMBOL, chart, nice, save_svg, sheet, typeset
 from assessment.report.text.language import slug, words_of
 from assessment.results.outlines import Outlines, outlines
-from assessment.runtime.pool import Pool
+from assessment.runtime.processes.pool import Pool
 from tests.support.results_example import SETTLED, results_example
+from tests.support.typed import typed
 
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory):
     folder = tmp_path_factory.mktemp("figures")
-    return write_figures(Pool(0, results_example()), folder)
+    return write_figures(Pool(0, typed(results_example())), folder)
 
 
 def test_every_figure_of_the_results_is_written(drawn):
     names = {path.stem for path in drawn}
-    stem = slug(results_example(), SETTLED)
+    stem = slug(typed(results_example()), SETTLED)
     assert {"model", f"settlement_{stem}", f"pushdown_{stem}"} <= names
     for side in ("plus_x", "minus_x"):
         wanted = {f"mechanism_{side}", f"pushover_{side}", f"spectra_{side}_SLV", f"spectra_{side}_SLC"}
@@ -37,7 +38,7 @@ def test_every_figure_of_the_results_is_written(drawn):
 
 
 def test_bytes_depend_on_the_results_only(drawn, tmp_path):
-    write_figures(Pool(0, results_example()), tmp_path)
+    write_figures(Pool(0, typed(results_example())), tmp_path)
     for first in drawn[0].parent.iterdir():
         assert first.read_bytes() == (tmp_path / first.name).read_bytes()
 
@@ -47,7 +48,7 @@ def test_no_temporary_file_is_left(drawn):
 
 
 def test_figures_speak_the_language_of_the_report(drawn, tmp_path):
-    for picture in pictures(results_example("en")):
+    for picture in pictures(typed(results_example("en"))):
         if picture.name == "pushover_plus_x":
             save_svg(picture.draw, tmp_path / "pushover_plus_x.svg")
     english = {path.name: path.read_text() for path in tmp_path.iterdir()}
@@ -64,7 +65,7 @@ def test_figures_speak_the_language_of_the_report(drawn, tmp_path):
 
 def test_symbols_are_set_as_symbols_and_names_stay_as_they_are():
     with mpl.rc_context(STYLE):
-        figure, (axes,) = chart(words_of(results_example("en")), 1)
+        figure, (axes,) = chart(words_of(typed(results_example("en"))), 1)
         axes.set_title("cost $5 of a_g and pier a_g1: α₀, S_De")
         axes.set_xlabel("pier_y $\\frac$")
         typeset(figure)
@@ -80,15 +81,15 @@ def test_only_what_was_computed_is_drawn():
     for content in results["states"].values():
         del content["capacity"], content["pushover"]
         content.pop("pushdown", None)
-    assert [p.name for p in pictures(results)] == [
-        f"{stem}{slug(results, SETTLED)}" if stem.endswith("_") else stem
+    assert [p.name for p in pictures(typed(results))] == [
+        f"{stem}{slug(typed(results), SETTLED)}" if stem.endswith("_") else stem
         for stem in ("model", "settlement_", "cracks_")
     ]
 
 
 def test_slugs_are_file_names_and_differ():
     results = {"states": {"à / b": {}, "a b": {}, "«»": {}}}
-    assert [slug(results, name) for name in results["states"]] == ["0_a_b", "1_a_b", "2"]
+    assert [slug(typed(results), name) for name in results["states"]] == ["0_a_b", "1_a_b", "2"]
 
 
 def test_sheet_is_to_scale():
@@ -114,7 +115,7 @@ def test_a_constant_reaction_is_a_level_line():
     stage["reaction_x_kN"] = [1e-9 * (-1) ** k for k in range(count)]
     stage["reaction_z_kN"] = [45.0 + k for k in range(count)]
     results["states"][SETTLED]["pushdown"] = {"rigid": stage}
-    level, rising = draw_pushdown(results, words_of(results), SETTLED).axes
+    level, rising = draw_pushdown(typed(results), words_of(typed(results)), SETTLED).axes
     assert np.ptp(level.get_ylim()) > 1.0
     assert np.ptp(rising.get_ylim()) < 1.2 * count
 
@@ -135,7 +136,7 @@ def test_nice_numbers_are_just_below(value):
 
 @given(st.floats(-3.0, 3.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
 def test_a_rigid_motion_keeps_lengths_and_turns_by_the_angle(angle, dx, dz):
-    shape = outlines(results_example())
+    shape = outlines(typed(results_example()))
     moved = shape.moved(np.tile([dx, dz, angle], (7, 1)))
     for block in range(7):
         before, after = (each.points[each.owner == block] for each in (shape, moved))
@@ -155,7 +156,7 @@ def test_the_nearest_block_of_a_hinge():
 
 
 def test_mechanism_and_finite_motion_agree_to_first_order():
-    shape = outlines(results_example())
+    shape = outlines(typed(results_example()))
     rate = np.random.default_rng(1).normal(size=(7, 3))
     difference = shape.swept(rate, 1e-4).points - shape.moved(1e-4 * rate).points
     assert np.abs(difference).max() < 1e-7

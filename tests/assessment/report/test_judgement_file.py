@@ -10,10 +10,11 @@ from assessment.cli.main import main
 from assessment.report.figures.index import write_figures
 from assessment.report.judgement_file import NAME, judgement, to_html, without_comments
 from assessment.report.text.language import words_of
-from assessment.runtime.pool import Pool
+from assessment.runtime.processes.pool import Pool
 from assessment.workflow.earlier import EVERYTHING, NO_REPORT, RESULTS
 from assessment.workflow.output import write
 from tests.support.results_example import results_example
+from tests.support.typed import typed
 
 
 @pytest.fixture
@@ -22,37 +23,37 @@ def results():
 
 
 def test_the_draft_is_replaced_by_the_next_one_while_nobody_edits_it(results, tmp_path):
-    first = judgement(results, words_of(results), tmp_path)
+    first = judgement(typed(results), words_of(typed(results)), tmp_path)
     assert first.edited is None
     assert "- Of the verifications by state, direction and limit state" in first.content.decode()
     assert "ζ_E" in first.content.decode()
     assert "<sub>" not in first.content.decode()
     (tmp_path / NAME).write_bytes(first.content)
     results["states"]["original"]["capacity"]["+x"]["SLC"]["zeta_E"] = 0.01
-    second = judgement(results, words_of(results), tmp_path)
+    second = judgement(typed(results), words_of(typed(results)), tmp_path)
     assert second.content.decode() != first.content.decode()
     assert second.edited is None
     assert not second.warnings
 
 
 def test_an_edited_text_is_kept_and_a_change_of_the_numbers_is_said(results, tmp_path):
-    words = words_of(results)
-    draft = judgement(results, words, tmp_path).content.decode()
+    words = words_of(typed(results))
+    draft = judgement(typed(results), words, tmp_path).content.decode()
     edited = draft + "\nThe **pier** must be tied <at once>.\n"
     (tmp_path / NAME).write_text(edited, encoding="utf-8")
-    kept = judgement(results, words, tmp_path)
+    kept = judgement(typed(results), words, tmp_path)
     assert kept.content.decode() == edited
     assert "<p>The <b>pier</b> must be tied &lt;at once&gt;.</p>" in str(kept.edited)
     assert not kept.warnings
     results["states"]["original"]["capacity"]["+x"]["SLC"]["zeta_E"] = 0.01
-    later = judgement(results, words, tmp_path)
+    later = judgement(typed(results), words, tmp_path)
     assert later.content.decode() == edited
     assert "changed" in later.warnings[0]
 
 
 def test_a_text_of_ones_own_without_the_mark_is_kept(results, tmp_path):
     (tmp_path / NAME).write_text("Mine.\n", encoding="utf-8")
-    kept = judgement(results, words_of(results), tmp_path)
+    kept = judgement(typed(results), words_of(typed(results)), tmp_path)
     assert kept.content.decode() == "Mine.\n"
     assert kept.warnings
 
@@ -63,17 +64,17 @@ def test_the_encodings_of_windows_editors_are_read_and_left(results, tmp_path, e
     text = newline.join(["Più sicuro: “legare” il piè.", "", "- così", ""])
     mark = "\ufeff" if encoding in {"utf-16-le", "utf-16-be"} else ""
     (tmp_path / NAME).write_bytes((mark + text).encode(encoding))
-    kept = judgement(results, words_of(results), tmp_path)
+    kept = judgement(typed(results), words_of(typed(results)), tmp_path)
     assert kept.content == (mark + text).encode(encoding)
     assert kept.edited == "<p>Più sicuro: “legare” il piè.</p>\n<ul>\n<li>così</li>\n</ul>"
 
 
 def test_a_draft_that_an_editor_saved_in_its_own_way_is_still_the_draft(results, tmp_path):
-    words = words_of(results)
-    draft = judgement(results, words, tmp_path).content.decode()
+    words = words_of(typed(results))
+    draft = judgement(typed(results), words, tmp_path).content.decode()
     for saved in (draft.encode("utf-16"), draft.replace("\n", "\r\n").encode("utf-8-sig")):
         (tmp_path / NAME).write_bytes(saved)
-        assert judgement(results, words, tmp_path).edited is None
+        assert judgement(typed(results), words, tmp_path).edited is None
 
 
 @pytest.mark.parametrize("content", [b"PK\x03\x04\x00\x00", b"\xff\xfe\x00", b"\x81\x8d"])
@@ -118,13 +119,13 @@ def test_a_run_prints_the_edited_judgement_and_leaves_the_file(results, tmp_path
     monkeypatch.setattr("assessment.report.figures.index.pictures", lambda _: [])
     monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
     monkeypatch.setattr("assessment.report.deformed_dxf.write_deformed", lambda *_: None)
-    write_figures(Pool(0, results), tmp_path / "figures")
-    write(results, tmp_path, NO_REPORT - {RESULTS})
+    write_figures(Pool(0, typed(results)), tmp_path / "figures")
+    write(typed(results), results, tmp_path, NO_REPORT - {RESULTS})
     path = tmp_path / NAME
     path.write_text(path.read_text(encoding="utf-8") + "\nStrut the right pier.\n", encoding="utf-8")
     before = path.read_bytes()
     monkeypatch.setitem(__import__("sys").modules, "weasyprint", _Printer)
-    write(results, tmp_path, EVERYTHING - {RESULTS})
+    write(typed(results), results, tmp_path, EVERYTHING - {RESULTS})
     assert path.read_bytes() == before
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "<p>Strut the right pier.</p>" in page

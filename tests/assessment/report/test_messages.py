@@ -5,15 +5,16 @@ import ast
 import pytest
 
 from assessment.report.judgement import all_warnings
-from assessment.report.text.language import words_of
+from assessment.report.text.language import Words
 from assessment.report.text.messages import _entries, _translated, sentence, translated
 from tests import ROOT
 from tests.support.analysed import analysed
+from tests.support.typed import typed
 
 RAISED = {"UnstableError", "NoEquilibriumError", "CollapseError", "ConvergenceError", "ControlError"}
 RAISED |= {"CapacityError", "MechanismError"}
 LISTS = {"warnings", "notes", "failures", "findings"}
-ELSEWHERE = {"mechanics/records/synthetic.py", "assessment/benchmark/dynamics.py"}  # no part of a run
+ELSEWHERE = {"mechanics/records/synthetic.py", "assessment/benchmark/cases/dynamics.py"}  # no part of a run
 NAMED = {"_SHAPES", "_COLLAPSE_FIRST", "end"}
 SAYING = {"loss_told", "not_met", "missed", "collapse", "overruns", "passing_through", "_notes", "scatter"}
 SAYING |= {"_gap_texts", "_gap_warnings", "_remedy", "_scattered", "_spread"}
@@ -21,7 +22,7 @@ MESSAGE = "the whole movement is applied"  # in the place of a message within a 
 WITHIN = {"error", "collapse", "stop", "fall", "refusal", "note", "text", "why", "start", "end", "said"}
 WITHIN |= {"self.end", "unstable", "path.end", "last.collapse_reason", "failed[state]", "warnings[0]"}
 WITHIN |= {"what", "names"}
-ITALIAN = {"echo": {"report": {"language": "it"}}}
+ITALIAN, ENGLISH = Words.of("it"), Words.of("en")
 
 
 def messages():
@@ -98,7 +99,7 @@ def test_the_code_is_looked_through():
 
 @pytest.mark.parametrize("where", FOUND)
 def test_every_message_is_known_in_italian(where):
-    words = words_of(ITALIAN)
+    words = ITALIAN
     text = _translated(FOUND[where], words, _entries("it"))
     assert text is not None, FOUND[where]
     assert MESSAGE not in text
@@ -125,8 +126,8 @@ def test_every_message_is_known_in_italian(where):
     ],
 )
 def test_messages_within_messages_numbers_and_names(english, italian):
-    assert translated(english, words_of(ITALIAN)) == italian
-    assert translated(english, words_of({"echo": {"report": {"language": "en"}}})) == english
+    assert translated(english, ITALIAN) == italian
+    assert translated(english, ENGLISH) == english
 
 
 def test_warnings_are_sentences_in_the_report():
@@ -134,12 +135,12 @@ def test_warnings_are_sentences_in_the_report():
     message = (
         "moved 20 mm, pushover -x, rigid contacts: between d = 7.7e-12 and 1e-05 m a part moves by itself"
     )
-    english = words_of({"echo": {"report": {"language": "en"}}})
+    english = ENGLISH
     assert sentence(message, english) == (
         "State “moved 20 mm”, pushover in direction −x, rigid contacts: "
         "between d = 7.7·10⁻¹² and 1·10⁻⁵ m a part moves by itself."
     )
-    italian = sentence(f"{message}, until others hold it again", words_of(ITALIAN))
+    italian = sentence(f"{message}, until others hold it again", ITALIAN)
     assert italian.startswith(
         "Stato “moved 20 mm”, pushover in direzione −x, contatti rigidi: fra d = 7,7·10⁻¹² e"
     )
@@ -149,6 +150,6 @@ def test_warnings_are_sentences_in_the_report():
 
 
 def test_the_warnings_of_a_run_are_known():
-    words = words_of(ITALIAN)
-    for warning in all_warnings(analysed("it")):
+    words = ITALIAN
+    for warning in all_warnings(typed(analysed("it"))):
         assert _translated(warning, words, _entries("it")) is not None, warning

@@ -12,10 +12,11 @@ from assessment.report.figures.index import pictures, write_figures
 from assessment.report.text.language import words_of
 from assessment.report.viewer import _jumps, viewer
 from assessment.results.outlines import outlines
-from assessment.runtime.pool import Pool
+from assessment.runtime.processes.pool import Pool
 from tests.support import browser
 from tests.support.analysed import analysed
 from tests.support.results_example import results_example
+from tests.support.typed import typed
 
 needs_browser = pytest.mark.skipif(browser.chromium() is None, reason="no Chromium: apt-get install chromium")
 
@@ -24,13 +25,15 @@ needs_browser = pytest.mark.skipif(browser.chromium() is None, reason="no Chromi
 def html(tmp_path_factory):
     folder = tmp_path_factory.mktemp("page")
     results = analysed("it")
-    words = words_of(results)
-    some = pictures(results)[:4]  # the rest would take most of the time
+    words = words_of(typed(results))
+    some = pictures(typed(results))[:4]  # the rest would take most of the time
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("assessment.report.figures.index.pictures", lambda _: some)
         patch.setattr("assessment.report.document.pictures", lambda _: some)
-        write_figures(Pool(0, results), folder / "figures")
-        page = render_html(results, folder / "figures", words, interactive=viewer(results, words))
+        write_figures(Pool(0, typed(results)), folder / "figures")
+        page = render_html(
+            typed(results), folder / "figures", words, interactive=viewer(typed(results), words)
+        )
     path = folder / "report.html"
     path.write_text(page, encoding="utf-8")
     return path
@@ -91,20 +94,20 @@ def test_the_page_is_one_file_and_small(html):
 def test_the_pdfs_page_has_no_script(tmp_path, monkeypatch):
     monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
     results = analysed("it")
-    assert "<script" not in render_html(results, tmp_path, words_of(results))
+    assert "<script" not in render_html(typed(results), tmp_path, words_of(typed(results)))
 
 
 def test_data_cannot_close_the_script():
     results = analysed("it")
     results["geometry"]["blocks"][0]["layer"] = "</script><b>"
-    assert "</script" not in viewer(results, words_of(results)).data
+    assert "</script" not in viewer(typed(results), words_of(typed(results))).data
 
 
 def test_results_without_frames_have_no_viewer():
     results = analysed()
     for content in results["states"].values():
         content["pushdown"], content["pushover"], content["history"] = {}, {}, []
-    assert viewer(results, words_of(results)) is None
+    assert viewer(typed(results), words_of(typed(results))) is None
 
 
 @needs_browser
@@ -129,7 +132,7 @@ def test_keys_step_the_shape_and_the_marker_together(page):
     seen = []
     for _ in range(3):
         number = page.ask("+document.getElementById('viewer-frame').value")
-        expected = outlines(results).moved(frames["configuration"][number])
+        expected = outlines(typed(results)).moved(frames["configuration"][number])
         assert ring(page, right) == pytest.approx(expected.points[expected.owner == right], abs=2e-5)
         seen.append(marker(page))
         page.key("ArrowRight", 2)
@@ -184,7 +187,7 @@ def test_a_block_and_a_joint_tell_their_figures(page):
     page.mouse("mouseMoved", *middle(page, "#viewer-shape .support"))
     tip = page.ask("document.getElementById('viewer-tip').innerText")
     assert "Blocco 0" in tip
-    assert "BASE_LEFT" in tip
+    assert "BASE_SINISTRA" in tip
     page.mouse("mouseMoved", 2, 2)
     assert page.ask("document.getElementById('viewer-tip').hidden")
 
@@ -198,7 +201,7 @@ def test_magnified_displacements_and_hidden_thrust(page):
         "(() => { const t = document.getElementById('viewer-times'); t.value = '5';"
         "t.dispatchEvent(new Event('change')) })()"
     )
-    drawn = outlines(analysed())
+    drawn = outlines(typed(analysed()))
     start = drawn.points[drawn.owner == 6]
     assert ring(page, 6) - start == pytest.approx(5 * (true - start), abs=1e-4)
     assert page.ask("document.querySelectorAll('#viewer-shape .thrust').length") == 11
@@ -230,8 +233,8 @@ def test_a_photograph_shows_a_drawing(page, tmp_path):
 
 def test_words_of_the_viewer_reach_the_script():
     results = analysed("it")
-    data = json.loads(viewer(results, words_of(results)).data)
-    assert data["words"]["edge"] == words_of(results).plain("viewer.edge")
+    data = json.loads(viewer(typed(results), words_of(typed(results))).data)
+    assert data["words"]["edge"] == words_of(typed(results)).plain("viewer.edge")
     assert data["words"]["decimal_mark"] == ","
 
 
@@ -245,11 +248,12 @@ def test_the_page_has_a_table_of_contents_and_fits_a_telephone(html):
 def test_pushovers_offer_the_displacements_of_the_limit_states():
     """d = d*/Γ*, mm, along x: negative towards −x."""
     content = results_example("it")["states"]["original"]
+    state = typed(results_example("it")).states["original"]
     capacity = content["capacity"]["-x"]
     expected = [1000.0 * capacity[limit]["d_star_m"] / capacity["gamma_star"] for limit in ("SLV", "SLC")]
-    found = {jump["label"]: jump["x"] for jump in _jumps(content, "-x", expected[1])}
+    found = {jump["label"]: jump["x"] for jump in _jumps(state, "-x", expected[1])}
     assert [found["d_SLV"], found["d_SLC"]] == pytest.approx([-each for each in expected], rel=1e-5)
-    short = {jump["label"] for jump in _jumps(content, "-x", 0.9 * expected[1])}
+    short = {jump["label"] for jump in _jumps(state, "-x", 0.9 * expected[1])}
     assert "d_SLC" not in short, "a path that ends before has no such displacement"
 
 

@@ -13,8 +13,9 @@ from assessment.report.figures.index import pictures, write_figures
 from assessment.report.judgement import draft_judgement
 from assessment.report.tables.studies import reported_studies, scenarios, sensitivity, tornado
 from assessment.report.text.language import LANGUAGES, words_of
-from assessment.runtime.pool import Pool
+from assessment.runtime.processes.pool import Pool
 from tests.support.results_example import SETTLED, results_example
+from tests.support.typed import typed
 
 CAPACITY = {"original": (1.0, 1.1), SETTLED: (0.8, 0.6)}  # a_g at SLC towards +x and −x, g
 FACTORS = {  # property: factor: what becomes of both capacities
@@ -64,7 +65,7 @@ def results_with_studies(language: str = "it") -> dict:
 
 
 def test_the_tornado_takes_the_weaker_direction_and_the_widest_swing_first():
-    rows = {(row["state"], row["property"]): row for row in tornado(results_with_studies()).rows}
+    rows = {(row["state"], row["property"]): row for row in tornado(typed(results_with_studies())).rows}
     assert [name for state, name in rows if state == SETTLED] == [
         "unit_weight",
         "stiffness",
@@ -83,22 +84,22 @@ def test_the_tornado_takes_the_weaker_direction_and_the_widest_swing_first():
 
 def test_what_was_not_reached_has_no_swing():
     results = results_with_studies()
-    row = next(row for row in tornado(results).rows if row["property"] == "unit_weight")
+    row = next(row for row in tornado(typed(results)).rows if row["property"] == "unit_weight")
     assert row["a_g_low_g"] is None and row["swing_g"] is None and row["a_g_high_g"] == pytest.approx(0.9)
     results["sensitivity"]["runs"][0]["a_g_g"] = None  # one direction of two: the weaker one is not known
-    row = next(row for row in tornado(results).rows if row["property"] == "friction")
+    row = next(row for row in tornado(typed(results)).rows if row["property"] == "friction")
     assert row["a_g_low_g"] is None
 
 
 def test_scenarios_have_the_worst_marked_and_the_ultimate_movement_where_it_was_sought():
     results = results_with_studies()
-    rows = scenarios(results).rows
+    rows = scenarios(typed(results)).rows
     assert [row["worst"] for row in rows] == [False] * 5 + [True]
     ultimate = results["states"][SETTLED]["pushdown"]["rigid"]["ultimate_movement_m"]
     assert [row.get("ultimate_rigid_m") for row in rows] == [None] * 4 + [ultimate] * 2
     assert "ultimate_rigid_m" not in rows[0] and rows[0]["limit_state"] == "SLC"
     results["echo"]["settlements"][0]["to_collapse"] = False
-    assert not any("ultimate_rigid_m" in row for row in scenarios(results).rows)
+    assert not any("ultimate_rigid_m" in row for row in scenarios(typed(results)).rows)
 
 
 def test_without_assessment_there_are_multipliers_only():
@@ -106,21 +107,24 @@ def test_without_assessment_there_are_multipliers_only():
     results["scenarios"] |= {"quantity": "alpha_0", "limit_state": None}
     for each in results["scenarios"]["points"]:
         del each["a_g_g"], each["zeta_E"]
-    assert draft_judgement(results, words_of(results))
-    assert not any({"a_g_g", "zeta_E", "limit_state"} & set(row) for row in scenarios(results).rows)
+    assert draft_judgement(typed(results), words_of(typed(results)))
+    assert not any({"a_g_g", "zeta_E", "limit_state"} & set(row) for row in scenarios(typed(results)).rows)
 
 
 def test_results_without_studies_have_none_of_it():
     results = results_example()
-    assert not any(table.rows for table in (scenarios(results), sensitivity(results), tornado(results)))
-    assert not {"scenarios", "sensitivity"} & {picture.section for picture in pictures(results)}
+    assert not any(
+        table.rows
+        for table in (scenarios(typed(results)), sensitivity(typed(results)), tornado(typed(results)))
+    )
+    assert not {"scenarios", "sensitivity"} & {picture.section for picture in pictures(typed(results))}
 
 
 def test_collapse_is_a_column_only_where_there_is_one():
     results = results_with_studies()
-    assert "collapses" not in reported_studies(results)[0].columns
+    assert "collapses" not in reported_studies(typed(results))[0].columns
     results["scenarios"]["points"][-1]["collapses"] = True
-    assert "collapses" in reported_studies(results)[0].columns
+    assert "collapses" in reported_studies(typed(results))[0].columns
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -130,9 +134,9 @@ def test_chapters_name_the_worst_case_and_show_tables_and_figures(language, fall
     if fallen:
         last = results["scenarios"]["points"][-1]
         last |= {"collapses": True, "alpha_0": None, "a_g_g": None, "zeta_E": None, "reduction": None}
-    words = words_of(results)
-    write_figures(Pool(0, results), tmp_path)
-    html = render_html(results, tmp_path, words)
+    words = words_of(typed(results))
+    write_figures(Pool(0, typed(results)), tmp_path)
+    html = render_html(typed(results), tmp_path, words)
     for chapter in ("scenarios", "sensitivity"):
         start = html.index(f'<h2 id="{chapter}"')
         text = html[start : html.index("<h2", start + 4)]
@@ -143,10 +147,10 @@ def test_chapters_name_the_worst_case_and_show_tables_and_figures(language, fall
                      capacity=0.6, limit="SLC")  # fmt: skip
     if not fallen:
         sentence += Markup(" ") + words("judgement.worst_reduction", reduction=25.0)
-    assert sentence in html and sentence in draft_judgement(results, words)
+    assert sentence in html and sentence in draft_judgement(typed(results), words)
     widest = words("judgement.sensitive", property=words.plain("value.stiffness"), state=words.state("original"),
                    low=0.5, high=2.0, least=0.7, most=1.2, limit="SLC")  # fmt: skip
-    assert widest in draft_judgement(results, words)
+    assert widest in draft_judgement(typed(results), words)
 
 
 def texts(path) -> list[str]:
@@ -155,7 +159,7 @@ def texts(path) -> list[str]:
 
 
 def test_the_plots_name_scenarios_worst_case_and_factors(tmp_path):
-    write_figures(Pool(0, results_with_studies("en")), tmp_path)
+    write_figures(Pool(0, typed(results_with_studies("en"))), tmp_path)
     shown = texts(tmp_path / "scenarios.svg")
     assert f"1  {SETTLED}" in shown and f"worst: {SETTLED}, 20.0 mm, −x" in shown
     assert "ultimate movement (the smaller)" in shown

@@ -12,13 +12,14 @@ from assessment.report.figures.index import pictures
 from assessment.report.figures.style import STYLE
 from assessment.report.figures.svg import SVG, lightened
 from tests.support.results_example import results_example
+from tests.support.typed import typed
 
 STROKED = {"stroke-linejoin": "round", "stroke-linecap": "butt"}
 
 
 @pytest.fixture(scope="module", params=["model", "pushover_plus_x", "spectra_plus_x_SLV", "mechanism_plus_x"])
 def figure(request):
-    picture = next(each for each in pictures(results_example()) if each.name == request.param)
+    picture = next(each for each in pictures(typed(results_example())) if each.name == request.param)
     buffer = io.BytesIO()
     with mpl.rc_context(STYLE):
         picture.draw().savefig(buffer, format="svg", metadata={"Date": None})

@@ -14,12 +14,13 @@ from assessment.report.text.input_table import echoed
 from assessment.report.text.language import LANGUAGES, Words
 from assessment.results.hand_check import hand_check
 from tests.support.results_example import SETTLED, results_example
+from tests.support.typed import typed
 
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     folder = tmp_path_factory.mktemp("tables")
-    write_tables(results_example(), folder)
+    write_tables(typed(results_example()), folder)
     return {path.stem: path for path in folder.iterdir()}
 
 
@@ -50,7 +51,9 @@ def test_curves_come_back_as_they_were(written):
 
 
 def test_summary_has_the_reductions_of_the_papers_table():
-    rows = {(r["direction"], r["quantity"], r["limit_state"]): r for r in summary(results_example()).rows}
+    rows = {
+        (r["direction"], r["quantity"], r["limit_state"]): r for r in summary(typed(results_example())).rows
+    }
     row = rows["+x", "alpha_0", ""]
     assert row["original"] == 0.153
     assert row[f"reduction: {SETTLED}"] == pytest.approx(1.0 - 0.131 / 0.153)
@@ -63,7 +66,7 @@ def test_null_is_kept_apart_from_not_asked_for():
     results = results_example()
     results["states"]["original"]["pushover"]["+x"]["rigid"]["d_0_m"] = None
     del results["states"][SETTLED]["pushover"]["+x"]["elastic"]
-    rows = {(r["direction"], r["quantity"], r["limit_state"]): r for r in summary(results).rows}
+    rows = {(r["direction"], r["quantity"], r["limit_state"]): r for r in summary(typed(results)).rows}
     assert rows["+x", "d_0_m", ""]["original"] is None
     assert rows["+x", "d_0_m", ""][f"reduction: {SETTLED}"] is None
     assert SETTLED not in rows["+x", "alpha_y", ""]
@@ -71,7 +74,7 @@ def test_null_is_kept_apart_from_not_asked_for():
 
 def test_layers_add_up_to_the_model():
     results = results_example()
-    rows = layers(results).rows
+    rows = layers(typed(results)).rows
     assert sum(row["blocks"] for row in rows) == results["model"]["blocks"]
     weight = sum(
         row["area_m2"] * row["depth_m"] * row["unit_weight_kN_m3"] + row["vertical_load_kN"]
@@ -84,27 +87,27 @@ def test_layers_add_up_to_the_model():
 def test_a_layer_overrides_the_default_material():
     results = results_example()
     results["echo"]["layers"]["PIERS"] = {"friction": 0.4}
-    found = {row["layer"]: row["friction"] for row in layers(results).rows}
+    found = {row["layer"]: row["friction"] for row in layers(typed(results)).rows}
     assert (found["PIERS"], found["ARCH"]) == (0.4, 0.6)
 
 
 def test_area_does_not_depend_on_the_sense_of_the_polygon():
     results = results_example()
-    before = [row["area_m2"] for row in blocks(results).rows]
+    before = [row["area_m2"] for row in blocks(typed(results)).rows]
     for block in results["geometry"]["blocks"]:
         block["vertices_m"].reverse()
-    assert [row["area_m2"] for row in blocks(results).rows] == pytest.approx(before)
+    assert [row["area_m2"] for row in blocks(typed(results)).rows] == pytest.approx(before)
 
 
 def test_one_check_per_state_direction_and_limit_state():
-    rows = verification(results_example()).rows
+    rows = verification(typed(results_example())).rows
     assert len(rows) == 2 * 2 * 3
     for row in rows:
         assert row["zeta_E"] == pytest.approx(row["a_g_g"] / row["demand_a_g_g"])
 
 
 def test_deviation_of_the_hand_check():
-    assert hand_check(results_example()).rows[0]["deviation"] == pytest.approx(4e-4)
+    assert hand_check(typed(results_example())).rows[0]["deviation"] == pytest.approx(4e-4)
 
 
 def test_no_cell_begins_like_a_formula(tmp_path):
@@ -112,7 +115,7 @@ def test_no_cell_begins_like_a_formula(tmp_path):
     for name in ("=1+1", "+SUM(A1)", "-2", "@A1", "=cmd|'/c calc'!A0"):
         results["states"][name] = results["states"][SETTLED]
     results["geometry"]["blocks"][0]["layer"] = "=HYPERLINK(0)"
-    write_tables(results, tmp_path)
+    write_tables(typed(results), tmp_path)
     words = 0
     for path in tmp_path.iterdir():
         with path.open(encoding="utf-8", newline="") as file:
@@ -126,7 +129,7 @@ def test_no_cell_begins_like_a_formula(tmp_path):
 
 
 def test_same_bytes_and_plain_csv(written, tmp_path):
-    write_tables(results_example("en"), tmp_path)
+    write_tables(typed(results_example("en")), tmp_path)
     for path in tmp_path.iterdir():
         assert path.read_bytes() == written[path.stem].read_bytes()
         assert b"\r" not in path.read_bytes()
@@ -150,7 +153,7 @@ def test_the_trace_holds_every_direction_and_limit_state():
             capacity["trace"] = steps
             for limit in ("SLD", "SLV", "SLC"):
                 capacity[limit]["trace"] = steps
-    rows = trace(results).rows
+    rows = trace(typed(results)).rows
     assert len(rows) == 2 * 2 * 4
     assert {row["part"] for row in rows} == {"capacity", "SLD", "SLV", "SLC"}
     assert rows[0]["inputs"] == "b=2.0; c=0.5"
@@ -196,7 +199,7 @@ def test_mechanisms_found_and_chosen_stand_in_one_table():
     chosen = {"name": "crown", "state": "original", "direction": "+x", "alpha_0": 0.2, "a_0_star_g": 0.15}
     chosen |= {"displacements": moved, "SLV": capacity["SLV"]}
     results["mechanisms"] = [chosen, {"name": "no", "state": "original", "refused": "it penetrates"}]
-    rows = all_mechanisms(results).rows
+    rows = all_mechanisms(typed(results)).rows
     assert [row["macro_element"] for row in rows] == ["*"] * 4 + ["ARCH"]
     assert rows[-1]["mechanism"] == "crown" and rows[-1]["zeta_SLV"] == capacity["SLV"]["zeta_E"]
     assert rows[0]["zeta_SLC"] == capacity["SLC"]["zeta_E"]

@@ -5,39 +5,39 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.report.joints import edge_pressures
-from assessment.results.faces import Met, described
+from assessment.report.joints import edge_pressures, joint_law, pressures_told, reported_pressures
+from assessment.report.text.language import words_of
+from assessment.results.faces import Met, described, faces_of
 from assessment.results.frames import MOST, chosen, pushdown_frames, pushover_frames, snapshots
 from assessment.results.joint_states import Situation, joint_states, pressed, situations, thrust_lines
 from assessment.results.outlines import outlines
 from assessment.results.reactions import balance, joint_table, reactions
+from assessment.results.schema.model import Face
 from mechanics import Assembly, Block, Material, pushdown, pushover, time_history
 from mechanics.steps.equilibrium import reaction
 from tests.support.analysed import SETTLED, analysed
 from tests.support.structures import block_on_base, rectangle, semicircular_arch
+from tests.support.typed import typed
 
 
 def plain_results(model):
     """What the kinematics of joints need of the results."""
-    return {
-        "geometry": {
-            "blocks": [
-                {"vertices_m": b.polygon.tolist(), "centroid_m": b.centroid.tolist(), "support": b.support}
-                for b in model.blocks
-            ],
-            "joints": described(model, model.contacts),
-            "joint_tolerance_m": model.joint_tolerance,
-        },
-        "model": {"weight_kN": model.weight},
+    geometry = {
+        "blocks": [
+            {"vertices_m": b.polygon.tolist(), "centroid_m": b.centroid.tolist(), "support": b.support}
+            for b in model.blocks
+        ],
+        "joints": described(model, model.contacts),
+        "joint_tolerance_m": model.joint_tolerance,
     }
+    return typed({"geometry": geometry, "model": {"weight_kN": model.weight}})
 
 
 def situation(frames, number):
     """The situation of a frame."""
     force, centre = (np.array(frames[key][number], dtype=float) for key in ("force_kN", "centre"))
-    return Situation(
-        "", "+x", "", 0.0, np.array(frames["configuration"][number]), force, centre, frames["met"]
-    )
+    met = [Face.model_validate(each) for each in frames["met"]]
+    return Situation("", "+x", "", 0.0, np.array(frames["configuration"][number]), force, centre, met)
 
 
 def forces_on(model, states):
@@ -180,18 +180,25 @@ def test_a_wall_leans_on_its_neighbour_and_the_pair_that_met_is_told():
     assert leaning > 2
 
 
+def test_joints_of_results_are_those_of_the_model_in_every_column():
+    model = block_on_base()
+    np.testing.assert_allclose(
+        faces_of(plain_results(model)).contacts.faces, model.contacts.faces, atol=1e-12
+    )
+
+
 def test_rest_and_onset_of_every_state_are_there_and_balanced():
     results = analysed()
-    found = [(each.state, each.direction, each.contacts) for each in situations(results)]
+    found = [(each.state, each.direction, each.contacts) for each in situations(typed(results))]
     assert found == [
         (state, *how)
         for state in ("original", SETTLED)
         for how in ((None, "elastic"), ("+x", "rigid"), ("-x", "rigid"))
     ]
-    assert max(row["unbalanced"] for row in balance(results).rows) < 1e-4
+    assert max(row["unbalanced"] for row in balance(typed(results)).rows) < 1e-4
     upward = sum(
         row["reaction_z_kN"]
-        for row in reactions(results).rows
+        for row in reactions(typed(results)).rows
         if (row["state"], row["direction"]) == ("original", "+x")
     )
     assert upward == pytest.approx(results["model"]["weight_kN"], rel=1e-5)
@@ -201,15 +208,15 @@ def test_a_frame_that_is_out_of_balance_is_seen():
     results = analysed()
     frames = results["states"]["original"]["pushover"]["+x"]["elastic"]["frames"]
     frames["force_kN"][0][0][0] *= 1.1
-    assert max(row["unbalanced"] for row in balance(results).rows) > 1e-3
+    assert max(row["unbalanced"] for row in balance(typed(results)).rows) > 1e-3
 
 
 def test_the_line_of_thrust_of_an_arch_passes_each_voussoir_within_its_joints():
     results = analysed()
-    for each in situations(results):
-        lines = thrust_lines(joint_states(results, each))
+    for each in situations(typed(results)):
+        lines = thrust_lines(joint_states(typed(results), each))
         assert len(lines) == 11
-        shape = outlines(results).moved(each.configuration)
+        shape = outlines(typed(results)).moved(each.configuration)
         for (x0, z0), (x1, z1) in lines:
             low, high = shape.points.min(axis=0), shape.points.max(axis=0)
             assert low[0] <= min(x0, x1)
@@ -221,15 +228,17 @@ def test_nothing_slides_where_friction_is_infinite():
     results = analysed()
     for joint in results["geometry"]["joints"]:
         joint["friction"] = None
-    conditions = {c for each in situations(results) for c in joint_states(results, each).condition}
+    conditions = {
+        c for each in situations(typed(results)) for c in joint_states(typed(results), each).condition
+    }
     assert "sliding" not in conditions and "edge" in conditions
 
 
 def test_four_hinges_at_the_onset_of_an_arch_and_open_joints_there():
     results = analysed()
-    onset = next(each for each in situations(results) if each.direction == "+x")
-    assert joint_states(results, onset).condition.count("edge") >= 4
-    settled = [row for row in joint_table(results).rows if row["state"] == SETTLED]
+    onset = next(each for each in situations(typed(results)) if each.direction == "+x")
+    assert joint_states(typed(results), onset).condition.count("edge") >= 4
+    settled = [row for row in joint_table(typed(results)).rows if row["state"] == SETTLED]
     rigid = [row for row in settled if row["contacts"] == "rigid"]
     gaping = [row for row in rigid if max(row["opening_1_m"], row["opening_2_m"]) > 1e-3]
     assert gaping
@@ -238,8 +247,8 @@ def test_four_hinges_at_the_onset_of_an_arch_and_open_joints_there():
 
 def test_edge_pressures_are_the_greatest_of_the_elastic_joints_and_crushing_bounds_them():
     results = analysed()
-    rows = edge_pressures(results).rows
-    joints = [row for row in joint_table(results).rows if row["contacts"] == "elastic"]
+    rows = edge_pressures(typed(results)).rows
+    joints = [row for row in joint_table(typed(results)).rows if row["contacts"] == "elastic"]
     for row in rows:
         own = [each["edge_pressure_kN_m2"] for each in joints if each["joint"] == row["joint"]]
         assert row["edge_pressure_kN_m2"] == row["uncrushed_pressure_kN_m2"] == max(own)
@@ -247,9 +256,32 @@ def test_edge_pressures_are_the_greatest_of_the_elastic_joints_and_crushing_boun
     greatest = rows[0]["edge_pressure_kN_m2"]
     for joint in results["geometry"]["joints"]:
         joint["compressive_strength_kN_m2"] = 0.5 * greatest
-    crushed = edge_pressures(results).rows
+    crushed = edge_pressures(typed(results)).rows
     assert crushed[0]["edge_pressure_kN_m2"] == pytest.approx(0.5 * greatest)
     assert crushed[0]["uncrushed_pressure_kN_m2"] == greatest
+
+
+def test_pressures_without_bound_are_a_sentence_and_no_table():
+    """Without elastic joints the hinges of the mechanisms press at a point."""
+    results = analysed()
+    for state in results["states"].values():
+        state["pushdown"].pop("elastic", None)
+        for curves in state["pushover"].values():
+            curves["elastic"] = None
+    words = words_of(typed(results))
+    assert np.isinf(edge_pressures(typed(results)).rows[0]["edge_pressure_kN_m2"])
+    assert reported_pressures(typed(results)).rows == []
+    assert "press without bound" in pressures_told(typed(results), words)
+    assert "greatest edge pressure" not in " ".join(joint_law(typed(results), words, elastic=False))
+    assert reported_pressures(typed(analysed())).rows
+
+
+def test_rounding_is_no_reaction():
+    rows = balance(typed(analysed())).rows + reactions(typed(analysed())).rows
+    values = np.array([value for row in rows for key, value in row.items() if key.endswith("_kN")])
+    weight = analysed()["model"]["weight_kN"]
+    assert (values[abs(values) < 1e-9 * weight] == 0.0).all()
+    assert [row["load_x_kN"] for row in rows if "load_x_kN" in row and row["direction"] is None]
 
 
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])

@@ -18,13 +18,14 @@ from assessment.results.hand_check import (
 )
 from tests.support.analysed import SETTLED, analysed
 from tests.support.results_example import results_example
+from tests.support.typed import typed
 
 
 def test_the_four_hinges_of_an_arch_leave_three_macro_blocks():
     results = analysed()
     rigid = results["states"]["original"]["pushover"]["+x"]["rigid"]
     assert rigid["mechanism"]["hinges"] == 4
-    whole = macro_blocks(results, "original", "+x")
+    whole = macro_blocks(typed(results), "original", "+x")
     assert len(whole) == 3
     assert sum(each.weight for each in whole) == pytest.approx(rigid["mechanism"]["moving_weight_kN"])
     members = [block for each in whole for block in each.members]
@@ -34,7 +35,7 @@ def test_the_four_hinges_of_an_arch_leave_three_macro_blocks():
 def test_macro_blocks_turn_about_their_centres_and_about_the_hinges_between_them():
     """A hinge joined to still ground is a centre; two macro-blocks have one velocity at the hinge they share."""
     results = analysed()
-    whole = macro_blocks(results, "original", "+x")
+    whole = macro_blocks(typed(results), "original", "+x")
     hinges = np.array(results["states"]["original"]["pushover"]["+x"]["rigid"]["mechanism"]["hinge_points_m"])
     centres = np.array([each.centre for each in whole])
     grounded = [float(np.hypot(*(hinges - centre).T).min()) for centre in centres]
@@ -53,11 +54,11 @@ def test_macro_blocks_turn_about_their_centres_and_about_the_hinges_between_them
 
 def test_the_multiplier_of_the_printed_figures_is_the_programs():
     results = analysed()
-    rows = hand_check(results).rows
+    rows = hand_check(typed(results)).rows
     assert len(rows) == 4
     for row in rows:
         assert abs(row["hand_deviation"]) < 2e-3
-        by_hand = figures_of(results, row["state"], row["direction"])
+        by_hand = figures_of(typed(results), row["state"], row["direction"])
         assert multiplier(by_hand) == row["hand_alpha"]
         # as a reader would: every figure has four significant digits
         for figure in by_hand[:-1]:
@@ -68,8 +69,8 @@ def test_the_multiplier_of_the_printed_figures_is_the_programs():
 def test_the_weaker_direction_is_printed_and_all_are_in_the_table():
     results = analysed()
     alphas = {d: results["states"][SETTLED]["pushover"][d]["rigid"]["alpha_0"] for d in ("+x", "-x")}
-    assert (SETTLED, min(alphas, key=alphas.get)) in governing_mechanisms(results)
-    assert {(row["state"], row["direction"]) for row in macro_block_table(results).rows} == {
+    assert (SETTLED, min(alphas, key=alphas.get)) in governing_mechanisms(typed(results))
+    assert {(row["state"], row["direction"]) for row in macro_block_table(typed(results)).rows} == {
         (state, direction) for state in ("original", SETTLED) for direction in ("+x", "-x")
     }
 
@@ -78,13 +79,13 @@ def test_weights_come_from_the_input_alone():
     results = analysed()
     for block in results["geometry"]["blocks"]:
         del block["weight_kN"]
-    dead, seismic = weights(results)
+    dead, seismic = weights(typed(results))
     movable = [block["support"] is None for block in results["geometry"]["blocks"]]
     assert dead[movable].sum() == pytest.approx(results["model"]["weight_kN"])
     results["geometry"]["blocks"][3]["vertical_load_kN"] = 2.0
     layer = results["geometry"]["blocks"][3]["layer"]
     results["echo"]["layers"].setdefault(layer, {})["load_has_mass"] = False
-    loaded, still = weights(results)
+    loaded, still = weights(typed(results))
     assert loaded[3] == pytest.approx(dead[3] + 2.0)
     assert still[3] == pytest.approx(seismic[3])
 
@@ -93,7 +94,7 @@ def test_a_wrong_multiplier_is_found_out():
     results = analysed()
     rigid = results["states"]["original"]["pushover"]["+x"]["rigid"]
     rigid["mechanism"]["alpha"] *= 1.05
-    assert abs(hand_check(results).rows[0]["hand_deviation"]) > 0.04
+    assert abs(hand_check(typed(results)).rows[0]["hand_deviation"]) > 0.04
 
 
 def test_a_mechanism_goes_where_the_loads_push_it_and_its_joints_open():
@@ -101,9 +102,9 @@ def test_a_mechanism_goes_where_the_loads_push_it_and_its_joints_open():
     results = analysed()
     for direction, along in (("+x", 1.0), ("-x", -1.0)):
         for state in ("original", SETTLED):
-            rows = figures_of(results, state, direction)
+            rows = figures_of(typed(results), state, direction)
             assert rows[-1]["work_load"] > 0.0
-            drawing = found_mechanism(results, state, direction)
+            drawing = found_mechanism(typed(results), state, direction)
             crown = drawing.start.nearest([0.0, 1.65])
             assert along * (drawing.swept.centroids - drawing.start.centroids)[crown, 0] > 0.0
             forth, back = (
@@ -125,9 +126,9 @@ def overlap(shape):
 def test_a_mechanism_of_many_macro_blocks_is_left_to_the_table(tmp_path, monkeypatch):
     results = results_example("en")
     monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
-    printed = render_html(results, tmp_path, words_of(results))
+    printed = render_html(typed(results), tmp_path, words_of(typed(results)))
     monkeypatch.setattr("assessment.report.document.BY_HAND", 0)
-    left_out = render_html(results, tmp_path, words_of(results))
+    left_out = render_html(typed(results), tmp_path, words_of(typed(results)))
     assert "Macro-blocks of the mechanism" in printed and "too many" not in printed
     assert "Macro-blocks of the mechanism" not in left_out and "too many for a check by hand" in left_out
     assert "Multiplier at activation from the program" in left_out

@@ -12,10 +12,17 @@ import pytest
 from pydantic import BaseModel
 
 from assessment.cli.main import main
-from assessment.results.file import UndocumentedError, as_bytes, read_results
+from assessment.ntc.limit_states import CHECKS
+from assessment.project.schema import ProjectContent
+from assessment.results.file import UndocumentedError, read_content, typed
 from assessment.results.schema import FORMAT, Results, json_schema
+from assessment.results.schema.checks import Capacity, Check
+from assessment.results.schema.dynamic import Search
+from assessment.results.schema.model import Echo
+from assessment.results.table import cells
 from tests.support.analysed import analysed
-from tests.support.results_example import results_example, with_frames
+from tests.support.results_example import results_example
+from tests.support.typed import filled
 
 UNITS = {"m": "m", "kN": "kN", "kNm": "kNm", "g": "g", "s": "s", "rad": "rad", "m2": "kN/m²", "s2": "m/s²"}
 
@@ -87,7 +94,7 @@ FREE = {"echo", "inputs", "packages", "timing_s", "levels", "required_zeta", "co
 
 def described(results: dict[str, Any]) -> list[tuple[Any, ...]]:
     """Tables of results whose keys the schema knows, one of each kind."""
-    named = {"states", "spectra", "pushover", "capacity", "scalings"}  # one level of names
+    named = {"states", "spectra", "pushdown", "pushover", "capacity", "scalings"}  # one level of names
     found: dict[tuple[Any, ...], tuple[Any, ...]] = {}
     for path in places(results):
         if not FREE & {*path} and not (path and path[-1] in named):
@@ -100,9 +107,9 @@ def test_an_undocumented_key_is_refused_in_every_table(results):
     for path in described(results):
         at(results, path)["undocumented"] = 1.0
         with pytest.raises(UndocumentedError, match=r"undocumented: unknown key$"):
-            as_bytes(results)
+            typed(results)
         del at(results, path)["undocumented"]
-    as_bytes(results)
+    typed(results)
 
 
 def test_a_missing_key_is_refused(results):
@@ -122,7 +129,7 @@ def test_a_missing_key_is_refused(results):
         for key in required[name]:
             value = table.pop(key)
             with pytest.raises(UndocumentedError, match=rf"\.{key}: missing$"):
-                as_bytes(results)
+                typed(results)
             table[key] = value
 
 
@@ -131,7 +138,7 @@ def test_a_number_is_a_number(results, value):
     changed = copy.deepcopy(results)
     changed["model"]["weight_kN"] = value
     with pytest.raises(UndocumentedError, match=r"^results\.json: model\.weight_kN: "):
-        as_bytes(changed)
+        typed(changed)
 
 
 @pytest.mark.parametrize(
@@ -159,7 +166,7 @@ def test_what_is_read_is_held_against_the_schema(results, tmp_path, change, said
     path = tmp_path / "results.json"
     path.write_text(json.dumps(content), encoding="utf-8")
     with pytest.raises(ValueError) as caught:
-        read_results(path)
+        read_content(path)
     assert str(caught.value).startswith(f"{path}: {said}")
     assert str(caught.value).endswith("; run the project again")
 
@@ -173,4 +180,24 @@ def test_the_schema_of_results_is_printed(capsys):
 
 
 def test_the_example_of_other_tests_is_results():
-    as_bytes(with_frames(results_example()))
+    typed(results_example())
+
+
+def test_the_echo_has_the_tables_of_the_project_file_in_their_order():
+    """It is printed in the order of its fields."""
+    assert list(Echo.model_fields) == list(ProjectContent.model_fields)
+
+
+def test_checks_are_met_by_name_in_the_order_of_the_limit_states():
+    check = filled(Check)
+    capacity = Capacity.model_validate(filled(Capacity, dict.fromkeys(CHECKS, check)))
+    assert list(capacity.checks) == list(CHECKS)
+    assert Capacity.model_validate(filled(Capacity, {"SLV linear": check})).checks.keys() == {"SLV linear"}
+
+
+def test_a_missing_key_of_a_row_is_another_thing_than_null():
+    search = Search.model_validate(filled(Search, {"pga_collapse_g": None}))
+    assert cells(search, ("record", "pga_collapse_g", "seconds", "state")) == {
+        "record": "",
+        "pga_collapse_g": None,
+    }

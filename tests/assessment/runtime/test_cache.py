@@ -7,7 +7,8 @@ import os
 import numpy as np
 import pytest
 
-from assessment.analyses.static.paths import Part, settle
+from assessment.analyses.static.paths import Part
+from assessment.analyses.static.settlement import settle
 from assessment.runtime.cache import Store, packed, unpacked
 from assessment.runtime.fingerprint import fingerprint as digest
 from assessment.workflow.stages import run

@@ -9,11 +9,11 @@ import pytest
 
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.runtime import cluster
 from assessment.runtime.cache import FOLDER, Store
-from assessment.runtime.cluster import Cluster
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.pool import KilledError
+from assessment.runtime.processes import cluster
+from assessment.runtime.processes.cluster import Cluster
+from assessment.runtime.processes.pool import KilledError
 from assessment.runtime.tasks import Silence
 from assessment.workflow.stages import run
 from tests.support.block_project import timeless

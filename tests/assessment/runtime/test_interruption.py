@@ -21,7 +21,7 @@ from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.figures import index as figures
 from assessment.runtime.cache import FOLDER, Store
-from assessment.runtime.journal import NAME as JOURNAL
+from assessment.runtime.files.journal import NAME as JOURNAL
 from assessment.workflow.stages import run
 from tests import ROOT
 from tests.support.block_project import command, contents, edit, read_results, timeless
@@ -182,7 +182,7 @@ def test_memory_that_runs_out_is_told(project, capsys, monkeypatch):
 def test_nohup_keeps_a_run_alive():
     code = (
         "import os, signal, time\n"
-        "from assessment.runtime.interruption import watch\n"
+        "from assessment.runtime.processes.interruption import watch\n"
         "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
         "watch('ended', 3)\n"
         "os.kill(os.getpid(), signal.SIGHUP)\n"
@@ -206,12 +206,12 @@ RENAMED = (
 def test_an_interruption_that_a_library_swallows_ends_the_run_all_the_same(project, deaf):
     code = (
         "import contextlib, os, sys, time\n"
-        "from assessment.analyses.static import paths as stages\n"
+        "from assessment.analyses.static import lateral\n"
         "from assessment.cli.main import main\n"
         "def deaf(*_, **__):\n"
         "    os.write(1, b'begun\\n')\n"
         f"{deaf}"
-        "stages.pushover = deaf\n"
+        "lateral.pushover = deaf\n"
         "main()"
     )
     started = subprocess.Popen(

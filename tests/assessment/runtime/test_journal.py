@@ -12,10 +12,10 @@ import pytest
 
 from assessment.cli.main import main
 from assessment.runtime.cache import FOLDER, Store
-from assessment.runtime.journal import NAME, journal, read_journal
-from assessment.runtime.lock import locked
-from assessment.runtime.status import status
+from assessment.runtime.files.journal import NAME, journal, read_journal
+from assessment.runtime.files.lock import locked
 from assessment.runtime.tasks import Silence
+from assessment.runtime.terminal.status import status
 from tests import ROOT
 from tests.support.block_project import contents, read_results, timeless
 from tests.support.campaign_project import STRIPES, write_campaign

@@ -10,12 +10,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from assessment.runtime import lock
-from assessment.runtime.lock import NAME, BusyError, locked
+from assessment.runtime.files import lock
+from assessment.runtime.files.lock import NAME, BusyError, locked
 from tests.support.block_project import ROOT, run
 
 HOLD = """
-import sys, pathlib, assessment.runtime.lock as lock
+import sys, pathlib, assessment.runtime.files.lock as lock
 with lock.locked(pathlib.Path(sys.argv[1])):
     input(print('held'))
 """

@@ -70,7 +70,7 @@ def test_every_module_can_be_imported(elsewhere):
         "        importlib.import_module(module.name)\n"
         "from assessment.benchmark.machine import machine\n"
         "from assessment.benchmark.measure import peak_memory\n"
-        "from assessment.benchmark.chain import _children\n"
+        "from assessment.benchmark.cases.chain import _children\n"
         "print(ascii(machine()), peak_memory(), _children())"
     )
     done = command(code=code, env=elsewhere)

@@ -11,10 +11,11 @@ from types import SimpleNamespace
 import pytest
 
 from assessment.report.figures import index as figures
-from assessment.runtime import progress as terminal
-from assessment.runtime.progress import Bars, _table, capacities
+from assessment.runtime.terminal import progress as terminal
+from assessment.runtime.terminal.progress import Bars, _table, capacities
 from tests.support.block_project import edit, read_results
 from tests.support.every_stage import assesto, write_every_stage
+from tests.support.typed import typed
 
 
 @pytest.fixture(autouse=True)
@@ -127,7 +128,7 @@ def test_the_summary_shows_slv_beside_slc():
         "original": row("original", "+x", SLD=0.05, SLV_linear=0.1, SLV=0.15, SLC=0.3),
         "settled": row("settled", "+x", SLD=0.05, SLV_linear=0.1, SLV=None, SLC=0.25),
     }
-    above, head, first, second = _table(capacities({"states": states}))
+    above, head, first, second = _table(capacities(typed({"states": states})))
     assert above.split() == ["SLV", "SLC"] and head.split().count("ζ_E") == 2
     assert above.index("SLV") == head.index("a_g [g]") and above.index("SLC") == head.rindex("a_g [g]")
     assert first.split() == ["original", "+x", "0.1000", "0.2000", "0.150", "0.75", "0.300", "1.50"]
@@ -135,7 +136,7 @@ def test_the_summary_shows_slv_beside_slc():
 
 
 def test_the_ratio_at_sld_is_not_called_an_index():
-    lines = _table(capacities({"states": {"original": row("original", "+x", SLD=0.05)}}))
+    lines = _table(capacities(typed({"states": {"original": row("original", "+x", SLD=0.05)}})))
     assert "SLD" in lines[0] and "ratio" in lines[1] and not any("ζ" in line for line in lines)
-    bare = _table(capacities({"states": {"original": row("original", "+x")}}))
+    bare = _table(capacities(typed({"states": {"original": row("original", "+x")}})))
     assert len(bare) == 2 and "a_g" not in bare[0]

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from assessment.runtime import swap
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.swap import clear, put_in_place
+from assessment.runtime.files import swap
+from assessment.runtime.files.swap import clear, put_in_place
 from tests.support.block_project import contents
 
 OLD = ("figures/a.svg", "figures/b.svg", "report.pdf", "results.json", "tables/t.csv")

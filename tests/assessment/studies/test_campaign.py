@@ -14,13 +14,13 @@ from scipy.special import ndtr
 from assessment.analyses.dynamic.bracket import find_collapse
 from assessment.analyses.dynamic.incremental import fragility as censored_fit
 from assessment.analyses.dynamic.record_set import Target, compatibility, scaled_to
-from assessment.ntc.spectrum import ElasticSpectrum
+from assessment.ntc.demand.spectrum import ElasticSpectrum
 from assessment.project.motions import BaseMotion
 from assessment.project.project import load_project
 from assessment.project.record_set import check_record_set, doubtful_records
 from assessment.project.schema import CampaignTable
 from assessment.runtime.errors import ProjectError
-from assessment.studies.campaign import stage
+from assessment.studies.campaign import records
 from assessment.studies.campaign.fragility import (
     Scatter,
     confidence,
@@ -325,7 +325,7 @@ def made(spectrum, seed):
 
 
 def test_records_are_made_to_the_spectrum_of_the_site(block, monkeypatch):
-    monkeypatch.setattr(stage, "made_record", made)
+    monkeypatch.setattr(records, "made_record", made)
     edit(block, 'records = ["wave*.csv"]', 'records = "generate:3"')
     edit(block, "tolerance = 0.2", 'method = "stripes"\nlevels_g = [0.01]\nspectrum_compatible = true')
     assert run(block, "--only", "campaign", "--jobs", "1") == 0

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from assessment.cli.main import main
-from assessment.runtime import swap
+from assessment.runtime.files import swap
 from assessment.workflow import output
 from assessment.workflow import stages as workflow
 from tests.support.block_project import contents, edit, run

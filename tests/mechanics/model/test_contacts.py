@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from mechanics import Assembly, Block, Material
 from mechanics.kernels.bed import crushed, stored
-from mechanics.kernels.joint import A1, A2, ALONG, ARM, BETA, MV, PHI, H, U, V, curvature
+from mechanics.kernels.joint import A1, A2, ALONG, ARM, BETA, MU, MV, PHI, H, U, V, curvature
 from mechanics.model.contacts import Contacts, deformation, end_gaps, end_points, rows
 from mechanics.steps.static_step import lay_shear
 from mechanics.types import Array
@@ -44,10 +44,9 @@ def test_places_are_those_of_their_definition(name, seed, amount):
     for k, p in enumerate(places):
         pair = pair_of(contacts, k, positions)
         low, high = pair.overlap
-        arm = (-0.5 if pair.upper else 0.5) * (high - low)
-        assert p[BETA] == pytest.approx(pair.beta(contacts.tolerance), abs=1e-9)
+        assert p[BETA] == pytest.approx(pair.beta(), abs=1e-9)
         assert abs(p[H]) == pytest.approx(abs(0.5 * (high - low)), abs=1e-12)
-        measures = pair.measures(p[BETA], arm, pair.upper)
+        measures = pair.measures(p[BETA], pair.arm(), pair.upper)
         assert p[[U, PHI, V]] == pytest.approx(measures, abs=1e-12)
         closed = p[U] - p[ARM] * p[PHI]
         assert (p[H] > 0.0) == (high - low > max(0.0, -closed))
@@ -269,15 +268,26 @@ def test_the_normal_is_that_of_the_face_that_a_corner_touches(lean):
 
 
 def test_where_two_corners_meet_the_bisector_counts():
-    """As drawn faces end together: β = ½, and it changes to the touched face's over a slide of the tolerance."""
-    model = two(rectangle(0, 0, 1, 1), rectangle(0, -1, 1, 0), tolerance=1e-3)
+    """As drawn faces end together: β = ½, and it changes to the touched face's over a slide of 1/100 of the face."""
+    model = two(rectangle(0, 0, 1, 1), rectangle(0, -1, 1, 0))
     shares = []
-    for slide in (-2e-3, -0.5e-3, 0.0, 0.5e-3, 2e-3):
+    for slide in (-2e-2, -0.5e-2, 0.0, 0.5e-2, 2e-2):
         positions = model.rotated(1, (1.0, 0.0), -0.01).positions
         positions[1, 0] += slide
         shares.append(model.contacts.places(positions)[0, BETA])
     assert shares == pytest.approx(sorted(shares)) or shares == pytest.approx(sorted(shares)[::-1])
     assert sorted(shares) == pytest.approx([0.0, 0.25, 0.5, 0.75, 1.0], abs=1e-5)
+
+
+@pytest.mark.parametrize("slide", [2e-3, 4e-3, 8e-3])
+def test_level_faces_push_at_one_place_whichever_end_measures_them(slide):
+    """Faces of corners that nearly meet: a turn through zero changes the end that is the more closed, not the lever."""
+    model = two(rectangle(0, 0, 1, 1), rectangle(0, -1, 1, 0))
+    levers = []
+    for turn in (-1e-9, 1e-9):
+        positions = model.initial.positions + np.array([[0.0, 0.0, 0.0], [slide, 0.0, turn]])
+        levers.append(model.contacts.places(positions)[0, MU])
+    assert levers[0] == pytest.approx(levers[1], abs=1e-8)
 
 
 def test_shear_acts_midway_between_the_faces_where_the_pressure_does():

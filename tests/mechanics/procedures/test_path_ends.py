@@ -179,6 +179,34 @@ def test_a_hinge_of_the_settlement_that_snaps_shut_is_no_end_of_the_capacity(dir
 def test_an_elastic_path_that_only_bends_is_followed_without_letting_blocks_go():
     """Forces of the last point in the geometry of the next one may be unstable where the structure is not."""
     movement = np.array([0.03, -0.03])
-    path = pushdown(drawn("triumphal_arch"), "right", movement, increment=0.01, contacts="elastic")
+    path = pushdown(drawn("triumphal_arch"), "destro", movement, increment=0.01, contacts="elastic")
     assert len(path.movement) == 4
     assert not len(path.crossed)
+
+
+@pytest.mark.parametrize("increment", [1e-4, 1e-3])
+def test_an_elastic_path_never_jumps_back_to_where_it_has_jumped_before(increment):
+    """At its limit point a released arch came to rest behind, climbed again and was released again, eleven times."""
+    curve = pushover(arch_on_piers(), (0.85, 0.8), "+x", "elastic", increment)
+    begun, landed = curve.crossed.T if len(curve.crossed) else np.zeros((2, 0))
+    assert (landed[1:] > np.maximum.accumulate(begun)[:-1]).all()
+    assert curve.lost
+    assert curve.displacement[-1] == pytest.approx(0.00165, rel=0.01)
+
+
+def test_a_step_that_may_be_halved_is_not_decided_by_a_motion(monkeypatch):
+    """Motions decide of the shortest step: 1/32 of the increment."""
+    module, lengths = import_module("mechanics.procedures.step_control"), []
+    motion = module.motion_to_rest
+
+    def told(problem, begun):
+        lengths.append(problem.size)
+        return motion(problem, begun)
+
+    monkeypatch.setattr(module, "motion_to_rest", told)
+    increment = 0.003
+    curve = pushover(arch_on_piers(voussoirs=9, courses=3, stiffness=1e7), (0.85, 0.8), increment=increment)
+    assert curve.lost
+    assert lengths
+    # the size of a step is the displacement of its fastest block, which is not the control point's
+    assert max(lengths) < 2.0 * increment / 32.0 * float(abs(curve.mechanism[:, :2]).max())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assessment.benchmark.structures import arch_on_piers
+from assessment.benchmark.cases.structures import arch_on_piers
 from mechanics import Assembly, Block, pushdown, time_history
 from mechanics.steps.equilibrium import rest, rest_size
 from mechanics.steps.static_system import static_system

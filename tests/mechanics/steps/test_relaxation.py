@@ -17,13 +17,14 @@ from mechanics import (
     pushover,
     time_history,
 )
+from mechanics.errors import RunawayError
 from mechanics.kernels.joint import H
 from mechanics.steps.equilibrium import rest, rest_size
 from mechanics.steps.rest import lifted, motion_to_rest, way
 from mechanics.steps.static_step import StepProblem
 from mechanics.steps.static_system import static_system
 from mechanics.steps.tolerances import REST
-from tests.support.structures import block_on_base, running_bond
+from tests.support.structures import block_on_base, column, running_bond
 
 SETTLED = {"support": "base", "rotation": 0.03, "increment": 0.01}
 
@@ -138,3 +139,27 @@ def test_a_block_pulled_aside_is_released_where_it_was_pulled_to(contacts, stiff
         motion = unshaken(model, state, "elastic")
         assert np.array_equal(motion.start.positions, state.positions)
         assert farthest(motion.positions[-1], state.positions) > 1e-3
+
+
+def leaning(blocks, stiffness, lean):
+    """The problem of a column 0.3 m wide and 3 m high on elastic joints, and positions that lean upwards (rad)."""
+    model = column(0.3, 3.0, blocks, stiffness=stiffness)
+    at = model.initial.positions.copy()
+    at[model.movable, 2] += lean * np.arange(1, blocks + 1)
+    start = State(at, np.zeros_like(at))
+    return StepProblem(static_system(model, "elastic"), start, model.dead_load, 1e-3), at
+
+
+@pytest.mark.parametrize(
+    ("blocks", "stiffness", "lean"), [(3, 4800.0, 1e-5), (1, 1200.0, 1e-8), (3, 1200.0, 1e-8)]
+)
+def test_what_is_unstable_does_not_rest_however_little_is_unbalanced(blocks, stiffness, lean):
+    """A block on a bed of k b³/12 per rad (1 m deep) topples where that is less than W H/2: k < 12 000 kN/m³."""
+    problem, at = leaning(blocks, stiffness, lean)
+    with pytest.raises(RunawayError):
+        motion_to_rest(problem, at)
+
+
+def test_what_is_stable_comes_back():
+    problem, at = leaning(1, 20_000.0, 1e-3)
+    assert abs(motion_to_rest(problem, at).state.positions[:, 2]).max() < 1e-9

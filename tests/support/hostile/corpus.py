@@ -19,8 +19,8 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from assessment.ntc.hazard import RETURN_PERIODS, site_curve
-from assessment.ntc.hazard_grid import HazardError
+from assessment.ntc.demand.hazard import RETURN_PERIODS, site_curve
+from assessment.ntc.demand.hazard_grid import HazardError
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.project.model import build_model
 from assessment.project.motions import history_motions
@@ -39,6 +39,7 @@ from tests.support.contract_project import CONTRACT, MINIMAL, write_named_files
 from tests.support.hostile import dxf_text
 from tests.support.hostile.judge import commanded, judged
 from tests.support.hostile.strategies import damaged_bytes, damaged_lines, names, numbers, values
+from tests.support.typed import typed
 
 Try = Callable[[Any], str]
 WALL = MINIMAL + '[layers.BASE]\nsupport = "base"\n'
@@ -205,7 +206,7 @@ def _name(_: Path) -> Try:
             f'layer "{name}": {name}',
         ):
             assert translated(text, italian)
-        assert re.fullmatch(r"\d+[a-z0-9_]*", slug({"states": {name: {}}}, name))
+        assert re.fullmatch(r"\d+[a-z0-9_]*", slug(typed({"states": {name: {}}}), name))
         return "completed"
 
     return attempt

@@ -8,7 +8,8 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from assessment.cli.main import _is_input_error, main
+from assessment.cli.exit_codes import is_input_error
+from assessment.cli.main import main
 
 REFUSED, COMPLETED = "refused", "completed"
 
@@ -29,7 +30,7 @@ def judged(call: Callable[[], object]) -> str:
     try:
         call()
     except (ValueError, OSError) as error:
-        if not _is_input_error(error):
+        if not is_input_error(error):
             raise
         check(str(error))
         return REFUSED

@@ -1,0 +1,170 @@
+"""A state pushed over by lateral loads, direction by direction, in plain numbers for results.json."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+from assessment.analyses.static.curve_numbers import LIFTED, elastic_numbers, other_law, rigid_numbers
+from assessment.analyses.static.local_loss import loss_told
+from assessment.analyses.static.paths import Part, Quality, crossings, turns_on_rounding
+from assessment.results.faces import Met
+from assessment.results.frames import pushover_frames
+from mechanics import (
+    Assembly,
+    ControlError,
+    ConvergenceError,
+    NoEquilibriumError,
+    State,
+    UnstableError,
+    pushover,
+)
+from mechanics.model import Behaviour, Direction
+from mechanics.procedures import Mirror, Pushover
+from mechanics.steps import Sliding
+
+if TYPE_CHECKING:
+    from assessment.project.schema import ControlTable
+
+
+@dataclass(frozen=True)
+class PushSetting:
+    """How a state is pushed over: behaviour and friction law of the joints, step of the control point (`increment`, m).
+
+    `until`: share of the peak of an elastic curve at which it is followed no further.
+    """
+
+    behaviour: Behaviour
+    sliding: Sliding
+    increment: float
+    until: float = 0.0
+
+
+def push(
+    model: Assembly,
+    name: str,
+    state: State | None,
+    setting: PushSetting,
+    directions: tuple[Direction, ...],
+    controls: tuple[tuple[ControlTable, ...], ...],
+) -> list[Part]:
+    """Push the state of that name over (None: as drawn), by the first of its control points (m) that moves.
+
+    A second direction is the mirror image of the first, and so is its curve: model and control points are each other's.
+    """
+    behaviour = setting.behaviour
+    parts = []
+    found: tuple[ControlTable, Pushover] | None = None
+    for direction, points in zip(directions, controls, strict=True):
+        began = time.perf_counter()
+        result, quality = Part(), Quality(name, f"pushover, {behaviour}")
+        title = f"{name}, pushover {direction}, {behaviour} contacts"
+        # where the first control point does not move, each direction is followed and tells so
+        image = None
+        if found is not None and found[0] == controls[0][0]:
+            image = mirror_of(model, behaviour).pushover(found[1])
+        if image is not None:
+            found = points[0], image
+        else:
+            followed = partial(
+                pushover,
+                direction=direction,
+                contacts=behaviour,
+                increment=setting.increment,
+                state=state,
+                until=setting.until,
+                sliding=setting.sliding,
+            )
+            found = _path(title, model, points, followed, result)
+            if found is not None:
+                quality.add(found[1])
+        if found is not None:
+            add_curve(title, model, setting, direction, *found, result)
+        result.quality.append(quality.numbers())
+        result.seconds = time.perf_counter() - began
+        parts.append(result)
+    return parts
+
+
+def mirror_of(model: Assembly, behaviour: Behaviour) -> Mirror:
+    """Return the mirror of a model that has one."""
+    mirror = Mirror.of(model, behaviour)
+    assert mirror is not None
+    return mirror
+
+
+def _path(
+    title: str,
+    model: Assembly,
+    controls: tuple[ControlTable, ...],
+    followed: Callable[[Assembly, tuple[float, float]], Pushover],
+    result: Part,
+) -> tuple[ControlTable, Pushover] | None:
+    """Return the first control point that moves, and its curve; None if there is none, `result` then says why."""
+    for control in controls:
+        try:
+            return control, followed(model, control.point_m)
+        except ControlError as error:
+            result.warnings.append(f"{title}: control point {control.name}: {error}")
+        except (UnstableError, ConvergenceError, NoEquilibriumError) as error:
+            result.failures.append(f"{title}: {error}")
+            return None
+    result.failures.append(
+        f"{title}: no control point takes part in the mechanism; add one on a part that moves"
+    )
+    return None
+
+
+def add_curve(
+    title: str,
+    model: Assembly,
+    setting: PushSetting,
+    direction: Direction,
+    control: ControlTable,
+    path: Pushover,
+    result: Part,
+) -> None:
+    """Add the numbers of a curve to the result, and the warnings about it; `title` begins each of them."""
+    result.warnings += crossings(title, path.crossed, setting.increment)
+    result.scatters = turns_on_rounding(model, path)
+    rigid = setting.behaviour == "rigid"
+    met = Met(model)
+    numbers = (
+        rigid_numbers(model, control, direction, path, met)
+        if rigid
+        else elastic_numbers(model, direction, path)
+    )
+    if rigid and numbers["mechanism"]["sliding_joints"]:
+        numbers |= other_law(model, setting.sliding, direction, path)
+        if "alpha_0_coulomb" in numbers:
+            result.warnings.append(
+                f"{title}: with friction that does not lift what slides (Coulomb) α0 is "
+                f"{numbers['alpha_0_coulomb']:.4g}, not {numbers['alpha_0']:.4g}"
+            )
+        elif numbers.get("sliding_residual", 0.0) > LIFTED:
+            result.warnings.append(
+                f"{title}: no flow was found in which friction does not lift what slides (Coulomb): "
+                "α0 by it is not known"
+            )
+    result.numbers = {
+        "control": control.name,
+        "sliding": setting.sliding,
+        **numbers,
+        "frames": pushover_frames(model, path, met),
+    }
+    if rigid and numbers["local_loss"] is not None:
+        said = loss_told(numbers["local_loss"])
+        result.warnings.append(f"{title}: {said}")
+    if rigid and path.formed != path.peak:
+        result.warnings.append(
+            f"{title}: the control point takes no part in the mechanism at α0: displacements, e*, Γ*, forces and hand "
+            f"check are those of d = {path.displacement[path.formed]:.4g} m, α = {path.multiplier[path.formed]:.4g}"
+        )
+    # of an elastic curve the part up to its peak is used, of a rigid one the whole
+    if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * max(path.multiplier)):
+        result.warnings.append(
+            f"{title}: ends at d = {path.displacement[-1]:.4g} m, α = {path.multiplier[-1]:.4g}: {path.end}"
+        )

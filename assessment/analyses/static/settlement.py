@@ -1,0 +1,129 @@
+"""A settlement: a support moves, in plain numbers for results.json."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+from assessment.analyses.static.local_loss import local_loss, loss_told
+from assessment.analyses.static.paths import Part, Quality, configuration, crossings, turns_on_rounding
+from assessment.results.frames import pushdown_frames
+from mechanics import (
+    Assembly,
+    CollapseError,
+    ConvergenceError,
+    NoEquilibriumError,
+    UnstableError,
+    pushdown,
+)
+from mechanics.model import Behaviour
+from mechanics.procedures import Pushdown, whole_movement
+from mechanics.steps import Sliding
+
+if TYPE_CHECKING:
+    from assessment.project.schema import ControlTable, SettlementTable
+
+
+def settle(
+    model: Assembly,
+    settlement: SettlementTable,
+    behaviour: Behaviour,
+    sliding: Sliding,
+    control: ControlTable | None,
+) -> Part:
+    """Move a support as a scenario asks, and return the path, with that of the control point if there is one."""
+    began = time.perf_counter()
+    result = Part()
+    path = _moved(model, settlement, behaviour, sliding, result)
+    if path is not None:
+        result.numbers = {"sliding": sliding} | _numbers(model, settlement, control, path)
+        _add_path(model, settlement, behaviour, path, result)
+    result.seconds = time.perf_counter() - began
+    return result
+
+
+def _title(settlement: SettlementTable, behaviour: Behaviour) -> str:
+    return f"{settlement.name}, {behaviour} contacts"
+
+
+def _whole(model: Assembly, settlement: SettlementTable) -> float:
+    """Return the largest component of the whole movement, m."""
+    return whole_movement(model, settlement.support, settlement.displacement_m, settlement.rotation_rad)
+
+
+def _moved(
+    model: Assembly, settlement: SettlementTable, behaviour: Behaviour, sliding: Sliding, result: Part
+) -> Pushdown | None:
+    """Return the path of the support, up to collapse if the structure collapses; None if no path was found."""
+    title = _title(settlement, behaviour)
+    try:
+        path = pushdown(
+            model,
+            settlement.support,
+            settlement.displacement_m,
+            settlement.rotation_rad,
+            _whole(model, settlement) / settlement.increments,
+            behaviour,
+            settlement.to_collapse,
+            sliding,
+        )
+    except CollapseError as collapse:
+        result.failures.append(f"{title}: {collapse}")
+        assert isinstance(collapse.path, Pushdown)
+        return collapse.path
+    except (UnstableError, ConvergenceError, NoEquilibriumError) as error:
+        result.failures.append(f"{title}: {error}")
+        return None
+    result.reached = path.final
+    return path
+
+
+def _add_path(
+    model: Assembly, settlement: SettlementTable, behaviour: Behaviour, path: Pushdown, result: Part
+) -> None:
+    """Add the certificates of a path, and the warnings about it."""
+    title = _title(settlement, behaviour)
+    if settlement.to_collapse and path.ultimate is None:
+        result.warnings.append(f"{title}: no ultimate movement up to {path.movement[-1]:.3g} m ({path.end})")
+    result.warnings += crossings(title, path.crossed, _whole(model, settlement) / settlement.increments)
+    result.scatters = turns_on_rounding(model, path)
+    quality = Quality(settlement.name, f"pushdown, {behaviour}")
+    quality.add(path)
+    result.quality.append(quality.numbers())
+    if result.numbers and result.numbers["local_loss"] is not None:
+        said = loss_told(result.numbers["local_loss"])
+        result.warnings.append(f"{title}: {said}")
+
+
+def _numbers(
+    model: Assembly, settlement: SettlementTable, control: ControlTable | None, path: Pushdown
+) -> dict[str, Any]:
+    """Return reactions, configurations and the movement at collapse, as results.json has them."""
+    whole = _whole(model, settlement)
+    falls = path.ultimate is not None
+    lost = local_loss(model, path.states, path.movement, path.steps[0].forces, falls) if path.steps else None
+    return {
+        "movement_m": path.movement.tolist(),
+        "reaction_x_kN": path.reaction[:, 0].tolist(),
+        "reaction_z_kN": path.reaction[:, 1].tolist(),
+        "ultimate_movement_m": path.ultimate,
+        "local_loss": lost,
+        "applied_movement_m": whole,
+        "end": path.end,
+        "configuration": configuration(model, path.final),
+        "ultimate_configuration": configuration(model, path.states[-1])
+        if path.ultimate is not None
+        else None,
+        "control_displacement_m": _control_path(model, control, path) if control else None,
+        "frames": pushdown_frames(model, path, whole),
+    }
+
+
+def _control_path(model: Assembly, control: ControlTable, path: Pushdown) -> list[list[float]]:
+    """Return the displacement (k, 2) of the control point from the beginning of the path, m."""
+    block = model.block_at(control.point_m)
+    start = model.point_displacement(control.point_m, block, path.states[0].positions)
+    return [
+        (model.point_displacement(control.point_m, block, state.positions) - start).tolist()
+        for state in path.states
+    ]

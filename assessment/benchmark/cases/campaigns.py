@@ -1,0 +1,148 @@
+"""Campaigns: what a combination takes in this process, in processes side by side, and on a Dask cluster of them.
+
+And on a cluster of many workers, simulated: the tasks are independent, what they take and what is sent is measured.
+"""
+
+from __future__ import annotations
+
+import heapq
+import pickle
+import time
+from collections.abc import Iterator, Sequence
+from itertools import cycle, islice
+from typing import Any
+
+import numpy as np
+
+from assessment.analyses.dynamic.ensemble import Scatter
+from assessment.analyses.dynamic.response import Setting
+from assessment.benchmark.cases.dynamics import shaking
+from assessment.benchmark.cases.structures import assembly, template
+from assessment.benchmark.measure import Row
+from assessment.project.motions import BaseMotion
+from assessment.project.schema import MotionTable
+from assessment.runtime.cache import packed
+from assessment.runtime.processes.pool import cores
+from assessment.runtime.tasks import Workers
+from assessment.studies.campaign.search import Combination, search_collapse
+from mechanics.records import Record
+
+STEP, DURATION = 0.005, 3.0  # s, of the records
+STRENGTH = 0.3  # g
+LARGEST, TOLERANCE = 5.0, 0.05
+SINGLE = Scatter(1, 0.05)
+MANY, SIMULATED = 200, (4, 16)  # combinations: 20 records, 5 shares, 2 signs; workers
+LINK = 1.25e7  # bytes/s in and out of the machine that asks: 100 Mbit/s
+DISPATCH = 1e-3  # s that the scheduler takes for a task, one after the other: the figure of Dask's manual
+
+
+def campaigns(quick: bool) -> Iterator[Row]:
+    """Elapsed time of some searches on an arch by each engine; `ratio`: of a combination to that in this process.
+
+    Each engine has computed one search in every process before it is timed. The results are the same. Of a simulated
+    cluster, so many combinations as MANY, which take what they took in this process, in turn.
+    """
+    tasks = _tasks(4 if quick else 16)
+    most = cores()
+    alone, expected = _timed(Workers(1), tasks, 1)
+    yield _row("this process", 1, expected, alone, alone)
+    yield from _simulated_rows(tasks, expected)
+    for count in sorted({2, most} if most > 1 else {2}):
+        yield _compared(f"{count} processes", count, Workers(count), tasks, expected, alone)
+    try:
+        from distributed import LocalCluster  # late: few installations have it
+    except ImportError:
+        return
+    start: Any = LocalCluster
+    options: dict[str, Any] = {"threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
+    with start(n_workers=most, processes=True, **options) as cluster:
+        workers = Workers(scheduler=cluster.scheduler_address)
+        yield _compared(f"Dask, {most} workers", most, workers, tasks, expected, alone)
+
+
+def _tasks(count: int) -> list[tuple[Any, ...]]:
+    """Searches with so many records: sines of 1 to 3 Hz that grow and end."""
+    project, model = template("arch"), assembly("arch")
+    setting = Setting(MotionTable(contacts="rigid"), project.control[0])
+    at = np.arange(0.0, DURATION, STEP)
+    tasks: list[tuple[Any, ...]] = []
+    for frequency in np.linspace(1.0, 3.0, count):
+        record = Record(shaking(STRENGTH, frequency)(at), STEP, f"{frequency:.3g} Hz")
+        motion = BaseMotion(record, record, record.pga, 1.0)
+        tasks.append((model, motion, setting, model.initial, SINGLE, LARGEST, TOLERANCE))
+    return tasks
+
+
+def _timed(workers: Workers, tasks: list[tuple[Any, ...]], count: int) -> tuple[float, list[Combination]]:
+    titles = [task[1].name for task in tasks]
+    with workers:
+        workers.each("warm", search_collapse, tasks[:1] * count, titles[:1] * count, False)
+        began = time.perf_counter()
+        found = workers.each("campaign", search_collapse, tasks, titles, False)
+        return time.perf_counter() - began, found
+
+
+def _compared(
+    name: str,
+    count: int,
+    workers: Workers,
+    tasks: list[tuple[Any, ...]],
+    expected: list[Combination],
+    alone: float,
+) -> Row:
+    seconds, found = _timed(workers, tasks, count)
+    row = _row(name, count, found, seconds, alone)
+    return row | {"equal": [each.numbers for each in found] == [each.numbers for each in expected]}
+
+
+def _simulated_rows(tasks: Sequence[tuple[Any, ...]], found: Sequence[Combination]) -> Iterator[Row]:
+    """Rows of clusters that are simulated; `sent_kB`, `returned_kB`: of a combination, in the mean."""
+    sent = [len(pickle.dumps(task)) for task in tasks]
+    returned = [len(packed(each).encode()) for each in found]
+    costs = zip([each.seconds for each in found], sent, returned, strict=True)
+    work = list(islice(cycle(costs), MANY))
+    alone = sum(seconds for seconds, _, _ in work)
+    many = list(islice(cycle(found), MANY))
+    for count in SIMULATED:
+        row = _row(f"{count} workers, simulated", count, many, simulated(work, count), alone)
+        yield row | {
+            "ideal": 1.0 / count,
+            "equal": None,
+            "sent_kB": float(np.mean(sent)) / 1e3,
+            "returned_kB": float(np.mean(returned)) / 1e3,
+        }
+
+
+def simulated(work: Sequence[tuple[float, int, int]], workers: int) -> float:
+    """Time (s) of independent tasks on so many workers: each is sent, in order, and computed by the first free worker.
+
+    `work`: seconds, bytes sent and bytes returned of each task. All pass one link, the scheduler gives out one task
+    after the other; a worker waits for what it is to compute.
+    """
+    free = [0.0] * workers
+    link = 0.0
+    returns: list[tuple[float, int]] = []
+    for seconds, sent, returned in work:
+        link += DISPATCH + sent / LINK
+        ended = max(heapq.heappop(free), link) + seconds
+        heapq.heappush(free, ended)
+        returns.append((ended, returned))
+    arrived = 0.0
+    for ended, returned in sorted(returns):
+        arrived = max(arrived, ended) + returned / LINK
+    return arrived
+
+
+def _row(name: str, count: int, found: list[Combination], seconds: float, alone: float) -> Row:
+    motions = sum(each.numbers["runs"] for each in found)
+    return {
+        "case": name,
+        "workers": count,
+        "combinations": len(found),
+        "motions": motions,
+        "elapsed_s": seconds,
+        "motions_per_minute": 60.0 * motions / seconds,
+        "ratio": seconds / alone,
+        "ideal": 1.0 / min(count, cores()),
+        "equal": True,
+    }

@@ -1,0 +1,152 @@
+"""Whole analyses: the static chain of the triumphal arch, and commands from the shell and back."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from assessment.analyses.static.states import PAST_PEAK
+from assessment.benchmark.cases.structures import assembly, template
+from assessment.benchmark.measure import FAILURES, ROUNDS, Row, once_a_step
+from assessment.project.model import build_model
+from assessment.runtime.processes.garbage import collect_rarely
+from assessment.workflow.selection import select
+from assessment.workflow.stages import run
+from mechanics import pushdown, pushover
+from mechanics.model.assembly import Behaviour, Direction
+from mechanics.procedures.mirror import Mirror
+from mechanics.procedures.pushdown import Pushdown
+from mechanics.procedures.pushover import Pushover
+
+WAYS: tuple[Direction, ...] = ("+x", "-x")
+CONTACTS: tuple[Behaviour, ...] = ("rigid", "elastic")
+
+
+def chain(quick: bool) -> Iterator[Row]:
+    """Pushdown, rigid and elastic pushover of both states and directions, one by one and together; whole commands."""
+    names = ("buttressed-arch",) if quick else ("buttressed-arch", "triumphal-arch")
+    for name in names:
+        yield from analyses(name)
+        yield side_by_side(name)
+    yield from commands(quick)
+
+
+def analyses(name: str) -> Iterator[Row]:
+    """Processor time of every analysis of a template on one processor; last, of all together."""
+    project, model = template(name), assembly(name)
+    (table,) = project.settlements
+    assert project.pushover is not None
+    assert table.increment_m is not None
+    increment, spoken = project.pushover.increment_m, name.replace("-", " ")
+    rows: list[Row] = []
+    for contacts in CONTACTS:
+        mirror = Mirror.of(model, contacts)
+        settle = partial(
+            pushdown, model, table.support, table.displacement_m, 0.0, table.increment_m, contacts
+        )
+        row, path = _row(f"{spoken}, pushdown, {contacts}", settle)
+        rows.append(row)
+        yield row
+        for title in ("original", "settled"):
+            if title == "settled" and not isinstance(path, Pushdown):
+                continue
+            state = path.final if title == "settled" and isinstance(path, Pushdown) else None
+            curve: object = None
+            for way in WAYS:
+                control = project.pushover_control(way).point_m
+                until = PAST_PEAK if contacts == "elastic" else 0.0
+                push: Callable[[], object] = partial(
+                    pushover, model, control, way, contacts, increment, state, until
+                )
+                if state is None and isinstance(curve, Pushover) and mirror and mirror.pushover(curve):
+                    push = partial(mirror.pushover, curve)
+                row, curve = _row(f"{spoken}, {title}, pushover {way}, {contacts}", push)
+                rows.append(row)
+                yield row
+    whole: Row = {"case": f"{spoken}, static chain", "whole": True}
+    solved = [row for row in rows if "failed" not in row]
+    if len(solved) < len(rows):
+        whole["failed"] = f"{len(rows) - len(solved)} of {len(rows)}, and what depends on them"
+    total = sum(row["seconds"] for row in solved)
+    baseline = sum(row["seconds"] / row["ratio"] for row in solved)
+    yield whole | {
+        "steps": sum(row["steps"] for row in solved),
+        "seconds": total,
+        "ratio": total / baseline,
+    }
+
+
+def _row(case: str, work: Callable[[], object]) -> tuple[Row, object]:
+    """A row, and what the work returns."""
+    try:
+        path = work()
+    except FAILURES as error:
+        return {"case": case, "failed": str(error)}, None
+    assert isinstance(path, Pushdown | Pushover)
+    seconds, ratio = once_a_step(work, path)
+    return {"case": case, "steps": len(path.steps), "seconds": seconds, "ratio": ratio}, path
+
+
+def side_by_side(name: str) -> Row:
+    """Time elapsed of the same analyses on all processors, from the drawing to the curves: the least of some."""
+    runs = []
+    for _ in range(ROUNDS):
+        done = subprocess.run(
+            [sys.executable, "-m", __name__, name], check=True, capture_output=True, text=True
+        )
+        runs.append(float(done.stdout))
+    return {
+        "case": f"{name.replace('-', ' ')}, static chain, from the drawing, on all processors",
+        "whole": True,
+        "elapsed_s": min(runs),
+    }
+
+
+def _elapsed(name: str) -> float:
+    """Time elapsed (s) in a process of its own, where nothing has been loaded but the analyses themselves."""
+    collect_rarely()  # as the command
+    project = select(template(name), ("pushdown", "pushover"))
+    (table,) = project.settlements
+    settlements = (table.model_copy(update={"to_collapse": False}),)
+    project = project.model_copy(update={"settlements": settlements})
+    began = time.perf_counter()
+    run(project, build_model(project))
+    return time.perf_counter() - began
+
+
+def commands(quick: bool) -> Iterator[Row]:
+    """Processor time and time elapsed of whole commands."""
+    yield _command("assesto --help", "--help")
+    if not quick:
+        folder = template("buttressed-arch").folder
+        with TemporaryDirectory() as out:
+            yield _command("assesto run, buttressed arch, to the PDF", "run", str(folder), "--out", out)
+            yield _command("assesto run again, nothing changed", "run", str(folder), "--out", out)
+            assert (Path(out) / "report.html").is_file()
+
+
+def _command(case: str, *arguments: str) -> Row:
+    before, began = _children(), time.perf_counter()
+    subprocess.run([sys.executable, "-m", "assessment.cli", *arguments], check=True, capture_output=True)
+    return {
+        "case": case,
+        "whole": True,
+        "seconds": _children() - before,
+        "elapsed_s": time.perf_counter() - began,
+    }
+
+
+def _children() -> float:
+    """Processor time (s) of finished child processes; Windows does not tell it: 0."""
+    used = os.times()
+    return used.children_user + used.children_system
+
+
+if __name__ == "__main__":
+    print(_elapsed(sys.argv[1]))

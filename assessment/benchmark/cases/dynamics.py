@@ -1,0 +1,292 @@
+"""Dynamics: run time against error of integrators, time steps and tolerances, and what time stepping dissipates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
+from unittest.mock import patch
+
+import numpy as np
+
+from assessment.benchmark.cases.structures import assembly, block_on_base, rectangle, running_bond, template
+from assessment.benchmark.measure import FAILURES, SAMPLES, Row, beside_piqp, history_programs
+from mechanics import Assembly, Block, Material, State, TimeHistory, time_history
+from mechanics.model.assembly import Behaviour
+from mechanics.procedures.time_history import Integrator
+from mechanics.steps import dynamic_system
+from mechanics.steps.dynamic_system import ACCEPTED
+from mechanics.types import Array
+
+INTEGRATORS: dict[Behaviour, tuple[Integrator, ...]] = {
+    "rigid": ("implicit-euler", "moreau-jean", "second-order"),
+    "elastic": ("implicit-euler", "second-order"),
+}
+STEPS = (0.02, 0.01, 0.005, 0.0025, 0.00125)  # s
+QUICK_STEPS = (0.02, 0.005)
+REFERENCE = 0.0003125  # s
+TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)  # of a step
+EXACT = 1e-8
+DEFAULT_STEP, DEFAULT_TOLERANCE = 0.005, ACCEPTED
+DAMPING = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A motion to be computed at several steps: `record` gives base accelerations in g at times (k,) s.
+
+    `damping`: ratio; `after` (s): from when on the largest displacement counts.
+    """
+
+    name: str
+    model: Assembly
+    contacts: Behaviour
+    control: tuple[float, float]
+    duration: float
+    record: Callable[[Array], Array]
+    damping: float = 0.0
+    state: State | None = None
+    after: float = 0.0
+
+    def run(self, step: float, integrator: Integrator) -> TimeHistory:
+        """The motion at a time step (s)."""
+        return time_history(
+            self.model, self.acceleration(step), step, self.contacts, self.state, integrator, control=self.control,
+            damping_ratio=self.damping,
+        )  # fmt: skip
+
+    def acceleration(self, step: float) -> Array:
+        """Base accelerations (k,) in g, a time step (s) apart."""
+        times: Array = step * np.arange(round(self.duration / step) + 1, dtype=float)
+        return self.record(times)
+
+
+def shaking(amplitude: float, frequency: float = 1.5) -> Callable[[Array], Array]:
+    """Two sines that grow over half a second, for two seconds; then rest."""
+
+    def at(times: Array) -> Array:
+        phase = 2.0 * np.pi * frequency * times
+        wave = np.sin(phase) + 0.5 * np.sin(2.7 * phase + 1.0)
+        envelope = np.minimum(times / 0.5, 1.0) * np.clip((2.0 - times) / 0.2, 0.0, 1.0)
+        motion: Array = amplitude * envelope * wave
+        return motion
+
+    return at
+
+
+def pulse(amplitude: float, duration: float) -> Callable[[Array], Array]:
+    """A half sine."""
+
+    def at(times: Array) -> Array:
+        motion: Array = amplitude * np.sin(np.pi * times / duration) * (times < duration)
+        return motion
+
+    return at
+
+
+def rest(times: Array) -> Array:
+    """No base motion."""
+    return np.zeros_like(times)
+
+
+def cases(quick: bool) -> list[Case]:
+    """Motions that converge, from one block to the buttressed arch; quick: without the costliest."""
+    rigid, tall = block_on_base(0.6, 4.2, stiffness=1e6), (0.6, 4.2)
+    soft = block_on_base(0.6, 4.2, stiffness=1e5)
+    column = block_on_base(0.5, 2.0, friction=2.0, stiffness=2e6)
+    wall, arch = running_bond(), assembly("buttressed-arch")
+    turned = rigid.rotated(1, (0.6, 0.0), -0.5 * float(np.arctan(0.6 / 4.2)))
+    moving = np.zeros_like(column.initial.positions)
+    moving[1] = (-5e-3, 0.0, 5e-3)
+    swinging = State(time_history(column, np.zeros(2), 1e-3, "elastic").start.positions, moving)
+    top, springing = (5 * 0.4, 6 * 0.175), template("buttressed-arch").pushover_control("+x").point_m
+    some = [
+        Case("rocking block, free, rigid", rigid, "rigid", tall, 3.0, rest, state=turned, after=1.5),
+        Case("rocking block, pulse, rigid", rigid, "rigid", tall, 3.0, pulse(0.3, 0.5)),
+        Case("rocking block, pulse, elastic", soft, "elastic", tall, 3.0, pulse(0.2, 0.5), DAMPING),
+        Case("column, free vibration, elastic", column, "elastic", (0.5, 2.0), 0.5, rest, 0.0, swinging, 0.4),
+        Case("buttressed arch, shaken, elastic", arch, "elastic", springing, 3.0, shaking(0.03), DAMPING),
+    ]
+    if quick:
+        return some
+    return [
+        *some,
+        Case(
+            "Ferris and Tin-Loi's wall 1, shaken, elastic", wall, "elastic", top, 3.0, shaking(0.5), DAMPING
+        ),
+    ]
+
+
+def peak(motion: TimeHistory, after: float) -> tuple[float, float]:
+    """Largest control displacement (m) after a time (s), and its time: of the parabola through three samples."""
+    assert motion.displacement is not None
+    d, step = abs(motion.displacement), motion.time[1]
+    first = min(round(after / step), len(d) - 1)
+    k = first + int(d[first:].argmax())
+    if k in (0, len(d) - 1):
+        return float(d[k]), float(motion.time[k])
+    a, b, c = d[k - 1 : k + 2]
+    bend = a - 2.0 * b + c
+    shift = 0.5 * (a - c) / bend if bend < 0.0 else 0.0
+    return float(b - 0.25 * (a - c) * shift), float(motion.time[k] + shift * step)
+
+
+def dynamics(quick: bool) -> Iterator[Row]:
+    """Error of the largest displacement against processor time, of every case, integrator and step or tolerance."""
+    steps = QUICK_STEPS if quick else STEPS
+    for case in cases(quick):
+        finest = 4.0 * REFERENCE if quick else REFERENCE
+        try:
+            exact = peak(case.run(finest, "second-order"), case.after)
+        except FAILURES as error:
+            yield _row(case, "second-order", "time step [s]", finest) | {"failed": str(error)}
+            continue
+        for integrator in INTEGRATORS[case.contacts]:
+            for step in steps:
+                yield measured(case, integrator, "time step [s]", step, exact)
+        if len(case.model.blocks) > 2 and case.contacts == "elastic":
+            with certified_to(EXACT):
+                converged = peak(case.run(DEFAULT_STEP, "second-order"), case.after)
+            for tolerance in TOLERANCES:
+                with certified_to(tolerance):
+                    yield measured(case, "second-order", "tolerance", tolerance, converged)
+
+
+def measured(
+    case: Case, integrator: Integrator, parameter: str, value: float, exact: tuple[float, float]
+) -> Row:
+    """A row of dynamics: `exact` are the largest displacement (m) and its time (s)."""
+    step = value if parameter == "time step [s]" else DEFAULT_STEP
+    row = _row(case, integrator, parameter, value)
+    run = partial(case.run, step, integrator)
+    try:
+        motion = run()
+    except FAILURES as error:
+        return row | {"failed": str(error)}
+    programs = history_programs(case.model, case.contacts, motion, case.acceleration(step), _every(motion))
+    seconds, each = beside_piqp(run, programs)
+    size, at = peak(motion, case.after)
+    count = len(motion.time) - 1
+    return row | {
+        "found_m": size,
+        "error": abs(size / exact[0] - 1.0),
+        "time_error_s": at - exact[1],
+        "steps": count,
+        "seconds": seconds,
+        "ratio": seconds / count / each,
+        "programs_per_step": motion.programs / count,
+        "iterations_per_step": motion.iterations / count,
+        "integrator_share": motion.energy.integrator_share,
+        "imbalance": motion.energy.imbalance,
+        "cold": motion.cold,
+        "collapsed": motion.collapsed,
+    }
+
+
+def _row(case: Case, integrator: Integrator, parameter: str, value: float) -> Row:
+    """What a row is about."""
+    default = DEFAULT_STEP if parameter == "time step [s]" else DEFAULT_TOLERANCE
+    return {
+        "case": case.name,
+        "parameter": parameter,
+        "value": value,
+        "default": value == default,
+        "integrator": integrator,
+    }
+
+
+def _every(motion: TimeHistory) -> int:
+    """Of so many steps the baseline solves one: SAMPLES of them, or all of a short motion."""
+    return max((len(motion.time) - 1) // SAMPLES, 1)
+
+
+@contextmanager
+def certified_to(tolerance: float) -> Iterator[None]:
+    """Have every step of the motions within solved to a tolerance other than the program's own."""
+    with patch.object(dynamic_system, "ACCEPTED", tolerance):
+        yield
+
+
+def dissipation(
+    steps: Sequence[float] = (0.01, 0.005, 0.002, 0.001),
+    stiffness: Sequence[float] = (5e5, 5e6, 5e7, np.inf),
+) -> Iterator[Row]:
+    """The paper's Fig. 9: energy dissipated in the first cycle of free rocking, per cent of that at release.
+
+    Specimen 2 of its §6.1: 0.17 × 1.0 m, μ = 0.58, released at 0.64 of the slenderness angle. `stiffness` kN/m³ of the
+    joint, infinite: rigid contacts. A cycle: from release to the second largest rotation on the same side.
+    """
+    alpha = float(np.arctan(0.17))
+    for k in stiffness:
+        contacts: Behaviour = "rigid" if np.isinf(k) else "elastic"
+        model = block_on_base(0.17, 1.0, friction=0.58, stiffness=5e6 if np.isinf(k) else k)
+        state = model.rotated(1, (0.17, 0.0), -0.64 * alpha)
+        weight, radius = model.weight, 0.5 * float(np.hypot(0.17, 1.0))
+        released = weight * radius * float(np.cos(0.36 * alpha) - np.cos(alpha))
+        for integrator in INTEGRATORS[contacts]:
+            for step in steps:
+                motion = time_history(model, np.zeros(round(1.6 / step)), step, contacts, state, integrator)
+                rotation, energy = motion.positions[:, 1, 2], motion.energy
+                left = np.flatnonzero(rotation > 0.0)
+                back = left[0] + np.flatnonzero(rotation[left[0] :] < 0.0)
+                end = int(back[0] + rotation[back[0] : back[0] + round(0.6 / step)].argmin())
+                yield {
+                    "case": "rigid" if np.isinf(k) else f"k = {k:.0e} kN/m³",
+                    "stiffness_kN_m3": None if np.isinf(k) else k,
+                    "integrator": integrator,
+                    "step_s": step,
+                    "dissipated": float(energy.dissipated[end]) / released,
+                    "by_integrator": float(energy.integrator[end]) / released,
+                    "by_impact": float(energy.impact[end]) / released,
+                    "by_friction": float(energy.friction[end]) / released,
+                }
+
+
+def collapse(steps: Sequence[float] = (0.01, 0.005, 0.0025)) -> Iterator[Row]:
+    """Least amplitude (g) found to collapse a structure, by bisection, for every integrator and step.
+
+    The arch with elastic joints to 2 %; to half a per cent a stack of two blocks: it falls at 0.583 g under one sine.
+    """
+    shaken = next(case for case in cases(quick=True) if case.name == "buttressed arch, shaken, elastic")
+    for case, motion, accuracy in ((shaken, shaking, 1.02), (stack(), sine, 1.005)):
+        for integrator in INTEGRATORS[case.contacts]:
+            for step in steps:
+                row: Row = {"case": case.name, "integrator": integrator, "step_s": step}
+                try:
+                    low, high = _bracketed(case, motion, integrator, step, accuracy)
+                except FAILURES as error:
+                    yield row | {"failed": str(error)}
+                    continue
+                yield row | {"stands_g": low, "collapse_g": high}
+
+
+def _bracketed(
+    case: Case, motion: Callable[[float], Callable[[Array], Array]], integrator: Integrator, step: float,
+    accuracy: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Amplitudes (g) that a structure stands, and that collapse it."""
+    low, high = 0.02, 1.28
+    while high > accuracy * low:
+        middle = (low * high) ** 0.5
+        fallen = replace(case, record=motion(middle)).run(step, integrator).collapsed
+        low, high = (low, middle) if fallen else (middle, high)
+    return low, high
+
+
+def stack() -> Case:
+    """Two blocks of 0.5 × 1.5 m upon each other."""
+    stone = Material(18.0, 0.7, 1e6)
+    base = Block(rectangle(-2.0, -0.2, 2.5, 0.0), 1.0, stone, support="base")
+    two = [Block(rectangle(0.0, z, 0.5, z + 1.5), 1.0, stone) for z in (0.0, 1.5)]
+    return Case("stack of two, one sine, rigid", Assembly([base, *two]), "rigid", (0.5, 3.0), 6.0, sine(0.5))
+
+
+def sine(amplitude: float, period: float = 0.5) -> Callable[[Array], Array]:
+    """One sine."""
+
+    def at(times: Array) -> Array:
+        motion: Array = amplitude * np.sin(2.0 * np.pi * times / period) * (times < period)
+        return motion
+
+    return at

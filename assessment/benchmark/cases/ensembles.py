@@ -1,0 +1,161 @@
+"""Motions of many impacts, which converge as distributions only: ensembles of members at amplitudes within 1 %."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
+from unittest.mock import patch
+
+import numpy as np
+
+from assessment.benchmark.cases.dynamics import Case, peak, shaking
+from assessment.benchmark.cases.structures import assembly, running_bond, template
+from assessment.benchmark.measure import Row, history_programs, piqp
+from assessment.benchmark.table import number, pivoted
+from mechanics import ConvergenceError, TimeHistory
+from mechanics.procedures import time_history as histories
+from mechanics.procedures.time_history import RESOLVED, Integrator
+from mechanics.steps.dynamic_system import Halving
+from mechanics.types import Array
+
+AMPLITUDES = np.linspace(0.99, 1.01, 9)
+QUICK = AMPLITUDES[::4]
+STEPS, QUICK_STEPS = (0.01, 0.005, 0.0025, 0.00125), (0.005,)  # s
+FINE = 0.0003125  # s: of the resolved ensemble
+DEFAULT_STEP = 0.005
+SAMPLES = 5  # programs of an ensemble that PIQP solves
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """How a motion is integrated: `levels` down to which Moreau and Jean's steps are halved, None with the others."""
+
+    integrator: Integrator
+    levels: int | None = None
+
+    def __str__(self) -> str:
+        return self.integrator if self.levels is None else f"{self.integrator}, {self.levels} levels"
+
+
+DEFAULT = Way("moreau-jean", RESOLVED.levels)
+WAYS = (
+    Way("implicit-euler"),
+    *(Way("moreau-jean", levels) for levels in (0, 2, 4, RESOLVED.levels, 8)),
+    Way("second-order"),
+)
+QUICK_WAYS = (WAYS[0], DEFAULT)
+
+
+def ensembles(quick: bool) -> Iterator[Row]:
+    """A row for every case, way and time step: median, range, distance from the resolved median, and cost."""
+    for case in cases(quick):
+        factors = QUICK if quick else AMPLITUDES
+        resolved = float(np.median(peaks(case, members(case, DEFAULT, _finest(quick), factors))))
+        for way in QUICK_WAYS if quick else WAYS:
+            for step in QUICK_STEPS if quick else STEPS:
+                yield measured(case, way, step, factors, resolved)
+
+
+def cases(quick: bool) -> list[Case]:
+    """Rigid structures of many impacts; quick: one."""
+    springing = template("buttressed-arch").pushover_control("+x").point_m
+    arch = Case(
+        "buttressed arch, shaken, rigid", assembly("buttressed-arch"), "rigid", springing, 3.0, shaking(0.12)
+    )
+    wall = Case(
+        "Ferris and Tin-Loi's wall 1, shaken, rigid", running_bond(), "rigid", (5 * 0.4, 6 * 0.175), 3.0,
+        shaking(0.5),
+    )  # fmt: skip
+    return [arch] if quick else [arch, wall]
+
+
+def _finest(quick: bool) -> float:
+    return 4.0 * FINE if quick else FINE
+
+
+def members(case: Case, way: Way, step: float, factors: Array) -> list[TimeHistory]:
+    """The motions of a case shaken at some factors of its amplitude, those that are solved."""
+    found = []
+    with halved(way.levels):
+        for factor in factors:
+            with suppress(ConvergenceError):
+                found.append(scaled(case, float(factor)).run(step, way.integrator))
+    return found
+
+
+def peaks(case: Case, motions: Sequence[TimeHistory]) -> Array:
+    """Largest displacements (m) of motions."""
+    return np.array([peak(motion, case.after)[0] for motion in motions])
+
+
+def scaled(case: Case, factor: float) -> Case:
+    """The case with its base motion multiplied by a factor."""
+    record: Callable[[Array], Array] = case.record
+    return replace(case, record=lambda times: factor * record(times))
+
+
+def measured(case: Case, way: Way, step: float, factors: Array, resolved: float) -> Row:
+    """A row of ensembles; `resolved` (m): the median of members at a time step that resolves the impacts."""
+    row: Row = {
+        "case": case.name,
+        "parameter": "time step",
+        "value": step,
+        "way": str(way),
+        "integrator": way.integrator,
+        "levels": way.levels,
+        "default": step == DEFAULT_STEP and way == DEFAULT,
+        "resolved_m": resolved,
+    }
+    began = time.process_time()
+    motions = members(case, way, step, factors)
+    seconds = time.process_time() - began
+    row |= {"members": len(motions), "not_solved": len(factors) - len(motions)}
+    if len(motions) <= row["not_solved"]:
+        return row | {"failed": "most members are not solved"}
+    found = peaks(case, motions)
+    steps = sum(len(m.time) - 1 for m in motions)
+    middle = motions[len(motions) // 2]
+    programs = history_programs(
+        case.model, case.contacts, middle, case.acceleration(step), max(len(middle.time) // SAMPLES, 1)
+    )
+    each = float(np.mean([min(piqp(program) for _ in range(3)) for program in programs]))
+    median = float(np.median(found))
+    return row | {
+        "least_m": float(found.min()),
+        "median_m": median,
+        "most_m": float(found.max()),
+        "error": abs(median / resolved - 1.0),
+        "collapsed": sum(m.collapsed for m in motions),
+        "steps": steps,
+        "seconds": seconds,
+        "step_ms": 1e3 * seconds / steps,
+        "ratio": seconds / steps / each,
+        "programs_per_step": sum(m.programs for m in motions) / steps,
+        "integrator_share": float(np.median([m.energy.integrator_share for m in motions])),
+        "imbalance": max(m.energy.imbalance for m in motions),
+    }
+
+
+@contextmanager
+def halved(levels: int | None) -> Iterator[None]:
+    """Have Moreau and Jean's steps within halved down to so many levels; None: as the program does."""
+    chosen = RESOLVED if levels is None else Halving(levels, RESOLVED.share)
+    with patch.object(histories, "RESOLVED", chosen):
+        yield
+
+
+def millimetres(rows: Sequence[Row]) -> str:
+    """A table of ensembles: least, median and largest displacement in mm, and ms a step."""
+
+    def cell(row: Row) -> str:
+        if "failed" in row:
+            return "fails"
+        three = " – ".join(f"{1e3 * row[key]:.1f}" for key in ("least_m", "median_m", "most_m"))
+        text = f"{three}; {number(row['step_ms'])} ms"
+        if row["not_solved"]:
+            text += f"; {row['not_solved']} not solved"
+        return f"**{text}**" if row["default"] else text
+
+    return pivoted(rows, ["case", "way"], ["value"], lambda row: f"{1e3 * row['value']:g} ms", cell)

@@ -1,0 +1,244 @@
+"""The arguments of the commands, their help, and suggestions for what is misspelt."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from assessment.cli import commands
+from assessment.cli.commands import TEMPLATES
+from assessment.cli.exit_codes import EXIT_CODES
+from assessment.runtime.terminal.console import visible
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Any, NoReturn
+
+    Parsers = argparse._SubParsersAction["_Parser"]
+
+BENCHMARKS = (
+    "statics", "dynamics", "ensembles", "dissipation", "collapse", "steps", "growth", "walls", "chain",
+    "campaigns", "skips",
+)  # fmt: skip
+STAGES = (
+    "pushdown",
+    "pushover",
+    "history",
+    "incremental",
+    "campaign",
+    "assessment",
+    "scenarios",
+    "sensitivity",
+)
+EXAMPLES = {  # what the help of each command ends with; "": of all of them
+    "": ("assesto new arch --template buttressed-arch", "assesto run arch"),
+    "run": ("assesto run arch", "assesto run arch --only pushdown,pushover --out trial"),
+    "check": ("assesto check arch", "assesto check arch --out trial"),
+    "new": (
+        "assesto new arch --template buttressed-arch",
+        "assesto new wall --template wall --set courses=12",
+    ),
+    "convert": ("assesto convert arch", "assesto convert ../survey/arch"),
+    "schema": ("assesto schema > project.schema.json", "assesto schema --results > results.schema.json"),
+    "report": ("assesto report arch", "assesto report arch --out trial"),
+    "status": ("assesto status arch", "assesto status arch --out trial"),
+    "benchmark": ("assesto benchmark --quick", "assesto benchmark statics steps --out measured"),
+}
+COMMANDS = tuple(EXAMPLES)[1:]
+
+
+def options_of(arguments: Sequence[str]) -> argparse.Namespace:
+    """Return the options of a command.
+
+    Raises ValueError, with the nearest name that there is, for a command or an option that there is not.
+    """
+    name = next((text for text in arguments if not text.startswith("-")), None)
+    if name is not None and name not in COMMANDS:
+        raise ValueError(f"assesto {name}: no such command; {_nearest(name, COMMANDS)}")
+    options, unknown = _parser().parse_known_args(arguments)
+    if unknown:
+        wrong = unknown[0].partition("=")[0]
+        known = re.findall(r"--[a-z-]+", options.parser.format_usage())
+        if wrong.startswith("-"):
+            raise ValueError(f"assesto {name}: {wrong}: no such option; {_nearest(wrong, known)}")
+        raise ValueError(f"assesto {name}: {wrong}: one argument too many; see assesto {name} --help")
+    return options
+
+
+def _nearest(name: str, valid: Sequence[str]) -> str:
+    from assessment.runtime.errors import nearest  # late: it takes as long to import as all of --help
+
+    return nearest(name, valid)
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that shows arguments as they are and does nothing else with them."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is missing or wrong as every other message does, and where to look it up."""
+        self.exit(2, f"error: {self.prog}: {visible(message)}; see {self.prog} --help\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="assesto",
+        description="Seismic capacity of dry-joint masonry before and after foundation settlements.",
+        **_end(""),
+    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and stop")
+    parsers = parser.add_subparsers(required=True, metavar="COMMAND", dest="name")
+    for add in (_run, _check, _status, _new, _convert, _schema, _report, _benchmark):
+        add(parsers)
+    for command in parsers.choices.values():
+        command.set_defaults(parser=command)
+    return parser
+
+
+def _run(parsers: Parsers) -> None:
+    parser = parsers.add_parser(
+        "run", help="run every stage the project asks for and write its report", **_end("run")
+    )
+    _add_project(parser, "the results")
+    parser.add_argument(
+        "--only",
+        type=lambda text: text.split(","),
+        metavar="STAGE,…",
+        help=f"only these stages, with what they need: {', '.join(STAGES)}",
+    )
+    parser.add_argument(
+        "--jobs",
+        type=_jobs,
+        default=0,
+        metavar="N",
+        help="processes at once (default: one per core if the work is worth starting them)",
+    )
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="a running Dask cluster that computes instead, such as tcp://host:8786",
+    )
+    parser.add_argument("--no-report", action="store_true", help="numbers, tables and figures only")
+    parser.add_argument(
+        "--fresh", action="store_true", help="compute again what an earlier run has already computed"
+    )
+    parser.add_argument("--json", action="store_true", help="print the summary as JSON")
+    parser.set_defaults(command=commands.run)
+
+
+def _check(parsers: Parsers) -> None:
+    parser = parsers.add_parser(
+        "check", help="read and validate everything, draw the model; no analysis", **_end("check")
+    )
+    _add_project(parser, "model.svg")
+    parser.set_defaults(command=commands.check)
+
+
+def _status(parsers: Parsers) -> None:
+    parser = parsers.add_parser(
+        "status", help="tell what a run under way is at, what failed, and how long it takes", **_end("status")
+    )
+    _add_project(parser, "the results")
+    parser.set_defaults(command=commands.status)
+
+
+def _new(parsers: Parsers) -> None:
+    parser = parsers.add_parser("new", help="make a new project folder from a template", **_end("new"))
+    parser.add_argument("folder", type=_folder, metavar="DIR", nargs="?", help="the folder to make")
+    parser.add_argument("--template", metavar="NAME", help=", ".join(TEMPLATES))
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=NUMBER", help="a dimension; see --list"
+    )
+    parser.add_argument("--excel", action="store_true", help="write project.xlsx instead of project.toml")
+    parser.add_argument(
+        "--list", action="store_true", help="print the dimensions of the template, or of all, and stop"
+    )
+    parser.set_defaults(command=commands.new)
+
+
+def _convert(parsers: Parsers) -> None:
+    parser = parsers.add_parser(
+        "convert", help="turn project.toml into project.xlsx, or back", **_end("convert")
+    )
+    _add_project(parser)
+    parser.set_defaults(command=commands.convert)
+
+
+def _schema(parsers: Parsers) -> None:
+    parser = parsers.add_parser(
+        "schema",
+        help="print the JSON schema of project.toml, for editors, or of results.json",
+        **_end("schema"),
+    )
+    parser.add_argument("--results", action="store_true", help="that of results.json")
+    parser.set_defaults(command=commands.schema)
+
+
+def _report(parsers: Parsers) -> None:
+    parser = parsers.add_parser(
+        "report", help="render the report again from stored results", **_end("report")
+    )
+    _add_project(parser, "the results")
+    parser.set_defaults(command=commands.report)
+
+
+def _benchmark(parsers: Parsers) -> None:
+    parser = parsers.add_parser(
+        "benchmark", help="measure run time against error on this machine", **_end("benchmark")
+    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(BENCHMARKS)} (default: all)")
+    parser.add_argument("--quick", action="store_true", help="fewer and smaller cases: a minute or so")
+    parser.add_argument(
+        "--out",
+        type=_folder,
+        default=Path("benchmark"),
+        metavar="DIR",
+        help="folder of tables, plots and summary.md (default: benchmark)",
+    )
+    parser.set_defaults(command=commands.benchmark)
+
+
+def _end(command: str) -> dict[str, Any]:
+    """How the help of a command ends: two examples and the exit codes."""
+    shown = "\n".join(f"  {example}" for example in EXAMPLES[command])
+    return {
+        "epilog": f"examples:\n{shown}\n\n{EXIT_CODES}",
+        "formatter_class": argparse.RawDescriptionHelpFormatter,
+    }
+
+
+class _Version(argparse.Action):
+    """Print the installed version; looked up only when asked for, which keeps --help quick."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        from importlib.metadata import version
+
+        print(f"{parser.prog} {version('assesto')}")
+        parser.exit()
+
+
+def _add_project(command: argparse.ArgumentParser, written: str = "") -> None:
+    """Add PROJECT and, where something is `written`, the folder that it goes to."""
+    command.add_argument(
+        "project", type=_folder, metavar="PROJECT", help="folder that holds project.toml or project.xlsx"
+    )
+    if written:
+        where = f"folder of {written} (default: PROJECT/output)"
+        command.add_argument("--out", type=_folder, metavar="DIR", help=where)
+
+
+def _folder(text: str) -> Path:
+    """Return the folder that an argument names; an empty one would be the folder the command is given in."""
+    if not text:
+        raise argparse.ArgumentTypeError("is empty; give the name of a folder")
+    return Path(text)
+
+
+def _jobs(text: str) -> int:
+    """Return a number of processes, one or more."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no number of processes; write 1 or more, or leave it out"
+        )
+    return int(text)

@@ -1,0 +1,183 @@
+"""The commands: each takes its options and returns its exit code.
+
+What a command needs is imported when it is called: `--help` answers in under 0.3 s.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from functools import partial
+from typing import TYPE_CHECKING
+
+from assessment.cli.exit_codes import DONE, INCOMPLETE, WRONG_INPUT, tell_error
+from assessment.runtime.terminal.console import say, tell
+
+if TYPE_CHECKING:
+    import argparse
+    from pathlib import Path
+
+TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Carry out the stages and print the summary; INCOMPLETE where an analysis was not completed."""
+    from assessment.project.project import load_project
+    from assessment.runtime.terminal.progress import as_json, progress, summary
+    from assessment.workflow.run import carry_out
+    from assessment.workflow.selection import select
+
+    project = select(load_project(options.project), options.only)
+    folder = _writable(options.out or project.folder / "output")
+    with progress() as show:
+        outcome, warnings = carry_out(
+            project,
+            folder,
+            options.jobs,
+            options.fresh,
+            not options.no_report,
+            show,
+            options.scheduler,
+        )
+    say((as_json if options.json else summary)(outcome, folder, warnings))
+    return DONE if outcome.complete else INCOMPLETE
+
+
+def check(options: argparse.Namespace) -> int:
+    """Read and validate everything, draw the model, print its summary and every warning; no analysis."""
+    from assessment.analyses.checks.demand import demand_spectra
+    from assessment.analyses.static.paths import stand
+    from assessment.project.model import build_model
+    from assessment.project.plausibility import implausible_hazard
+    from assessment.project.project import load_project
+    from assessment.report.figures.faults import draw_faults
+    from assessment.report.figures.model import draw_model
+    from assessment.report.figures.style import save_svg
+    from assessment.report.text.language import Words, words_of
+    from assessment.results.file import typed
+    from assessment.runtime.terminal.progress import model_summary, told
+    from assessment.workflow.dynamic import read_motions
+    from assessment.workflow.skeleton import describe
+    from mechanics.faults import FaultyDrawingError
+
+    project = load_project(options.project)
+    folder = _writable(options.out or project.folder / "output")
+    drawing = folder / "model.svg"
+    try:
+        model = build_model(project)
+    except FaultyDrawingError as faulty:
+        tell_error(faulty)
+        if faulty.outlines:
+            save_svg(partial(draw_faults, faulty, Words.of(project.report.language)), drawing)
+            tell(f"drawing with the faults marked: {drawing}")
+        return WRONG_INPUT
+    content = describe(project, model)
+    motions, warnings = read_motions(project), content["model"]["warnings"]
+    warnings += motions.notes
+    if project.assessment:
+        demands = demand_spectra(project, motions.history)  # refused here if a run would refuse it
+        warnings += implausible_hazard(project, demands.spectra)
+    if unstable := stand(model.assembly):
+        content["model"]["self_weight_stable"] = False
+        warnings.append(unstable)
+    results = typed(content)
+    save_svg(lambda: draw_model(results, words_of(results)), drawing)
+    say(model_summary(results))
+    say(f"drawing of the model: {drawing}")
+    for line in told(warnings):
+        say(line)
+    return DONE
+
+
+def status(options: argparse.Namespace) -> int:
+    """Print what a run under way is at."""
+    from assessment.runtime.terminal.status import status as told
+
+    if not options.project.is_dir():
+        raise ValueError(f"{options.project}: no such folder; give the folder of the project")
+    say(told(options.out or options.project / "output"))
+    return DONE
+
+
+def new(options: argparse.Namespace) -> int:
+    """Make a project folder from a template, or list the dimensions of templates."""
+    from assessment.project.catalogue.new_project import new_project, template_options
+    from assessment.project.formats.convert import TOML, XLSX
+
+    if options.list:
+        for template in [options.template] if options.template else TEMPLATES:
+            say(f"{template}:")
+            for name, (default, unit, description) in template_options(template).items():
+                say(f"  {name:18} {default:>8g} {unit:6} {description}")
+        return DONE
+    if options.template is None:
+        raise ValueError(f"--template: missing; choose from {', '.join(TEMPLATES)}")
+    if options.folder is None:
+        raise ValueError(
+            f"DIR: missing; give the folder to make: assesto new DIR --template {options.template}"
+        )
+    given = {}
+    for item in options.set:
+        key, _, value = item.partition("=")
+        try:
+            given[key.strip()] = float(value)
+        except ValueError:
+            raise ValueError(f"--set {item}: not KEY=NUMBER; give for example span_m=6.0") from None
+    new_project(options.folder, options.template, given, XLSX if options.excel else TOML)
+    say(f"wrote {options.folder}; next: assesto check {options.folder}")
+    return DONE
+
+
+def convert(options: argparse.Namespace) -> int:
+    """Write project.toml as project.xlsx, or back."""
+    from assessment.project.formats.convert import convert as to_other_format
+    from assessment.project.project import load_project
+
+    new, kept = to_other_format(load_project(options.project))
+    say(f"wrote {new}; the earlier file is kept as {kept.name}")
+    return DONE
+
+
+def schema(options: argparse.Namespace) -> int:
+    """Print the JSON schema of project.toml, or of results.json."""
+    if options.results:
+        from assessment.results.schema import json_schema
+    else:
+        from assessment.project.project import json_schema
+    say(json.dumps(json_schema(), indent=2))
+    return DONE
+
+
+def report(options: argparse.Namespace) -> int:
+    """Render the report again from stored results."""
+    from assessment.project.project import load_project
+    from assessment.workflow.run import print_again
+
+    project = load_project(options.project)
+    folder = _writable(options.out or project.folder / "output")
+    for warning in print_again(project, folder):
+        tell(f"warning: {warning}")
+    say(f"report: {folder / 'report.html'}")
+    return DONE
+
+
+def benchmark(options: argparse.Namespace) -> int:
+    """Measure run time against error on this machine."""
+    from assessment.benchmark.command import benchmark as measure
+
+    folder = _writable(options.out)
+    measure(options.names, options.quick, folder)
+    say(f"\ntables and plots: {folder}")
+    return DONE
+
+
+def _writable(folder: Path) -> Path:
+    """The folder, if results can be written there: asked before any analysis."""
+    existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not existing.is_dir():
+        raise ValueError(f"{existing}: is a file; give another folder with --out DIR")
+    if not os.access(existing, os.W_OK):
+        raise ValueError(
+            f"{existing}: no permission to write; change it or give another folder with --out DIR"
+        )
+    return folder

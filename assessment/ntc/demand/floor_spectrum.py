@@ -1,0 +1,271 @@
+"""Spectra at height for mechanisms above the ground: Circolare 7/2019, C7.2.3, and Circolare 617/2009, C8A.4.
+
+Each has the interface of `Spectrum`, so that a check takes it in the place of the spectrum at the ground. None is
+anywhere below that one: a mechanism at height never bears more than it would at the ground.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import sqrt
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from assessment.ntc.calculation import Step, Trace, step
+from assessment.ntc.demand.spectrum import ElasticSpectrum
+from mechanics.errors import require
+from mechanics.types import GRAVITY
+
+Array = NDArray[np.float64]
+
+_LOWER, _UPPER = 0.8, 1.1  # a, b of C7.2.3: bounds of the resonance plateau over T_k
+_LAW_2019 = "Circolare 7/2019, C7.2.3"
+_LAW_2009 = "Circolare 617/2009, C8A.4.2.3"
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """A mode of the building: period (s), participation γ_k, shape ψ_k at the mechanism's height, damping."""
+
+    period: float
+    gamma: float
+    psi: float
+    damping: float = 0.05
+
+    def __post_init__(self) -> None:
+        require(self.period > 0.0, "period", self.period, "positive, in s")
+        require(0.0 < self.damping < 1.0, "damping", self.damping, "a fraction of critical: 0.05 for 5 %")
+
+
+def fundamental_period(building_height: float) -> Step:
+    """Return the step of T_1 = C_1 H^(3/4) (s), C_1 = 0.05, H (m) up to 40 (C7.3.3.2 [k])."""
+    T_1 = 0.05 * float(building_height**0.75)
+    return step("T_1", "0.05*H**0.75", T_1, "s", "Circolare 7/2019, C7.3.3.2", H=building_height)
+
+
+def first_mode(
+    period: float, storeys: int, height: float, building_height: float, damping: float = 0.05
+) -> Mode:
+    """Return the approximate first mode: γ_1 = 3n/(2n+1), ψ_1 = z/H (Circolare 7/2019, C7.2.3)."""
+    require(storeys >= 1, "storeys", storeys, "a whole number ≥ 1")
+    require(0.0 <= height <= building_height, "height", height, "from 0 to the building's height, in m")
+    require(building_height > 0.0, "building_height", building_height, "positive, in m")
+    return Mode(period, 3.0 * storeys / (2.0 * storeys + 1.0), height / building_height, damping)
+
+
+@dataclass(frozen=True)
+class FloorSpectrum:
+    """Floor spectrum S_eZ(T, ξ) = √Σ S_eZ,k² ≥ S_e(T, ξ) (Circolare 7/2019, C7.2.5–C7.2.10).
+
+    `ground` carries the hazard and, in its damping, that of the element (ξ); `modes` the first mode first.
+    That ξ_k enters A as a fraction and a_Z,k in % is inferred (A = 4.9 at 5 %). The circular writes S_eZ ≥ S_e for
+    T > T_1; here it holds at every period [k], since the modes alone vanish towards the ground.
+    """
+
+    ground: ElasticSpectrum
+    modes: tuple[Mode, ...]
+
+    def __post_init__(self) -> None:
+        require(len(self.modes) >= 1, "modes", self.modes, "one mode or more, the first mode first")
+
+    @property
+    def ag(self) -> float:
+        """a_g at the ground, g."""
+        return self.ground.ag
+
+    @property
+    def S(self) -> float:
+        """S at the ground."""
+        return self.ground.S
+
+    @property
+    def T_1(self) -> float:
+        """Period of the first mode, s."""
+        return self.modes[0].period
+
+    def acceleration(self, T: ArrayLike) -> Array:
+        """S_eZ(T), g; at T = 0 the largest acceleration of the floor a_Z(z) ≥ a_g S."""
+        return np.maximum(self._modes(T), self.ground.acceleration(T))[()]
+
+    def displacement(self, T: ArrayLike) -> Array:
+        """S_DeZ(T), m: the larger of the modes' S_eZ (T/2π)² and of the ground's S_De(T)."""
+        T = np.asarray(T, dtype=float)
+        modal = self._modes(T) * GRAVITY * (T / (2.0 * np.pi)) ** 2
+        return np.maximum(modal, self.ground.displacement(T))[()]
+
+    def largest_displacement(self, T_0: float, T: float) -> tuple[float, float]:
+        """Return the demand at T (m) and the period (s) where it is.
+
+        Circolare 7/2019, C8.7.1.2: for T > b T_1 not below the modes' S_eZ(T_1) b² T_1²/4π², the plateau's end; and
+        never below the ground's largest displacement over [T_0, T].
+        """
+        candidates = [(float(self.displacement(T)), T), self.ground.largest_displacement(T_0, T)]
+        if self._edge < T:
+            candidates.append((self._plateau_end, self._edge))
+        return max(candidates, key=lambda found: found[0])
+
+    def demand_steps(self, T_0: float, T: float) -> Trace:
+        """Return the calculation of largest_displacement(T_0, T) by hand."""
+        demand, at = self.largest_displacement(T_0, T)
+        if demand == float(self.displacement(T)):
+            return self.steps(T)
+        if at != self._edge:
+            return self.ground.steps(at)
+        modal = self._modes_steps(self.T_1)
+        last = step("S_DeZ", f"S_eZ_mod*g*({_UPPER:g}*T_1)**2/(4*pi**2)", demand, "m",
+                    "Circolare 7/2019, C8.7.1.2", S_eZ_mod=modal[-1].result, g=GRAVITY, T_1=self.T_1)  # fmt: skip
+        return (*self.ground.steps(self.T_1), *modal, last)
+
+    def with_damping(self, damping: float) -> Self:
+        """Return the floor spectrum for an element of another damping (fraction of critical)."""
+        return replace(self, ground=self.ground.with_damping(damping))
+
+    def steps(self, T: float) -> Trace:
+        """Return S_eZ(T) and S_DeZ(T) by hand."""
+        ground, modal = self.ground.steps(T), self._modes_steps(T)
+        S_e, S_De, S_eZ_mod = float(self.ground.acceleration(T)), ground[-1].result, modal[-1].result
+        return (
+            *ground,
+            *modal,
+            step("S_eZ", "max(S_eZ_mod, S_e)", float(self.acceleration(T)), "g", f"{_LAW_2019} (C7.2.5)",
+                 S_eZ_mod=S_eZ_mod, S_e=S_e),
+            step("S_DeZ", "max(S_eZ_mod*g*(T/(2*pi))**2, S_De)", float(self.displacement(T)), "m", _LAW_2019,
+                 S_eZ_mod=S_eZ_mod, g=GRAVITY, T=T, S_De=S_De),
+        )  # fmt: skip
+
+    @property
+    def _edge(self) -> float:
+        """End b T_1 of the first mode's plateau, s."""
+        return _UPPER * self.T_1
+
+    @property
+    def _plateau_end(self) -> float:
+        """The modes' S_eZ(T_1) b² T_1²/4π², m."""
+        return float(self._modes(self.T_1)) * GRAVITY * (self._edge / (2.0 * np.pi)) ** 2
+
+    def _modes(self, T: ArrayLike) -> Array:
+        """Return √Σ S_eZ,k²(T), g: the modes without the ground."""
+        T = np.asarray(T, dtype=float)
+        return np.sqrt(sum(self._modal(mode, T) ** 2 for mode in self.modes))
+
+    def _modes_steps(self, T: float) -> Trace:
+        """Return √Σ S_eZ,k²(T) by hand."""
+        lines: list[Step] = []
+        squares = {}
+        for k, mode in enumerate(self.modes, 1):
+            lines += self._modal_steps(k, mode, T)
+            squares[f"S_eZ_{k}"] = lines[-1].result
+        formula = "sqrt(" + " + ".join(f"{name}**2" for name in squares) + ")"
+        total = step("S_eZ_mod", formula, float(self._modes(T)), "g", f"{_LAW_2019} (C7.2.5)", **squares)
+        return (*lines, total)
+
+    def _peak(self, mode: Mode) -> float:
+        """Return a_Z,k (g): largest floor acceleration of a mode."""
+        S_e = float(self.ground.with_damping(mode.damping).acceleration(mode.period))
+        return S_e * abs(mode.gamma * mode.psi) * sqrt(1.0 + 0.0004 * (100.0 * mode.damping) ** 2)
+
+    def _amplification(self, mode: Mode) -> float:
+        """Return A = 1.1 ξ_k^−0.5 η(ξ), not below 1."""
+        return max(1.0, 1.1 * self.ground.eta / sqrt(mode.damping))
+
+    def _modal(self, mode: Mode, T: Array) -> Array:
+        A, T_k = self._amplification(mode), mode.period
+        below = 1.0 + (A - 1.0) * np.maximum(1.0 - T / (_LOWER * T_k), 0.0) ** 1.6
+        above = 1.0 + (A - 1.0) * np.maximum(T / (_UPPER * T_k) - 1.0, 0.0) ** 1.2
+        return np.asarray(A * self._peak(mode) / (below * above))
+
+    def _modal_steps(self, k: int, mode: Mode, T: float) -> list[Step]:
+        damped = self.ground.with_damping(mode.damping)
+        a_Z, A, xi = self._peak(mode), self._amplification(mode), mode.damping
+        S_ek = float(damped.acceleration(mode.period))
+        numbers = {f"A_{k}": A, f"a_Z_{k}": a_Z}
+        formula = f"A_{k}*a_Z_{k}"
+        if _LOWER * mode.period > T:
+            formula += f"/(1 + (A_{k} - 1)*(1 - T/({_LOWER:g}*T_{k}))**1.6)"
+        elif _UPPER * mode.period <= T:
+            formula += f"/(1 + (A_{k} - 1)*(T/({_UPPER:g}*T_{k}) - 1)**1.2)"
+        if "T_" in formula:
+            numbers |= {"T": T, f"T_{k}": mode.period}
+        return [
+            replace(_ground_step(damped, "S_e", mode.period), symbol="S_ek"),
+            step(f"a_Z_{k}", "S_ek*abs(gamma*psi)*sqrt(1 + 0.0004*(100*xi_k)**2)", a_Z, "g",
+                 f"{_LAW_2019} (C7.2.7)", S_ek=S_ek, gamma=mode.gamma, psi=mode.psi, xi_k=xi),
+            step(f"A_{k}", "max(1, 1.1*eta/sqrt(xi_k))", A, "", f"{_LAW_2019} (C7.2.8)", eta=self.ground.eta,
+                 xi_k=xi),
+            step(f"S_eZ_{k}", formula, float(self._modal(mode, np.asarray(T))), "g", f"{_LAW_2019} (C7.2.6)",
+                 **numbers),
+        ]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class FloorSpectrum2009:
+    """Demand at height of Circolare 617/2009, C8A.4.2 [k]: the larger of the ground's and of the floor's.
+
+    At the floor S_e(T_1) ψ γ R and S_De(T_1) ψ γ (T/T_1)² R, R = 1/√((1 − T/T_1)² + 0.02 T/T_1).
+    """
+
+    ground: ElasticSpectrum
+    mode: Mode
+
+    @property
+    def ag(self) -> float:
+        """a_g at the ground, g."""
+        return self.ground.ag
+
+    @property
+    def S(self) -> float:
+        """S at the ground."""
+        return self.ground.S
+
+    def acceleration(self, T: ArrayLike) -> Array:
+        """Return the larger of S_e(T) and S_e(T_1) ψ γ/√((1 − T/T_1)² + 0.02 T/T_1), g."""
+        floor = self.ground.acceleration(self.mode.period) * self._amplification(T)
+        return np.maximum(self.ground.acceleration(T), floor)[()]
+
+    def displacement(self, T: ArrayLike) -> Array:
+        """Return the larger of S_De(T) and S_De(T_1) ψ γ (T/T_1)²/√((1 − T/T_1)² + 0.02 T/T_1), m."""
+        ratio = np.asarray(T, dtype=float) / self.mode.period
+        floor = self.ground.displacement(self.mode.period) * self._amplification(T) * ratio**2
+        return np.maximum(self.ground.displacement(T), floor)[()]
+
+    def largest_displacement(self, T_0: float, T: float) -> tuple[float, float]:
+        """Return the demand at T (m) and T, or the ground's largest over [T_0, T] and its period, if that is larger."""
+        return max(
+            (float(self.displacement(T)), T), self.ground.largest_displacement(T_0, T), key=lambda f: f[0]
+        )
+
+    def with_damping(self, damping: float) -> Self:
+        """Return the demand for another damping (fraction of critical)."""
+        return replace(self, ground=self.ground.with_damping(damping))
+
+    def demand_steps(self, T_0: float, T: float) -> Trace:
+        """Return the calculation of largest_displacement(T_0, T) by hand."""
+        at = self.largest_displacement(T_0, T)[1]
+        return self.steps(T) if at == T else self.ground.steps(at)
+
+    def steps(self, T: float) -> Trace:
+        """Return the demand at height by hand."""
+        T_1 = self.mode.period
+        shape = {"psi": self.mode.psi, "gamma": self.mode.gamma, "T": T, "T_1": T_1}
+        S_e, S_De = float(self.ground.acceleration(T)), float(self.ground.displacement(T))
+        first, second = (_ground_step(self.ground, symbol, T_1) for symbol in ("S_e", "S_De"))
+        resonance = "psi*gamma/sqrt((1 - T/T_1)**2 + 0.02*T/T_1)"
+        return (
+            *self.ground.steps(T),
+            replace(first, symbol="S_e_1"),
+            replace(second, symbol="S_De_1"),
+            step("S_eZ", f"max(S_e, S_e_1*{resonance})", float(self.acceleration(T)), "g", _LAW_2009,
+                 S_e=S_e, S_e_1=first.result, **shape),
+            step("S_DeZ", f"max(S_De, S_De_1*(T/T_1)**2*{resonance})", float(self.displacement(T)), "m",
+                 _LAW_2009, S_De=S_De, S_De_1=second.result, **shape),
+        )  # fmt: skip
+
+    def _amplification(self, T: ArrayLike) -> Array:
+        ratio = np.asarray(T, dtype=float) / self.mode.period
+        return self.mode.psi * self.mode.gamma / np.sqrt((1.0 - ratio) ** 2 + 0.02 * ratio)
+
+
+def _ground_step(ground: ElasticSpectrum, symbol: str, T: float) -> Step:
+    return next(line for line in ground.steps(T) if line.symbol == symbol)

@@ -1,0 +1,181 @@
+"""What of the checks against the standard, and of what is varied in them, does not fit together."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from assessment.project.consistency.files import missing_file
+from assessment.project.consistency.names import unknown_name
+from assessment.project.errors import Problem
+from assessment.project.schema import (
+    VARIED,
+    AssessmentTable,
+    FloorTable,
+    KeyPath,
+    KnowledgeTable,
+    LimitState,
+    ProjectContent,
+    SensitivityTable,
+    SiteTable,
+)
+
+HIGHEST = 40.0  # m: of a building whose period the standard's formula gives
+RETURN_PERIOD_TOL = 0.02  # relative: 50, 475 and 975 years stand for 50.3, 474.6 and 974.8
+LEAST_ROTATION = 1e-6  # of a macro-block, relative to the others'
+
+
+def assessment_problems(project: ProjectContent, assessment: AssessmentTable) -> Iterator[Problem]:
+    """Yield what [assessment] needs of other tables and does not find."""
+    needed = ["rigid"] if assessment.model == "none" else ["rigid", "elastic"]
+    if project.pushover is None:
+        yield Problem(
+            ("assessment",), "there is no pushover to assess; add [pushover] or leave [assessment] out"
+        )
+    elif missing := [contacts for contacts in needed if contacts not in project.pushover.contacts]:
+        text = (
+            f"{' and '.join(missing)} missing, but assessment.model asks for it; write {json.dumps(needed)}"
+        )
+        yield Problem(("pushover", "contacts"), text)
+    if assessment.spectrum == "record" and not project.history:
+        text = 'there is no record to take the spectrum of; add [[history]] or write spectrum = "ntc"'
+        yield Problem(("assessment", "spectrum"), text)
+    if assessment.spectrum == "ntc" and assessment.site is None:
+        yield Problem(("assessment", "site"), 'missing; add [assessment.site] or write spectrum = "record"')
+    if assessment.method == "grid" and (assessment.site is None or assessment.site.grid is None):
+        text = (
+            'there is no grid; add latitude, longitude and grid to [assessment.site] or write "demand-shape"'
+        )
+        yield Problem(("assessment", "method"), text)
+
+
+def knowledge_problems(knowledge: KnowledgeTable, factor: float) -> Iterator[Problem]:
+    """Compare confidence_factor with the level of knowledge or the components that it follows from."""
+    from assessment.ntc.indices import (  # late: a run without changes loads no numpy
+        COMPONENTS,
+        confidence_factor,
+    )
+
+    path: KeyPath = ("assessment", "knowledge")
+    given = knowledge.components
+    if (knowledge.level is None) == (not given):
+        yield Problem(path, f"write level, or {', '.join(COMPONENTS)}, not both")
+        return
+    if given and len(given) < len(COMPONENTS):
+        yield Problem(
+            path, f"{', '.join(COMPONENTS.keys() - given.keys())} missing; the four components go together"
+        )
+        return
+    for key, value in given.items():
+        if value not in COMPONENTS[key]:
+            choices = ", ".join(f"{each:g}" for each in COMPONENTS[key])
+            yield Problem((*path, key), f"{value:g} is none of {choices}; write one of these")
+            return
+    follows = confidence_factor(knowledge.level, given).factor
+    if abs(follows - factor) > 1e-9:
+        text = (
+            f"{factor:g}, but {'.'.join(map(str, path))} makes {follows:g}; write {follows:g}, or correct it"
+        )
+        yield Problem(("assessment", "confidence_factor"), text)
+
+
+def floor_problems(floor: FloorTable, assessment: AssessmentTable) -> Iterator[Problem]:
+    """Yield what in [assessment.floor] contradicts itself or the rest of [assessment]."""
+    path: KeyPath = ("assessment", "floor")
+    if floor.height_m > floor.building_height_m:
+        text = f"{floor.height_m:g} is above building_height_m ({floor.building_height_m:g}); correct one of them"
+        yield Problem((*path, "height_m"), text)
+    if floor.period_s is None and floor.building_height_m > HIGHEST:
+        text = f"missing; T_1 = 0.05 H^(3/4) holds up to a building_height_m of {HIGHEST:g}"
+        yield Problem((*path, "period_s"), f"{text}; write the period, in s")
+    if len(floor.higher_periods_s) != len(floor.higher_participations):
+        text = "write one γ_k ψ_k for each of higher_periods_s, in the same order"
+        yield Problem((*path, "higher_participations"), text)
+    if floor.higher_periods_s and assessment.circular == 2009:
+        text = "the circular of 2009 knows the first mode alone; leave it out or write circular = 2019"
+        yield Problem((*path, "higher_periods_s"), text)
+    if assessment.spectrum == "record":
+        yield Problem(path, 'a record is taken as that of the ground; write spectrum = "ntc" or leave it out')
+
+
+def site_problems(site: SiteTable, limit_states: Iterable[LimitState], folder: Path) -> Iterator[Problem]:
+    """Yield what is missing of the hazard of a site, or given twice."""
+    path: KeyPath = ("assessment", "site")
+    yield from missing_file(folder, (*path, "grid"), site.grid)
+    by_place = {key: getattr(site, key) for key in ("latitude", "longitude", "grid")}
+    by_state = {key: getattr(site, key) for key in ("SLD", "SLV", "SLC")}
+    placed = [key for key, value in by_place.items() if value is not None]
+    typed = [key for key, value in by_state.items() if value is not None]
+    if placed and typed:
+        text = f"given twice, by {', '.join(placed)} and by {', '.join(typed)}; keep one of the two"
+        yield Problem(path, text)
+    elif placed and placed != ["grid"]:  # alone, it may be the table of the site; else the file tells
+        for key in sorted(by_place.keys() - placed):
+            yield Problem((*path, key), "missing; latitude, longitude and grid go together")
+    elif placed:
+        return
+    elif typed:
+        for key, table in by_state.items():
+            if table is not None and table.return_period_years is not None:
+                yield from _return_period(
+                    (*path, key, "return_period_years"), key, table.return_period_years, site
+                )
+        for key in limit_states:
+            if key not in typed:
+                text = "missing, but assessment.limit_states asks for it; add its ag_g, F0 and Tc_star_s"
+                yield Problem((*path, key), text)
+    else:
+        text = "no hazard; add latitude, longitude and grid, or ag_g, F0 and Tc_star_s per limit state"
+        yield Problem(path, text)
+
+
+def _return_period(path: KeyPath, limit_state: str, given: float, site: SiteTable) -> Iterator[Problem]:
+    """Compare the return period of a typed hazard with that of nominal life and use class; both are rounded."""
+    from assessment.ntc.demand.hazard import return_period  # late, as above
+
+    by_life = return_period(limit_state, site.nominal_life_years, site.use_class)
+    if abs(given / by_life - 1.0) > RETURN_PERIOD_TOL:
+        text = (
+            f"{given:g} years, but nominal_life_years = {site.nominal_life_years:g} and use_class = "
+            f'"{site.use_class}" make {by_life:.4g} at {limit_state}; correct one of them'
+        )
+        yield Problem(path, text)
+
+
+def mechanism_problems(project: ProjectContent) -> Iterator[Problem]:
+    """Yield the macro-blocks of chosen mechanisms that are empty, still, or in no one state."""
+    states: dict[str, str] = {}
+    for index, part in enumerate(project.mechanism):
+        path: KeyPath = ("mechanism", index)
+        if not (part.layers or part.region_m or part.blocks):
+            yield Problem(path, "no block is chosen; write layers, region_m or blocks")
+        if part.region_m is not None and (len(part.region_m) < 4 or len(part.region_m) % 2):
+            text = "no corners; write x and z of two corners of a box, or of each corner of a polygon"
+            yield Problem((*path, "region_m"), text)
+        if abs(part.rotation) < LEAST_ROTATION:
+            yield Problem(
+                (*path, "rotation"), f"{part.rotation:g} does not move the macro-block; leave the entry out"
+            )
+        yield from unknown_name((*path, "state"), part.state, project.states, "state")
+        if part.state != states.setdefault(part.name, part.state):
+            yield Problem(
+                (*path, "state"), f'"{part.name}" has macro-blocks in another state; write one state'
+            )
+
+
+def sensitivity_problems(project: ProjectContent, sensitivity: SensitivityTable) -> Iterator[Problem]:
+    """Yield what [sensitivity] varies without an effect, or in states that there are not."""
+    path: KeyPath = ("sensitivity",)
+    if project.assessment is None:
+        yield Problem(path, "there is no capacity to vary; add [assessment] or leave [sensitivity] out")
+    elif project.assessment.model == "none" and sensitivity.stiffness:
+        text = 'assessment.model = "none" uses no stiffness; leave it out or write another model'
+        yield Problem((*path, "stiffness"), text)
+    if not sensitivity.factors:
+        yield Problem(path, f"nothing varies; write low and high factors of {', '.join(VARIED)}")
+    for key, (low, high) in sensitivity.factors.items():
+        if not low < high:
+            yield Problem((*path, key), f"[{low:g}, {high:g}]: write the low factor, then the high one")
+    for index, name in enumerate(sensitivity.states or ()):
+        yield from unknown_name((*path, "states", index), name, project.states, "state")

@@ -1,0 +1,103 @@
+"""Files that a project names: whether they are there, and what a pattern of names means."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from fnmatch import fnmatch
+from itertools import islice
+from pathlib import Path
+
+from assessment.project.errors import Problem
+from assessment.project.schema import MOST_ENTRIES, KeyPath
+from assessment.runtime.errors import nearest
+
+MOST_LOOKED_AT = 20_000  # names in folders, to find the files that a pattern means
+PICTURES = (".png", ".jpg", ".jpeg")  # that a report can hold
+_WILD = re.compile(r"[*?[]")
+
+
+def matches(folder: Path, pattern: str) -> list[Path]:
+    """Return the files in `folder` that a name or a pattern such as "records/*.acc" means, sorted.
+
+    Raises ValueError where more than MOST_LOOKED_AT names would have to be looked at, or there are too many files.
+    """
+    if _is_file(folder / pattern):
+        return [folder / pattern]
+    if "**" in pattern:
+        raise ValueError("** is not understood; name the folders, * for each")
+    found, looked_at = [folder], 0
+    for part in Path(pattern).parts:
+        if not _WILD.search(part):
+            found = [path / part for path in found]
+            continue
+        within: list[Path] = []
+        for path in found:
+            for name in _names(path):
+                looked_at += 1
+                if looked_at > MOST_LOOKED_AT:
+                    raise ValueError(f"more than {MOST_LOOKED_AT} names to look at; name the folders")
+                if fnmatch(name, part) and (part.startswith(".") or not name.startswith(".")):
+                    within.append(path / name)
+        found = within
+    files = sorted(path for path in found if _is_file(path))
+    if len(files) > MOST_ENTRIES:
+        raise ValueError(f"{len(files)} files, at most {MOST_ENTRIES}; choose among them")
+    return files
+
+
+def _names(folder: Path) -> Iterator[str]:
+    """Yield the names in a folder; none where there is no such folder, or it may not be read."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            yield entry.name
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a name that is too long or no name, a folder that may not be searched
+        return False
+
+
+def missing_file(folder: Path, path: KeyPath, name: str | None) -> Iterator[Problem]:
+    """Yield the problem of a file that is not in the project folder; nothing where no file is named."""
+    if name is not None and not _is_file(folder / name):
+        parent = Path(name).parent
+        names = islice(_names(folder / parent), MOST_ENTRIES)
+        files = sorted(str(parent / each) for each in names if _is_file(folder / parent / each))
+        remedy = nearest(name, files) if files else "put it there or correct the name"
+        yield Problem(path, f'no file "{name}" in the project folder; {remedy}')
+
+
+def attachment_problems(folder: Path, path: KeyPath, name: str) -> Iterator[Problem]:
+    """Open a picture of the report as a run opens it."""
+    from PIL import Image  # late: few projects have any
+
+    if missing := list(missing_file(folder, path, name)):
+        yield from missing
+    elif Path(name).suffix.lower() not in PICTURES:
+        yield Problem(
+            path, f'"{name}" is no {" or ".join(PICTURES)} file; export it, a PDF page by page, as one'
+        )
+    else:
+        try:
+            with _truncated_refused(), Image.open(folder / name) as picture:
+                picture.load()
+        except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+            yield Problem(path, f'"{name}" cannot be read as a picture ({error}); export it again')
+
+
+@contextmanager
+def _truncated_refused() -> Iterator[None]:
+    """Refuse pictures that are cut off; WeasyPrint, once imported, has Pillow accept them in the whole process."""
+    from PIL import ImageFile
+
+    before = ImageFile.LOAD_TRUNCATED_IMAGES
+    ImageFile.LOAD_TRUNCATED_IMAGES = False
+    try:
+        yield
+    finally:
+        ImageFile.LOAD_TRUNCATED_IMAGES = before

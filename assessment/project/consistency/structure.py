@@ -1,0 +1,107 @@
+"""What of the structure and its static analyses does not fit together: loads, stiffness, points, supports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from assessment.ntc.load_factors import OWN_PSI_2, PSI_2
+from assessment.project.consistency.names import unknown_name
+from assessment.project.errors import Problem
+from assessment.project.schema import ORIGINAL, KeyPath, LayerTable, ProjectContent, SettlementTable
+
+_MOST_INCREMENTS = 100_000
+
+
+def load_problems(path: KeyPath, layer: LayerTable) -> Iterator[Problem]:
+    """Yield what is wrong with the loads of a layer: upward ones with mass, variable ones without ψ₂."""
+    if layer.vertical_load_kN < 0.0 and layer.load_has_mass:
+        text = f"{layer.vertical_load_kN:g} acts upward and has no mass; add load_has_mass = false"
+        yield Problem((*path, "vertical_load_kN"), text)
+    category, psi_2 = layer.use_category, layer.psi_2
+    if layer.variable_load_kN == 0.0:
+        for key in ("use_category", "psi_2"):
+            if getattr(layer, key) is not None:
+                yield Problem((*path, key), "there is no variable load; add variable_load_kN or leave it out")
+    elif psi_2 is None and category is None:
+        text = "ψ₂ is not known; add use_category (NTC 2018, Tab. 2.5.I), or psi_2"
+        yield Problem((*path, "variable_load_kN"), text)
+    elif psi_2 is None and category in OWN_PSI_2:
+        text = f"{category} has no ψ₂ in NTC 2018, Tab. 2.5.I, it is to be judged case by case; add psi_2"
+        yield Problem((*path, "use_category"), text)
+    elif psi_2 is not None and PSI_2.get(category or "", psi_2) != psi_2:
+        text = (
+            f'{psi_2:g}, but use_category = "{category}" has {PSI_2[category or ""]:g}; leave one of them out'
+        )
+        yield Problem((*path, "psi_2"), text)
+
+
+def stiffness_problems(project: ProjectContent) -> Iterator[Problem]:
+    """Ask for a stiffness somewhere if an analysis is elastic; which blocks lack it, the drawing tells."""
+    layers = project.layers.values()
+    if project.material.normal_stiffness_kN_m3 or any(layer.normal_stiffness_kN_m3 for layer in layers):
+        return
+    pushover, incremental, assessment = project.pushover, project.incremental, project.assessment
+    needed_by = [
+        f"history[{n}].contacts" for n, each in enumerate(project.history, 1) if each.contacts == "elastic"
+    ]
+    if pushover and "elastic" in pushover.contacts:
+        needed_by.append("pushover.contacts")
+    if incremental and incremental.contacts == "elastic":
+        needed_by.append("incremental.contacts")
+    if project.campaign and project.campaign.contacts == "elastic":
+        needed_by.append("campaign.contacts")
+    if assessment and assessment.model != "none":
+        needed_by.append("assessment.model")
+    if needed_by:
+        text = (
+            f"missing, but {', '.join(needed_by)} ask for elastic contacts; add it, in kN/m³ "
+            '(or write contacts "rigid", model "none")'
+        )
+        yield Problem(("material", "normal_stiffness_kN_m3"), text)
+
+
+def control_problems(project: ProjectContent) -> Iterator[Problem]:
+    """Yield references to control points that there are not, and the need for one."""
+    moved = project.pushover or project.history or project.incremental or project.campaign
+    if not project.control and moved:
+        yield Problem(("control",), "no control point; add [[control]] with name and point_m")
+        return
+    references: list[tuple[KeyPath, str | None]] = [
+        (("history", index, "control"), motion.control) for index, motion in enumerate(project.history)
+    ]
+    if project.pushover:
+        control = project.pushover.control
+        by_key = control.items() if isinstance(control, dict) else ()
+        references += [(("pushover", "control", direction), name) for direction, name in by_key]
+        references += [(("pushover", "control"), control)] if isinstance(control, str) else []
+    if project.incremental:
+        references.append((("incremental", "control"), project.incremental.control))
+    if project.campaign:
+        references.append((("campaign", "control"), project.campaign.control))
+    for path, name in references:
+        if name is not None:
+            yield from unknown_name(path, name, [point.name for point in project.control], "control point")
+
+
+def settlement_problems(
+    project: ProjectContent, path: KeyPath, settlement: SettlementTable
+) -> Iterator[Problem]:
+    """Yield what is wrong with a settlement: its name, support, movement and increments."""
+    if settlement.name == ORIGINAL:
+        yield Problem((*path, "name"), f'"{ORIGINAL}" is the state before any settlement; write another name')
+    yield from unknown_name((*path, "support"), settlement.support, project.supports, "support")
+    largest = max(map(abs, settlement.displacement_m))
+    if largest == 0.0 and settlement.rotation_rad == 0.0:
+        yield Problem((*path, "displacement_m"), "nothing moves; write a displacement or a rotation_rad")
+    elif "increment_m" in settlement.model_fields_set and settlement.increment_m > largest > 0.0:
+        text = f"{settlement.increment_m:g} is larger than the movement; write {largest:g} or less"
+        yield Problem((*path, "increment_m"), text)
+    if settlement.increments > _MOST_INCREMENTS:
+        text = (
+            f"the movement takes {settlement.increments} increments; "
+            f"write longer ones, for {_MOST_INCREMENTS} or fewer"
+        )
+        yield Problem((*path, "increment_m"), text)
+    if settlement.steps and not project.pushover:
+        text = "there is no pushover whose capacity could be reviewed; add [pushover] or leave steps out"
+        yield Problem((*path, "steps"), text)

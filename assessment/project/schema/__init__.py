@@ -1,0 +1,64 @@
+"""The tables of a project file: every key with its type, unit, default and meaning.
+
+Units as everywhere: kN, m, s, Mg, accelerations in g. The descriptions are written for the user: they
+become the comments of a new project file and the texts of the JSON schema.
+"""
+
+from assessment.project.schema.assessment import (
+    AssessmentTable,
+    FloorTable,
+    HazardTable,
+    KnowledgeTable,
+    MechanismTable,
+    SiteTable,
+)
+from assessment.project.schema.content import ProjectContent, ReportTable
+from assessment.project.schema.dynamic import HistoryTable, IncrementalTable, MotionTable, StatesTable
+from assessment.project.schema.static import PushoverTable, SettlementTable
+from assessment.project.schema.structure import (
+    ContactsTable,
+    ControlTable,
+    GeometryTable,
+    LayerTable,
+    MaterialTable,
+)
+from assessment.project.schema.studies import VARIED, CampaignTable, SensitivityTable
+from assessment.project.schema.values import (
+    MOST_ENTRIES,
+    ORIGINAL,
+    Direction,
+    KeyPath,
+    LimitState,
+    Table,
+)
+
+__all__ = [
+    "MOST_ENTRIES",
+    "ORIGINAL",
+    "VARIED",
+    "AssessmentTable",
+    "CampaignTable",
+    "ContactsTable",
+    "ControlTable",
+    "Direction",
+    "FloorTable",
+    "GeometryTable",
+    "HazardTable",
+    "HistoryTable",
+    "IncrementalTable",
+    "KeyPath",
+    "KnowledgeTable",
+    "LayerTable",
+    "LimitState",
+    "MaterialTable",
+    "MechanismTable",
+    "MotionTable",
+    "ProjectContent",
+    "PushoverTable",
+    "ReportTable",
+    "SensitivityTable",
+    "SettlementTable",
+    "SiteTable",
+    "StatesTable",
+    "Table",
+]

@@ -1,0 +1,98 @@
+"""All tables of a project file together; [report]."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from assessment.project.schema.assessment import AssessmentTable, MechanismTable
+from assessment.project.schema.dynamic import HistoryTable, IncrementalTable
+from assessment.project.schema.static import PushoverTable, SettlementTable
+from assessment.project.schema.structure import (
+    ContactsTable,
+    ControlTable,
+    GeometryTable,
+    LayerTable,
+    MaterialTable,
+)
+from assessment.project.schema.studies import CampaignTable, SensitivityTable
+from assessment.project.schema.values import (
+    MOST_ENTRIES,
+    MOST_LAYERS,
+    ORIGINAL,
+    TABLES,
+    Members,
+    Name,
+    Table,
+    Text,
+    Tolerance,
+)
+
+
+class ReportTable(Table):
+    """[report]: language and the free text of the title page."""
+
+    language: Literal["it", "en"] = Field(default="it", description="language of the report: it or en")
+    client: Text = Field(default="", description="client, free text of the title page")
+    engineer: Text = Field(default="", description="engineer, free text of the title page")
+    location: Text = Field(default="", description="location, free text of the title page")
+    attachments: Annotated[tuple[Name, ...], Field(strict=False, max_length=MOST_ENTRIES)] = Field(
+        default=(),
+        description="photographs and survey drawings (PNG or JPEG files) that end the report; their names are captions",
+    )
+
+
+class ProjectContent(Table):
+    """All that a project file says. A table that is absent switches its stage off."""
+
+    title: Name = Field(description="title of the project")
+    accuracy: Literal["fast", "standard", "fine"] | Tolerance = Field(
+        default="fast",
+        description="fast: increments and time steps as given, no error estimated; else they are halved until the "
+        "estimated relative error is below standard (0.05), fine (0.01) or a number",
+    )
+    scatter: Members = Field(
+        default=5,
+        description="members of the small ensemble run where a path slides or a motion has many impacts; 1: none",
+    )
+    geometry: GeometryTable = Field(description="the drawing and how it becomes blocks and joints")
+    material: MaterialTable = Field(description="stone and joints, default of every layer")
+    layers: Annotated[dict[Name, LayerTable], Field(max_length=MOST_LAYERS)] = Field(
+        default={}, description="what the blocks of a layer have of their own"
+    )
+    contacts: ContactsTable = Field(
+        default=ContactsTable(), description="how joints slide, and which blocks may touch"
+    )
+    control: Annotated[tuple[ControlTable, ...], TABLES] = Field(
+        default=(), description="control points; the first one is the default"
+    )
+    settlements: Annotated[tuple[SettlementTable, ...], TABLES] = Field(
+        default=(), description="support movements to review, each one a state"
+    )
+    pushover: PushoverTable | None = Field(default=None, description="pushover analysis")
+    history: Annotated[tuple[HistoryTable, ...], TABLES] = Field(
+        default=(), description="time histories, one per record and state"
+    )
+    incremental: IncrementalTable | None = Field(default=None, description="incremental dynamic analysis")
+    campaign: CampaignTable | None = Field(
+        default=None, description="fragility and loss of capacity against movement"
+    )
+    assessment: AssessmentTable | None = Field(default=None, description="check against the standard")
+    mechanism: Annotated[tuple[MechanismTable, ...], TABLES] = Field(
+        default=(), description="mechanisms chosen by the user, one entry per macro-block"
+    )
+    sensitivity: SensitivityTable | None = Field(
+        default=None, description="capacity with properties of the masonry lower and higher, one at a time"
+    )
+    report: ReportTable = Field(default=ReportTable(), description="language and title page of the report")
+
+    @property
+    def supports(self) -> tuple[str, ...]:
+        """Names of the supports, in the order of the layers."""
+        return tuple(dict.fromkeys(layer.support for layer in self.layers.values() if layer.support))
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states: the original one, then one per settlement."""
+        return (ORIGINAL, *(settlement.name for settlement in self.settlements))

@@ -1,0 +1,106 @@
+"""The kinds of values in a project file, each with its bounds, and the table that holds them."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
+
+KeyPath = tuple[str | int, ...]
+"""Where a value stands in the project's content, list entries counted from 0."""
+
+ORIGINAL = "original"
+"""Name of the state before any settlement."""
+
+Entry = TypeVar("Entry", str, float, int)
+
+# Nothing invisible: what cannot be seen in an editor or held by a spreadsheet cell is a typing slip.
+_UNSEEN = r"\x00-\x08\x0b-\x1f\x7f-\x9f\u200b\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ufffe\uffff"
+
+_MOST_STIFFNESS = 1e11  # kN/m³
+
+MOST_ENTRIES = 1000
+"""A list of tables or of names has no more entries."""
+
+MOST_LAYERS = 10_000
+"""There are no more tables [layers.NAME]."""
+
+
+def _unique(items: tuple[Entry, ...]) -> tuple[Entry, ...]:
+    if len(set(items)) < len(items):
+        raise ValueError("an entry appears twice; write each entry once")
+    return items
+
+
+def _stiff_or_rigid(stiffness: float) -> float:
+    if _MOST_STIFFNESS < stiffness < math.inf:
+        raise ValueError(
+            f"{stiffness:g} is more than {_MOST_STIFFNESS:g}; write inf for a joint that is rigid in shear"
+        )
+    return stiffness
+
+
+def without_default(schema: dict[str, Any]) -> None:
+    """Leave an infinite default out of the JSON schema: JSON has no infinity."""
+    if schema.get("default") == math.inf:
+        del schema["default"]
+
+
+# Bounds so wide that only a slip lies outside, so narrow that no arithmetic overflows.
+Length = Annotated[float, Field(ge=1e-6, le=1e5)]  # m
+Step = Annotated[float, Field(ge=1e-7, le=1e3)]  # m, of a movement
+Drawn = Annotated[float, Field(ge=1e-7, le=1e2)]  # m, a tolerance of the drawing
+Coordinate = Annotated[float, Field(ge=-1e7, le=1e7)]  # m
+Shift = Annotated[float, Field(ge=-1e5, le=1e5)]  # m
+Angle = Annotated[float, Field(ge=-6.3, le=6.3)]  # rad
+AngleStep = Annotated[float, Field(ge=1e-7, le=1)]  # rad
+UnitWeight = Annotated[float, Field(ge=1e-3, le=1e6)]  # kN/m³
+Stiffness = Annotated[float, Field(ge=1e-3, le=_MOST_STIFFNESS)]  # kN/m³
+Rigidity = Annotated[float, Field(ge=1e-3, allow_inf_nan=True), AfterValidator(_stiff_or_rigid)]  # kN/m³
+Friction = Annotated[float, Field(ge=0, allow_inf_nan=True)]  # inf: no sliding
+Load = Annotated[float, Field(ge=-1e9, le=1e9)]  # kN
+Seconds = Annotated[float, Field(ge=1e-6, le=1e3)]
+Instant = Annotated[float, Field(ge=-1e6, le=1e6)]  # s
+Acceleration = Annotated[float, Field(ge=1e-6, le=1e3)]  # g
+Factor = Annotated[float, Field(ge=1e-4, le=1e4)]
+Ratio = Annotated[float, Field(ge=-1e4, le=1e4)]
+Damping = Annotated[float, Field(ge=0, lt=1)]
+BlockNumber = Annotated[int, Field(ge=0, le=10**9)]
+Strength = Annotated[float, Field(ge=1, allow_inf_nan=True)]  # kN/m²; inf: no limit
+Segments = Annotated[int, Field(ge=1, le=64)]
+Members = Annotated[int, Field(ge=1, le=100)]
+Pair = Annotated[tuple[Coordinate, Coordinate], Field(strict=False)]
+Movement = Annotated[tuple[Shift, Shift], Field(strict=False)]
+Window = Annotated[tuple[Instant, Instant], Field(strict=False)]
+Varied = Annotated[float, Field(ge=1e-2, le=1e2)]
+Factors = Annotated[tuple[Varied, Varied], Field(strict=False)]
+Tolerance = Annotated[float, Field(ge=1e-6, lt=1)]
+Share = Annotated[float, Field(ge=0, le=1)]
+Name = Annotated[str, Field(max_length=200, pattern=rf"^[^\s{_UNSEEN}]([^\t\n{_UNSEEN}]*[^\s{_UNSEEN}])?$")]
+Text = Annotated[str, StringConstraints(strip_whitespace=True, max_length=2000, pattern=rf"^[^{_UNSEEN}]*$")]
+ENTRIES = Field(strict=False, min_length=1, max_length=MOST_ENTRIES, json_schema_extra={"uniqueItems": True})
+TABLES = Field(strict=False, max_length=MOST_ENTRIES)
+Names = Annotated[tuple[Name, ...], ENTRIES, AfterValidator(_unique)]
+Contacts = Literal["rigid", "elastic"]
+Direction = Literal["+x", "-x"]
+LimitState = Literal["SLD", "SLV", "SLC"]
+UseCategory = Literal["A", "B", "C", "D", "E", "F", "G", "H", "I", "K", "snow", "snow above 1000 m", "wind"]
+ContactsList = Annotated[tuple[Contacts, ...], ENTRIES, AfterValidator(_unique)]
+Directions = Annotated[tuple[Direction, ...], ENTRIES, AfterValidator(_unique)]
+LimitStates = Annotated[tuple[LimitState, ...], ENTRIES, AfterValidator(_unique)]
+
+RecordSet = Annotated[
+    tuple[Name, ...], ENTRIES, AfterValidator(_unique),
+    BeforeValidator(lambda given: (given,) if isinstance(given, str) else given),
+]  # fmt: skip
+Shares = Annotated[tuple[Share, ...], ENTRIES, AfterValidator(_unique)]
+Signs = Annotated[tuple[Literal[1, -1], ...], ENTRIES, AfterValidator(_unique)]
+Levels = Annotated[tuple[Acceleration, ...], ENTRIES, AfterValidator(_unique)]
+Periods = Annotated[tuple[Seconds, Seconds], Field(strict=False)]
+
+
+class Table(BaseModel):
+    """A table of the project file: exact types, finite numbers, no other keys, not to be changed."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)

@@ -1,0 +1,78 @@
+"""A running Dask cluster that computes: what `Pool` is on this machine.
+
+Workers need the same program as this process; every task checks it. A worker that is lost costs what it was at: the
+scheduler gives it to another one.
+"""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Any, TypeVar, TypeVarTuple
+
+from assessment.runtime.errors import ProjectError
+from assessment.runtime.fingerprint import program
+from assessment.runtime.processes.pool import KilledError
+
+Arguments = TypeVarTuple("Arguments")
+Result = TypeVar("Result")
+PATIENCE = 10  # s that a scheduler has to answer
+LOST = "the Dask scheduler or its workers were lost; start them and run again: finished analyses are kept"
+
+
+class Cluster:
+    """Computes functions on the workers of the scheduler at an address such as tcp://host:8786.
+
+    Functions are found by their names and arguments are pickled, as by Pool. Raises ProjectError where dask.distributed
+    is not installed or no scheduler answers.
+    """
+
+    def __init__(self, address: str) -> None:
+        try:
+            from distributed import Client
+        except ImportError:
+            raise ProjectError(
+                '--scheduler: dask.distributed is not installed; install it: pip install "assesto[cluster]"'
+            ) from None
+        connect: Any = Client
+        try:
+            self._client = connect(address, timeout=PATIENCE, set_as_default=False)
+        except (OSError, ValueError, RuntimeError) as error:
+            raise ProjectError(
+                f"--scheduler: {address}: no Dask scheduler answers there ({type(error).__name__}); start one "
+                "(dask scheduler) with its workers (dask worker), or correct the address"
+            ) from None
+
+    def submit(self, function: Callable[[*Arguments], Result], *arguments: *Arguments) -> Future[Result]:
+        """Begin function(*arguments); what it returns, or raises, is the future's."""
+        done: Future[Result] = Future()
+        begun = self._client.submit(_checked, program(), function, arguments, pure=False)
+        begun.add_done_callback(lambda ended: _hand_over(ended, done))
+        done.remote = begun  # type: ignore[attr-defined]  # released, it would be cancelled
+        return done
+
+    def close(self, at_once: bool) -> None:
+        """Leave the cluster; what it is at for this process is given up."""
+        self._client.close()
+
+
+def _checked(expected: str, function: Callable[..., Result], arguments: tuple[Any, ...]) -> Result:
+    """Compute in a worker, where it runs the same program."""
+    if program() != expected:
+        raise ProjectError(
+            f"--scheduler: the worker on {platform.node()} has another version of the program, its libraries or "
+            "Python; install the same ones there"
+        )
+    return function(*arguments)
+
+
+def _hand_over(ended: Any, done: Future[Any]) -> None:
+    """Give what a task came to on the cluster to the future that stands for it here."""
+    try:
+        result = ended.result()
+    except BaseException as error:
+        lost = type(error).__module__.startswith(("distributed", "asyncio", "concurrent"))
+        done.set_exception(KilledError(LOST) if lost else error)
+    else:
+        done.set_result(result)

@@ -1,0 +1,60 @@
+"""What a run in an output folder is at, or came to, for people."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from assessment.runtime.files.journal import Stage, read_journal
+from assessment.runtime.files.lock import holder
+
+
+def status(folder: Path) -> str:
+    """Return the stages of the run in a folder: done, failed, in flight, time left; failures with their reasons."""
+    stages, running = read_journal(folder), holder(folder)
+    if not stages and not running:
+        return "\n".join(_finished(folder))
+    lines = [f"at work: {running}" if running else "not at work: the run was interrupted or killed"]
+    for stage in stages:
+        lines.append(_line(stage, bool(running)))
+        lines += _faults(stage.faults)
+    if not running:
+        lines.append("finished analyses are kept: run again to go on")
+    return "\n".join(lines)
+
+
+def _line(stage: Stage, running: bool) -> str:
+    text = f"{stage.name}: {stage.taken + stage.done} of {stage.total} done"
+    if stage.taken:
+        text += f" ({stage.taken} taken over)"
+    if stage.faults:
+        text += f", {len(stage.faults)} failed"
+    if stage.ended or not running:
+        return text
+    gone = time.time() - stage.began
+    left = (
+        "not known yet" if stage.left is None else _clock(max(0.0, stage.left - (time.time() - stage.latest)))
+    )
+    return f"{text}, {stage.open} in flight or waiting; {_clock(gone)} gone, left: {left}"
+
+
+def _finished(folder: Path) -> Iterator[str]:
+    try:
+        results = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        yield f"nothing has been run in {folder}"
+        return
+    failures = (results.get("campaign") or {}).get("failures") or []
+    yield f"finished: {folder}, {results['quality']['solves']} solves, {len(failures)} failures of the campaign"
+    yield from (f"  failed: {failure}" for failure in failures)
+
+
+def _faults(faults: Sequence[tuple[str, list[str]]]) -> list[str]:
+    return [f"  failed: {title}: {reason}" for title, reasons in faults for reason in reasons]
+
+
+def _clock(seconds: float) -> str:
+    whole = round(seconds)
+    return f"{whole // 3600}:{whole // 60 % 60:02}:{whole % 60:02}"

@@ -1,0 +1,205 @@
+"""A campaign that is killed, interrupted, or loses its scheduler: nothing finished is computed again.
+
+What is stopped is a process of its own. What would hang is ended by pytest's faulthandler_timeout.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from assessment.cli.main import main
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.report.figures import index as figures
+from assessment.runtime import tasks
+from assessment.runtime.cache import FOLDER, Store
+from assessment.runtime.files.journal import Stage, read_journal
+from assessment.workflow.stages import run
+from tests import ROOT
+from tests.support.block_project import read_results, timeless
+from tests.support.campaign_project import STRIPES, write_campaign
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals")
+COMBINATIONS = 8  # two records, both signs, two shares
+ALL = 4 + COMBINATIONS  # self-weight, a pushdown, two pushovers
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
+    return write_campaign(tmp_path_factory.mktemp("drawn") / "block", STRIPES, 2)
+
+
+@pytest.fixture(scope="module")
+def whole(drawn):
+    """Results of a run that nothing disturbs, in one process, without a store."""
+    project = load_project(drawn)
+    return timeless(run(project, build_model(project), jobs=1).results)["campaign"]
+
+
+@pytest.fixture
+def project(drawn, tmp_path):
+    return Path(shutil.copytree(drawn, tmp_path / "block"))
+
+
+@pytest.fixture(autouse=True)
+def _no_figures(monkeypatch):
+    monkeypatch.setattr(figures, "write_figures", lambda _, folder: folder.mkdir())
+    monkeypatch.setattr(figures, "write_images", lambda *_: [])
+
+
+def begin(folder: Path, *options: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "assessment.cli", "run", str(folder), "--no-report", "--json", *options],
+        cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+
+
+def of_campaign(folder: Path) -> Stage | None:
+    stages = [stage for stage in read_journal(folder / "output") if stage.name == "campaign"]
+    return stages[0] if stages else None
+
+
+def wait_for_one(folder: Path, started: subprocess.Popen[str]) -> None:
+    """Wait until a combination is finished."""
+    while (stage := of_campaign(folder)) is None or not stage.done:
+        assert started.poll() is None
+        time.sleep(0.01)
+
+
+def entries(output: Path) -> set[str]:
+    """Return the analyses kept in an output folder, whole ones."""
+    store = Store(output / FOLDER)
+    names = {path.name for path in store.folder.iterdir()} if store.folder.exists() else set()
+    return {name for name in names if store.read(name) is not None}
+
+
+def check_kept(folder: Path, capsys) -> int:
+    """Check journal, status and store of a run that was stopped in the campaign; return the number of entries."""
+    stage, kept = of_campaign(folder), len(entries(folder / "output"))
+    assert stage is not None and stage.total == COMBINATIONS and not stage.ended
+    assert 4 + stage.done <= kept <= 4 + stage.done + 1 < ALL  # one may be kept and not yet told
+    assert not (folder / "output" / "results.json").exists()
+    capsys.readouterr()
+    assert main(["status", str(folder)]) == 0
+    told = capsys.readouterr().out.splitlines()
+    assert told[0] == "not at work: the run was interrupted or killed"
+    assert f"campaign: {stage.done} of {COMBINATIONS} done" in told
+    assert told[-1] == "finished analyses are kept: run again to go on"
+    return kept
+
+
+def check_rest(folder: Path, kept: int, whole, capsys, *options: str) -> None:
+    """Run again, to the end: only what is left is computed, and the results are those of an undisturbed run."""
+    capsys.readouterr()
+    assert main(["run", str(folder), "--no-report", "--json", *options]) == 0
+    assert json.loads(capsys.readouterr().out)["analyses"] == {"computed": ALL - kept, "taken_over": kept}
+    assert timeless(read_results(folder / "output"))["campaign"] == whole
+    assert read_journal(folder / "output") == []
+
+
+@contextmanager
+def dask(*command: str) -> Iterator[subprocess.Popen[bytes]]:
+    """Start a command of Dask; end it."""
+    started = subprocess.Popen([sys.executable, "-m", "dask", *command], cwd=ROOT, stderr=subprocess.DEVNULL)
+    try:
+        yield started
+    finally:
+        started.kill()
+        started.wait()
+
+
+@contextmanager
+def scheduler(folder: Path, port: int = 0) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
+    """Start a scheduler and a worker; yield the scheduler and its address."""
+    file = folder / f"scheduler-{port}.json"
+    options = ("--host", "127.0.0.1", "--port", str(port), "--no-dashboard", "--scheduler-file", str(file))
+    with dask("scheduler", *options) as started:
+        while not file.exists() or not file.read_text():
+            assert started.poll() is None
+            time.sleep(0.05)
+        address = json.loads(file.read_text())["address"]
+        with dask(
+            "worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny", "--death-timeout", "60"
+        ):
+            yield started, address
+
+
+def test_ctrl_c_ends_a_campaign_of_local_processes_and_costs_what_they_were_at(project, capsys, whole):
+    started = begin(project, "--jobs", "2")
+    wait_for_one(project, started)
+    os.killpg(started.pid, signal.SIGINT)  # as a terminal does
+    _, err = started.communicate()
+    assert started.returncode == 3 and err.splitlines()[-1].endswith("run again to go on")
+    check_rest(project, check_kept(project, capsys), whole, capsys, "--jobs", "2")
+
+
+def test_ctrl_c_on_a_cluster_leaves_the_cluster_at_work(project, capsys, whole, tmp_path):
+    pytest.importorskip("distributed")
+    with scheduler(tmp_path) as (_, address):
+        started = begin(project, "--scheduler", address)
+        wait_for_one(project, started)
+        os.killpg(started.pid, signal.SIGINT)
+        _, err = started.communicate()
+        assert started.returncode == 3 and err.splitlines()[-1].endswith("run again to go on")
+        check_rest(project, check_kept(project, capsys), whole, capsys, "--scheduler", address)
+
+
+def test_a_scheduler_that_is_killed_and_started_again_goes_on_with_what_is_left(
+    project, capsys, whole, tmp_path
+):
+    pytest.importorskip("distributed")
+    with scheduler(tmp_path) as (lost, address):
+        started = begin(project, "--scheduler", address)
+        wait_for_one(project, started)
+        lost.kill()
+        _, err = started.communicate()
+        assert started.returncode == 3 and "the Dask scheduler or its workers were lost" in err
+        assert "Traceback" not in err
+    kept = check_kept(project, capsys)
+    with scheduler(tmp_path, int(address.rpartition(":")[2])) as (_, again):
+        assert again == address
+        check_rest(project, kept, whole, capsys, "--scheduler", address)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the child is not to write figures either")
+def test_killed_at_ten_random_moments_it_comes_to_the_same_results(project, whole, capsys, monkeypatch):
+    """Each run goes on where the one before was killed; after one that came to its end all begins anew.
+
+    Moments of processor time: a timer of the system ends the process, which hears nothing of it.
+    """
+    monkeypatch.setattr(tasks, "processes", lambda _: 0)  # all in one process
+    arguments = ["run", str(project), "--no-report", "--json", "--jobs", "1"]
+    output, moments = project / "output", random.Random(23)
+    began = time.process_time()
+    assert main(arguments) == 0
+    length = time.process_time() - began
+    kept: set[str] = set()
+    killed = left = 0  # runs, and whole analyses that they left
+    while killed < 10:
+        if (output / "results.json").exists():
+            assert timeless(read_results(output))["campaign"] == whole
+            shutil.rmtree(output)
+            kept = set()
+        moment = moments.uniform(0.01, 0.5) * length
+        child = os.fork()
+        if child == 0:
+            signal.setitimer(signal.ITIMER_PROF, moment)
+            os._exit(main(arguments))
+        killed += os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGPROF
+        kept, before = entries(output), kept
+        assert kept >= before
+        left += len(kept - before)
+    assert left
+    check_rest(project, len(kept), whole, capsys, "--jobs", "1")

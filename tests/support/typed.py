@@ -1,0 +1,44 @@
+"""Results made by hand, by type: what a test leaves out for brevity is filled in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import NoneType, UnionType
+from typing import Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+from assessment.results.schema import Results
+
+NOTHING: dict[Any, Any] = {float: 0.0, int: 0, str: "", bool: False}
+
+
+def typed(content: Mapping[str, Any]) -> Results:
+    """Return plain results by type; keys that have to be there and are not stand for nothing."""
+    try:
+        return Results.model_validate(content)
+    except ValidationError:
+        return Results.model_validate(filled(Results, content))
+
+
+def filled(kind: Any, value: Any = None) -> Any:
+    """Return a value of a kind, its tables with all the keys that have to be there."""
+    origin, inner = get_origin(kind), get_args(kind)
+    if origin in (Union, UnionType):
+        if value is None and NoneType in inner:
+            return None
+        return filled(next(each for each in inner if each is not NoneType), value)
+    if origin is list:
+        return [filled(inner[0], each) for each in value or []]
+    if origin is dict:
+        return {name: filled(inner[1], each) for name, each in (value or {}).items()}
+    if origin is Literal:
+        return inner[0] if value is None else value
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        found = dict(value or {})
+        for name, field in kind.model_fields.items():
+            key = field.alias or name
+            if field.is_required() or key in found:
+                found[key] = filled(field.annotation, found.get(key))
+        return found
+    return NOTHING.get(kind) if value is None else value
