@@ -18,6 +18,7 @@ from assessment.runtime.processes.pool import KilledError
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
 PATIENCE = 10  # s that a scheduler has to answer
+GONE = ("closing", "closed")  # status of a client without its scheduler
 LOST = "the Dask scheduler or its workers were lost; start them and run again: finished analyses are kept"
 
 
@@ -45,10 +46,16 @@ class Cluster:
             ) from None
 
     def submit(self, function: Callable[[*Arguments], Result], *arguments: *Arguments) -> Future[Result]:
-        """Begin function(*arguments); what it returns, or raises, is the future's."""
+        """Begin function(*arguments); what it returns, or raises, is the future's: KilledError if the cluster is lost."""
         done: Future[Result] = Future()
-        begun = self._client.submit(_checked, program(), function, arguments, pure=False)
-        begun.add_done_callback(lambda ended: _hand_over(ended, done))
+        try:
+            begun = self._client.submit(_checked, program(), function, arguments, pure=False)
+        except Exception as error:
+            if not _is_loss(error, self._client):
+                raise
+            done.set_exception(KilledError(LOST))
+            return done
+        begun.add_done_callback(lambda ended: _hand_over(ended, self._client, done))
         done.remote = begun  # type: ignore[attr-defined]  # released, it would be cancelled
         return done
 
@@ -67,12 +74,24 @@ def _checked(expected: str, function: Callable[..., Result], arguments: tuple[An
     return function(*arguments)
 
 
-def _hand_over(ended: Any, done: Future[Any]) -> None:
-    """Give what a task came to on the cluster to the future that stands for it here."""
+def _hand_over(ended: Any, client: Any, done: Future[Any]) -> None:
+    """Give what a task of the client came to on the cluster to the future that stands for it here."""
     try:
         result = ended.result()
     except BaseException as error:
-        lost = type(error).__module__.startswith(("distributed", "asyncio", "concurrent"))
-        done.set_exception(KilledError(LOST) if lost else error)
+        own = ended.status == "error" and not _is_of_cluster(error)
+        done.set_exception(error if own or not _is_loss(error, client) else KilledError(LOST))
     else:
         done.set_result(result)
+
+
+def _is_loss(error: BaseException, client: Any) -> bool:
+    """Whether the cluster was lost.
+
+    A client that has given up its scheduler raises errors of several kinds, plain RuntimeErrors too: its status tells.
+    """
+    return client.status in GONE or _is_of_cluster(error)
+
+
+def _is_of_cluster(error: BaseException) -> bool:
+    return type(error).__module__.startswith(("distributed", "asyncio", "concurrent"))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+from concurrent.futures import Future
+from types import SimpleNamespace
 
 import pytest
 
@@ -82,6 +84,30 @@ def test_work_under_way_when_the_connection_is_lost_is_no_bug(local):
     engine.close(at_once=True)
     with pytest.raises(KilledError, match="finished analyses are kept"):
         waiting.result(timeout=LONG)
+    with pytest.raises(KilledError, match="finished analyses are kept"):
+        engine.submit(pow, 2, 3).result(timeout=LONG)
+
+
+@pytest.mark.parametrize(
+    ("error", "ended", "client", "lost"),
+    [
+        (RuntimeError("IOLoop is closed"), "cancelled", "closed", True),
+        (RuntimeError("IOLoop is closed"), "finished", "closing", True),
+        (distributed.CancelledError("of a task"), "cancelled", "connecting", True),
+        (distributed.KilledWorker("a task", None, 3), "error", "running", True),
+        (RuntimeError("of the analysis"), "error", "running", False),
+        (RuntimeError("of the analysis"), "error", "closing", False),
+        (MemoryError("of the result, here"), "finished", "running", False),
+    ],
+)
+def test_a_lost_cluster_is_told_apart_from_an_error_of_the_analysis(error, ended, client, lost):
+    def result():
+        raise error
+
+    done: Future[int] = Future()
+    cluster._hand_over(SimpleNamespace(result=result, status=ended), SimpleNamespace(status=client), done)
+    found = done.exception(timeout=0)
+    assert str(found) == cluster.LOST if lost else found is error
 
 
 def test_no_scheduler_at_the_address_is_told(monkeypatch):
