@@ -46,7 +46,7 @@ class Cluster:
             ) from None
 
     def submit(self, function: Callable[[*Arguments], Result], *arguments: *Arguments) -> Future[Result]:
-        """Begin function(*arguments); what it returns, or raises, is the future's: KilledError if the cluster is lost."""
+        """Begin function(*arguments); result or error are the future's, KilledError where the cluster is lost."""
         done: Future[Result] = Future()
         try:
             begun = self._client.submit(_checked, program(), function, arguments, pure=False)
