@@ -10,12 +10,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from assessment.results.schema import FORMAT, Results
+from assessment.results.schema.part import UndocumentedError, said
 
 AGAIN = "run the project again"
-
-
-class UndocumentedError(RuntimeError):
-    """Results that are not as the schema says: a fault of the program."""
 
 
 def typed(content: Mapping[str, Any]) -> Results:
@@ -23,7 +20,7 @@ def typed(content: Mapping[str, Any]) -> Results:
     try:
         return Results.model_validate(content)
     except ValidationError as error:
-        raise UndocumentedError(f"results.json: {_said(error)}") from None
+        raise UndocumentedError(f"results.json: {said(error)}") from None
 
 
 def as_bytes(content: Mapping[str, Any]) -> bytes:
@@ -51,17 +48,6 @@ def read_content(path: Path) -> dict[str, Any]:
     try:
         Results.model_validate(content)
     except ValidationError as error:
-        raise ValueError(f"{path}: {_said(error)}: damaged, or written by another version; {AGAIN}") from None
+        raise ValueError(f"{path}: {said(error)}: damaged, or written by another version; {AGAIN}") from None
     plain: dict[str, Any] = content
     return plain
-
-
-def _said(error: ValidationError) -> str:
-    """Return the key of the first error, what is wrong there, and how many more there are."""
-    errors = error.errors(include_url=False, include_input=False)
-    place = ""
-    for part in errors[0]["loc"]:
-        place += f"[{part}]" if isinstance(part, int) else f"{'.' * bool(place)}{part}"
-    wrong = {"missing": "missing", "extra_forbidden": "unknown key"}.get(errors[0]["type"], errors[0]["msg"])
-    more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
-    return f"{place or 'the whole'}: {wrong}{more}"

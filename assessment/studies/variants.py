@@ -15,11 +15,13 @@ if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.project.project import Project
     from assessment.project.schema import SettlementTable
+    from assessment.results.schema.checks import Capacity
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
     from mechanics.model import Behaviour, Direction
 
 Numbers = dict[str, Any]
+UNCHECKED = {"a_g_g": None, "zeta_E": None}
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,7 @@ class Statics:
         """Return the results of a state, one for each contact behaviour."""
         return [stage for stage in self.stages if stage.state == name]
 
-    def pushed(self, name: str) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
+    def pushed(self, name: str) -> tuple[Mapping[str, Any], Mapping[str, Capacity]]:
         """Return the pushover curves and the checks of a state, by direction."""
         return self.states[name]["pushover"], self.states[name]["capacity"]
 
@@ -91,7 +93,7 @@ def analyse(
         stages = [next(results) for _ in range(each)]
         study.take(variant, stages)
         pushovers = curves(stages)
-        capacities: Numbers = {}
+        capacities: dict[str, Capacity] = {}
         if variant.project.assessment:
             notes: list[str] = []
             capacities = assess(variant.project, variant.model, pushovers, demands, notes)
@@ -127,7 +129,7 @@ def capacity_numbers(
     project: Project,
     stages: Iterable[StateResult],
     pushover: Mapping[str, Any],
-    capacity: Mapping[str, Any] | None,
+    capacity: Capacity | None,
 ) -> Numbers:
     """Return the capacity of one state in one direction for a study; None: asked for, but not reached.
 
@@ -142,8 +144,8 @@ def capacity_numbers(
     if "elastic" in behaviours(project):
         numbers["alpha_u"] = (pushover.get("elastic") or {}).get("alpha_u")
     if project.assessment:
-        check = (capacity or {}).get(quoted_limit_state(project) or "") or {}
-        numbers |= {key: check.get(key) for key in ("a_g_g", "zeta_E")}
+        check = capacity and capacity.checks.get(quoted_limit_state(project) or "")
+        numbers |= {"a_g_g": check.a_g_g, "zeta_E": check.zeta_E} if check else UNCHECKED
     return numbers
 
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.checks.capacity import assess, assess_chosen, governing, safety_index
@@ -20,7 +18,8 @@ from assessment.analyses.static.states import Request, StateResult, analyse_stat
 from assessment.ntc.limit_states import SURFACE
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.schema import ORIGINAL
-from assessment.results.table import brought_together, quoted_limit_state, reduction
+from assessment.results.plain import plain
+from assessment.results.table import brought_together, quoted_limit_state, reduction, static_pga
 from assessment.runtime.outcome import Outcome
 from assessment.runtime.tasks import SILENCE, Show, Workers, large
 from assessment.studies.convergence import Convergence, converge
@@ -34,6 +33,7 @@ if TYPE_CHECKING:
     from assessment.project.model import Model
     from assessment.project.project import Project
     from assessment.project.schema import SettlementTable
+    from assessment.results.schema.checks import Capacity
     from assessment.runtime.cache import Store
     from mechanics import Assembly
     from mechanics.model import Behaviour
@@ -63,7 +63,7 @@ def run(
         results, complete = _stages(project, model, workers)
     if store:
         store.prune()
-    return Outcome(_without_nan(results), complete, workers.computed, workers.taken)
+    return Outcome(plain(results), complete, workers.computed, workers.taken)
 
 
 def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, bool]:
@@ -150,6 +150,7 @@ def _add_capacities(
             if project.assessment
             else lambda _: {}
         )
+        capacity: Mapping[str, Capacity]
         if name in ensembles:
             capacity = with_ranges(state, [settled_and_pushed(each) for each in ensembles[name]], checked)
             notes += [*told_of(ensembles[name]), *notes]
@@ -222,10 +223,11 @@ def _comparison(states: Mapping[str, Any]) -> list[Results]:
             continue
         dynamic = state["incremental"].get("pga_collapse_g")
         for direction in original["pushover"] or ([None] if state["incremental"] else []):
-            checked = [each["capacity"].get(direction) or {} for each in (original, state)]
-            before, after = map(_static_pga, checked)
-            limit = next(filter(None, map(quoted_limit_state, checked)), None)
-            nominal = checked[1].get("nominal") or {}
+            was, now = (each["capacity"].get(direction) for each in (original, state))
+            before, after = static_pga(was), static_pga(now)
+            limit = next(filter(None, (quoted_limit_state(each.checks) for each in (was, now) if each)), None)
+            check = now.checks.get(limit or "") if now else None
+            nominal = now.nominal if now else None
             rows.append(
                 {
                     "state": name,
@@ -235,19 +237,16 @@ def _comparison(states: Mapping[str, Any]) -> list[Results]:
                     "static_reduction": reduction(before, after),
                     "dynamic_pga_g": dynamic,
                     "dynamic_reduction": reduction(original["incremental"].get("pga_collapse_g"), dynamic),
-                    "static_reference": checked[1].get(limit, {}).get("reference"),
+                    "static_reference": check.reference if check else None,
                     "dynamic_reference": None if dynamic is None else SURFACE,
                 }
-                | (brought_together(nominal.get("pga_g"), dynamic) if dynamic is not None else {})
+                | (
+                    brought_together(nominal.pga_g if nominal else None, dynamic)
+                    if dynamic is not None
+                    else {}
+                )
             )
     return rows
-
-
-def _static_pga(checks: Results) -> float | None:
-    """Return the a_g borne (g) at the farthest limit state that was checked."""
-    limit = quoted_limit_state(checks)
-    value: float | None = checks[limit]["a_g_g"] if limit else None
-    return value
 
 
 def _sum_up(quality: Results) -> None:
@@ -260,24 +259,3 @@ def _sum_up(quality: Results) -> None:
         "worst_cone_violation",
     ):
         quality[key] = max((row[key] for row in rows if key in row), default=None)
-
-
-def _without_nan(value: Any) -> Any:
-    """JSON has no NaN and no infinity: null in their place."""
-    if isinstance(value, float):  # first: they are most
-        return float(value) if math.isfinite(value) else None
-    if type(value) is list and _finite(value):
-        return value
-    if isinstance(value, list | tuple):
-        return [_without_nan(item) for item in value]
-    if isinstance(value, Mapping):
-        return {key: _without_nan(item) for key, item in value.items()}
-    return value.item() if hasattr(value, "item") else value
-
-
-def _finite(values: list[Any]) -> bool:
-    """Whether lists, and lists within, hold finite floats alone: as those out of JSON do, with most of all numbers."""
-    kinds = set(map(type, values))
-    if kinds == {list}:
-        return _finite(list(chain.from_iterable(values)))
-    return kinds == {float} and math.isfinite(sum(values))

@@ -1,4 +1,4 @@
-"""Capacity and checks of every state, computed from its pushover curves, as plain numbers for results.json."""
+"""Capacity and checks of every state, computed from its pushover curves."""
 
 from __future__ import annotations
 
@@ -18,11 +18,19 @@ from assessment.ntc.capacity import CapacityCurve, Participation, capacity_curve
 from assessment.ntc.curve_fit import CapacityError, Curve, CurveFit, fit_curve
 from assessment.ntc.demand.hazard import HazardCurve
 from assessment.ntc.demand.spectrum import Spectrum
-from assessment.ntc.limit_states import CHECKS, QUOTED
+from assessment.ntc.limit_states import QUOTED
 from assessment.ntc.verification import Check, Method, verify
 from assessment.ntc.vertical import THRUSTING_A_G, vertical_component
 from assessment.project.mechanisms import chosen_mechanisms
 from assessment.project.schema import ORIGINAL
+from assessment.results.schema.checks import (
+    Capacity,
+    Governing,
+    NominalCheck,
+    SafetyIndex,
+    ScaledCheck,
+    VerticalCheck,
+)
 from assessment.results.table import indices, sense
 
 if TYPE_CHECKING:
@@ -40,10 +48,11 @@ def assess(
     pushovers: Mapping[str, Mapping[str, Any]],
     demands: Demands,
     warnings: list[str],
-) -> dict[str, Any]:
+) -> dict[str, Capacity]:
     """Return capacity and checks of one state by direction, from its curves `pushovers` by direction and behaviour.
 
-    The fitted yield point is added to the elastic curves; what is missing or refused is added to `warnings`.
+    A direction whose capacity is not defined is left out. The fitted yield point is added to the elastic curves; what
+    is missing or refused is added to `warnings`.
     """
     assessment = project.assessment
     assert assessment is not None
@@ -82,13 +91,14 @@ def assess(
             elastic |= {"alpha_y": fit.alpha_y, "d_y_m": fit.d_y}
         said = dict.fromkeys(note for check in checks.values() for note in check.notes)
         warnings += [f"{direction}: {note}" for note in said]
-        found[direction] = _numbers(mechanism, part, fit, capacity, checks)
+        content = _numbers(mechanism, part, fit, capacity, checks)
         vertical = _vertical(model, capacity, checks.get("SLV linear"), demands.spectra)
-        found[direction] |= {"vertical": vertical} if vertical else {}
+        content |= {"vertical": vertical} if vertical else {}
         if demands.hazard is not None and "SLV" in demands.spectra:
-            found[direction]["scalings"] = _scalings(capacity, checks["SLV"], demands.spectra["SLV"], method)
+            content |= {"scalings": _scalings(capacity, checks["SLV"], demands.spectra["SLV"], method)}
         if project.incremental:
-            found[direction]["nominal"] = _nominal(capacity, demands.spectra, method)
+            content |= {"nominal": _nominal(capacity, demands.spectra, method)}
+        found[direction] = Capacity.of(content)
     return found
 
 
@@ -99,19 +109,22 @@ def _elastic_end(elastic: Mapping[str, Any] | None) -> float | None:
     return max(map(abs, elastic["curve"]["displacement_m"]))
 
 
-def _scalings(capacity: CapacityCurve, used: Check, spectrum: Spectrum, method: Method) -> dict[str, Any]:
+def _scalings(
+    capacity: CapacityCurve, used: Check, spectrum: Spectrum, method: Method
+) -> dict[str, ScaledCheck]:
     """Return the check at SLV by both ways of scaling the demand; the check itself has the trace of the one `used`."""
     ways = {"shape": "demand-shape", "return_period": "grid"}
-    found = {ways[method.scaling]: check_numbers(used, 0) | {"trace": [], "used": True}}
+    found = {ways[method.scaling]: ScaledCheck.of(check_numbers(used, 0) | {"trace": [], "used": True})}
     for scaling in ways.keys() - {method.scaling}:
         other = verify(capacity, {"SLV": spectrum}, replace(method, scaling=scaling))["SLV"]
-        found[ways[scaling]] = check_numbers(other, len(capacity.steps())) | {"used": False}
+        content = check_numbers(other, len(capacity.steps())) | {"used": False}
+        found[ways[scaling]] = ScaledCheck.of(content)
     return found
 
 
 def _vertical(
     model: Assembly, capacity: CapacityCurve, linear: Check | None, demands: Mapping[str, Spectrum]
-) -> dict[str, Any] | None:
+) -> VerticalCheck | None:
     """Return the linear check at SLV with the vertical component where a_g ≥ 0.15 g (NTC 2018, §7.2.2).
 
     None with loads without mass or joints that crush: strength is then not proportional to the weights.
@@ -125,25 +138,27 @@ def _vertical(
     assert linear.demand_a_star is not None
     steps = vertical_component(ground, capacity.fit.alpha_0, capacity.a_0_star, linear.demand_a_star)
     known = {line.symbol: line.result for line in steps}
-    return {
-        "a_v_g": known["a_v"],
-        "alpha_0": known["alpha_0_v"],
-        "a_0_star_g": known["a_0_star_v"],
-        "demand_a_star_g": linear.demand_a_star,
-        "ratio": known["r_v"],
-        "verified": known["r_v"] >= 1.0,
-        "trace": numbers(steps),
-    }
+    return VerticalCheck.of(
+        {
+            "a_v_g": known["a_v"],
+            "alpha_0": known["alpha_0_v"],
+            "a_0_star_g": known["a_0_star_v"],
+            "demand_a_star_g": linear.demand_a_star,
+            "ratio": known["r_v"],
+            "verified": known["r_v"] >= 1.0,
+            "trace": numbers(steps),
+        }
+    )
 
 
-def _nominal(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method) -> dict[str, Any]:
+def _nominal(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method) -> NominalCheck:
     """Return the check of the farthest limit state with F_C = 1, for comparison with the dynamic capacity.
 
     A dynamic analysis shakes the model at the surface: its PGA at collapse contains neither F_C nor S.
     """
     limit = next(limit for limit in QUOTED if limit in demands)
     check = verify(replace(capacity, confidence_factor=1.0), {limit: demands[limit]}, method)[limit]
-    return {"limit_state": limit} | check_numbers(check, 0)
+    return NominalCheck.of({"limit_state": limit} | check_numbers(check, 0))
 
 
 def _asked_for_elastic(project: Project) -> bool:
@@ -207,32 +222,34 @@ def _beyond_loss(assessment: AssessmentTable, loss: Mapping[str, Any] | None) ->
         yield f"local_displacement_limit_m = {given:.4g} m, but {loss_told(loss)}; write no more than that"
 
 
-def governing(capacities: Mapping[str, Mapping[str, Any]]) -> dict[str, Any] | None:
-    """Return direction, limit state and ratio of the check with the least ratio; None if no check has a ratio."""
-    return _least({direction: _ratios(each) for direction, each in capacities.items()}, "ratio")
-
-
-def safety_index(capacities: Mapping[str, Mapping[str, Any]]) -> dict[str, Any] | None:
-    """Return direction, limit state and ζ_E of a state: the least ratio at SLV and SLC (NTC 2018, §8.3)."""
-    return _least({direction: indices(_ratios(each)) for direction, each in capacities.items()}, "zeta_E")
-
-
-def _ratios(capacity: Mapping[str, Any]) -> dict[str, float]:
-    """Return the ratio of a_g borne to a_g demanded of every check of a direction that has one, by its name."""
-    known = {name: (capacity.get(name) or {}).get("zeta_E") for name in CHECKS}
-    return {name: float(ratio) for name, ratio in known.items() if ratio is not None}
-
-
-def _least(ratios: Mapping[str, Mapping[str, float]], called: str) -> dict[str, Any] | None:
-    found = [
-        (value, direction, name)
-        for direction, of_direction in ratios.items()
-        for name, value in of_direction.items()
-    ]
-    if not found:
+def governing(capacities: Mapping[str, Capacity]) -> Governing | None:
+    """Return the check with the least ratio, by direction and limit state; None if no check has a ratio."""
+    least = _least({direction: each.ratios for direction, each in capacities.items()})
+    if least is None:
         return None
-    value, direction, name = min(found)
-    return {"direction": direction, "limit_state": name, called: value}
+    ratio, direction, name = least
+    return Governing.of({"direction": direction, "limit_state": name, "ratio": ratio})
+
+
+def safety_index(capacities: Mapping[str, Capacity]) -> SafetyIndex | None:
+    """Return ζ_E of a state: the least ratio at SLV and SLC (NTC 2018, §8.3), by direction and limit state."""
+    least = _least({direction: indices(each.ratios) for direction, each in capacities.items()})
+    if least is None:
+        return None
+    zeta, direction, name = least
+    return SafetyIndex.of({"direction": direction, "limit_state": name, "zeta_E": zeta})
+
+
+def _least(ratios: Mapping[str, Mapping[str, float]]) -> tuple[float, str, str] | None:
+    """Return the least of the ratios by direction and check, with these; None where there is none."""
+    return min(
+        (
+            (value, direction, name)
+            for direction, of_direction in ratios.items()
+            for name, value in of_direction.items()
+        ),
+        default=None,
+    )
 
 
 def assess_chosen(

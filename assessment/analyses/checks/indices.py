@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple
 
 from assessment.analyses.checks.demand import demand_return_periods
 from assessment.ntc.calculation import numbers
 from assessment.ntc.indices import confidence_factor, heritage_and_risk_indices, required_zeta
+from assessment.results.schema.checks import Capacity, Check
+from assessment.results.schema.indices import Indices, Knowledge
+from assessment.results.schema.part import known
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import KnowledgeTable
 
-Numbers = dict[str, Any]
 
-
-def state_indices(project: Project, capacities: Mapping[str, Mapping[str, Any]]) -> Numbers | None:
+def state_indices(project: Project, capacities: Mapping[str, Capacity]) -> Indices | None:
     """Return the indices of a state from the least favourable check of its directions at each limit state.
 
     None if no check at SLV has a ratio, and if the demand is a record: its a_g does not refer to rock.
@@ -27,62 +28,72 @@ def state_indices(project: Project, capacities: Mapping[str, Mapping[str, Any]])
     life = _least(capacities, ["SLV"]) or _least(capacities, ["SLV linear"])
     if life is None:
         return None
-    direction, limit, check = life
+    direction, limit, check, zeta = life
     damage, collapse = _least(capacities, ["SLD", "SLD elastic"]), _least(capacities, ["SLC"])
     use_class, T_R = assessment.site.use_class, demand_return_periods(project).get("SLV")
-    T_SLD = damage[2]["return_period_years"] if damage else None
     found = heritage_and_risk_indices(
-        check["a_g_g"],
-        check["demand_a_g_g"],
-        check["zeta_E"],
+        known(check.a_g_g),
+        check.demand_a_g_g,
+        zeta,
         use_class,
-        check["return_period_years"],
+        check.return_period_years,
         T_R,
-        T_SLD,
+        damage.check.return_period_years if damage else None,
     )
-    return {
-        "direction": direction,
-        "check": limit,
-        "zeta_SLV": check["zeta_E"],
-        "zeta_SLC": collapse[2]["zeta_E"] if collapse else None,
-        "ratio_SLD": damage[2]["zeta_E"] if damage else None,
-        "T_SLV_years": check["return_period_years"],
-        "T_SLV_stated": check["return_period_stated"],
-        "T_R_SLV_years": T_R,
-        "I_S": found.I_S,
-        "f_a": found.f_a,
-        "acceptable_nominal_life_years": found.nominal_life,
-        "IS_V": found.is_v,
-        "IS_V_class": found.is_v_class,
-        "PAM": found.pam,
-        "PAM_class": found.pam_class,
-        "risk_class": found.risk_class,
-        "use_class": use_class,
-        "required_zeta": required_zeta(check["zeta_E"], use_class),
-        "trace": numbers(found.trace),
-    }
+    return Indices.of(
+        {
+            "direction": direction,
+            "check": limit,
+            "zeta_SLV": zeta,
+            "zeta_SLC": collapse.ratio if collapse else None,
+            "ratio_SLD": damage.ratio if damage else None,
+            "T_SLV_years": check.return_period_years,
+            "T_SLV_stated": check.return_period_stated,
+            "T_R_SLV_years": T_R,
+            "I_S": found.I_S,
+            "f_a": found.f_a,
+            "acceptable_nominal_life_years": found.nominal_life,
+            "IS_V": found.is_v,
+            "IS_V_class": found.is_v_class,
+            "PAM": found.pam,
+            "PAM_class": found.pam_class,
+            "risk_class": found.risk_class,
+            "use_class": use_class,
+            "required_zeta": required_zeta(zeta, use_class),
+            "trace": numbers(found.trace),
+        }
+    )
 
 
-def knowledge_numbers(knowledge: KnowledgeTable) -> Numbers:
+def knowledge_numbers(knowledge: KnowledgeTable) -> Knowledge:
     """Return F_C, its components, and the calculation of F_C from them."""
     found = confidence_factor(knowledge.level, knowledge.components)
-    return {
-        "F_C": found.factor,
-        "level": knowledge.level,
-        "components": knowledge.components,
-        "origins": knowledge.origins,
-        "trace": numbers(found.trace),
-    }
+    return Knowledge.of(
+        {
+            "F_C": found.factor,
+            "level": knowledge.level,
+            "components": knowledge.components,
+            "origins": knowledge.origins,
+            "trace": numbers(found.trace),
+        }
+    )
 
 
-def _least(
-    capacities: Mapping[str, Mapping[str, Any]], limits: Iterable[str]
-) -> tuple[str, str, Mapping[str, Any]] | None:
-    """Return direction, name and check with the least ratio at some limit states; None if no check has a ratio."""
+class _Least(NamedTuple):
+    """The check with the least `ratio` of a_g borne to a_g demanded, by direction and limit state."""
+
+    direction: str
+    limit_state: str
+    check: Check
+    ratio: float
+
+
+def _least(capacities: Mapping[str, Capacity], limit_states: Iterable[str]) -> _Least | None:
+    """Return the check with the least ratio at some limit states; None if no check has a ratio."""
     made = [
-        (direction, limit, capacity[limit])
+        _Least(direction, name, capacity.checks[name], capacity.ratios[name])
         for direction, capacity in capacities.items()
-        for limit in limits
-        if (capacity.get(limit) or {}).get("zeta_E") is not None
+        for name in limit_states
+        if name in capacity.ratios
     ]
-    return min(made, key=lambda found: found[2]["zeta_E"], default=None)
+    return min(made, key=lambda found: found.ratio, default=None)

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from operator import itemgetter
 from typing import Any
 
 from assessment.analyses.static.ensemble import QUANTITIES
-from assessment.ntc.limit_states import CHECKS
-from assessment.results.table import quoted_limit_state
+from assessment.results.schema.checks import Capacity
+from assessment.results.table import static_pga
 
 Curves = Mapping[str, Mapping[str, Any]]  # of a state: numbers by direction and behaviour
-Assess = Callable[[Curves], dict[str, Any]]
+Assess = Callable[[Curves], Mapping[str, Capacity]]
 CHECKED = ("a_g_g", "zeta_E")
 
 
 def with_ranges(
     state: dict[str, Any], members: Sequence[tuple[Mapping[str, Any], Curves]], assess: Assess
-) -> dict[str, Any]:
+) -> dict[str, Capacity]:
     """Return the capacity of a state from the ensemble of its paths; the curves in `state` become those of it.
 
     `members`: settlements by behaviour, and curves, of each further member. In each direction the state takes the
@@ -43,11 +44,10 @@ def with_ranges(
     return capacity
 
 
-def _capacity(checked: Mapping[str, Any] | None) -> float:
-    """Return the a_g at the farthest limit state that was checked; infinite if there is none."""
-    limit_state = quoted_limit_state(checked or {})
-    found = checked[limit_state]["a_g_g"] if checked and limit_state else None
-    return float("inf") if found is None else float(found)
+def _capacity(checked: Capacity | None) -> float:
+    """Return the a_g at the farthest limit state that was checked, g; infinite if there is none."""
+    found = static_pga(checked)
+    return float("inf") if found is None else found
 
 
 def _joined(numbers: Mapping[str, Any], followed: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
@@ -62,27 +62,39 @@ def _joined(numbers: Mapping[str, Any], followed: Sequence[Mapping[str, Any]]) -
     return found
 
 
-def _checks(least: Mapping[str, Any], known: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the checks of the least member; at each limit state the check of the member that is least there."""
-    found = dict(least)
-    for limit_state in CHECKS:
-        asked = [each for each in known if each.get(limit_state) and each[limit_state]["a_g_g"] is not None]
-        if not asked or not found.get(limit_state):
+def _checks(least: Capacity, members: Sequence[Capacity]) -> Capacity:
+    """Return the capacity with, at each limit state, the check of the member that is least there."""
+    found = {}
+    for name in least.checks:
+        asked = [
+            (check.a_g_g, check, each)
+            for each in members
+            if (check := each.checks.get(name)) is not None and check.a_g_g is not None
+        ]
+        if not asked:
             continue
-        lowest = min(asked, key=lambda each: each[limit_state]["a_g_g"])
-        check = dict(lowest[limit_state])
-        if lowest is not least:  # of another capacity curve: its steps belong to the check
-            check["trace"] = [*lowest["trace"], *check["trace"]]
-        for name in CHECKED:
-            _with_range(check, name, [each[limit_state] for each in asked])
-        found[limit_state] = check
-    return found
+        _, check, lowest = min(asked, key=itemgetter(0))
+        ranges: dict[str, Any] = {}
+        for quantity in CHECKED:
+            ranges |= _range(quantity, [getattr(each, quantity) for _, each, _ in asked])
+        # of another capacity curve: its steps belong to the check
+        steps = [] if lowest is least else lowest.trace
+        found[name.replace(" ", "_")] = check.model_copy(update=ranges | {"trace": [*steps, *check.trace]})
+    return least.model_copy(update=found)
 
 
 def _with_range(numbers: dict[str, Any], name: str, members: Sequence[Mapping[str, Any]]) -> None:
-    """Set a quantity to the least of the members, and add its range; its upper end is open if a member has no value."""
-    values = [each[name] for each in members if name in each]
-    known = [value for value in values if value is not None]
-    if known:
-        highest = max(known) if len(known) == len(values) else None
-        numbers[name], numbers[f"{name}_range"] = min(known), [min(known), highest]
+    """Set a quantity to the least of the members, and add its range."""
+    numbers |= _range(name, [each[name] for each in members if name in each])
+
+
+def _range(name: str, values: Sequence[float | None]) -> dict[str, Any]:
+    """Return the least value of a quantity and its range; its upper end is open if a member has no value.
+
+    Nothing where no member has one.
+    """
+    found = [value for value in values if value is not None]
+    if not found:
+        return {}
+    highest = max(found) if len(found) == len(values) else None
+    return {name: min(found), f"{name}_range": [min(found), highest]}

@@ -25,18 +25,18 @@ class Check(Part):
     a_star_g: float | None = key("acceleration that counts; null: not defined", "g")
     T_s: float | None = key("period that counts; null: not defined", "s")
     a_g_g: float | None = key("capacity a_g; null: not defined, `notes` say why", "g")
-    a_g_g_range: list[float | None] | None = optional("least and largest of an ensemble", "g")
     demand_a_g_g: float = key("demand a_g", "g")
     demand_a_star_g: float | None = optional("of a linear check: a_g S/q, or a_Z/q at height", "g")
-    reference: str | None = optional("of both: rock (category A, without S), or surface for a record")
-    S: float | None = optional("from that reference to the surface, of the capacity", "–")
-    demand_S: float | None = optional("the same, of the demand", "–")
     pga_g: float | None = optional("capacity at the surface, S a_g", "g")
     demand_pga_g: float | None = optional("demand at the surface, S a_g", "g")
+    S: float | None = optional("from `reference` to the surface, of the capacity", "–")
+    demand_S: float | None = optional("the same, of the demand", "–")
+    reference: str | None = optional(
+        "of a_g, borne and demanded: rock (category A, without S), or surface for a record"
+    )
     zeta_E: float | None = key(
         "ratio of a_g S borne to that demanded: the index ζ_E at SLV and SLC, a ratio at SLO and SLD", "–"
     )
-    zeta_E_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
     verified: bool | None = key("whether the ratio is 1 or more")
     damping: float | None = key("damping ratio of the demand", "–")
     return_period_years: float | None = key(
@@ -46,6 +46,8 @@ class Check(Part):
     governing: str = key("what gave a_g")
     notes: list[str] = key("what to know about it")
     trace: list[Line] = key("its calculation")
+    a_g_g_range: list[float | None] | None = optional("least and largest of an ensemble", "g")
+    zeta_E_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
 
 
 class ScaledCheck(Check):
@@ -54,10 +56,12 @@ class ScaledCheck(Check):
     used: bool = key("whether the checks took it; its trace is then theirs")
 
 
-class NominalCheck(Check):
-    """`capacity.+x.nominal`: the check with F_C = 1 that is compared with a dynamic capacity."""
-
+class _OfLimitState(Part):
     limit_state: str = key("the farthest one checked")
+
+
+class NominalCheck(Check, _OfLimitState):  # the limit state first, as in the file
+    """`capacity.+x.nominal`: the check with F_C = 1 that is compared with a dynamic capacity."""
 
 
 class Count(Part):
@@ -96,14 +100,14 @@ class Capacity(Part):
     SLO_elastic: Check | None = optional("end of the elastic branch at SLO", alias="SLO elastic")
     SLD: Check | None = optional("linear check at SLD: a_0* of the rigid multiplier")
     SLD_elastic: Check | None = optional("end of the elastic branch at SLD", alias="SLD elastic")
-    scalings: dict[str, ScaledCheck] | None = optional("SLV by both ways of scaling, where a grid is given")
-    nominal: NominalCheck | None = optional("check with F_C = 1, where there is an incremental analysis")
+    SLV: Check | None = optional("nonlinear check at SLV")
     SLV_linear: Check | None = optional("linear check at SLV, with the behaviour factor", alias="SLV linear")
+    SLC: Check | None = optional("nonlinear check at SLC")
     vertical: VerticalCheck | None = optional(
         "linear check with the vertical component, where it is asked for"
     )
-    SLV: Check | None = optional("nonlinear check at SLV")
-    SLC: Check | None = optional("nonlinear check at SLC")
+    scalings: dict[str, ScaledCheck] | None = optional("SLV by both ways of scaling, where a grid is given")
+    nominal: NominalCheck | None = optional("check with F_C = 1, where there is an incremental analysis")
 
     @property
     def checks(self) -> dict[str, Check]:

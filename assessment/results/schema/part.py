@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from assessment.results.plain import plain
 
 Name = TypeVar("Name")
 Value = TypeVar("Value")
@@ -13,6 +15,10 @@ Value = TypeVar("Value")
 Point = list[float]
 Configuration = list[list[float]]
 """Of each block: displacement x, z (m) and rotation (rad) from the drawing."""
+
+
+class UndocumentedError(RuntimeError):
+    """Results that are not as the schema says: a fault of the program."""
 
 
 class Part(BaseModel):
@@ -24,6 +30,17 @@ class Part(BaseModel):
     model_config = ConfigDict(
         strict=True, extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True
     )
+
+    @classmethod
+    def of(cls, content: Mapping[str, Any]) -> Self:
+        """Return the part with this content; None for numbers that are not finite.
+
+        Raises UndocumentedError where a key is missing or not described.
+        """
+        try:
+            return cls.model_validate(plain(content))
+        except ValidationError as error:
+            raise UndocumentedError(f"results.json: {said(error)}") from None
 
 
 def key(meaning: str, unit: str = "", alias: str | None = None) -> Any:
@@ -45,6 +62,17 @@ def known(value: Value | None) -> Value:
     """Return what is always there beside something else, as the configurations of a history that has a curve."""
     assert value is not None
     return value
+
+
+def said(error: ValidationError) -> str:
+    """Return the key of the first error, what is wrong there, and how many more there are."""
+    errors = error.errors(include_url=False, include_input=False)
+    place = ""
+    for part in errors[0]["loc"]:
+        place += f"[{part}]" if isinstance(part, int) else f"{'.' * bool(place)}{part}"
+    wrong = {"missing": "missing", "extra_forbidden": "unknown key"}.get(errors[0]["type"], errors[0]["msg"])
+    more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
+    return f"{place or 'the whole'}: {wrong}{more}"
 
 
 def _of(unit: str) -> dict[str, Any] | None:

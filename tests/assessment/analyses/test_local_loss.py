@@ -75,17 +75,17 @@ def test_the_check_is_made_with_it(tmp_path):
     results = run(project, model, jobs=1).results
     pushed = results["states"]["original"]["pushover"]
     demands = demand_spectra(project)
-    whole = assess(project, model.assembly, pushed, demands, [])["+x"]["SLV"]
+    whole = assess(project, model.assembly, pushed, demands, [])["+x"].SLV
     pushed["+x"]["rigid"]["local_loss"] = {
         "displacement_m": 0.1,
         "joint": 0,
         "blocks": [0, 1],
         "overlap_m": 0.6,
     }
-    limited = assess(project, model.assembly, pushed, demands, [])["+x"]["SLV"]
-    assert whole["governing"] == "0.40 d_0"
-    assert limited["governing"] == "local limit"
-    assert limited["d_star_m"] == pytest.approx(
+    limited = assess(project, model.assembly, pushed, demands, [])["+x"].SLV
+    assert whole.governing == "0.40 d_0"
+    assert limited.governing == "local limit"
+    assert limited.d_star_m == pytest.approx(
         0.1 * results["states"]["original"]["capacity"]["+x"]["gamma_star"]
     )
     assert "perdere l’appoggio a 100 mm" in _local_limit(typed(results), Words.of("it"))

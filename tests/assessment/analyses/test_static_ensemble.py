@@ -15,10 +15,13 @@ from assessment.analyses.static.states import Request, analyse_states
 from assessment.cli.main import main
 from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.results.schema.checks import Capacity
+from assessment.results.schema.model import Line
 from assessment.runtime.tasks import Workers
 from mechanics import pushover
 from tests.support.block_project import block, read_results, write_block
 from tests.support.structures import block_on_base, running_bond
+from tests.support.typed import filled
 
 PUSHOVER = '[pushover]\ndirections = ["+x"]\nincrement_m = 0.02\n'
 
@@ -83,6 +86,15 @@ def curve(alpha: float, d: float | None) -> dict:
     return {"rigid": {"control": "C", "alpha_0": alpha, "d_0_m": d, "curve": points}}
 
 
+def lines(symbol: str) -> list[dict]:
+    """A calculation of one line, known by its symbol."""
+    return [filled(Line, {"symbol": symbol})]
+
+
+def symbols(trace: list[Line]) -> list[str]:
+    return [line.symbol for line in trace]
+
+
 def test_a_range_is_open_where_a_member_slides_on_without_end():
     state = {"pushdown": {}, "pushover": {"+x": {"control": "C", **curve(0.10, 0.5)}}}
     with_ranges(state, [({}, {"+x": curve(0.12, None)}), ({}, {"+x": curve(0.11, 0.4)})], lambda _: {})
@@ -97,9 +109,9 @@ def test_the_least_member_is_used_and_its_range_told():
     def assess(curves: dict) -> dict:
         ((direction, each),) = curves.items()
         alpha, d = each["rigid"]["alpha_0"], each["rigid"]["d_0_m"]
-        checks = {"SLC": {"a_g_g": d, "zeta_E": 2.0 * d, "trace": ["c"]}}
-        checks["SLV"] = {"a_g_g": alpha, "zeta_E": 3.0 * alpha, "trace": ["v"]}
-        return {direction: {"trace": [f"α0 = {alpha}"], **checks}}
+        checks = {"SLC": {"a_g_g": d, "zeta_E": 2.0 * d, "trace": lines("c")}}
+        checks["SLV"] = {"a_g_g": alpha, "zeta_E": 3.0 * alpha, "trace": lines("v")}
+        return {direction: Capacity.of(filled(Capacity, {"trace": lines(f"α0 = {alpha}"), **checks}))}
 
     state = {
         "pushdown": {"rigid": {"ultimate_movement_m": 0.3}},
@@ -117,11 +129,11 @@ def test_the_least_member_is_used_and_its_range_told():
     assert (rigid["d_0_m"], rigid["d_0_m_range"]) == (0.4, [0.4, 0.6])
     assert state["pushover"]["+x"]["control"] == "C" and "control" not in rigid
     assert state["pushdown"]["rigid"] == {"ultimate_movement_m": 0.2, "ultimate_movement_m_range": [0.2, 0.3]}
-    assert (capacity["SLC"]["a_g_g"], capacity["SLC"]["a_g_g_range"]) == (0.4, [0.4, 0.6])
-    assert capacity["SLV"]["zeta_E"] == pytest.approx(0.3)
-    assert capacity["SLV"]["zeta_E_range"] == pytest.approx([0.3, 0.36])
-    assert capacity["trace"] == ["α0 = 0.12"]
-    assert capacity["SLC"]["trace"] == ["c"] and capacity["SLV"]["trace"] == ["α0 = 0.1", "v"]
+    assert (capacity.SLC.a_g_g, capacity.SLC.a_g_g_range) == (0.4, [0.4, 0.6])
+    assert capacity.SLV.zeta_E == pytest.approx(0.3)
+    assert capacity.SLV.zeta_E_range == pytest.approx([0.3, 0.36])
+    assert symbols(capacity.trace) == ["α0 = 0.12"]
+    assert symbols(capacity.SLC.trace) == ["c"] and symbols(capacity.SLV.trace) == ["α0 = 0.1", "v"]
 
 
 @pytest.mark.parametrize("sliding", ["coulomb", "associative"])

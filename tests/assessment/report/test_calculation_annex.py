@@ -17,6 +17,7 @@ from assessment.project.project import load_project
 from assessment.report.calculation_annex import traces
 from assessment.report.tables.capacity import trace, verification
 from assessment.report.text.language import Words, words_of
+from assessment.results.plain import plain
 from assessment.workflow.dynamic import read_motions
 from assessment.workflow.stages import run
 from tests.support.block_project import HAZARD, TURNED, block
@@ -105,7 +106,7 @@ def assessed(project, results):
         state["governing"] = governing(state["capacity"])
     results["spectra"] = spectra_numbers(project, demands)
     results["mechanisms"] = assess_chosen(project, model, states, demands, notes)
-    return results
+    return plain(results)
 
 
 @pytest.mark.parametrize("name", VARIANTS)

@@ -23,14 +23,16 @@ from assessment.report.tables.convergence import convergence_tables
 from assessment.report.text.language import direction_name, words_of
 from assessment.report.text.table_format import check_name
 from assessment.results.hand_check import hand_check
+from assessment.results.plain import plain
 from assessment.results.reactions import balance
+from assessment.results.schema.checks import Capacity
 from assessment.results.table import reference_of
 from assessment.studies.scenarios import worst as worst_of
 from assessment.workflow.stages import _comparison, _sum_up
 from tests.assessment.report.test_study_tables import results_with_studies
 from tests.support.analysed import analysed
 from tests.support.results_example import SETTLED, results_example
-from tests.support.typed import typed
+from tests.support.typed import filled, typed
 
 Results = dict[str, Any]
 Fields = Mapping[str, str]
@@ -424,7 +426,7 @@ def random_results(draw):
     limits = draw(st.sets(st.sampled_from(LIMITS)))
     limits = [limit for limit in LIMITS if limit in limits]
     demand = {limit: draw(st.floats(0.02, 0.6)) for limit in limits}
-    states = {}
+    states, checked = {}, {}
     for name in ("original", *names):
         content = {**example["original" if name == "original" else SETTLED]}
         standing = [d for d in directions if name == "original" or draw(st.integers(0, 9))]
@@ -452,11 +454,12 @@ def random_results(draw):
                 }
                 for contacts in ("rigid", "elastic")
             }
-        content["governing"] = governing(content["capacity"])
-        content["safety_index"] = safety_index(content["capacity"])
+        capacities = {d: Capacity.of(filled(Capacity, each)) for d, each in content["capacity"].items()}
+        content["governing"], content["safety_index"] = governing(capacities), safety_index(capacities)
         states[name] = content
-    results["states"] = states
-    results["comparison"] = _comparison(states)
+        checked[name] = content | {"capacity": capacities}
+    results["states"] = plain(states)
+    results["comparison"] = _comparison(checked)
     results["quality"]["by_stage"] = [
         row | {f"worst_{name}": draw(RESIDUAL) for name in RESIDUALS}
         for row in results["quality"]["by_stage"]

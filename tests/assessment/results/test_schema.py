@@ -14,11 +14,12 @@ from pydantic import BaseModel
 from assessment.cli.main import main
 from assessment.ntc.limit_states import CHECKS
 from assessment.project.schema import ProjectContent
-from assessment.results.file import UndocumentedError, read_content, typed
+from assessment.results.file import read_content, typed
 from assessment.results.schema import FORMAT, Results, json_schema
 from assessment.results.schema.checks import Capacity, Check
 from assessment.results.schema.dynamic import Search
 from assessment.results.schema.model import Echo
+from assessment.results.schema.part import UndocumentedError
 from assessment.results.table import cells
 from tests.support.analysed import analysed
 from tests.support.results_example import results_example

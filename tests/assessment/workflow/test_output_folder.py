@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from assessment.cli.main import main
+from assessment.results.plain import plain
 from assessment.runtime.files import swap
 from assessment.workflow import output
 from assessment.workflow import stages as workflow
@@ -173,9 +174,9 @@ def test_files_that_are_not_ours_stay(project, tmp_path):
 
 def test_what_is_no_number_is_null():
     """Lists of nothing but finite floats are left as they are; all else is looked through."""
-    plain = [0.5, -1e300]
-    results = {"a": plain, "b": (1, np.float64(0.5), np.inf), "c": [[0.5, np.nan], [np.int64(2), None, "x"]]}
-    clean = workflow._without_nan(results)
+    finite = [0.5, -1e300]
+    results = {"a": finite, "b": (1, np.float64(0.5), np.inf), "c": [[0.5, np.nan], [np.int64(2), None, "x"]]}
+    clean = plain(results)
     assert clean == {"a": [0.5, -1e300], "b": [1, 0.5, None], "c": [[0.5, None], [2, None, "x"]]}
     assert type(clean["c"][1][0]) is int and type(clean["b"][1]) is float
-    assert clean["a"] is plain
+    assert clean["a"] is finite
