@@ -75,6 +75,12 @@ def _campaign(project: ProjectContent, campaign: CampaignTable, folder: Path) ->
         low, high = getattr(campaign, key)
         if not low < high:
             yield Problem((*path, key), f"[{low:g}, {high:g}]: write the lower one, then the higher one")
+    for index, number in enumerate(campaign.curve_members or ()):
+        if number > project.scatter:
+            text = (
+                f"{number}: scatter = {project.scatter} runs no such member; write {project.scatter} or less"
+            )
+            yield Problem((*path, "curve_members", index), text)
     by_site = project.assessment and project.assessment.site and project.assessment.spectrum == "ntc"
     if (campaign.generated or campaign.spectrum_compatible) and not by_site:
         text = 'the spectrum of the site is asked for; add [assessment.site], with spectrum = "ntc"'

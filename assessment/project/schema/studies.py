@@ -12,6 +12,7 @@ from assessment.project.schema.values import (
     Factor,
     Factors,
     Levels,
+    MemberNumbers,
     Names,
     Periods,
     RecordSet,
@@ -57,6 +58,11 @@ class CampaignTable(MotionTable):
     )
     periods_s: Periods = Field(default=(0.15, 2.0), description="first and last period of that spectrum, s")
     scale_limits: Factors = Field(default=(0.5, 2.0), description="least and largest factor of that scaling")
+
+    curve_members: MemberNumbers | None = Field(
+        default=None,
+        description="members of the ensembles whose displacement over time is kept, 1: the record itself; default none",
+    )
 
     @property
     def generated(self) -> int:

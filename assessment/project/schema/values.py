@@ -96,6 +96,7 @@ RecordSet = Annotated[
 ]  # fmt: skip
 Shares = Annotated[tuple[Share, ...], ENTRIES, AfterValidator(_unique)]
 Signs = Annotated[tuple[Literal[1, -1], ...], ENTRIES, AfterValidator(_unique)]
+MemberNumbers = Annotated[tuple[Members, ...], ENTRIES, AfterValidator(_unique)]
 Levels = Annotated[tuple[Acceleration, ...], ENTRIES, AfterValidator(_unique)]
 Periods = Annotated[tuple[Seconds, Seconds], Field(strict=False)]
 

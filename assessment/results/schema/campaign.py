@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assessment.results.schema.dynamic import Level, Range
+from assessment.results.schema.dynamic import Course, Level, Range
 from assessment.results.schema.part import Part, key, optional
 
 
@@ -30,10 +30,18 @@ class CampaignSpectrum(Part):
     within: bool = key("whether both are usual")
 
 
+class CampaignCurve(Course):
+    """`curves[]`: horizontal displacement of the control point in a member's motion, from rest, thinned."""
+
+    member: int = key("its number, 1: the record itself")
+    factor: float = key("on the level, 1 of the record itself", "–")
+
+
 class CampaignLevel(Level):
     """`points[]` of a combination: what its members come to at one PGA."""
 
     residual_displacement_m: float | None = key("largest at the end; null: a collapse", "m")
+    curves: list[CampaignCurve] | None = optional("of the members asked for that were run")
 
 
 class SameAs(Part):

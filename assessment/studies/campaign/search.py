@@ -11,6 +11,7 @@ from assessment.analyses.dynamic.bracket import BELOW, find_collapse
 from assessment.analyses.dynamic.ensemble import Scatter
 from assessment.analyses.dynamic.incremental import Levels, Member, point
 from assessment.analyses.dynamic.response import Setting
+from assessment.analyses.dynamic.time_history import thinned
 from mechanics import Assembly, ConvergenceError, State
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 Numbers = dict[str, Any]
 LEAST = 1e-3  # g: the lowest level of a search
+CURVE_POINTS = 400  # of a curve: those of ten thousand motions stay below 100 MB
 
 
 @dataclass
@@ -42,8 +44,12 @@ def search_collapse(
     scatter: Scatter,
     max_scale: float,
     tolerance: float,
+    curves: tuple[int, ...] = (),
 ) -> Combination:
-    """Bracket the PGA (g) at collapse within a relative `tolerance`, up to `max_scale` times the PGA of the record."""
+    """Bracket the PGA (g) at collapse within a relative `tolerance`, up to `max_scale` times the PGA of the record.
+
+    `curves`: numbers of the members whose curves are kept.
+    """
 
     def searched(levels: Levels) -> Numbers:
         found = find_collapse(
@@ -62,7 +68,7 @@ def search_collapse(
             "resurrections_g": list(found.resurrections),
         }
 
-    return _completed(Levels(model, motion, setting, start, scatter), searched)
+    return _completed(Levels(model, motion, setting, start, scatter), searched, curves)
 
 
 def run_stripes(
@@ -72,8 +78,12 @@ def run_stripes(
     start: State,
     scatter: Scatter,
     pgas: tuple[float, ...],
+    curves: tuple[int, ...] = (),
 ) -> Combination:
-    """Return at which of the levels `pgas` (g), in ascending order, some member collapses, and at which all do."""
+    """Return at which of the levels `pgas` (g), in ascending order, some member collapses, and at which all do.
+
+    `curves`: numbers of the members whose curves are kept.
+    """
 
     def struck(levels: Levels) -> Numbers:
         some = [levels.some(pga) for pga in pgas]
@@ -90,7 +100,7 @@ def run_stripes(
             "all_collapsed": every,
         }
 
-    return _completed(Levels(model, motion, setting, start, scatter), struck)
+    return _completed(Levels(model, motion, setting, start, scatter), struck, curves)
 
 
 def open_numbers(reason: str | None) -> Numbers:
@@ -106,7 +116,9 @@ def open_numbers(reason: str | None) -> Numbers:
     }
 
 
-def _completed(levels: Levels, run: Callable[[Levels], Mapping[str, Any]]) -> Combination:
+def _completed(
+    levels: Levels, run: Callable[[Levels], Mapping[str, Any]], curves: tuple[int, ...]
+) -> Combination:
     began = time.perf_counter()
     result = Combination(open_numbers(None))
     try:
@@ -118,7 +130,9 @@ def _completed(levels: Levels, run: Callable[[Levels], Mapping[str, Any]]) -> Co
     result.numbers |= {
         "runs": len(members),
         "points": [
-            point(pga, level) | {"residual_displacement_m": _residual(level)}
+            point(pga, level)
+            | {"residual_displacement_m": _residual(level)}
+            | ({"curves": _curves(levels, level, curves)} if curves else {})
             for pga, level in sorted(levels.members.items())
             if level
         ],
@@ -127,6 +141,23 @@ def _completed(levels: Levels, run: Callable[[Levels], Mapping[str, Any]]) -> Co
     result.worst = max((each.worst for each in members), default=0.0)
     result.seconds = time.perf_counter() - began
     return result
+
+
+def _curves(levels: Levels, members: list[Member], numbers: tuple[int, ...]) -> list[Numbers]:
+    """Return displacement (m) over time (s, of the record's file) of the members of these numbers that were run."""
+    found = []
+    for number in sorted(number for number in numbers if number <= len(members)):
+        member = members[number - 1]
+        kept = thinned(member.displacement, CURVE_POINTS)
+        found.append(
+            {
+                "member": number,
+                "factor": levels.scatter.strongest_first[number - 1],
+                "time_s": (levels.motion.start + member.time[kept]).round(6).tolist(),
+                "displacement_m": member.displacement[kept].round(7).tolist(),
+            }
+        )
+    return found
 
 
 def _residual(members: list[Member]) -> float | None:

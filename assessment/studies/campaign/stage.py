@@ -144,12 +144,13 @@ def _run(
     distinct = {each.key: each for each in reversed(asked) if not isinstance(each.moved.start, str)}
     order = sorted(distinct, key=lambda key: -distinct[key].motion.record.acceleration.size)
     tasks: list[tuple[Any, ...]] = []
+    curves = table.curve_members or ()
     for each in (distinct[key] for key in order):
         common = (model, each.signed, Setting(own, point, each.moved.ultimate), each.moved.start, scatter)
         if table.levels_g:
-            tasks.append((*common, tuple(level / each.ratio for level in table.levels_g)))
+            tasks.append((*common, tuple(level / each.ratio for level in table.levels_g), curves))
         else:
-            tasks.append((*common, table.max_scale, table.tolerance))
+            tasks.append((*common, table.max_scale, table.tolerance, curves))
     samples = sum(distinct[key].motion.record.acceleration.size for key in order)
     found: list[Combination] = workers.each(
         "campaign",

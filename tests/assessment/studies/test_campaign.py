@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 from scipy.special import ndtr
 
+from assessment.analyses.dynamic import ensemble
 from assessment.analyses.dynamic.bracket import find_collapse
 from assessment.analyses.dynamic.incremental import fragility as censored_fit
 from assessment.analyses.dynamic.record_set import Target, compatibility, scaled_to
@@ -20,7 +23,7 @@ from assessment.project.project import load_project
 from assessment.project.record_set import check_record_set, doubtful_records
 from assessment.project.schema import CampaignTable
 from assessment.runtime.errors import ProjectError
-from assessment.studies.campaign import records
+from assessment.studies.campaign import records, search
 from assessment.studies.campaign.fragility import (
     Scatter,
     confidence,
@@ -259,6 +262,40 @@ def test_a_small_campaign(block):
     assert timeless(read_results(block / "output")) == before
 
 
+def test_curves_are_kept_of_the_members_asked_for_and_change_nothing_else(block):
+    edit(block, 'records = ["wave*.csv"]', 'records = ["wave1.csv"]')
+    assert run(block, "--only", "campaign") == 0
+    without = timeless(read_results(block / "output"))
+    edit(block, "signs = [1]", "signs = [1]\ncurve_members = [2]\nwindow_s = [0.1, 1.1]")
+    assert run(block, "--only", "campaign") == 0
+    late = read_results(block / "output")["campaign"]["combinations"][0]["points"]
+    assert {len(point["curves"]) for point in late} == {0, 1}  # of what falls at once one member is run
+    assert all(curve["time_s"][0] == 0.1 for point in late for curve in point["curves"])
+    edit(block, "curve_members = [2]\nwindow_s = [0.1, 1.1]", "curve_members = [2, 1]")
+    assert run(block, "--only", "campaign") == 0
+    found = timeless(read_results(block / "output"))
+    for row in found["campaign"]["combinations"]:
+        for point in row["points"]:
+            curves = point.pop("curves")
+            members = [(curve["member"], curve["factor"]) for curve in curves]
+            assert members == [(1, 1.0), (2, 0.99)][: point["members"]]
+            assert all(len(curve["time_s"]) == len(curve["displacement_m"]) for curve in curves)
+            if not point["collapsed"]:
+                peaks = [max(map(abs, curve["displacement_m"])) for curve in curves]
+                assert [min(peaks), max(peaks)] == pytest.approx(point["peak_displacement_m_range"], abs=1e-7)
+    assert found["campaign"] == without["campaign"]
+
+
+def test_curves_of_ten_thousand_motions_stay_below_100_megabytes():
+    time = 0.005 * np.arange(8000)
+    displacement = 0.1 * np.random.default_rng(1).standard_normal(time.size)
+    levels = SimpleNamespace(scatter=ensemble.Scatter(5, 0.05), motion=SimpleNamespace(start=100.0))
+    [curve] = search._curves(levels, [ensemble.Course(time, displacement, False)] * 2, (2, 5))
+    assert curve["member"] == 2 and (curve["time_s"][0], curve["time_s"][-1]) == (100.0, 139.995)
+    assert max(curve["displacement_m"]) == pytest.approx(displacement.max(), abs=1e-7)
+    assert len(json.dumps(curve)) < 10_000
+
+
 def test_stripes_by_spectral_acceleration(block):
     stripes = 'method = "stripes"\nlevels_g = [0.1, 0.2, 0.4]\nmeasure = "Sa(T)"\nperiod_s = 0.5\n'
     edit(block, "tolerance = 0.2\n", stripes)
@@ -351,6 +388,12 @@ def test_records_are_made_to_the_spectrum_of_the_site(block, monkeypatch):
         ("signs = [1]", "scale_limits = [2.0, 0.5]", "campaign.scale_limits"),
         ("shares = [0.0, 1.0]", "shares = [1.0, 0.0]", "campaign.shares: not in order"),
         ("signs = [1]", "signs = [2]", "campaign.signs[1]"),
+        (
+            "signs = [1]",
+            "curve_members = [1, 3]",
+            "campaign.curve_members[2]: 3: scatter = 2 runs no such member",
+        ),
+        ("signs = [1]", "curve_members = [0]", "campaign.curve_members[1]"),
     ],
 )
 def test_wrong_input_is_refused_by_key(block, capsys, old, new, text):
