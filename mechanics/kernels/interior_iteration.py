@@ -133,7 +133,7 @@ def _back(stored: Array, pattern: Any, signed: bool, x: Array) -> None:
 
 
 @looped
-def _evaluate(
+def evaluate(
     joints: Any, x: Array, f: Array, y: Array, least: float, known: Array, residual: Array
 ) -> tuple[float, float]:
     """What all joints miss, into `known`; their forces onto `residual`; the most that gaps miss, the mean product."""
@@ -151,7 +151,7 @@ def _evaluate(
 
 
 @looped
-def _assemble(joints: Any, known: Array, held: Array, d: Array, stored: Array, pattern: Any) -> None:
+def assemble(joints: Any, known: Array, held: Array, d: Array, stored: Array, pattern: Any) -> None:
     """BᵀDB − G and the diagonal `held` (m,)."""
     row, places = joints.row, joints.places
     diagonal(held, stored, pattern)
@@ -168,7 +168,7 @@ def _factorised(joints: Any, direction: Any, held: Array, tied: bool, stored: Ar
 
     With curvature the matrix may then have one negative pivot, beyond the peak.
     """
-    _assemble(joints, direction.known, held, direction.stiffness, stored, pattern)
+    assemble(joints, direction.known, held, direction.stiffness, stored, pattern)
     if len(joints.curved):
         negative = factorise_signed(stored, pattern.places, pattern.last)
         return bool(negative == 0 or (negative == 1 and tied))
@@ -352,7 +352,7 @@ def iterate(
             residual += alpha * lateral
         if len(mass):
             residual -= mass * x
-        gap_off, mean = _evaluate(joints, x, f, y, unit * STIFFEST, direction.known, residual)
+        gap_off, mean = evaluate(joints, x, f, y, unit * STIFFEST, direction.known, residual)
         force_off = unbalanced(residual, size)
         lacking = work - dot(lateral, x) if pushed else 0.0
         force, gap, product = (

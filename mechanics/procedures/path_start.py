@@ -128,7 +128,8 @@ def settled(model: Assembly, state: State | None, sliding: Sliding = "associativ
             step = motion_to_rest(problem, step.state.positions)
     except NoEquilibriumError as fall:
         raise UnstableError(
-            f"with elastic joints the structure cannot stand under its own weight: {fall}"
+            f"with elastic joints the structure cannot stand under its own weight: {fall}; rigid joints would hold it, "
+            "these are too soft: check normal_stiffness, in kN/m³"
         ) from fall
     half = step.places[:, H]
     compression = -bed_gaps(end_forces(step.forces, half), half, system.law).min(axis=1)

@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mechanics.kernels.interior_iteration import iterate
+from mechanics.kernels.interior_iteration import HOLDING, STIFFEST, iterate
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import FRICTION, STRENGTH
+from mechanics.kernels.tangent_inertia import inertia
 from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, certify
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.threads import one_thread
@@ -123,3 +124,33 @@ def solution(program: Program, iterate: Iterate) -> Solution:
 def frozen(program: Program) -> Program:
     """Return the program without the change of forces with the geometry."""
     return replace(program, curved=None)
+
+
+@one_thread()
+def stable(program: Program, layout: Elimination, solution: Iterate) -> bool:
+    """Whether the equilibrium of a `solution` is stable: K − G is positive where the lateral load does no work.
+
+    K: tangent stiffness of the joints, G: what their forces change with the geometry (`curved`, which must be given).
+    Under dead load no pivot of K − G may be negative. If the multiplier is free, one may be, beyond the peak of the
+    curve: then f_Lᵀ(K − G)⁻¹f_L < 0, and with the work of the lateral load held no direction is left that is unstable.
+    """
+    p, order = program, layout.order
+    assert p.curved is not None
+    held = np.full(len(p.load), HOLDING * p.weight / p.step)
+    held[2::3] *= p.size**2
+    negative, gives = inertia(
+        layout.row,
+        p.places,
+        p.law,
+        p.curved,
+        np.zeros(0) if p.lateral is None else p.lateral[order],
+        np.zeros(len(p.load)),
+        solution.forces,
+        solution.gaps.copy(),
+        STIFFEST * p.step / p.weight,
+        held,
+        layout.work_space,
+        layout.packed,
+        np.arange(len(layout.row)),
+    )
+    return negative == 0 or (negative == 1 and gives < 0.0)

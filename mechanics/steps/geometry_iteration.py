@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mechanics.errors import UnsettledError
+from mechanics.errors import NoEquilibriumError, UnsettledError
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import FRICTION
 from mechanics.model.contacts import end_gaps
-from mechanics.program import certify
+from mechanics.program import Program, certify
 from mechanics.solvers import interior
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.contact_values import iterate_over, moved_over, over_all, spread, state_at_rest, taken
@@ -71,13 +71,13 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
             continue
         found = certified(problem, now)
         if found.certificate.worst(problem.size) <= STEP.certificate(system.behaviour):
-            return found
+            return _stable(found)
         best = _nearer(best, found)
         way = (now.at - before.at)[model.movable] * (1.0, 1.0, model.size)
         relaxation = relaxation.after(way)
         now = replace(now, at=before.at + relaxation.factor * (now.at - before.at))
     if best is not None and best.certificate.worst(problem.size) <= STEP.slow:
-        return best
+        return _stable(best)
     assert now.iterate is not None
     block = np.flatnonzero(model.movable)[_farthest(now.iterate.displacement)]
     raise UnsettledError(f"the geometry of the step does not settle, at block {block} first")
@@ -165,7 +165,22 @@ def certified(problem: StepProblem, now: Round) -> Equilibrium:
         certify(program, now.forces[index], now.alpha, np.zeros(len(program.load))),
         penetration(system, places, now.forces),
         now.solves,
+        system.rigid or _is_stable(system, program, index, now),
     )
+
+
+def _is_stable(system: StaticSystem, program: Program, index: Index, now: Round) -> bool:
+    """Whether the equilibrium of a round is known to be stable; another solver leaves no iterate to tell it from."""
+    return now.iterate is not None and interior.stable(
+        program, system.layout.take(index), taken(now.iterate, index)
+    )
+
+
+def _stable(found: Equilibrium) -> Equilibrium:
+    """Return an equilibrium; raise NoEquilibriumError if it is an unstable one, at which an iteration can end."""
+    if not found.stable:
+        raise NoEquilibriumError("loss of stability: the equilibrium of the structure is an unstable one")
+    return found
 
 
 def _nearer(one: Equilibrium | None, other: Equilibrium) -> Equilibrium:

@@ -39,7 +39,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     They move under the problem's load; if it has a lateral load, that pushes until its `work` is done and then holds
     them. The time step follows the motion: blocks that fall move by `way` in a step, blocks that creep take longer
     steps. Raises RunawayError if a block moves farther than `farthest`, or if the motion does not slow down within
-    `steps`; ConvergenceError if it still slows down then.
+    `steps`, or if it stops at an unstable equilibrium; ConvergenceError if it still slows down then.
     """
     model, solves = problem.system.model, 0
     still = tolerances.still * model.size
@@ -49,9 +49,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     for step in range(tolerances.steps):
         before, now = now, replace(now, system=now.system.around(at, now.size))
         mass = model.mass / (time**2 * model.size / GRAVITY)
-        last, stable = _step_from_rest(
-            replace(now, mass=mass), at, last and _over(last, before.system, now.system)
-        )
+        last = _step_from_rest(replace(now, mass=mass), at, last and _over(last, before.system, now.system))
         moved, solves = last.at, solves + last.solves
         left, far = way(at, moved, model.size), way(begun, moved, model.size)
         # slips count from the last step: a joint that has slid does not slide back
@@ -74,8 +72,12 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         except (NoEquilibriumError, ConvergenceError):
             # forces and geometry may alternate about the rest; what is unstable only passes an equilibrium
             found = certified(replace(now, size=problem.size), last)
-            if slowing and stable and found.certificate.worst(problem.size) <= USABLE:
+            if slowing and found.stable and found.certificate.worst(problem.size) <= USABLE:
                 return replace(found, solves=solves)
+        if left <= tolerances.balanced * model.size and not found.stable:
+            raise RunawayError(
+                "the structure balances on an unstable equilibrium: its joints are too soft to hold it"
+            )
         slowing = True
         still = 0.5 * force  # slow, but no equilibrium yet: at rest only if it slows down further
     kind = RunawayError if force > STEADY * half_way else ConvergenceError
@@ -95,11 +97,8 @@ def _over(last: Round, before: StaticSystem, now: StaticSystem) -> Round:
     return replace(last, forces=forces, iterate=iterate)
 
 
-def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> tuple[Round, bool]:
-    """Return the round of one step from rest at positions (b, 3), and whether it is stable; sought near the last one.
-
-    Stable with what the forces of the last one change as the geometry does; rigid joints, which are not asked: true.
-    """
+def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Round:
+    """Return the round of one step from rest at positions (b, 3), sought near the last one."""
     system = problem.system
     program, index = problem.pose(at, None if last is None else last.forces)
     layout, solves = system.layout.take(index), 0
@@ -121,7 +120,7 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> tupl
         solution, iterate = solve(held, layout)
         solves += 1
     count = len(system.contacts)
-    last = Round(
+    return Round(
         displaced(system.model, at, solution.displacement),
         spread(solution.forces, index, count),
         iterate and over_all(iterate, index, count),
@@ -130,7 +129,6 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> tupl
         alpha=solution.alpha,
         solves=solves,
     )
-    return last, system.rigid or tried is program
 
 
 def lifted(equilibrium: Equilibrium, weight: float) -> float:

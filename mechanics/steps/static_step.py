@@ -28,7 +28,9 @@ class Equilibrium:
 
     `places` (j, PLACE) of the system's contacts in the state; `forces` (j, 3): N, P and T, kN and kNm; `alpha`: the
     multiplier of the lateral load; `iterate`: start of the next program; `certificate` of the forces in this
-    geometry; `penetration` (m): the deepest one beyond the elastic compression; `solves`: number of programs solved.
+    geometry; `penetration` (m): the deepest one beyond the elastic compression; `solves`: number of programs
+    solved; `stable`: whether the stiffness of elastic joints is positive there (interior.stable); rigid joints,
+    whose geometry is followed exactly, are not asked.
     """
 
     state: State
@@ -40,6 +42,7 @@ class Equilibrium:
     certificate: Certificate
     penetration: float
     solves: int
+    stable: bool = True
 
     @property
     def contacts(self) -> Contacts:

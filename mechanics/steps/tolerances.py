@@ -72,16 +72,18 @@ class StepTolerances:
 class RestTolerances:
     """Tolerances of a motion whose velocity is reset in every step.
 
-    In units of √(size/g): `first`, time of the first step; `longest`, time of a step that hardly moves. As shares of
-    the block size: `way`, motion in a step; `still`, motion in a step of unit time at rest; `lifted`, gap of joints
-    that carry; `farthest`, way beyond which a block runs away (1 rad counts as 1): a block that leaves its seat or
-    topples has collapsed, even if it comes to rest where it falls. `steps`: largest number of steps.
+    In units of √(size/g): `first`, time of the first step; `longest`, time of a step that hardly moves. As shares
+    of the block size: `way`, motion in a step; `still`, motion in a step of unit time at rest; `balanced`, motion
+    in a step that is rounding; `lifted`, gap of joints that carry; `farthest`, way beyond which a block runs away
+    (1 rad counts as 1): a block that leaves its seat or topples has collapsed, even if it comes to rest where it
+    falls. `steps`: largest number of steps.
     """
 
     first: float = 0.5
     longest: float = 5.0
     way: float = 0.01
     still: float = 1e-5
+    balanced: float = 1e-12
     lifted: float = 5e-5
     steps: int = 200
     farthest: float = 0.3

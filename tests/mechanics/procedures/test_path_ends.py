@@ -9,7 +9,7 @@ import pytest
 
 from assessment.project.catalogue.new_project import new_project
 from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover
-from mechanics.errors import CollapseError, ConvergenceError, RunawayError
+from mechanics.errors import CollapseError, RunawayError
 from mechanics.procedures.pushover import PushoverTolerances
 from tests.support.drawn_projects import drawn, tables
 from tests.support.structures import arch_on_piers, block_on_base, rectangle
@@ -116,12 +116,12 @@ def test_a_block_that_only_slides_is_not_followed_for_ever(contacts):
 
 def test_a_bed_too_soft_is_named_as_such():
     with pytest.raises(UnstableError, match=r"0\.018 m into each other"):
-        pushover(block_on_base(stiffness=1e3), (0.2, 1.0), contacts="elastic")
+        pushover(block_on_base(height=0.3, stiffness=300.0), (0.2, 0.3), contacts="elastic")
 
 
 def test_a_bed_too_soft_to_keep_its_block_upright_leads_nowhere():
     """It stands where k d l³/12 exceeds W h/2: for 3 m above 2.4e4 kN/m³."""
-    with pytest.raises((UnstableError, ConvergenceError)):
+    with pytest.raises(UnstableError, match=r"cannot stand under its own weight.*too soft"):
         pushover(block_on_base(height=3.0, stiffness=1.5e4), (0.2, 3.0), contacts="elastic")
 
 
@@ -191,7 +191,8 @@ def test_an_elastic_path_never_jumps_back_to_where_it_has_jumped_before(incremen
     begun, landed = curve.crossed.T if len(curve.crossed) else np.zeros((2, 0))
     assert (landed[1:] > np.maximum.accumulate(begun)[:-1]).all()
     assert curve.lost
-    assert curve.displacement[-1] == pytest.approx(0.00165, rel=0.01)
+    # 1.7287 mm at 0.1 mm, 1.7285 at 0.3, 1.7313 at 1; on unstable equilibria a path went on to 1.65
+    assert curve.displacement[-1] == pytest.approx(0.001729, rel=0.002)
 
 
 def test_a_step_that_may_be_halved_is_not_decided_by_a_motion(monkeypatch):

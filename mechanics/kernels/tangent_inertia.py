@@ -1,0 +1,42 @@
+"""The inertia of the tangent stiffness K − G of a solution: whether its equilibrium is stable."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mechanics.kernels.interior_iteration import Direction, Joints, assemble, dot, evaluate
+from mechanics.kernels.jit import compiler
+from mechanics.kernels.joint_elimination import KNOWN
+from mechanics.kernels.pattern import unpacked
+from mechanics.kernels.signed_factors import factorise_signed, substitute_signed
+from mechanics.types import Array
+
+compiled = compiler("contract", "reassoc")
+
+
+@compiled
+def inertia(
+    row: Any, places: Array, law: Array, curved: Array, lateral: Array, x: Array, f: Array, y: Array,
+    least: float, held: Array, stored: Array, packed: Any, which: Any,
+) -> tuple[int, float]:  # fmt: skip
+    """Return the number of negative pivots of K − G at a solution, −1 where one vanishes, and f_Lᵀ(K − G)⁻¹f_L.
+
+    Arrays as in `iterate`; `least` (m/kN): compliance that bounds the stiffness; `held` (m,): stiffness added to the
+    diagonal.
+    """
+    pattern = unpacked(packed)
+    joints = Joints(row, places, law, curved, which)
+    direction = Direction(
+        np.zeros((len(row), KNOWN)), np.empty((len(row), 6)), np.empty((0, 3)), np.empty((0, 11))
+    )
+    residual = np.zeros(len(x))
+    evaluate(joints, x, f, y, least, direction.known, residual)
+    assemble(joints, direction.known, held, direction.stiffness, stored, pattern)
+    negative = factorise_signed(stored, pattern.places, pattern.last)
+    if negative < 0 or len(lateral) == 0:
+        return negative, 0.0
+    swayed = lateral.copy()
+    substitute_signed(stored, pattern.places, pattern.last, swayed)
+    return negative, dot(lateral, swayed)
