@@ -20,7 +20,8 @@ from assessment.runtime.files.atomic_files import write_atomically
 FOLDER = ".stages"  # in the output folder
 MOST_BYTES = 300_000_000  # of all entries; those not used for longest go first
 KIND, ARRAY = "·kind", "·array"
-OWN = ("assessment.", "mechanics.")  # packages whose dataclasses results are made of
+# packages whose dataclasses, and parts of results.json, results are made of
+OWN = ("assessment.", "mechanics.")
 
 
 def packed(result: Any) -> str:
@@ -84,10 +85,19 @@ def _plain(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()
     kind = type(value)
-    if is_dataclass(value) and kind.__module__.startswith(OWN):
-        content = {field.name: getattr(value, field.name) for field in fields(value)}
-        return {KIND: f"{kind.__module__}:{kind.__name__}"} | content
+    if kind.__module__.startswith(OWN):
+        tag = {KIND: f"{kind.__module__}:{kind.__name__}"}
+        if is_dataclass(value):
+            return tag | {field.name: getattr(value, field.name) for field in fields(value)}
+        if _is_part(kind):
+            return tag | value.model_dump(by_alias=True, exclude_unset=True)
     raise TypeError(f"{type(value).__name__}: not a result of an analysis")
+
+
+def _is_part(kind: type) -> bool:
+    from assessment.results.schema.part import Part  # late: as above
+
+    return issubclass(kind, Part)
 
 
 def _restored(content: dict[str, Any]) -> Any:
@@ -99,7 +109,7 @@ def _restored(content: dict[str, Any]) -> Any:
         module, _, name = content.pop(KIND).partition(":")
         # late: a run that takes over all results needs none
         kind = getattr(import_module(module), name) if module.startswith(OWN) else None
-        if not isinstance(kind, type) or not is_dataclass(kind):
+        if not isinstance(kind, type) or not (is_dataclass(kind) or _is_part(kind)):
             raise ValueError(f"{module}:{name}: not a result of an analysis")
         return kind(**content)
     return content

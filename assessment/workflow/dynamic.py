@@ -24,6 +24,7 @@ from assessment.project.record_set import check_record_set, doubtful_records
 if TYPE_CHECKING:
     from assessment.analyses.static.states import StateResult
     from assessment.project.project import Project
+    from assessment.results.schema.dynamic import History, Search
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
     from mechanics.model import Behaviour
@@ -79,7 +80,7 @@ def add_dynamics(
     warnings = results["quality"]["warnings"]
     complete = True
 
-    def take(stage: StageResult) -> None:
+    def take(stage: StageResult[History] | StageResult[Search]) -> None:
         nonlocal complete
         warnings.extend([*stage.warnings, *stage.failures])
         results["quality"]["by_stage"] += stage.quality
@@ -88,14 +89,13 @@ def add_dynamics(
 
     if project.history:
         results["motions"] = [motion_numbers(motion, PERIODS) for motion in motions.history]
-        shaken = histories(campaign, motions.history)
-        for stage in shaken:
-            take(stage)
-            results["states"][stage.state]["history"].append(stage.numbers)
-            if stage.convergence is not None:
-                results["convergence"]["rows"].append(stage.convergence)
+        for shaken in histories(campaign, motions.history):
+            take(shaken)
+            results["states"][shaken.state]["history"].append(shaken.numbers)
+            if shaken.convergence is not None:
+                results["convergence"]["rows"].append(shaken.convergence)
     if project.incremental:
-        found: dict[str, list[Results]] = {}
+        found: dict[str, list[Search]] = {}
         searched = searches(campaign, motions.incremental)
         for stage in searched:
             take(stage)

@@ -14,6 +14,7 @@ from assessment.ntc.load_factors import psi_2
 from assessment.project.schema import ORIGINAL, LayerTable
 from assessment.results.faces import described
 from assessment.results.schema import FORMAT
+from assessment.results.schema.dynamic import Incremental
 from assessment.runtime.fingerprint import installed
 from mechanics.faults import visible
 from mechanics.types import GRAVITY
@@ -67,7 +68,7 @@ def describe(project: Project, model: Model) -> Results:
                 "pushover": {},
                 "capacity": {},
                 "history": [],
-                "incremental": {},
+                "incremental": Incremental(),
             }
             for name, settlement in _states(project)
         },

@@ -221,8 +221,8 @@ def _comparison(states: Mapping[str, Any]) -> list[Results]:
     for name, state in states.items():
         if name == ORIGINAL:
             continue
-        dynamic = state["incremental"].get("pga_collapse_g")
-        for direction in original["pushover"] or ([None] if state["incremental"] else []):
+        dynamic = state["incremental"].pga_collapse_g
+        for direction in original["pushover"] or ([None] if state["incremental"].records else []):
             was, now = (each["capacity"].get(direction) for each in (original, state))
             before, after = static_pga(was), static_pga(now)
             limit = next(filter(None, (quoted_limit_state(each.checks) for each in (was, now) if each)), None)
@@ -236,7 +236,7 @@ def _comparison(states: Mapping[str, Any]) -> list[Results]:
                     "static_pga_g": after,
                     "static_reduction": reduction(before, after),
                     "dynamic_pga_g": dynamic,
-                    "dynamic_reduction": reduction(original["incremental"].get("pga_collapse_g"), dynamic),
+                    "dynamic_reduction": reduction(original["incremental"].pga_collapse_g, dynamic),
                     "static_reference": check.reference if check else None,
                     "dynamic_reference": None if dynamic is None else SURFACE,
                 }

@@ -15,11 +15,13 @@ from assessment.analyses.dynamic.bracket import Bracket
 from assessment.analyses.dynamic.ensemble import scatter_of
 from assessment.analyses.dynamic.incremental import search_again, search_title
 from assessment.analyses.dynamic.refinement import Refinement
+from assessment.results.schema.part import known
 
 if TYPE_CHECKING:
     from assessment.analyses.dynamic.inputs import Campaign
     from assessment.analyses.dynamic.time_history import StageResult
     from assessment.project.motions import BaseMotion
+    from assessment.results.schema.dynamic import Search
 
 AGAIN = 20  # motions that a repeated search takes, about, at two to eight levels
 PGA = "pga_collapse_g"
@@ -34,7 +36,9 @@ class Estimates:
     seconds: float = 0.0
 
 
-def collapses_again(campaign: Campaign, motions: list[BaseMotion], given: Sequence[StageResult]) -> Estimates:
+def collapses_again(
+    campaign: Campaign, motions: list[BaseMotion], given: Sequence[StageResult[Search]]
+) -> Estimates:
     """Estimate the error of the PGA at collapse; `given`: the searches in the order of their tasks.
 
     The error is the sum of the width of the bracket, the distance to the PGA of the finest time step, and the error of
@@ -47,7 +51,7 @@ def collapses_again(campaign: Campaign, motions: list[BaseMotion], given: Sequen
     searched = [
         (task, stage)
         for task, stage in zip(campaign.tasks(table, motions), given, strict=True)
-        if stage.numbers["pga_safe_g"] is not None
+        if stage.numbers.pga_safe_g is not None
     ]
     tasks = [
         (replace(task, motion=finer), _bracket(stage))
@@ -66,10 +70,10 @@ def collapses_again(campaign: Campaign, motions: list[BaseMotion], given: Sequen
     found.seconds = sum(stage.seconds for stage in again)
     for (task, stage), half, quarter in zip(searched, again[::2], again[1::2], strict=True):
         title, near = search_title(task), _bracket(stage)
-        values = tuple(each.numbers[PGA] for each in (stage, half, quarter))
+        values = tuple(each.numbers.pga_collapse_g for each in (stage, half, quarter))
         apart = 0.0 if near.certain is None or near.collapse is None else near.certain - near.collapse
         levels = Refinement(PGA, values, (apart, 0.0, 0.0), NOISE, near.width, 0)
-        failed = [each.numbers["reason"] for each in (half, quarter) if each.numbers["pga_safe_g"] is None]
+        failed = [each.numbers.reason for each in (half, quarter) if each.numbers.pga_safe_g is None]
         row = {"state": task.state, "record": task.motion.name, **levels.numbers(tolerance)}
         found.rows.append(row | ({"met": False} if failed else {}))
         found.warnings += [f"{title}: a finer time step fails: {why}" for why in failed[:1]]
@@ -77,8 +81,8 @@ def collapses_again(campaign: Campaign, motions: list[BaseMotion], given: Sequen
     return found
 
 
-def _bracket(search: StageResult) -> Bracket:
+def _bracket(search: StageResult[Search]) -> Bracket:
     """Return the bracket that a search found."""
     numbers = search.numbers
-    certain = numbers.get("pga_collapse_g_range", (None, None))[1]
-    return Bracket(numbers["pga_safe_g"], numbers[PGA], certain, ())
+    _, certain = numbers.pga_collapse_g_range or (None, None)
+    return Bracket(known(numbers.pga_safe_g), numbers.pga_collapse_g, certain, ())

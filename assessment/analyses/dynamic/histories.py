@@ -26,6 +26,8 @@ from assessment.analyses.dynamic.ensemble import (
 from assessment.analyses.dynamic.inputs import Campaign
 from assessment.analyses.dynamic.refinement import LEVELS, Refinement
 from assessment.analyses.dynamic.time_history import Numbers, Shaking, StageResult, history
+from assessment.results.schema.dynamic import Band, History
+from assessment.results.schema.part import known
 
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
@@ -34,7 +36,7 @@ if TYPE_CHECKING:
 PEAK = "peak_displacement_m"
 
 
-def histories(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult]:
+def histories(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult[History]]:
     """Return every time history that the project asks for, in the order of their tasks."""
     accuracy, scatter = accuracy_of(campaign.project), scatter_of(campaign.project)
     studies = [Study(task, accuracy, scatter) for task in history_tasks(campaign, motions)]
@@ -69,7 +71,7 @@ class Study:
     task: Shaking
     accuracy: Accuracy
     scatter: Scatter
-    members: dict[int, dict[int, StageResult]] = field(default_factory=dict)
+    members: dict[int, dict[int, StageResult[History]]] = field(default_factory=dict)
 
     @property
     def pair(self) -> range:
@@ -122,14 +124,14 @@ class Study:
             motion = motion.at_half_step()
         return replace(self.task, motion=motion.at_amplitude(self.scatter.amplitudes[member]))
 
-    def result(self) -> StageResult:
+    def result(self) -> StageResult[History]:
         """Return the history of the members at the finest time step, with the error estimated from the other steps."""
         state, record = self.task.state, self.task.motion.name
         title = f"{state}, history of {record}"
         found = together(title, list(self.members[self.finest].values()))
         found.seconds = sum(each.seconds for level in self.members.values() for each in level.values())
         tolerance = self.accuracy.tolerance
-        if tolerance is None or not self._starts or found.numbers["collapsed"] is None:
+        if tolerance is None or not self._starts or found.numbers.collapsed is None:
             return found
         if self.finest < max(self.members):
             said = "; ".join(_failures(self.members[self.finest + 1]))
@@ -157,52 +159,58 @@ def _run(campaign: Campaign, wanted: Sequence[tuple[Study, int, int]]) -> None:
         study.members.setdefault(level, {})[member] = found
 
 
-def together(title: str, members: Sequence[StageResult]) -> StageResult:
+def together(title: str, members: Sequence[StageResult[History]]) -> StageResult[History]:
     """Return the members of a history as one result: the numbers of the worst member, and the range of all.
 
     A collapse is worse than any peak, an earlier collapse worse than a later one.
     """
-    finished = [each for each in members if each.numbers["collapsed"] is not None]
+    finished = [each for each in members if each.numbers.collapsed is not None]
     if not finished or len(members) == 1:
         return members[0]
     worst = max(finished, key=_suffering)
     low, middle, high = lowest_median_highest([peak(each) for each in finished])
-    fallen = sum(each.numbers["collapsed"] for each in finished)
-    numbers = worst.numbers | {
+    fallen = sum(bool(each.numbers.collapsed) for each in finished)
+    told: Numbers = {
         "members": len(finished),
         "members_collapsed": fallen,
         "peak_displacement_m_range": [low, high],
         "peak_displacement_median_m": middle,
         "seconds": sum(each.seconds for each in members),
     }
-    found = StageResult(worst.state, worst.stage, numbers, warnings=list(worst.warnings))
-    found.failures = [text for each in members for text in each.failures]
-    found.quality = [_joined([row for each in members for row in each.quality])]
+    warnings = list(worst.warnings)
     if len(finished) > PAIR:
-        numbers["band"] = band(finished, np.array(numbers["curve"]["time_s"]))
-        found.warnings.append(_scattered(title, len(finished), fallen, low, middle, high))
-    return found
+        told |= {"band": band(finished, np.array(known(worst.numbers.curve).time_s))}
+        warnings.append(_scattered(title, len(finished), fallen, low, middle, high))
+    return StageResult(
+        worst.state,
+        worst.stage,
+        worst.numbers.model_copy(update=told),
+        [_joined([row for each in members for row in each.quality])],
+        warnings,
+        [text for each in members for text in each.failures],
+    )
 
 
-def band(members: Sequence[StageResult], time: Array) -> Numbers:
+def band(members: Sequence[StageResult[History]], time: Array) -> Band:
     """Return the least and largest control displacement of all members, m, at times (k,) s.
 
     A member that collapsed keeps its last displacement.
     """
     each = [np.interp(time, one.time, one.displacement) for one in map(_course, members)]
-    return {"low_m": np.min(each, axis=0).tolist(), "high_m": np.max(each, axis=0).tolist()}
+    return Band(low_m=np.min(each, axis=0).tolist(), high_m=np.max(each, axis=0).tolist())
 
 
-def peak(result: StageResult) -> float | None:
+def peak(result: StageResult[History]) -> float | None:
     """Return the peak displacement of a history, m; None for a collapse."""
-    value: float | None = result.numbers[PEAK]
-    return None if result.numbers["collapsed"] else value
+    return None if result.numbers.collapsed else result.numbers.peak_displacement_m
 
 
-def _suffering(member: StageResult) -> tuple[bool, float]:
+def _suffering(member: StageResult[History]) -> tuple[bool, float]:
+    """Return what members are ordered by, the worst last: collapses after all peaks, the earliest last."""
     numbers = member.numbers
-    fallen: bool = numbers["collapsed"]
-    return fallen, -numbers["time_of_collapse_s"] if fallen else numbers[PEAK]
+    if numbers.collapsed:
+        return True, -known(numbers.time_of_collapse_s)
+    return False, known(numbers.peak_displacement_m)
 
 
 def _scattered(
@@ -224,14 +232,14 @@ def _joined(rows: Sequence[Numbers]) -> Numbers:
     return rows[0] | {"solves": sum(row["solves"] for row in rows)} | worst
 
 
-def _course(member: StageResult) -> Course:
-    curve = member.numbers["curve"]
-    return Course(np.array(curve["time_s"]), np.array(curve["displacement_m"]), member.numbers["collapsed"])
+def _course(member: StageResult[History]) -> Course:
+    curve = known(member.numbers.curve)
+    return Course(np.array(curve.time_s), np.array(curve.displacement_m), bool(member.numbers.collapsed))
 
 
-def _courses(members: dict[int, StageResult]) -> list[Course]:
-    return [_course(each) for each in members.values() if each.numbers["collapsed"] is not None]
+def _courses(members: dict[int, StageResult[History]]) -> list[Course]:
+    return [_course(each) for each in members.values() if each.numbers.collapsed is not None]
 
 
-def _failures(members: dict[int, StageResult]) -> list[str]:
+def _failures(members: dict[int, StageResult[History]]) -> list[str]:
     return [text for each in members.values() for text in each.failures]

@@ -15,6 +15,7 @@ from assessment.analyses.dynamic.ensemble import Course, Scatter, enough, lowest
 from assessment.analyses.dynamic.inputs import Campaign
 from assessment.analyses.dynamic.response import Setting, respond
 from assessment.analyses.dynamic.time_history import Numbers, Shaking, StageResult, quality_row
+from assessment.results.schema.dynamic import Incremental, Search
 from mechanics import Assembly, ConvergenceError, State
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ MEAN_FROM, ENOUGH = 7, 3  # records: NTC 2018 §7.3.5
 RUNS = 30  # motions of a search, about
 
 
-def searches(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult]:
+def searches(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult[Search]]:
     """Return the search of every record from every state, state by state."""
     table = campaign.project.incremental
     assert table is not None
@@ -33,7 +34,7 @@ def searches(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult]
     return campaign.each("incremental", search, tasks, RUNS, scatter, table.max_scale, table.tolerance_g)
 
 
-def search(shaking: Shaking, scatter: Scatter, max_scale: float, tolerance: float) -> StageResult:
+def search(shaking: Shaking, scatter: Scatter, max_scale: float, tolerance: float) -> StageResult[Search]:
     """Return the PGA (g) at incipient collapse of one record from one state, with every run of the search.
 
     The levels go up to `max_scale` times the PGA of the record; `tolerance` (g): of the result.
@@ -44,15 +45,15 @@ def search(shaking: Shaking, scatter: Scatter, max_scale: float, tolerance: floa
         scatter,
         lambda levels: find_collapse(levels.some, levels.every, pga, max_scale * pga, tolerance),
     )
-    lowest, safe = result.numbers["pga_collapse_g"], result.numbers["pga_safe_g"]
+    lowest, safe = result.numbers.pga_collapse_g, result.numbers.pga_safe_g
     if lowest is None and safe is not None:
         result.warnings.append(
             f"{title}: no collapse up to {safe:.3g} g, max_scale = {max_scale:g}; raise it to find one"
         )
-    upper = result.numbers.get("pga_collapse_g_range", [None, None])[1]
+    _, upper = result.numbers.pga_collapse_g_range or (None, None)
     if lowest is not None and scatter.members > 1 and upper != lowest:
         result.warnings.append(_spread(title, lowest, upper, max_scale * pga))
-    if resurrections := result.numbers["resurrections_g"]:
+    if resurrections := result.numbers.resurrections_g:
         result.warnings.append(
             f"{title}: collapse at {lowest:.3g} g, but stands at "
             f"{', '.join(f'{level:.3g}' for level in resurrections)} g; the lowest collapse counts"
@@ -74,7 +75,7 @@ def _spread(title: str, lowest: float, upper: float | None, largest: float) -> s
 
 def search_again(
     shaking: Shaking, near: Bracket, scatter: Scatter, max_scale: float, tolerance: float
-) -> StageResult:
+) -> StageResult[Search]:
     """Return the PGA (g) at incipient collapse, searched near the bracket that another time step gave."""
     largest = max_scale * shaking.motion.pga
     return _searched(shaking, scatter, lambda levels: collapse_near(levels.some, near, largest, tolerance))
@@ -85,7 +86,9 @@ def search_title(shaking: Shaking) -> str:
     return f"{shaking.state}, incremental analysis with {shaking.motion.name}"
 
 
-def _searched(shaking: Shaking, scatter: Scatter, bracketing: Callable[[Levels], Bracket]) -> StageResult:
+def _searched(
+    shaking: Shaking, scatter: Scatter, bracketing: Callable[[Levels], Bracket]
+) -> StageResult[Search]:
     """Return the numbers of the bracket that `bracketing` finds with the levels (g)."""
     title, motion, start = search_title(shaking), shaking.motion, shaking.start
     numbers: Numbers = {
@@ -98,12 +101,11 @@ def _searched(shaking: Shaking, scatter: Scatter, bracketing: Callable[[Levels],
         "points": [],
         "reason": None,
     }
-    result = StageResult(shaking.state, "incremental", numbers)
     if isinstance(start, str):
-        numbers["reason"] = start
-        result.warnings.append(f"{title}: {start}")
-        return result
+        nothing = Search.of(numbers | {"reason": start})
+        return StageResult(shaking.state, "incremental", nothing, warnings=[f"{title}: {start}"])
     levels = Levels(shaking.model, motion, shaking.setting, start, scatter)
+    failures = []
     began = time.perf_counter()
     try:
         bracket = bracketing(levels)
@@ -113,14 +115,15 @@ def _searched(shaking: Shaking, scatter: Scatter, bracketing: Callable[[Levels],
             "resurrections_g": list(bracket.resurrections),
         }
         if scatter.members > 1:
-            numbers["pga_collapse_g_range"] = [bracket.collapse, bracket.certain]
+            numbers |= {"pga_collapse_g_range": [bracket.collapse, bracket.certain]}
     except ConvergenceError as error:
-        numbers["reason"] = str(error)
-        result.failures.append(f"{title}: {error}")
-    result.seconds = time.perf_counter() - began
+        numbers |= {"reason": str(error)}
+        failures.append(f"{title}: {error}")
+    seconds = time.perf_counter() - began
     members = [each for level in levels.members.values() for each in level]
-    numbers["points"] = [point(pga, level) for pga, level in sorted(levels.members.items()) if level]
-    numbers |= {"runs": len(members), "seconds": result.seconds}
+    points = [point(pga, level) for pga, level in sorted(levels.members.items()) if level]
+    numbers |= {"runs": len(members), "points": points, "seconds": seconds}
+    result = StageResult(shaking.state, "incremental", Search.of(numbers), failures=failures, seconds=seconds)
     if members:
         worst, programs = max(each.worst for each in members), sum(each.programs for each in members)
         result.quality.append(quality_row(shaking.state, f"incremental, {motion.name}", programs, worst))
@@ -195,28 +198,30 @@ def point(pga: float, members: Sequence[Member]) -> Numbers:
     }
 
 
-def summarise(records: Sequence[Mapping[str, Any]], warnings: list[str], state: str) -> Numbers:
+def summarise(records: Sequence[Search], warnings: list[str], state: str) -> Incremental:
     """Return mean and lowest PGA at collapse of a state, the value by NTC 2018 §7.3.5, and the fragility."""
-    surely = [record["pga_collapse_g_range"][1] for record in records if record.get("pga_collapse_g_range")]
-    collapses = [record["pga_collapse_g"] for record in records if record["pga_collapse_g"] is not None]
-    withstood = [record["pga_safe_g"] for record in records if record["pga_collapse_g"] is None]
+    surely = [each.pga_collapse_g_range[1] for each in records if each.pga_collapse_g_range]
+    collapses = [each.pga_collapse_g for each in records if each.pga_collapse_g is not None]
+    withstood = [each.pga_safe_g for each in records if each.pga_collapse_g is None]
     if len(records) < ENOUGH:
         warnings.append(
             f"{state}: records of the incremental analysis: {len(records)}; "
             f"NTC 2018 §7.3.5 asks for at least {ENOUGH}"
         )
+    standard = standard_value([each.model_dump(include={"pga_collapse_g", "pga_safe_g"}) for each in records])
+    bounds = [pga for pga in withstood if pga is not None]
     numbers: Numbers = {
-        "records": list(records),
-        **standard_value(records),
-        "fragility": None if None in withstood else fragility(collapses, withstood),
+        "records": records,
+        **standard,
+        "fragility": None if len(bounds) < len(withstood) else fragility(collapses, bounds),
     }
     if surely:
         known = [pga for pga in surely if pga is not None]
         upper = min(known, default=None)
-        if numbers["rule"] == "mean":
+        if standard["rule"] == "mean":
             upper = float(np.mean(known)) if len(known) == len(records) else None
-        numbers["pga_collapse_g_range"] = [numbers["pga_collapse_g"], upper]
-    return numbers
+        numbers |= {"pga_collapse_g_range": [standard["pga_collapse_g"], upper]}
+    return Incremental.of(numbers)
 
 
 def standard_value(records: Sequence[Mapping[str, Any]]) -> Numbers:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.dynamic.response import Setting
-from assessment.analyses.dynamic.time_history import Shaking, StageResult, Start
+from assessment.analyses.dynamic.time_history import Found, Shaking, StageResult, Start
 from assessment.project.schema import ORIGINAL
 
 if TYPE_CHECKING:
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
     from mechanics.model import Behaviour
-
-"""What one motion, or one search, is made of: the arguments of history."""
 
 WORTHWHILE = 50_000  # joints times steps: below it a second process costs more than it saves
 
@@ -56,11 +54,11 @@ class Campaign:
     def each(
         self,
         stage: str,
-        function: Callable[..., StageResult],
+        function: Callable[..., StageResult[Found]],
         tasks: Sequence[tuple[Shaking, *tuple[Any, ...]]],
         runs: int,
         *more: object,
-    ) -> list[StageResult]:
+    ) -> list[StageResult[Found]]:
         """Return function(*task, *more) for every task, in order; `runs`: motions of one task, about."""
         samples = sum(shaking.motion.record.acceleration.size for shaking, *_ in tasks)
         return self.workers.each(

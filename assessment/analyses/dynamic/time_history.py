@@ -1,4 +1,4 @@
-"""Time histories of a project: every record from every state, as plain numbers for results.json."""
+"""Time histories of a project: every record from every state."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 import time
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from assessment.analyses.dynamic.ensemble import sustained_peak
 from assessment.analyses.dynamic.response import Response, Setting, respond
 from assessment.project.schema import HistoryTable
 from assessment.results.frames import snapshots
+from assessment.results.schema.dynamic import History
+from assessment.results.schema.part import Part
 from mechanics import Assembly, ConvergenceError, State
 from mechanics.records import response_spectrum
 from mechanics.types import Array
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
 
 Numbers = dict[str, Any]
+Found = TypeVar("Found", bound=Part)
 Start = State | str
 """The state at rest that a motion begins from, or why it could not be reached."""
 
@@ -31,12 +34,16 @@ MOST_POINTS = 2000  # of a curve kept for figures
 
 
 @dataclass
-class StageResult:
-    """Result of one motion, or one search, from one state; `failures`: analyses that could not be completed."""
+class StageResult(Generic[Found]):
+    """Result of one motion (History), or one search (Search), from one state.
+
+    `numbers`: as results.json has them; `quality`, `convergence`: its rows of these tables; `failures`: analyses that
+    could not be completed; `seconds`: computing time.
+    """
 
     state: str
     stage: str
-    numbers: Numbers
+    numbers: Found
     quality: list[Numbers] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
@@ -55,7 +62,7 @@ class Shaking:
     start: Start
 
 
-def history(shaking: Shaking) -> StageResult:
+def history(shaking: Shaking) -> StageResult[History]:
     """Return one time history; displacements are horizontal, of the control point, from the state's own rest, m.
 
     Times count from the first sample of the record's file, the window's start included. The largest displacement from
@@ -63,26 +70,23 @@ def history(shaking: Shaking) -> StageResult:
     """
     model, motion, start = shaking.model, shaking.motion, shaking.start
     title = f"{shaking.state}, history of {motion.name}"
-    numbers = _asked(motion, shaking.setting)
-    result = StageResult(shaking.state, "history", numbers)
+    asked = _asked(motion, shaking.setting)
     if isinstance(start, str):
-        numbers["reason"] = start
-        result.warnings.append(f"{title}: {start}")
-        return result
+        nothing = History.of(asked | {"reason": start})
+        return StageResult(shaking.state, "history", nothing, warnings=[f"{title}: {start}"])
     began = time.perf_counter()
     try:
         response = respond(model, motion, shaking.setting, start)
     except ConvergenceError as error:
-        numbers["reason"] = str(error)
-        result.failures.append(f"{title}: {error}")
-        return result
-    result.seconds = time.perf_counter() - began
+        nothing = History.of(asked | {"reason": str(error)})
+        return StageResult(shaking.state, "history", nothing, failures=[f"{title}: {error}"])
+    seconds = time.perf_counter() - began
 
-    numbers |= _response_numbers(model, motion, response)
-    numbers["seconds"] = result.seconds
+    content = asked | _response_numbers(model, motion, response) | {"seconds": seconds}
     table = shaking.setting.table
     if isinstance(table, HistoryTable) and table.animation:
-        numbers["frames"] = frames(response, motion.start, model.initial.positions)
+        content |= {"frames": frames(response, motion.start, model.initial.positions)}
+    result = StageResult(shaking.state, "history", History.of(content), seconds=seconds)
     result.quality.append(
         quality_row(shaking.state, f"history, {motion.name}", response.total("programs"), response.worst)
     )
@@ -90,7 +94,7 @@ def history(shaking: Shaking) -> StageResult:
     last = response.last
     if last.collapsed:
         result.warnings.append(
-            f"{title}: collapse at {numbers['time_of_collapse_s']:.4g} s: {last.collapse_reason}"
+            f"{title}: collapse at {result.numbers.time_of_collapse_s:.4g} s: {last.collapse_reason}"
         )
     return result
 

@@ -129,14 +129,14 @@ class Search(Part):
     record: str = key("name of the record")
     record_pga_g: float = key("its own PGA", "g")
     pga_collapse_g: float | None = key("least PGA at which a member collapses; null: none found", "g")
-    pga_collapse_g_range: Range | None = optional(
-        "from there to where all members collapse; null: not reached", "g"
-    )
     pga_safe_g: float | None = key("largest PGA below at which all stand; null: not known", "g")
     runs: int = key("motions computed")
     resurrections_g: list[float] = key("levels above at which the structure stands again", "g")
     points: list[Level] = key("every level that was tried")
     reason: str | None = key("why there is no answer")
+    pga_collapse_g_range: Range | None = optional(
+        "from `pga_collapse_g` to where all members collapse; null: not reached", "g"
+    )
     seconds: float | None = optional("computing time", "s")
 
 
@@ -159,5 +159,5 @@ class Incremental(Part):
     )
     rule: str | None = optional("what counts: the mean of seven records or more, otherwise the lowest")
     pga_collapse_g: float | None = optional("what counts; null: open", "g")
-    pga_collapse_g_range: Range | None = optional("from there to where all members collapse", "g")
     fragility: Fragility | None = optional("distribution; null: fewer than two different levels of collapse")
+    pga_collapse_g_range: Range | None = optional("from `pga_collapse_g` to where all members collapse", "g")

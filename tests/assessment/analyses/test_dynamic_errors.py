@@ -19,11 +19,13 @@ from assessment.analyses.dynamic.time_history import Shaking, StageResult
 from assessment.project.model import build_model
 from assessment.project.motions import incremental_motions
 from assessment.project.project import load_project
+from assessment.results.schema.dynamic import Search
 from assessment.runtime.cache import Store
 from assessment.runtime.tasks import Workers
 from assessment.workflow.stages import run
 from tests.assessment.analyses.test_incremental import Trial
 from tests.support.block_project import block, write_block
+from tests.support.typed import filled
 
 SEARCHED = """[incremental]
 records = ["pulse.csv"]
@@ -92,13 +94,17 @@ def test_the_error_of_the_pga_at_collapse_bounds_the_distance_from_finer_analyse
     with Workers(1) as workers:
         starts = {("original", "rigid"): model.initial}
         [task] = Campaign(project, model, starts, {}, workers).tasks(project.incremental, [motion])
-    exact = search(task, Scatter(1, 0.1), 8.0, 0.002).numbers["pga_collapse_g"]
+    exact = search(task, Scatter(1, 0.1), 8.0, 0.002).numbers.pga_collapse_g
     [entry] = results["states"]["original"]["incremental"]["records"]
     given_step, *_ = row["levels"]["pga_collapse_g"]
     assert given_step == entry["pga_collapse_g"] and len(row["levels"]["pga_collapse_g"]) == 3
     width = entry["pga_collapse_g"] - entry["pga_safe_g"]
     assert row["pga_collapse_error_g"] >= width and row["pga_collapse_error_g"] >= abs(given_step - exact)
     assert results["timing_s"]["incremental error"] > 0.0
+
+
+def made_up(numbers: dict) -> StageResult[Search]:
+    return StageResult("original", "incremental", Search.of(filled(Search, {"reason": None} | numbers)))
 
 
 def again(project, found: dict, *finer: dict):
@@ -108,12 +114,12 @@ def again(project, found: dict, *finer: dict):
 
     def each(_, __, tasks, *more) -> list[StageResult]:
         assert [task.motion.record.time_step for task, *_ in tasks] == [STEP / 2, STEP / 4][: len(tasks)]
-        return [StageResult("original", "incremental", one) for one in finer][: len(tasks)]
+        return [made_up(one) for one in finer][: len(tasks)]
 
     campaign = SimpleNamespace(
         project=project, model=build_model(project).assembly, tasks=lambda *_: [task], each=each
     )
-    return collapses_again(campaign, motions, [StageResult("original", "incremental", found)])
+    return collapses_again(campaign, motions, [made_up(found)])
 
 
 NONE = {"pga_safe_g": 0.44, "pga_collapse_g": None}

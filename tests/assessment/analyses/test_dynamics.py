@@ -304,7 +304,7 @@ def test_a_step_that_is_not_solved_is_a_failure(setting, monkeypatch):
     model = block_on_base(0.6, 2.4)
     result = history(Shaking(model, _motion(Record(WAVE, STEP, "wave")), setting, "original", model.initial))
     assert result.failures == ["original, history of wave: step 3: no solution"]
-    assert result.numbers["collapsed"] is None
+    assert result.numbers.collapsed is None
 
 
 @pytest.mark.parametrize("language", ["it", "en"])

@@ -15,8 +15,10 @@ from assessment.analyses.dynamic.response import Setting, respond
 from assessment.analyses.dynamic.time_history import Shaking, StageResult
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, HistoryTable
+from assessment.results.schema.dynamic import History
 from mechanics.records.record import Record
 from tests.support.structures import arch_on_piers, block_on_base
+from tests.support.typed import filled
 
 FAST, FIVE = Accuracy(None, 0), Scatter(5, 0.05)
 
@@ -105,10 +107,10 @@ def test_a_smooth_motion_ends_after_two_members():
     found, runs = shaken(model, (0.6, 2.4), "elastic", 0.02 * WAVE, STEP)
     assert runs == [1.0, 0.99]
     numbers = found.numbers
-    assert numbers["members"] == 2 and numbers["amplitude"] == 1.0
-    low, high = numbers["peak_displacement_m_range"]
-    assert numbers["peak_displacement_m"] == high > low == pytest.approx(0.99 * high, rel=1e-3)
-    assert "band" not in numbers
+    assert numbers.members == 2 and numbers.amplitude == 1.0
+    low, high = numbers.peak_displacement_m_range
+    assert numbers.peak_displacement_m == high > low == pytest.approx(0.99 * high, rel=1e-3)
+    assert numbers.band is None
     assert not any("within 1 %" in text for text in found.warnings)
 
 
@@ -116,7 +118,7 @@ def test_one_member_is_the_motion_itself():
     model = block_on_base(0.6, 2.4, stiffness=1e5)
     found, runs = shaken(model, (0.6, 2.4), "elastic", 0.02 * WAVE, STEP, scatter=1)
     assert runs == [1.0]
-    assert "peak_displacement_m_range" not in found.numbers and "members" not in found.numbers
+    assert found.numbers.peak_displacement_m_range is None and found.numbers.members is None
 
 
 def test_an_arch_that_rocks_has_a_range_that_contains_each_member():
@@ -125,10 +127,10 @@ def test_an_arch_that_rocks_has_a_range_that_contains_each_member():
     found, runs = shaken(model, point, "rigid", acceleration, STEP)
     numbers = found.numbers
     assert sorted(runs) == pytest.approx([0.99, 0.995, 1.0, 1.005, 1.01])
-    assert numbers["members"] == 5 and numbers["members_collapsed"] == 0
-    low, high = numbers["peak_displacement_m_range"]
-    assert numbers["integrator"] == "moreau-jean" and "impacts" in numbers["integrator_chosen"]
-    assert low <= numbers["peak_displacement_median_m"] <= high == numbers["peak_displacement_m"]
+    assert numbers.members == 5 and numbers.members_collapsed == 0
+    low, high = numbers.peak_displacement_m_range
+    assert numbers.integrator == "moreau-jean" and "impacts" in numbers.integrator_chosen
+    assert low <= numbers.peak_displacement_median_m <= high == numbers.peak_displacement_m
     table = HistoryTable(record="r", contacts="rigid")
     setting = Setting(table, ControlTable(name="top", point_m=point))
     record = Record(acceleration, STEP, "r")
@@ -136,9 +138,9 @@ def test_an_arch_that_rocks_has_a_range_that_contains_each_member():
     for amplitude in (1.0, 0.99):
         member = respond(model, motion, setting, model.initial, amplitude)
         assert low <= abs(member.displacement).max() <= high
-    band = numbers["band"]
-    curve = np.array(numbers["curve"]["displacement_m"])
-    assert (np.array(band["low_m"]) <= curve).all() and (curve <= np.array(band["high_m"])).all()
+    band = numbers.band
+    curve = np.array(numbers.curve.displacement_m)
+    assert (np.array(band.low_m) <= curve).all() and (curve <= np.array(band.high_m)).all()
     assert any("5 records within 1 %" in text for text in found.warnings)
 
 
@@ -153,32 +155,33 @@ def member(peak=0.1, collapsed=False, time=None):
         "collapsed": collapsed,
         "time_of_collapse_s": time,
         "curve": {"time_s": time_s, "displacement_m": [0.0, peak]},
-        "of": (peak, time),
     }
     row = {"state": "s", "stage": "h", "solves": 2, "worst_equilibrium_residual": peak}
-    return StageResult("s", "history", numbers, quality=[row], seconds=1.0)
+    return StageResult("s", "history", History.of(filled(History, numbers)), quality=[row], seconds=1.0)
 
 
 def test_the_largest_demand_is_used():
     found = together("s, r", [member(0.1), member(0.3), member(0.2)])
-    assert found.numbers["peak_displacement_m"] == 0.3 and found.numbers["of"] == (0.3, None)
-    assert found.numbers["peak_displacement_m_range"] == [0.1, 0.3]
-    assert found.numbers["peak_displacement_median_m"] == 0.2
+    assert found.numbers.peak_displacement_m == 0.3 and found.numbers.time_of_collapse_s is None
+    assert found.numbers.peak_displacement_m_range == [0.1, 0.3]
+    assert found.numbers.peak_displacement_median_m == 0.2
     assert found.quality == [{"state": "s", "stage": "h", "solves": 6, "worst_equilibrium_residual": 0.3}]
 
 
 def test_a_collapse_is_beyond_any_peak_and_the_earliest_counts():
     found = together("s, r", [member(0.5), member(9.0, True, 4.0), member(8.0, True, 3.0)])
-    assert found.numbers["of"] == (8.0, 3.0) and found.numbers["members_collapsed"] == 2
-    assert found.numbers["peak_displacement_m_range"] == [0.5, None]
-    assert found.numbers["peak_displacement_median_m"] is None
+    numbers = found.numbers
+    assert (numbers.peak_displacement_m, numbers.time_of_collapse_s) == (8.0, 3.0)
+    assert numbers.members_collapsed == 2
+    assert found.numbers.peak_displacement_m_range == [0.5, None]
+    assert found.numbers.peak_displacement_median_m is None
     assert "2 of 3 records" in found.warnings[-1]
 
 
 def test_a_member_that_fails_is_told_and_the_others_count():
-    failed = StageResult("s", "history", {"collapsed": None, "reason": "no"}, failures=["s, r: no"])
+    failed = StageResult("s", "history", History.of(filled(History, {"reason": "no"})), failures=["s, r: no"])
     found = together("s, r", [member(0.1), failed])
-    assert found.failures == ["s, r: no"] and found.numbers["members"] == 1
+    assert found.failures == ["s, r: no"] and found.numbers.members == 1
     assert together("s, r", [failed, failed]) is failed
 
 

@@ -10,9 +10,11 @@ from assessment.analyses.dynamic.response import Setting, respond
 from assessment.analyses.dynamic.time_history import Shaking, StageResult
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, HistoryTable
+from assessment.results.schema.dynamic import History
 from mechanics.records.record import Record
 from mechanics.types import GRAVITY
 from tests.support.structures import block_on_base
+from tests.support.typed import filled
 
 STEP = 0.02
 TIME = STEP * np.arange(76)
@@ -46,10 +48,10 @@ class Asked:
 
 def bounded(found: StageResult, exact: float) -> dict:
     """Check a history's estimate against the true error of its peak; return its row."""
-    row, peak = found.convergence, found.numbers["peak_displacement_m"]
+    row, peak = found.convergence, found.numbers.peak_displacement_m
     assert row is not None and row["met"]
     assert peak == row["levels"]["peak_displacement_m"][-1]
-    assert found.numbers["time_step_s"] == STEP / 2 ** row["halvings"]
+    assert found.numbers.time_step_s == STEP / 2 ** row["halvings"]
     assert (
         abs(peak - exact) <= row["peak_displacement_error_m"] == pytest.approx(row["relative_error"] * peak)
     )
@@ -114,7 +116,7 @@ def test_a_collapse_is_confirmed_by_three_time_steps(monkeypatch):
 
 def test_a_finer_time_step_that_fails_leaves_the_coarser_one(monkeypatch):
     found = made_up(monkeypatch, "standard", lambda share: (None if share < 0.4 else 0.1, False))
-    assert found.numbers["peak_displacement_m"] == 0.1 and found.convergence["halvings"] == 1
+    assert found.numbers.peak_displacement_m == 0.1 and found.convergence["halvings"] == 1
     assert not found.convergence["met"] and not found.failures
     assert "a finer time step fails: no step is solved" in found.warnings[0]
 
@@ -128,11 +130,11 @@ def made_up(monkeypatch, accuracy, told, weaker=None, scatter=1):
         if motion.amplitude < 1.0:
             peak = weaker
         if peak is None:
-            return StageResult(state, "history", {"collapsed": None}, failures=["no step is solved"])
+            return StageResult(state, "history", History.of(filled(History)), failures=["no step is solved"])
         curve = {"time_s": [0.0, 1.0, 2.0], "displacement_m": [0.0, peak, 0.0]}
         numbers = {"peak_displacement_m": peak, "collapsed": fell, "curve": curve}
         numbers["time_of_collapse_s"] = 2.0 if fell else None
-        return StageResult(state, "history", numbers, [{"solves": 1}])
+        return StageResult(state, "history", History.of(filled(History, numbers)), [{"solves": 1}])
 
     monkeypatch.setattr(histories, "history", made)
     asked = Asked(block_on_base(), SINE, accuracy)

@@ -16,8 +16,10 @@ from assessment.analyses.dynamic.response import Setting
 from assessment.analyses.dynamic.time_history import Shaking
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, IncrementalTable
+from assessment.results.schema.dynamic import Search
 from mechanics.records.record import Record
 from tests.support.structures import block_on_base
+from tests.support.typed import filled
 
 SINGLE = Scatter(1, 0.05)
 
@@ -165,8 +167,9 @@ def test_fragility_by_maximum_likelihood():
     assert fragility([0.3, 0.3]) is None
 
 
-def _record(collapse, safe=None):
-    return {"record": "r", "pga_collapse_g": collapse, "pga_safe_g": collapse if safe is None else safe}
+def _record(collapse, safe=None, **more):
+    numbers = {"pga_collapse_g": collapse, "pga_safe_g": collapse if safe is None else safe}
+    return Search.of(filled(Search, numbers | more))
 
 
 def test_what_the_standard_takes_of_the_records():
@@ -174,38 +177,38 @@ def test_what_the_standard_takes_of_the_records():
     for count, rule, value in ((3, "lowest", 0.30), (6, "lowest", 0.30), (7, "mean", np.mean(levels))):
         warnings = []
         found = summarise([_record(level) for level in levels[:count]], warnings, "original")
-        assert (found["rule"], found["pga_collapse_g"]) == (rule, pytest.approx(value))
-        assert found["mean_pga_collapse_g"] == pytest.approx(np.mean(levels[:count]))
+        assert (found.rule, found.pga_collapse_g) == (rule, pytest.approx(value))
+        assert found.mean_pga_collapse_g == pytest.approx(np.mean(levels[:count]))
         assert warnings == []
 
 
 def test_the_range_of_a_state_is_that_of_what_the_standard_takes():
-    records = [_record(low) | {"pga_collapse_g_range": [low, high]} for low, high in ((0.3, 0.5), (0.4, 0.4))]
-    assert summarise(records, [], "original")["pga_collapse_g_range"] == [0.3, 0.4]
-    seven = [_record(0.3) | {"pga_collapse_g_range": [0.3, 0.4]}] * 7
-    assert summarise(seven, [], "original")["pga_collapse_g_range"] == pytest.approx([0.3, 0.4])
-    seven[0] = _record(0.3) | {"pga_collapse_g_range": [0.3, None]}
-    assert summarise(seven, [], "original")["pga_collapse_g_range"][1] is None
-    assert "pga_collapse_g_range" not in summarise([_record(0.3)], [], "original")
+    records = [_record(low, pga_collapse_g_range=[low, high]) for low, high in ((0.3, 0.5), (0.4, 0.4))]
+    assert summarise(records, [], "original").pga_collapse_g_range == [0.3, 0.4]
+    seven = [_record(0.3, pga_collapse_g_range=[0.3, 0.4])] * 7
+    assert summarise(seven, [], "original").pga_collapse_g_range == pytest.approx([0.3, 0.4])
+    seven[0] = _record(0.3, pga_collapse_g_range=[0.3, None])
+    assert summarise(seven, [], "original").pga_collapse_g_range[1] is None
+    assert summarise([_record(0.3)], [], "original").pga_collapse_g_range is None
 
 
 def test_fewer_than_three_records_are_warned_about():
     warnings = []
     found = summarise([_record(0.33)], warnings, "original")
-    assert found["pga_collapse_g"] == found["mean_pga_collapse_g"] == 0.33
+    assert found.pga_collapse_g == found.mean_pga_collapse_g == 0.33
     assert "at least 3" in warnings[0]
 
 
 def test_records_without_collapse_leave_the_mean_open_and_the_lowest_where_they_cannot_be_lower():
     found = summarise([_record(0.30), _record(0.40), _record(None, 0.9)], [], "original")
-    assert found["mean_pga_collapse_g"] is None
-    assert found["pga_collapse_g"] == 0.30
-    assert found["fragility"]["censored"] == 1
-    assert summarise([_record(0.30), _record(0.40), _record(None, 0.2)], [], "s")["pga_collapse_g"] is None
-    never = {"record": "r", "pga_collapse_g": None, "pga_safe_g": None}
+    assert found.mean_pga_collapse_g is None
+    assert found.pga_collapse_g == 0.30
+    assert found.fragility.censored == 1
+    assert summarise([_record(0.30), _record(0.40), _record(None, 0.2)], [], "s").pga_collapse_g is None
+    never = _record(None)
     found = summarise([_record(0.30), _record(0.40), never], [], "s")
-    assert found["pga_collapse_g"] is None
-    assert found["fragility"] is None
+    assert found.pga_collapse_g is None
+    assert found.fragility is None
 
 
 @pytest.fixture
@@ -231,13 +234,13 @@ def test_the_pulse_that_overturns_a_slender_block(pulse, setting):
     p = math.sqrt(3.0 * 9.80665 / (4.0 * 0.5 * math.hypot(0.6, 4.2)))
     share = 1.0 / (2.0 * (math.cosh(0.5 * p) - 1.0))
     expected = (1.0 + math.sqrt(1.0 + 4.0 * share)) / 2.0 * 0.6 / 4.2
-    assert numbers["pga_collapse_g"] == pytest.approx(expected, rel=0.05)
-    assert 0.0 < numbers["pga_collapse_g"] - numbers["pga_safe_g"] <= 0.005
-    assert numbers["runs"] == sum(point["members"] for point in numbers["points"])
-    fallen = {point["pga_g"]: point["collapsed"] for point in numbers["points"]}
-    assert fallen[numbers["pga_collapse_g"]]
-    assert not fallen[numbers["pga_safe_g"]]
-    assert all((point["peak_displacement_m"] is None) == point["collapsed"] for point in numbers["points"])
+    assert numbers.pga_collapse_g == pytest.approx(expected, rel=0.05)
+    assert 0.0 < numbers.pga_collapse_g - numbers.pga_safe_g <= 0.005
+    assert numbers.runs == sum(point.members for point in numbers.points)
+    fallen = {point.pga_g: point.collapsed for point in numbers.points}
+    assert fallen[numbers.pga_collapse_g]
+    assert not fallen[numbers.pga_safe_g]
+    assert all((point.peak_displacement_m is None) == point.collapsed for point in numbers.points)
     assert found.failures == found.warnings == []
     assert found.quality[0]["worst_equilibrium_residual"] < 1e-6
 
@@ -245,8 +248,8 @@ def test_the_pulse_that_overturns_a_slender_block(pulse, setting):
 def test_no_collapse_up_to_max_scale_is_null_with_a_warning(pulse, setting):
     model = block_on_base(0.6, 4.2)
     found = search(Shaking(model, pulse, setting, "original", model.initial), SINGLE, 1.2, 0.05)
-    assert found.numbers["pga_collapse_g"] is None
-    assert found.numbers["pga_safe_g"] == pytest.approx(0.12)
+    assert found.numbers.pga_collapse_g is None
+    assert found.numbers.pga_safe_g == pytest.approx(0.12)
     assert "max_scale" in found.warnings[0]
 
 
@@ -254,7 +257,7 @@ def test_a_state_that_was_not_reached_is_null_with_the_reason(pulse, setting):
     found = search(
         Shaking(block_on_base(0.6, 4.2), pulse, setting, "settled", "it collapses"), SINGLE, 5.0, 0.05
     )
-    assert found.numbers["pga_collapse_g"] is None
-    assert found.numbers["reason"] == "it collapses"
+    assert found.numbers.pga_collapse_g is None
+    assert found.numbers.reason == "it collapses"
     assert "it collapses" in found.warnings[0]
-    assert found.numbers["runs"] == 0
+    assert found.numbers.runs == 0

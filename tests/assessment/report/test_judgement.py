@@ -26,6 +26,7 @@ from assessment.results.hand_check import hand_check
 from assessment.results.plain import plain
 from assessment.results.reactions import balance
 from assessment.results.schema.checks import Capacity
+from assessment.results.schema.dynamic import Incremental
 from assessment.results.table import reference_of
 from assessment.studies.scenarios import worst as worst_of
 from assessment.workflow.stages import _comparison, _sum_up
@@ -457,7 +458,8 @@ def random_results(draw):
         capacities = {d: Capacity.of(filled(Capacity, each)) for d, each in content["capacity"].items()}
         content["governing"], content["safety_index"] = governing(capacities), safety_index(capacities)
         states[name] = content
-        checked[name] = content | {"capacity": capacities}
+        searches = Incremental.of(filled(Incremental, content["incremental"]))
+        checked[name] = content | {"capacity": capacities, "incremental": searches}
     results["states"] = plain(states)
     results["comparison"] = _comparison(checked)
     results["quality"]["by_stage"] = [

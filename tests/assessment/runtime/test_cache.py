@@ -9,11 +9,13 @@ import pytest
 
 from assessment.analyses.static.paths import Part
 from assessment.analyses.static.settlement import settle
+from assessment.results.schema.checks import Capacity, Check
 from assessment.runtime.cache import Store, packed, unpacked
 from assessment.runtime.fingerprint import fingerprint as digest
 from assessment.workflow.stages import run
 from mechanics import State
 from tests.support.structures import block_on_base
+from tests.support.typed import filled
 
 
 def test_what_was_not_used_for_longest_goes_first(tmp_path):
@@ -51,6 +53,16 @@ def test_results_keep_every_bit():
         0.3,
     )
     assert packed(found) == packed(part)
+
+
+def test_a_part_of_the_results_comes_back_with_the_keys_that_it_had():
+    """A key that was null stays apart from one that was not there; names in the file may have spaces."""
+    check = filled(Check, {"a_g_g": 1 / 7, "return_period_stated": None})
+    part = Capacity.of(filled(Capacity, {"SLD elastic": check, "alpha_0": 0.1}))
+    found = unpacked(packed({"of": [part]}))["of"][0]
+    assert found == part and found.checks["SLD elastic"].a_g_g == 1 / 7
+    assert found.model_dump(exclude_unset=True) == part.model_dump(exclude_unset=True)
+    assert "S" not in found.checks["SLD elastic"].model_fields_set
 
 
 def test_fingerprints_tell_every_content_and_type_apart():
