@@ -104,7 +104,10 @@ def fit_bilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
 
 
 def fit_curve(model: str, rigid: Curve, elastic: Curve | None = None) -> CurveFit:
-    """Return the fit named by the project's `model`: trilinear, bilinear or none (rigid branch alone)."""
+    """Return the fit named by the project's `model`: trilinear, bilinear or none (rigid branch alone).
+
+    rigid, elastic: displacement (k,) m and multiplier (k,). Raises ValueError for an unknown model, and as the fits.
+    """
     require(model in {"trilinear", "bilinear", "none"}, "model", model, "trilinear, bilinear or none")
     if model == "none":
         return fit_rigid(rigid)

@@ -22,7 +22,7 @@ UNSEEN = "gaps, and blocks that touch nothing, are looked for once these are men
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """The assembly of a project and what its drawing gave cause to warn about."""
+    """The assembly of a project, and the warnings about its drawing."""
 
     assembly: Assembly
     warnings: tuple[str, ...]

@@ -59,7 +59,10 @@ class BaseMotion:
 
 
 def history_motions(project: Project) -> list[BaseMotion]:
-    """Base motion of each [[history]]; ProjectError or ValueError naming key or file where one cannot be used."""
+    """Return the base motion of each [[history]].
+
+    Raises ProjectError or ValueError naming key or file for a record that cannot be used.
+    """
     motions = [
         _motion(project, f"history[{n}]", table, project.path(table.record), table)
         for n, table in enumerate(project.history, 1)
@@ -72,7 +75,7 @@ def history_motions(project: Project) -> list[BaseMotion]:
 
 
 def incremental_motions(project: Project) -> list[BaseMotion]:
-    """Base motion, unscaled, of each record of [incremental]; errors as history_motions."""
+    """Return the base motion, unscaled, of each record of [incremental]. Raises as history_motions."""
     if project.incremental is None:
         return []
     return [
@@ -81,7 +84,7 @@ def incremental_motions(project: Project) -> list[BaseMotion]:
 
 
 def campaign_motions(project: Project) -> list[BaseMotion]:
-    """Base motion, unscaled, of each record file of [campaign]; errors as history_motions."""
+    """Return the base motion, unscaled, of each record file of [campaign]. Raises as history_motions."""
     if project.campaign is None:
         return []
     return [_motion(project, "campaign", project.campaign, path) for path in project.campaign_records()]
@@ -104,9 +107,9 @@ def _motion(
 def motion_of(
     project: Project, key: str, table: MotionTable, original: Record, source: str = ""
 ) -> BaseMotion:
-    """Return what a record shakes the base with: in the window of a table, at its time step.
+    """Return the base motion of a record in the window of a table, at its time step.
 
-    Errors as above, naming the `source` of the record.
+    `source`: file of the record, for messages. Raises ProjectError or ValueError naming key or file.
     """
     if table.damping_ratio and table.contacts == "rigid":
         text = 'rigid contacts have no stiffness to damp; leave it out or write contacts = "elastic"'

@@ -1,6 +1,6 @@
 """Values that are allowed and hardly meant: a warning that names the key and what was probably meant.
 
-None is refused: who means it can go on.
+None is refused.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ UNITS = (("kg/m³", GRAVITY / 1e3), ("N/m³", 1e-3), ("t/m³", GRAVITY))  # of w
 
 
 def implausible(project: Project, model: Assembly) -> list[str]:
-    """Return a warning for each value of the project that does not go with its model, or with any."""
+    """Return a warning for each value that is implausible for the project's model or for any masonry."""
     low, high = (
         bound(np.concatenate([b.polygon for b in model.blocks]), axis=0) for bound in (np.min, np.max)
     )
@@ -55,7 +55,7 @@ def implausible(project: Project, model: Assembly) -> list[str]:
 
 
 def implausible_hazard(project: Project, demands: Mapping[str, Spectrum]) -> list[str]:
-    """Return a warning for each value of the site's hazard that no site has."""
+    """Return a warning for coordinates, a_g or T_C* that are implausible for a site in Italy."""
     site = project.assessment.site if project.assessment else None
     if site is None:
         return []

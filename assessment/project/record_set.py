@@ -1,4 +1,4 @@
-"""What is wrong with a set of records, told before anything is run with it."""
+"""Checks of a set of records before any analysis: names, duplicates, units and lengths."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def check_record_set(project: Project, motions: Sequence[BaseMotion]) -> None:
 
 
 def doubtful_records(motions: Sequence[BaseMotion]) -> list[str]:
-    """Return a warning for each record whose unit or length is hardly meant."""
+    """Return a warning for each record whose unit or length is implausible."""
     return [f"campaign, {motion.name}: {text}" for motion in motions for text in _doubts(motion.original)]
 
 

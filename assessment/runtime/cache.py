@@ -18,7 +18,7 @@ from typing import Any
 from assessment.runtime.files.atomic_files import write_atomically
 
 FOLDER = ".stages"  # in the output folder
-MOST_BYTES = 300_000_000  # of all entries; those not used for longest go first
+MOST_BYTES = 300_000_000  # of all entries; the least recently used are removed first
 KIND, ARRAY = "·kind", "·array"
 # packages whose dataclasses, and parts of results.json, results are made of
 OWN = ("assessment.", "mechanics.")
@@ -49,7 +49,7 @@ class Store:
         return text
 
     def read(self, key: str) -> str | None:
-        """Return the same, and write nothing: not even that it was used."""
+        """Return the same without recording that it was used: nothing is written."""
         try:
             digest, _, text = (self.folder / key).read_text(encoding="utf-8").partition("\n")
         except (OSError, UnicodeDecodeError):
@@ -57,12 +57,12 @@ class Store:
         return text if digest == _digest(key, text) else None
 
     def keep(self, key: str, text: str) -> None:
-        """Keep a packed result; a disk that refuses costs the resumption, not the run."""
+        """Keep a packed result; if it cannot be written, the run goes on without it."""
         with suppress(OSError):
             write_atomically(self.folder / key, f"{_digest(key, text)}\n{text}".encode())
 
     def prune(self, most: int = MOST_BYTES) -> None:
-        """Remove what a killed run left half-written, and beyond `most` bytes the entries not used for longest."""
+        """Remove temporary files of killed runs and, beyond `most` bytes in all, the least recently used entries."""
         with suppress(OSError):
             used = [(path.stat(), path) for path in self.folder.iterdir()]
             room = most

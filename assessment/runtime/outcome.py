@@ -1,4 +1,4 @@
-"""What a run came to."""
+"""The outcome of a run."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run came to: its results, whether every analysis asked for was completed, and how they were come by.
+    """The outcome of a run: its results, whether every analysis asked for was completed, and how many were computed.
 
-    `results`: in plain numbers, as results.json has them; `computed`: analyses of this run; `taken`: those of earlier
-    ones whose inputs have not changed.
+    `results`: in plain numbers, as results.json has them; `computed`: number of analyses of this run; `taken`:
+    number of stored results of earlier runs that were used, as their inputs have not changed.
     """
 
     results: dict[str, Any]
@@ -25,7 +25,7 @@ class Outcome:
 
     @cached_property
     def typed(self) -> Results:
-        """The results by type, held against their schema when they are first asked for: they change no more."""
+        """The typed results, validated against their schema at first use; `results` must not change afterwards."""
         from assessment.results.file import typed  # late: see workflow/run.py
 
         return typed(self.results)

@@ -1,7 +1,7 @@
-"""The analyses of a run: taken over where nothing they depend on has changed, otherwise computed.
+"""The analyses of a run: stored results are used if nothing they depend on has changed, others are computed.
 
-On several processes where that pays. An analysis is a function of its arguments alone; each is kept as soon as it is
-finished, whatever becomes of the others.
+Several processes are used where that is faster. An analysis is a function of its arguments alone; its result is stored
+as soon as it is finished, even if others fail.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Result = TypeVar("Result")
 
 
 class Show(Protocol):
-    """What is told of the analyses under way."""
+    """Receives the progress of the analyses."""
 
     def begin(self, stage: str, total: int, taken: int) -> None:
         """Tell that of `total` analyses of a stage all but `taken` are to be computed."""
@@ -44,17 +44,17 @@ class Show(Protocol):
 
 
 class Engine(Protocol):
-    """What computes beside this process: processes of this machine, or a cluster."""
+    """Computes outside this process: in processes of this machine, or on a cluster."""
 
     def submit(self, function: Callable[[*Arguments], Result], *arguments: *Arguments) -> Future[Result]:
-        """Begin function(*arguments); KilledError, the future's, where what computes it was ended from outside."""
+        """Start function(*arguments); its future raises KilledError if the process was ended from outside."""
 
     def close(self, at_once: bool) -> None:
-        """End it: `at_once`, with what it is at, where something went wrong."""
+        """End it; `at_once`: without finishing its work, after an error."""
 
 
 class Silence:
-    """Tells nothing."""
+    """A Show that ignores all progress."""
 
     def begin(self, stage: str, total: int, taken: int) -> None:
         """See Show."""
@@ -105,7 +105,7 @@ class Workers:
     ) -> list[Result]:
         """Return function(*task) for every task, in their order.
 
-        What was computed goes the same way through JSON as what is taken over: both are equal to the last bit.
+        Computed results pass through JSON as stored ones do, so that both are equal to the last bit.
         Raises KilledError where a process was ended from outside.
         """
         keys = [fingerprint(function, task) for task in tasks] if self.store else []
@@ -122,7 +122,7 @@ class Workers:
             for number, text in self._compute(function, tasks, titles, unknown, worthwhile):
                 if self.store:
                     self.store.keep(keys[number], text)
-                known[number] = unpacked(text)  # now, while other processes are at work
+                known[number] = unpacked(text)  # now, while other processes compute
                 self.computed += 1
                 self.show.advance()
                 self._tell(titles[number], known[number])
@@ -149,7 +149,7 @@ class Workers:
     ) -> Iterator[tuple[int, str]]:
         """Yield the number of each task and its packed result, as they are finished.
 
-        Long work is left to another process even where there is one task: a solver in C hears no interruption.
+        Long work runs in another process even if there is one task: a solver in C does not react to an interruption.
         """
         several = len(numbers) > 1 and (self.jobs > 1 or self.scheduler is not None)
         if not numbers or not (worthwhile or several):
@@ -165,9 +165,10 @@ class Workers:
         yield from finished(begun)
 
     def _engine(self) -> Engine:
-        """Return the processes, or the cluster, begun when first needed and kept for the stages to come."""
+        """Return the processes, or the cluster; started at first use and kept for later stages."""
         if self.engine is None:
-            gc.freeze()  # nor need it be looked through for garbage, here or there: a tenth of a second each time
+            # existing objects are left out of later garbage collections: 0.1 s less each, here and in the processes
+            gc.freeze()
             self.engine = _cluster(self.scheduler) if self.scheduler else Pool(processes(self.jobs))
         return self.engine
 

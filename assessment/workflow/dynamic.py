@@ -51,14 +51,17 @@ class Motions:
 
 
 def read_motions(project: Project) -> Motions:
-    """Read every record that the project names; ProjectError or ValueError naming file, line or key."""
+    """Read every record that the project names.
+
+    Raises ProjectError or ValueError naming file, line or key.
+    """
     found = Motions(history_motions(project), incremental_motions(project), campaign_motions(project))
     check_record_set(project, found.campaign)
     return found
 
 
 def dynamic_contacts(project: Project) -> list[Behaviour]:
-    """Contact behaviours of the dynamic stages: each needs its own settled state."""
+    """Return the contact behaviours of the dynamic stages; each needs its own settled state."""
     tables = [*project.history, project.incremental, project.campaign]
     return list(dict.fromkeys(table.contacts for table in tables if table))
 
@@ -71,9 +74,9 @@ def add_dynamics(
     stages: Iterable[StateResult],
     workers: Workers,
 ) -> bool:
-    """Carry out [[history]] and [incremental] from the states that `stages` reached and fill their results.
+    """Compute [[history]] and [incremental] from the states that `stages` reached and add them to `results`.
 
-    Returns whether every run was completed. A project without them costs nothing and is left as it is.
+    Return whether every analysis was completed.
     """
     starts = starts_of(dynamic_contacts(project), model, stages)
     campaign = Campaign(project, model, starts, ultimates(results["states"]), workers)

@@ -1,4 +1,4 @@
-"""What an earlier run left in the output folder, and what of it this run would leave just so."""
+"""The output of an earlier run, and which parts of it this run would write unchanged."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 RESULTS, FIGURES, TABLES, JUDGEMENT, REPORT = PARTS = ("results", "figures", "tables", "judgement", "report")
 EVERYTHING = frozenset(PARTS)
 NO_REPORT = EVERYTHING - {REPORT}
-PLACES = {  # of the files of each part; whatever else is there is somebody else's
+PLACES = {  # of the files of each part; other files in the folder are the user's
     RESULTS: ("results.json",),
     FIGURES: tuple(f"figures/*.{kind}" for kind in ("svg", "png", "dxf", "gif")),
     TABLES: ("tables/*.csv",),
@@ -51,7 +51,7 @@ class Keys:
 
 
 def keys_of(project: Project) -> Keys:
-    """Return the keys of a run of the project; comments in its file are a matter of the title page."""
+    """Return the keys of a run of the project; a change of comments in its file changes the page alone."""
     content, inputs = project.content(), project.digests()
     source = inputs.pop(project.source)
     software = [fingerprint.program(), fingerprint.printing()]
@@ -70,7 +70,7 @@ def keys_with(results: str, project: Project, source: str | None) -> Keys:
 
 @dataclass(frozen=True)
 class Earlier:
-    """What a run left: key and files of each part, digests of these, its warnings, and how its analyses ended."""
+    """The output of a run: keys and file digests of each part, warnings, and whether its analyses were completed."""
 
     results: str
     keys: Mapping[str, str]
@@ -80,16 +80,16 @@ class Earlier:
     warnings: list[str]
 
     def outcome(self, folder: Path) -> Outcome:
-        """Return the results that stand in the folder, all taken over."""
+        """Return the outcome stored in the folder; none of its analyses is computed again."""
         content: dict[str, Any] = json.loads((folder / "results.json").read_text(encoding="utf-8"))
         return Outcome(content, self.complete, 0, self.analyses)
 
     def intact(self, folder: Path, part: str) -> bool:
-        """Return whether the files of a part are there as they were written, and no others in their places."""
+        """Return whether the files of a part are unchanged since they were written, none missing and none added."""
         return part in self.files and _digests(folder, part) == self.files[part]
 
     def standing(self, folder: Path, keys: Keys) -> frozenset[str]:
-        """Return the parts that a run of these keys would leave as they are."""
+        """Return the parts that a run with these keys would write unchanged."""
         found = {part for part in PARTS if self.keys.get(part) == keys.of(part) and self.intact(folder, part)}
         if REPORT in found and (
             JUDGEMENT not in found  # which is printed in it
@@ -100,16 +100,16 @@ class Earlier:
 
 
 def recall(folder: Path) -> Earlier | None:
-    """Return what the last run left in an output folder; None where that is not known."""
+    """Return the record of the last run in an output folder; None if there is none that can be read."""
     text = Store(folder / FOLDER).read(ENTRY)
     try:
         return Earlier(**json.loads(text)) if text else None
-    except TypeError:  # another version kept something else
+    except TypeError:  # a record of another version
         return None
 
 
 def remember(folder: Path, outcome: Outcome, keys: Keys, parts: Collection[str], warnings: list[str]) -> None:
-    """Keep what was left in an output folder, for the next run."""
+    """Store the record of a run in its output folder, for the next run."""
     left = Earlier(
         keys.results,
         {part: keys.of(part) for part in parts},
@@ -122,7 +122,7 @@ def remember(folder: Path, outcome: Outcome, keys: Keys, parts: Collection[str],
 
 
 def forget(folder: Path) -> None:
-    """Let the next run make everything again."""
+    """Remove the record, so that the next run writes every part again."""
     (folder / FOLDER / ENTRY).unlink(missing_ok=True)
 
 

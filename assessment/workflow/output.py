@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 def prepare(report: bool) -> None:
-    """Import what `write` needs: nearly two seconds' work, which may be done while others compute."""
+    """Import what `write` needs; it takes nearly two seconds, which other processes use to compute."""
     import pandas  # noqa: F401
 
     import assessment.report.figures.animation
@@ -53,10 +53,10 @@ def write(
     """Write parts of what is made of results into `folder`, all at once; each set appears whole or not at all.
 
     `content`: the same results in plain numbers, as results.json has them.
-    Parts `kept` stand there as they are; those of earlier results that are neither go. A judgement.md that was edited
-    is kept and printed. Returns warnings (a PDF that could not be made). `jobs`: processes, 0: one per core;
+    Parts `kept` stay unchanged; all other files of earlier results are removed. A judgement.md that was edited
+    is kept and printed. Return warnings (a PDF that could not be made). `jobs`: processes, 0: one per core;
     `attachments`: pictures that end the report. Raises
-    KilledError where one of them was ended from outside, OSError that names a file; nothing is changed then.
+    KilledError if one of them was ended from outside, OSError that names a file; the folder is then unchanged.
     """
     folder.mkdir(parents=True, exist_ok=True)
     ours = (folder / "results.json").exists()
@@ -125,7 +125,7 @@ def _make(
 
 
 def _linked(old: Path, new: Path) -> None:
-    """Have a file in a second place as well, on the disk once where that can be."""
+    """Link a file to a second path, or copy it where the file system has no links."""
     new.parent.mkdir(exist_ok=True)
     try:
         os.link(old, new)
@@ -134,5 +134,5 @@ def _linked(old: Path, new: Path) -> None:
 
 
 def _at_home(name: Any, new: Path, folder: Path) -> Any:
-    """Return the name of a file in the place that is meant for it."""
+    """Return the final path of a file that was written in the scratch folder."""
     return str(folder / Path(name).relative_to(new)) if name and Path(name).is_relative_to(new) else name

@@ -1,6 +1,6 @@
-"""A run from the project to the output folder, and the report of stored results: what has not changed is left as it is.
+"""A run from the project to the output folder, and the report of stored results; unchanged parts are not made again.
 
-Imports are late: a run in which nothing has changed needs none of the analyses and of what draws.
+Imports are late: a run in which nothing has changed needs neither the analyses nor the figures.
 """
 
 from __future__ import annotations
@@ -47,10 +47,10 @@ def carry_out(
 ) -> tuple[Outcome, list[str]]:
     """Carry out every stage that the project asks for and write what is made of the results into `folder`.
 
-    Where an earlier run left just that, nothing is computed or written; where only the title page or the language has
+    If an earlier run wrote the same, nothing is computed or written; if only the title page or the language has
     changed, nothing is computed. `jobs`: processes, 0: as many as help; `scheduler`: address of a Dask cluster in their
-    place; `fresh`: nothing is taken over. Returns what
-    the run came to, and warnings of the writing. Raises BusyError while another run is at work in the folder.
+    place; `fresh`: stored results are not used. Return
+    the outcome of the run, and warnings of the writing. Raises BusyError while another run writes into the folder.
     """
     parts, keys = EVERYTHING if report else NO_REPORT, keys_of(project)
     last = None if fresh else recall(folder)
@@ -90,7 +90,7 @@ def _analysed(
     from assessment.workflow.stages import run
 
     if (folder / NAME).is_file():
-        read_judgement(folder / NAME)  # what cannot be read is told before any analysis
+        read_judgement(folder / NAME)  # a file that cannot be read is refused before any analysis
     model = build_model(project)
     return run(project, model, jobs, Store(folder / FOLDER), fresh, show, partial(prepare, report), scheduler)
 
@@ -98,8 +98,8 @@ def _analysed(
 def print_again(project: Project, folder: Path) -> list[str]:
     """Render the report, figures and tables again from the results in `folder`, without any analysis.
 
-    Title page and language are those of the project. Returns warnings. Raises ValueError for results that are not
-    there, or that cannot be printed: damaged, edited, of another version. BusyError as `carry_out`.
+    Title page and language are those of the project. Return warnings. Raises ValueError for results that are missing
+    or cannot be printed (damaged, edited, of another version), BusyError as `carry_out`.
     """
     from assessment.results.file import read_content, typed
     from assessment.workflow.output import write
@@ -120,7 +120,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
             raise
         except Exception as error:
             if last is not None and not edited and last.results == keys_of(project).results:
-                raise  # a bug: just so they were written
+                raise  # a fault of the program: the results are unchanged
             raise ValueError(
                 f"{stored}: damaged or edited, cannot be printed; run the project again"
             ) from error

@@ -23,9 +23,9 @@ STAGES = {  # stage: table
 
 
 def select(project: Project, only: Iterable[str] | None) -> Project:
-    """The project with only some of its stages; ProjectError for a stage that does not exist.
+    """Return the project with only some of its stages. Raises ProjectError for a stage that does not exist.
 
-    A settled state is made where a stage needs it: settlements stay unless no other stage but the assessment is left.
+    Settlements stay if a stage other than the assessment needs the settled states.
     """
     if only is None:
         return project

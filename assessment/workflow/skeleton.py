@@ -40,7 +40,7 @@ PACKAGES = (
 
 
 def describe(project: Project, model: Model) -> Results:
-    """Return results without any analysis: every state is there, and empty."""
+    """Return results before any analysis: every state is present and empty."""
     a = model.assembly
     return {
         "format": FORMAT,
@@ -86,7 +86,7 @@ def describe(project: Project, model: Model) -> Results:
 
 
 def _spelt(value: Any) -> Any:
-    """Return what the project file says with infinity as it is written there: JSON has none."""
+    """Return the content of the project file with infinity as the text "inf": JSON has no infinity."""
     if isinstance(value, dict):
         return {key: _spelt(each) for key, each in value.items()}
     if isinstance(value, list):

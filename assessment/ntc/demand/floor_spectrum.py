@@ -48,7 +48,11 @@ def fundamental_period(building_height: float) -> Step:
 def first_mode(
     period: float, storeys: int, height: float, building_height: float, damping: float = 0.05
 ) -> Mode:
-    """Return the approximate first mode: γ_1 = 3n/(2n+1), ψ_1 = z/H (Circolare 7/2019, C7.2.3)."""
+    """Return the approximate first mode: γ_1 = 3n/(2n+1), ψ_1 = z/H (Circolare 7/2019, C7.2.3).
+
+    period in s; n: storeys; z: height of the mechanism, H: of the building, m; damping as a fraction of critical.
+    Raises ValueError naming the argument.
+    """
     require(storeys >= 1, "storeys", storeys, "a whole number ≥ 1")
     require(0.0 <= height <= building_height, "height", height, "from 0 to the building's height, in m")
     require(building_height > 0.0, "building_height", building_height, "positive, in m")

@@ -62,7 +62,10 @@ class Ring:
         return [np.array([inner[k], inner[k + 1], outer[k + 1], outer[k]]) for k in range(self.voussoirs)]
 
     def springer(self, width: float, bottom: float) -> Array:
-        """Right-hand block `width` wide below the ring, its inner face flush with the intrados."""
+        """Return the right-hand block, `width` (m) wide, below the ring; its inner face is flush with the intrados.
+
+        `bottom` (m): level of its foot. Raises ValueError for a ring whose foot is wider than the block.
+        """
         (xi, zi), (xe, ze) = self.joints(0.0)[-1], self.joints(self.thickness)[-1]
         if xe - xi > width + 1e-9:
             raise ValueError(f"thickness: the ring's foot is {xe - xi:.3g} m wide, its support {width:g} m")
@@ -70,7 +73,7 @@ class Ring:
 
 
 def rectangle(x0: float, x1: float, z0: float, z1: float) -> Array:
-    """Rectangle (4, 2), anticlockwise."""
+    """Return a rectangle (4, 2), m, anticlockwise."""
     return np.array([(x0, z0), (x1, z0), (x1, z1), (x0, z1)])
 
 
@@ -82,7 +85,7 @@ def course(x0: float, x1: float, z0: float, z1: float, *, blocks: int, shifted: 
 
 
 def running_bond(x0: float, x1: float, levels: Array, blocks: int) -> list[Array]:
-    """Courses between consecutive levels, every second one shifted by half a block."""
+    """Return courses between consecutive levels, every second one shifted by half a block."""
     return [
         block
         for k, (z0, z1) in enumerate(pairwise(levels))
@@ -108,12 +111,12 @@ def fitted(cells: Iterable[Array], region: Polygon) -> list[Array]:
 
 
 def mirrored(blocks: Iterable[Array]) -> list[Array]:
-    """Mirror images about x = 0, still anticlockwise."""
+    """Return the mirror images about x = 0, anticlockwise as before."""
     return [(block * (-1.0, 1.0))[::-1] for block in blocks]
 
 
 def block(*, width_m: float, height_m: float) -> Layout:
-    """One block on a wider base."""
+    """Return one block on a wider base."""
     half, base = 0.5 * width_m, 0.5 * width_m
     return tidied(
         BASE=[rectangle(-half - base, half + base, -base, 0.0)],
@@ -124,7 +127,10 @@ def block(*, width_m: float, height_m: float) -> Layout:
 def wall(
     *, block_length_m: float, block_height_m: float, blocks: int, courses: int, moving_blocks: int
 ) -> Layout:
-    """Running-bond wall from x = 0 on two bases, the right one under the last `moving_blocks`."""
+    """Return a running-bond wall from x = 0 on two bases, the right one under the last `moving_blocks`.
+
+    Raises ValueError if no block is left on the other base.
+    """
     if moving_blocks >= blocks:
         raise ValueError(f"moving_blocks: must be fewer than blocks ({blocks}), is {moving_blocks}")
     length, split = blocks * block_length_m, (blocks - moving_blocks) * block_length_m
@@ -137,7 +143,7 @@ def wall(
 
 
 def arch(*, span_m: float, rise_m: float, thickness_m: float, voussoirs: int) -> Layout:
-    """Voussoir arch on two springer supports."""
+    """Return a voussoir arch on two springer supports. Raises ValueError as Ring."""
     ring = Ring(span_m, rise_m, thickness_m, voussoirs)
     springer = ring.springer(thickness_m, -thickness_m)
     return tidied(BASE_SINISTRA=mirrored([springer]), BASE_DESTRA=[springer], ARCO=ring.blocks())
@@ -153,7 +159,7 @@ def buttressed_arch(
     pier_height_m: float,
     blocks_per_pier: int,
 ) -> Layout:
-    """Voussoir arch on two piers, each a stack of blocks on a base; the top one is cut to the arch's foot."""
+    """Return a voussoir arch on two piers, stacks of blocks on a base; the top block is cut to the arch's foot."""
     ring = Ring(span_m, rise_m, thickness_m, voussoirs, springing=pier_height_m)
     levels = np.linspace(0.0, pier_height_m, blocks_per_pier + 1)
     inner, outer = 0.5 * span_m, 0.5 * span_m + pier_width_m

@@ -21,12 +21,12 @@ COLOURS = (7, 8, 30, 1, 5, 3)  # AutoCAD colour indices of the layers, in their 
 
 
 def template_options(template: str) -> dict[str, Option]:
-    """Options of a template, name to (default, unit, description); ProjectError for an unknown template."""
+    """Return the options of a template: name to (default, unit, description). Raises ProjectError if it is unknown."""
     return dict(_template(template).options)
 
 
 def template_layout(template: str, options: Mapping[str, float] | None = None) -> Layout:
-    """Polygons of a template by layer, m; raises ProjectError for options that do not fit."""
+    """Return the polygons of a template by layer, m. Raises ProjectError for options that do not fit."""
     try:
         return _template(template).layout(**_values(template, options or {}))
     except ProjectError:
@@ -48,7 +48,10 @@ def new_project(folder: Path, template: str, options: Mapping[str, float], sourc
 
 
 def write_project(folder: Path, layout: Layout, content: Mapping[str, Any], source: str = TOML) -> None:
-    """Write drawing, record and commented project file into a new folder, whole or not at all."""
+    """Write drawing, record and commented project file into a new folder, whole or not at all.
+
+    Raises ProjectError if the folder exists and is not empty, OSError if it cannot be written.
+    """
     if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
         raise ProjectError(f"{folder}: folder: exists and is not empty; give the name of a new one")
     folder.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""A record of our own making, for projects that have none: compatible with an elastic spectrum, seeded."""
+"""An artificial record for projects that have none: compatible with an elastic spectrum, the same for the same seed."""
 
 from __future__ import annotations
 

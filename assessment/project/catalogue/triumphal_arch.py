@@ -118,7 +118,10 @@ class TriumphalArch:
         return fitted(running_bond(-self.face, self.face, self.upper_levels, self.spandrel_blocks), region)
 
     def roof(self, masonry: list[Array]) -> list[Array]:
-        """Return square beams at about equal distances, each over the middle of a block of the top course."""
+        """Return square beams at about equal distances, each over the middle of a block of the top course.
+
+        Raises ValueError if they do not fit side by side.
+        """
         top = [block for block in masonry if block[:, 1].max() > self.height_m - 1e-9]
         middles = np.array([0.5 * (block[:, 0].min() + block[:, 0].max()) for block in top])
         spots = self.outer * (np.arange(1, 2 * self.beams, 2) / self.beams - 1.0)

@@ -34,7 +34,10 @@ class _Oversized(Exception):  # noqa: N818 - not an error of the file's form
 
 
 def read_sheets(path: Path) -> tuple[dict[str, Rows], dict[str, Rows]]:
-    """Return the rows of every sheet, with formulas as their stored values, and with formulas as they are."""
+    """Return the rows of every sheet twice: with the stored values of formulas, and with the formulas themselves.
+
+    Raises ProjectError for a workbook that is damaged or too large.
+    """
     from openpyxl import load_workbook
 
     archive = _archive(path)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 @contextmanager
 def naming(path: Path) -> Iterator[None]:
-    """Let what the system raises name a file: of a full disk it names none."""
+    """Raise every OSError of the block with the name of the file; for a full disk the system gives none."""
     try:
         yield
     except OSError as error:

@@ -1,4 +1,4 @@
-"""What a run is at, in a file that outlives a kill: written line by line, read by `assesto status`."""
+"""The progress of a run in a file that remains if the run is killed: written line by line, read by `assesto status`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ NAME = ".assesto.journal"  # in the output folder, while a run is at work there 
 
 @contextmanager
 def journal(folder: Path, show: Show) -> Iterator[Show]:
-    """Yield what tells `show` and the journal of a folder; a run that does not come to its end leaves it behind."""
+    """Yield a Show that reports to `show` and writes the journal of a folder.
+
+    The journal is removed when the run ends, and stays if it is killed or fails.
+    """
     path = folder / NAME
     path.unlink(missing_ok=True)
     yield Journal(path, show)
@@ -58,7 +61,7 @@ class Journal:
         self.show.end()
 
     def _write(self, **event: Any) -> None:
-        """Append a line; a disk that refuses costs the journal, not the run."""
+        """Append a line; if it cannot be written, the run goes on without it."""
         with suppress(OSError):
             descriptor = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
             try:
@@ -92,7 +95,7 @@ class Stage:
 
 
 def read_journal(folder: Path) -> list[Stage]:
-    """Return the stages of the journal in a folder; none where there is none. A line cut short is left out."""
+    """Return the stages of the journal in a folder; none where there is none. An incomplete line is left out."""
     try:
         lines = (folder / NAME).read_text(encoding="utf-8").splitlines()
     except OSError:

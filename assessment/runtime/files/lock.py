@@ -19,7 +19,7 @@ except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
 NAME = ".assesto.lock"  # in the output folder, while a run writes there
-BEYOND = 1 << 20  # byte that Windows locks, and lets nobody read: behind what is written
+BEYOND = 1 << 20  # byte that Windows locks and nobody can read then: behind the text
 
 
 class BusyError(ProjectError):
@@ -28,9 +28,9 @@ class BusyError(ProjectError):
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Keep other runs out of a folder, which is made where it is not there, and goes again where it stays empty.
+    """Keep other runs out of a folder; it is created if missing, and removed again if it stays empty.
 
-    Raises BusyError where another run is at work in it, OSError where nothing can be written.
+    Raises BusyError if another run writes into it, OSError if it cannot be written.
     """
     made = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
@@ -43,10 +43,11 @@ def locked(folder: Path) -> Iterator[None]:
         )
         yield
     finally:
-        with suppress(OSError):  # before it is free: who waits for a file that is gone looks again
+        # before the lock is released: a process that holds the removed file opens a new one
+        with suppress(OSError):
             path.unlink()
         os.close(descriptor)
-        with suppress(OSError):  # Windows removes none that is open
+        with suppress(OSError):  # Windows does not remove an open file
             path.unlink()
         if made:
             with suppress(OSError):  # not empty
@@ -54,7 +55,7 @@ def locked(folder: Path) -> Iterator[None]:
 
 
 def holder(folder: Path) -> str | None:
-    """Return which process writes into a folder; None where none does."""
+    """Return the process that writes into a folder; None if there is none."""
     try:
         descriptor = os.open(folder / NAME, os.O_RDWR)
     except OSError:
@@ -66,7 +67,7 @@ def holder(folder: Path) -> str | None:
 
 
 def _claimed(path: Path) -> int:
-    """Return the descriptor of a lock that is ours alone."""
+    """Return the descriptor of a lock that no other process holds."""
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
         if not _lock(descriptor):
@@ -79,11 +80,11 @@ def _claimed(path: Path) -> int:
         with suppress(FileNotFoundError):
             if path.stat().st_ino == os.fstat(descriptor).st_ino:
                 return descriptor
-        os.close(descriptor)  # of a file that the run before has just removed
+        os.close(descriptor)  # the file was just removed by the previous run
 
 
 def _lock(descriptor: int) -> bool:
-    """Lock an open file; return whether no other process has. Where the file system has no locks, none has."""
+    """Lock an open file; return whether that succeeded. On a file system without locks it always does."""
     try:
         if fcntl is not None:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -16,8 +16,8 @@ from pathlib import Path
 
 from assessment.runtime.errors import ProjectError
 
-SCRATCH = ".assesto-"  # folders where files are made before they take their place
-LAST = "results.json"  # where it is new, all is; while others are moved it is away
+SCRATCH = ".assesto-"  # prefix of the folders where files are written before they are moved
+LAST = "results.json"  # moved last, and removed first: if it is new, all files are
 OWN = frozenset(
     {"figures", "tables", "attachments", ".stages"}
 )  # folders that may be within one that is exchanged
@@ -25,7 +25,7 @@ HERE, EXCHANGE = -100, 2  # AT_FDCWD; RENAME_EXCHANGE of Linux, RENAME_SWAP of m
 
 
 def clear(folder: Path) -> None:
-    """Remove what runs that were killed have left half made; the folder has to be locked."""
+    """Remove unfinished files of runs that were killed; the folder has to be locked."""
     for left in [*folder.glob(f"{SCRATCH}*"), *folder.parent.glob(f".{folder.name}{SCRATCH}*")]:
         shutil.rmtree(left, ignore_errors=True)
 
@@ -33,8 +33,8 @@ def clear(folder: Path) -> None:
 def put_in_place(new: Path, folder: Path, made: Collection[str], gone: Collection[str]) -> None:
     """Put files made in `new`, a folder within `folder`, in the place of those `gone`; all else in `folder` stays.
 
-    Names are relative, with slashes. In `new` is left what goes. Raises ProjectError that names a file which cannot be
-    replaced (on Windows one that is open elsewhere), OSError of another kind; then nothing was changed.
+    Names are relative, with slashes. The replaced files are left in `new`. Raises ProjectError that names a file which
+    cannot be replaced (on Windows one that is open elsewhere), OSError otherwise; the folder is then unchanged.
     """
     for name in made:
         _flush(new / name)
@@ -53,10 +53,10 @@ def put_in_place(new: Path, folder: Path, made: Collection[str], gone: Collectio
 
 
 def _exchange(new: Path, folder: Path, ours: Collection[str]) -> None:
-    """Exchange the two folders, what others have in the old one linked into the new one as well.
+    """Exchange the two folders; files in the old one that are not `ours` are linked into the new one first.
 
-    Raises OSError where that cannot be done: by the system, on this disk, with folders of others within; or should not,
-    because somebody is at work in the folder: the command was given there, or it holds the project.
+    Raises OSError if the system or the disk cannot do it or the folder holds unknown folders, and if it should not be
+    replaced: it is the working directory, or holds the project.
     """
     if Path.cwd().is_relative_to(folder) or any(folder.glob("project.*")):
         raise OSError(errno.EBUSY, "is somebody's place of work", str(folder))
@@ -111,7 +111,7 @@ def _exchange_names(one: Path, other: Path) -> None:
 
 
 def _move(moves: Sequence[tuple[Path, Path]]) -> None:
-    """Rename files one by one; where one cannot be, put those before it back."""
+    """Rename files one by one; if one cannot be renamed, rename those before it back."""
     done: list[tuple[Path, Path]] = []
     try:
         for source, target in moves:
@@ -125,7 +125,7 @@ def _move(moves: Sequence[tuple[Path, Path]]) -> None:
 
 
 def _flush(path: Path) -> None:
-    """Have a file or a folder on the disk; Windows cannot be asked for a folder."""
+    """Flush a file or a folder to the disk; Windows cannot flush a folder."""
     if path.is_dir() and os.name == "nt":
         return
     descriptor = os.open(path, os.O_RDONLY if path.is_dir() else os.O_RDWR)

@@ -1,4 +1,4 @@
-"""Ctrl-C, and a system or a terminal that asks a process to end, end it within a second, whatever it is at."""
+"""Ctrl-C and the signals that end a process end it within a second, even during long work in C libraries."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Processes that compute side by side: a function and its arguments go in, results come out as they are finished.
+"""Processes that compute side by side: a functions and their arguments are sent, results returned as they are finished.
 
-They end with the process that started them, however it ends; where one of them is killed, the others are ended too.
+They end with the process that started them, however it ends; if one of them is killed, the others are ended too.
 """
 
 from __future__ import annotations
@@ -49,7 +49,10 @@ class Pool:
         )
 
     def submit(self, function: Callable[[*Arguments], Result], *arguments: *Arguments) -> Future[Result]:
-        """Begin function(*arguments); what it returns, or raises, is the future's."""
+        """Start function(*arguments) and return its future; without processes it is computed at once.
+
+        Raises KilledError if a process was ended from outside.
+        """
         if self._executor is None:
             done: Future[Result] = Future()
             done.set_result(function(*arguments))
@@ -60,7 +63,7 @@ class Pool:
             raise _told(error) from error.__cause__
 
     def apply(self, function: Callable[..., Result], *arguments: Any) -> Future[Result]:
-        """Begin function(held, *arguments)."""
+        """Start function(held, *arguments) and return its future."""
         if self._executor is None:
             return self.submit(function, self.held, *arguments)
         return self.submit(_apply, function, arguments)
@@ -72,7 +75,7 @@ class Pool:
         self.close(at_once=kind is not None)
 
     def close(self, at_once: bool) -> None:
-        """End the processes: `at_once`, with what they are at, where something went wrong."""
+        """End the processes; `at_once`: without finishing their work, after an error."""
         if self._executor is None:
             return
         if at_once:
@@ -95,7 +98,10 @@ def finished(begun: Mapping[Future[Result], Key]) -> Iterator[tuple[Key, Result]
 
 
 def result_of(future: Future[Result]) -> Result:
-    """Return a future's result as soon as it is there; KilledError where a process was ended from outside."""
+    """Wait for a future and return its result.
+
+    Raises what its function raised, KilledError if a process was ended from outside.
+    """
     try:
         return future.result()
     except BrokenProcessPool as error:

@@ -1,4 +1,4 @@
-"""Standard output and error: whatever they cannot take, a finished run is not lost for it."""
+"""Standard output and error: a text that cannot be printed does not end a run."""
 
 from __future__ import annotations
 

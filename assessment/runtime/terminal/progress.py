@@ -1,4 +1,4 @@
-"""What the terminal shows: the analyses under way, and the run in one table or as JSON."""
+"""Output in the terminal: a progress bar during the analyses, and a summary of the run as a table or JSON."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class TimeLeft:
 
 
 class Bars:
-    """A bar for the stage under way, with the time left, and a line for each that is finished."""
+    """A progress bar for the current stage with the time left, and a line for each finished stage."""
 
     def __init__(self, console: Console) -> None:
         from rich.progress import (
@@ -92,7 +92,7 @@ class Bars:
 
 @contextmanager
 def progress() -> Iterator[Show]:
-    """Yield what shows the analyses under way on standard error; silent where that is no terminal."""
+    """Yield a Show that prints progress to standard error; silent if that is not a terminal."""
     if not sys.stderr.isatty():
         from assessment.runtime.tasks import SILENCE
 
@@ -106,7 +106,7 @@ def progress() -> Iterator[Show]:
 
 
 def model_summary(results: Results) -> str:
-    """The model in a few lines."""
+    """Return a summary of the model, a few lines."""
     model = results.model
     return "\n".join(
         [
@@ -120,12 +120,12 @@ def model_summary(results: Results) -> str:
 
 
 def told(warnings: Iterable[str]) -> list[str]:
-    """Warnings as lines of their own, each once."""
+    """Return the warnings as lines, each once."""
     return [f"warning: {text}" for text in dict.fromkeys(warnings)]
 
 
 def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
-    """The run in one table, state by direction; warnings last."""
+    """Return a summary of the run: a table by state and direction, then the warnings."""
     results = outcome.typed
     lines = [model_summary(results), *_table(capacities(results))]
     turned = turns(results.echo)
@@ -151,7 +151,7 @@ def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
 
 
 def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
-    """The same for programs: one JSON object; what was not asked for or not reached is null."""
+    """Return the summary as one JSON object; null for what was not asked for or not reached."""
     results, plain = outcome.typed, outcome.results
     content = {
         "assesto": results.assesto,

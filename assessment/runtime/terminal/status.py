@@ -1,4 +1,4 @@
-"""What a run in an output folder is at, or came to, for people."""
+"""The progress or outcome of the run in an output folder, as text."""
 
 from __future__ import annotations
 
