@@ -19,6 +19,7 @@ from assessment.report.figures.index import pictures
 from assessment.report.joints import assumptions, pressures_told, reported_pressures
 from assessment.report.judgement import all_warnings, draft_judgement, worst_scenario
 from assessment.report.pdf import command, load_weasyprint
+from assessment.report.second_solver import reported_second_solver, told
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import index as tables
 from assessment.report.tables.campaign import reported_campaign
@@ -68,6 +69,7 @@ CHAPTERS = (
 DYNAMIC = ("history", "incremental")  # chapters before the comparison, where their stages were asked for
 STUDIES = ("scenarios", "sensitivity")  # likewise
 CAMPAIGN = "campaign"  # likewise, behind them
+SIGNIFICANT = {"hand_check": 4, "second_solver": 8}  # digits of tables that show how near two values are
 ONSET = 0.01  # of α_0: an onset below it by more is that of a part
 
 
@@ -155,6 +157,7 @@ def render_html(
         too_many=list(_too_many(results, words)),
         warnings=[sentence(warning, words) for warning in all_warnings(results)],
         local=_local_limit(results, words),
+        second_solver=list(told(results, words)),
         vertical=list(vertical_told(results, words)),
         refused=[
             {"name": given.name, "reason": translated(given.refused, words)}
@@ -257,6 +260,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         *(reported(table, words) for table in convergence_tables(results)),
         tables.quality(results),
         hand_check(results),
+        reported_second_solver(results, words),
         Table("echo", list(echoed(printed(results.echo), words)), ("table", "setting", "value")),
     ]
     found = {
@@ -264,7 +268,7 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
             table,
             words,
             words(f"caption.{table.name}"),
-            4 if table.name == "hand_check" else 3,
+            SIGNIFICANT.get(table.name, 3),
             reference_of(results),
         )
         for table in made

@@ -8,6 +8,7 @@ import numpy as np
 from markupsafe import Markup
 
 from assessment.ntc.limit_states import CHECKS
+from assessment.report.second_solver import agreement
 from assessment.report.tables.capacity import capacities, chosen_checks, summary, verification
 from assessment.report.tables.convergence import convergence_tables
 from assessment.report.tables.index import mechanisms
@@ -258,7 +259,7 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
     if len(known) == len(RESIDUALS) and not poor:
         yield words("judgement.certificates", **known)
     yield from _converged(results, words)
-    yield from _limit_analysis(results, words)
+    yield from agreement(results, words)
     deviations = [
         abs(row[key]) for row in hand_check(results).rows for key in ("deviation", "hand_deviation")
     ]
@@ -287,19 +288,6 @@ def _converged(results: Results, words: Words) -> Iterator[Markup]:
         good = max(known) <= tolerance and len(known) == len(found)
         key = "judgement.converged" if good else "judgement.not_converged"
         yield words(key, error=100.0 * max(known), tolerance=100.0 * tolerance)
-
-
-def _limit_analysis(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield how far the multiplier of the path is from that of limit analysis, in the state as drawn."""
-    original = results.states.get("original")
-    rigid = [pushover.rigid for pushover in original.pushover.values()] if original else []
-    deviations = [
-        abs(each.alpha_0 / each.alpha_onset - 1.0)
-        for each in rigid
-        if each and each.alpha_0 and each.alpha_onset
-    ]
-    if deviations:
-        yield words("judgement.limit_analysis", deviation=100.0 * max(deviations))
 
 
 def all_warnings(results: Results) -> list[str]:

@@ -14,6 +14,7 @@ from assessment.analyses.checks.indices import knowledge_numbers, state_indices
 from assessment.analyses.checks.ranges import Assess, with_ranges
 from assessment.analyses.static.ensemble import members
 from assessment.analyses.static.paths import stand
+from assessment.analyses.static.second_solver import second_solver
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.ntc.limit_states import SURFACE
 from assessment.project.plausibility import implausible_hazard
@@ -81,6 +82,7 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
     ensembles = _ensembles(project, assembly, converged, workers)
     _add_states(results, converged)
     _add_capacities(results, project, assembly, demands, ensembles)
+    _add_second_solver(results, assembly, converged, workers)
 
     statics = Statics(results["states"], converged.stages, converged.halvings)
     studied = add_studies(results, project, assembly, statics, demands, motions.campaign, workers)
@@ -131,6 +133,33 @@ def _add_states(results: Results, converged: Convergence) -> None:
         results["quality"]["by_stage"] += stage.quality
         for name, seconds in stage.seconds.items():
             results["timing_s"][name] = results["timing_s"].get(name, 0.0) + seconds
+
+
+def _add_second_solver(
+    results: Results, assembly: Assembly, converged: Convergence, workers: Workers
+) -> None:
+    """Add to every rigid curve that is reported the multiplier of limit analysis by a second program.
+
+    Of a state with an ensemble it is that of its own run, as drawn, whichever member's curve is reported.
+    """
+    found = [
+        (stage.state, direction, activated, float(stage.pushover[direction]["alpha_0"]))
+        for stage in converged.stages
+        for direction, activated in stage.activated.items()
+    ]
+    parts = workers.each(
+        "second solver",
+        second_solver,
+        [(assembly, *each) for each in found],
+        [f"{name}, limit analysis {direction}" for name, direction, *_ in found],
+        large(assembly),
+    )
+    for (name, direction, *_), part in zip(found, parts, strict=True):
+        if rigid := results["states"][name]["pushover"][direction].get("rigid"):
+            rigid["second_solver"] = part.numbers
+        results["quality"]["warnings"] += part.warnings
+    if parts:
+        results["timing_s"]["second solver"] = sum(part.seconds for part in parts)
 
 
 def _add_capacities(

@@ -8,6 +8,7 @@ from mechanics.procedures.mechanism import hinges, virtual_work_multiplier
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.pushdown import Pushdown, whole_movement
 from mechanics.procedures.pushover import Pushover
+from mechanics.procedures.static_theorem import static_theorem
 from mechanics.procedures.step_control import HALVINGS
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "Pushover",
     "hinges",
     "limit_in",
+    "static_theorem",
     "virtual_work_multiplier",
     "whole_movement",
 ]

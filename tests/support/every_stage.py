@@ -22,7 +22,7 @@ max_scale = 2.0
 REPORT = """[report]
 language = "it"
 """
-ALL = 10  # analyses: self-weight, a pushdown, two pushovers, two histories by pairs and two searches
+ALL = 12  # analyses: self-weight, a pushdown, two pushovers with their second solver, four histories and searches
 
 
 def write_every_stage(folder: Path) -> Path:

@@ -131,6 +131,7 @@ def add_curve(
     result.warnings += crossings(title, path.crossed, setting.increment)
     result.scatters = turns_on_rounding(model, path)
     rigid = setting.behaviour == "rigid"
+    result.activated = path.states[path.peak] if rigid else None
     met = Met(model)
     numbers = (
         rigid_numbers(model, control, direction, path, met)

@@ -54,12 +54,14 @@ class Quality:
 class Part:
     """Result of one static analysis: `numbers` for results.json, None if there are none.
 
-    `reached`: the settled state, at rest; None where the structure collapses before. `failures`: what could not be
-    completed. `scatters`: whether the path amplifies the last digits of its input.
+    `reached`: the settled state, at rest; None where the structure collapses before. `activated`: where a rigid curve
+    has its largest multiplier. `failures`: what could not be completed. `scatters`: whether the path amplifies the last
+    digits of its input.
     """
 
     numbers: dict[str, Any] | None = None
     reached: State | None = None
+    activated: State | None = None
     quality: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)

@@ -60,8 +60,8 @@ class Request:
 class StateResult:
     """Result of one state under one behaviour; `failures`: analyses that could not be completed.
 
-    `reached`: the settled state, at rest; None where the structure collapses before. `scatters`: whether a path
-    amplifies the last digits of its input.
+    `reached`: the settled state, at rest; None where the structure collapses before. `activated`: by direction, where a
+    rigid curve has its largest multiplier. `scatters`: whether a path amplifies the last digits of its input.
     """
 
     state: str
@@ -70,6 +70,7 @@ class StateResult:
     pushover: dict[str, dict[str, Any]] = field(default_factory=dict)
     configuration: list[list[float]] | None = None
     reached: State | None = None
+    activated: dict[Direction, State] = field(default_factory=dict)
     quality: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
@@ -159,6 +160,9 @@ def _result(request: Request, settled: Part | None, pushed: dict[Direction, Part
     result.take("pushover", list(pushed.values()))
     result.pushover = {
         direction: part.numbers for direction, part in pushed.items() if part.numbers is not None
+    }
+    result.activated = {
+        direction: part.activated for direction, part in pushed.items() if part.activated is not None
     }
     return result
 

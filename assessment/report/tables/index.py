@@ -85,6 +85,7 @@ def tables(results: Results) -> list[Table]:
         cracks(results),
         macro_block_table(results),
         hand_check(results),
+        second_solver(results),
         quality(results),
         spectrum(results),
         action(results),
@@ -245,6 +246,24 @@ def mechanisms(results: Results) -> Table:
     named = [key for key in (*OTHER_LAW, "mechanism_alpha") if any(key in each for each in rows)]
     columns = ("hinges", "sliding_joints", "moving_weight_kN", "e_star", "gamma_star")
     return Table("mechanisms", rows, ("state", "direction", "alpha_0", *named, *columns))
+
+
+SECOND_SOLVER = ("alpha_0", "alpha_program", "alpha_linear_program", "relative_difference")
+
+
+def second_solver(results: Results) -> Table:
+    """List the multipliers of limit analysis by two programs, beside α0 and the friction law of its curve."""
+    rows = [
+        {
+            "state": name,
+            "direction": direction,
+            "sliding": rigid.sliding,
+            **cells(rigid.second_solver, SECOND_SOLVER),
+        }
+        for name, direction, rigid in found_mechanisms(results)
+        if rigid.second_solver
+    ]
+    return Table("second_solver", rows, ("state", "direction", "sliding", *SECOND_SOLVER))
 
 
 def static_ranges(results: Results) -> Table:

@@ -81,6 +81,20 @@ class Mechanism(Part):
     moving_weight_kN: float = key("weight of the blocks that move", "kN")
 
 
+class SecondSolver(Part):
+    """`second_solver`: α of limit analysis with associative friction where α_0 is reached, by two programs.
+
+    Where an ensemble was run the configuration is that of the state's own run, not of another member.
+    """
+
+    alpha_0: float = key("α_0 of the state's own run, with the friction law of the curve", "–")
+    alpha_program: float | None = key("by the program; null: none was found", "–")
+    alpha_linear_program: float | None = key(
+        "by a linear program written apart (static theorem, HiGHS); null: no optimum was found", "–"
+    )
+    relative_difference: float | None = key("of the second from the first; null: one is missing", "–")
+
+
 class RigidPush(Part):
     """`pushover.+x.rigid`: the capacity curve with rigid joints."""
 
@@ -112,6 +126,9 @@ class RigidPush(Part):
     mechanism: Mechanism = key("the mechanism at its activation")
     virtual_work_alpha: float | None = key(
         "multiplier by virtual work over all blocks; null: no load works", "–"
+    )
+    second_solver: SecondSolver | None = optional(
+        "α of limit analysis by a second program; null: joints crush, the program is not linear"
     )
     mechanism_configuration: Configuration = key("where the mechanism starts", "m, rad")
     final_configuration: Configuration = key("at the end of the curve", "m, rad")

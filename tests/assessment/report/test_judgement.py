@@ -86,6 +86,7 @@ TABLES = (
     tables.mechanisms,
     tables.settlements,
     tables.quality,
+    tables.second_solver,
     study_tables.scenarios,
     study_tables.tornado,
     hand_check,
@@ -294,10 +295,18 @@ def _no_convergence(_: Fields, read: Read) -> None:
     assert not any(read.rows[table] for table in CONVERGENCE)
 
 
-def _limit_analysis(said: Fields, read: Read) -> None:
-    rows = [row for row in read.rows["mechanisms"] if row["state"] == "original"]
-    rigid = [read.results["states"]["original"]["pushover"][row["direction"]]["rigid"] for row in rows]
-    assert said["deviation"] == show(100.0 * max(abs(r["alpha_0"] / r["alpha_onset"] - 1.0) for r in rigid))
+def _second(agrees: bool) -> Callable[[Fields, Read], None]:
+    def check(said: Fields, read: Read) -> None:
+        found = [row["relative_difference"] for row in read.rows["second_solver"]]
+        worst = max(abs(each) for each in found if each is not None)
+        assert said["difference"] == show(worst) and (worst <= 1e-6) == agrees
+
+    return check
+
+
+def _second_missing(said: Fields, read: Read) -> None:
+    found = [row["relative_difference"] for row in read.rows["second_solver"]]
+    assert int(said["count"]) == found.count(None) > 0
 
 
 def _hand(agrees: bool) -> Callable[[Fields, Read], None]:
@@ -353,7 +362,9 @@ CLAIMS: dict[str, Callable[[Fields, Read], None]] = {
     "converged": _converged(True),
     "not_converged": _converged(False),
     "no_convergence": _no_convergence,
-    "limit_analysis": _limit_analysis,
+    "second_agrees": _second(True),
+    "second_differs": _second(False),
+    "second_missing": _second_missing,
     "hand_agrees": _hand(True),
     "hand_differs": _hand(False),
     "balanced": _balance(True),
@@ -400,6 +411,11 @@ def test_every_text_of_the_judgement_is_a_claim_that_is_checked():
 # ---- random results ----
 
 CAPACITY = st.one_of(st.none(), st.floats(0.001, 1.5), st.sampled_from([0.1, 0.2]))  # the last: equals
+DIFFERENCE = st.one_of(st.none(), st.floats(-1e-4, 1e-4), st.floats(-1e-6, 1e-6))
+SECOND = st.one_of(
+    st.none(),
+    DIFFERENCE.map(lambda each: dict(zip(tables.SECOND_SOLVER, (0.1, 0.1, 0.1, each), strict=True))),
+)
 RESIDUAL = st.one_of(st.just(0.0), st.floats(1e-12, 1e-2))
 
 
@@ -435,6 +451,7 @@ def random_results(draw):
         for d in standing:
             alpha_0 = draw(st.floats(0.01, 0.5))
             rigid = content_of(example, d, alpha_0, draw(st.floats(0.95, 1.05)))
+            rigid["second_solver"] = draw(SECOND)
             content["pushover"][d] = {"control": "C1", "rigid": rigid}
         content["capacity"] = {
             d: draw(directions_checked(limits, demand))

@@ -1,0 +1,52 @@
+"""Limit analysis of a reported mechanism by a second program, beside that of the program itself."""
+
+from __future__ import annotations
+
+import time
+
+from assessment.analyses.static.paths import Part
+from mechanics import ArgumentError, Assembly, ConvergenceError, NoEquilibriumError, State
+from mechanics.model import Direction
+from mechanics.procedures import limit_in, static_theorem
+
+AGREE = 1e-6  # relative difference of the two multipliers from which a warning says so
+LEAST = 1e-6  # a multiplier below which differences are not relative to it
+
+
+def second_solver(model: Assembly, name: str, direction: Direction, activated: State, alpha_0: float) -> Part:
+    """Compare the associative multipliers of two programs in the state `activated` of the state of that name.
+
+    `alpha_0`: multiplier of the curve that has its peak there, told beside them.
+    The law is associative whatever that of the curve: with Coulomb's the multiplier is not unique, and no linear
+    program has it. `numbers` of the result are None where joints crush.
+    """
+    began = time.perf_counter()
+    result = Part()
+    title = f"{name}, pushover {direction}, rigid contacts"
+    try:
+        linear = static_theorem(model, direction, activated)
+    except ArgumentError:
+        return result
+    own: float | None = None
+    try:
+        own = limit_in(model, direction, activated, "associative").alpha
+    except (NoEquilibriumError, ConvergenceError) as error:
+        result.warnings.append(f"{title}: limit analysis where α0 is reached: {error}")
+    if linear is None:
+        result.warnings.append(f"{title}: the linear program of limit analysis has no optimum by HiGHS")
+    difference = None
+    if own is not None and linear is not None:
+        difference = (linear - own) / max(abs(own), LEAST)
+        if abs(difference) > AGREE:
+            result.warnings.append(
+                f"{title}: limit analysis where α0 is reached gives α = {own:.8g}, a linear program written apart "
+                f"(HiGHS) {linear:.8g}: relative difference {difference:.2g}"
+            )
+    result.numbers = {
+        "alpha_0": alpha_0,
+        "alpha_program": own,
+        "alpha_linear_program": linear,
+        "relative_difference": difference,
+    }
+    result.seconds = time.perf_counter() - began
+    return result

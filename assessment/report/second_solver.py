@@ -1,0 +1,51 @@
+"""What the report says of limit analysis by a second program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from markupsafe import Markup
+
+from assessment.report.tables.index import second_solver
+from assessment.report.text.language import Words
+from assessment.results.hand_check import mechanisms
+from assessment.results.schema import Results
+from assessment.results.table import Row, Table
+
+AGREEMENT = 1e-6  # relative: two programs that differ by less agree
+
+
+def told(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield what was compared and with what, or why nothing was; nothing where no rigid curve was asked for."""
+    rigid = [each for _, _, each in mechanisms(results)]
+    if any(each.second_solver for each in rigid):
+        yield words("text.second_solver", version=results.software.packages.get("scipy", ""))
+        coulomb = any(each.sliding == "coulomb" for each in rigid)
+        yield words("text.second_solver_coulomb" if coulomb else "text.second_solver_alpha_0")
+    elif any("second_solver" in each.model_fields_set for each in rigid):
+        yield words("text.no_second_solver")
+
+
+def reported_second_solver(results: Results, words: Words) -> Table:
+    """Return the table of both multipliers as the report has it: their difference in two digits."""
+    table = second_solver(results)
+    columns = tuple(column for column in table.columns if column != "sliding")
+    return Table(table.name, [_shown(row, columns, words) for row in table.rows], columns)
+
+
+def agreement(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield how far the two programs are apart at most, and where one of them found nothing."""
+    rows = second_solver(results).rows
+    known = [abs(row["relative_difference"]) for row in rows if row["relative_difference"] is not None]
+    if known:
+        agree = max(known) <= AGREEMENT
+        yield words(f"judgement.second_{'agrees' if agree else 'differs'}", difference=max(known))
+    if len(known) < len(rows):
+        yield words("judgement.second_missing", count=len(rows) - len(known))
+
+
+def _shown(row: Row, columns: tuple[str, ...], words: Words) -> Row:
+    shown = {column: row[column] for column in columns}
+    if (difference := row["relative_difference"]) is not None:
+        shown["relative_difference"] = Markup.escape(words.number(difference, 2))
+    return shown

@@ -1,0 +1,95 @@
+"""The static theorem as a linear program of its own, by HiGHS: equilibrium of point forces, without program.py.
+
+    maximise α   subject to   Σ N n + Σ T t + f_D + α f_L = 0 and the same of moments, of each movable block
+                              N ≥ 0 at each point,  |T| ≤ μ Σ N of each joint
+
+Nothing of program.py or of the matrices of other solvers is used: what is compared with it checks both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.optimize import linprog
+
+from mechanics.types import Array, Index, Mask
+
+METHOD = "highs-ipm"  # with crossover, to a vertex
+LARGEST = 1e4  # a multiplier beyond which a load meets no mechanism
+
+
+@dataclass(frozen=True, eq=False)
+class PointForces:
+    """Where the joints (j,) between blocks `a` and `b` can press: points (c,), each of its `joint`.
+
+    `normal` (j, 2), from b into a; `friction` (j,), tangent of the friction angle; `pressed` (c, 2) m: the points;
+    `rubbed` (j, 2) m: where T acts.
+    """
+
+    a: Index
+    b: Index
+    normal: Array
+    friction: Array
+    joint: Index
+    pressed: Array
+    rubbed: Array
+
+    def equilibrium(self, centroids: Array, movable: Mask, size: float) -> sparse.csc_matrix:
+        """Return forces and moments (over `size`, m) on the movable blocks, per unit of each N and then of each T.
+
+        `centroids` (b, 2) m, about which moments are taken; `movable` (b,).
+        """
+        tangent = np.stack([self.normal[:, 1], -self.normal[:, 0]], axis=1)
+        unit, at = (
+            np.concatenate([self.normal[self.joint], tangent]),
+            np.concatenate([self.pressed, self.rubbed]),
+        )
+        number, columns = np.cumsum(movable) - 1, np.arange(len(at))
+        entries, row, column = [], [], []
+        for owner, sign in ((self.a, 1.0), (self.b, -1.0)):
+            block = np.concatenate([owner[self.joint], owner])
+            arm, on = at - centroids[block], movable[block]
+            moment = (arm[:, 0] * unit[:, 1] - arm[:, 1] * unit[:, 0]) / size
+            entries.append(sign * np.column_stack([unit, moment])[on].ravel())
+            row.append((3 * number[block][on, None] + np.arange(3)).ravel())
+            column.append(np.repeat(columns[on], 3))
+        places = (np.concatenate(row), np.concatenate(column))
+        return sparse.csc_matrix(
+            (np.concatenate(entries), places), shape=(3 * int(movable.sum()), len(columns))
+        )
+
+    def friction_bounds(self) -> sparse.csc_matrix:
+        """Return the rows of ±T − μ Σ N ≤ 0 over the unknowns N, T and α."""
+        points, joints = len(self.joint), len(self.a)
+        limit = sparse.csc_matrix(
+            (-self.friction[self.joint], (self.joint, np.arange(points))), shape=(joints, points)
+        )
+        one, alpha = sparse.identity(joints), sparse.csc_matrix((joints, 1))
+        return sparse.bmat([[limit, one, alpha], [limit, -one, alpha]], format="csc")
+
+
+def largest_multiplier(
+    points: PointForces, centroids: Array, movable: Mask, loads: tuple[Array, Array], size: float
+) -> float | None:
+    """Return the largest α whose loads f_D + α f_L the points can balance; None if HiGHS finds no optimum.
+
+    `centroids` (b, 2) m; `movable` (b,); `loads`: f_D and f_L (b, 3), kN and kNm about the centroids; `size` (m): of a
+    block.
+    """
+    weight = float(abs(loads[0][movable, 1]).sum())
+    scale = np.array([1.0, 1.0, size]) * weight
+    dead, lateral = ((each[movable] / scale).reshape(-1, 1) for each in loads)
+    matrix = sparse.hstack([points.equilibrium(centroids, movable, size), lateral], format="csc")
+    presses, rubs = len(points.joint), len(points.a)
+    result = linprog(
+        np.r_[np.zeros(presses + rubs), -1.0],
+        A_ub=points.friction_bounds(),
+        b_ub=np.zeros(2 * rubs),
+        A_eq=matrix,
+        b_eq=-dead.ravel(),
+        bounds=[(0.0, None)] * presses + [(None, None)] * rubs + [(None, LARGEST)],
+        method=METHOD,
+    )
+    return float(result.x[-1]) if result.status == 0 else None

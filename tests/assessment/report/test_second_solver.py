@@ -1,0 +1,70 @@
+"""The report on the multiplier by a second program: table, which multiplier, and why there is none."""
+
+from __future__ import annotations
+
+import pytest
+
+from assessment.report.second_solver import agreement, reported_second_solver, told
+from assessment.report.tables.index import second_solver
+from assessment.report.text.language import words_of
+from tests.support.results_example import results_example
+from tests.support.typed import typed
+
+NOTHING = {"alpha_0": 0.1, "alpha_program": 0.1, "alpha_linear_program": None, "relative_difference": None}
+
+
+def example(language="en", sliding="associative", found=None):
+    """The example whose rigid curves have a comparison, or None in its place."""
+    results = results_example(language)
+    for state in results["states"].values():
+        for pushover in state["pushover"].values():
+            pushover["rigid"] |= {"sliding": sliding, "second_solver": found}
+    return typed(results)
+
+
+def pair(difference=3e-10):
+    return {
+        "alpha_0": 0.13,
+        "alpha_program": 0.123456789,
+        "alpha_linear_program": 0.123456789 * (1.0 + difference),
+        "relative_difference": difference,
+    }
+
+
+@pytest.mark.parametrize(("language", "number"), [("en", "0.12345679"), ("it", "0,12345679")])
+def test_the_table_has_enough_digits_to_compare(language, number):
+    results = example(language, found=pair())
+    words = words_of(results)
+    rows = reported_second_solver(results, words).rows
+    assert len(rows) == 4 and [row["relative_difference"] for row in rows] == [words.number(3e-10, 2)] * 4
+    text = " ".join(told(results, words))
+    assert "HiGHS" in text and "Coulomb" not in text
+    from assessment.report.document import _grids
+
+    cells = _grids(results, words)["second_solver"].rows[0]
+    assert cells.count(number) == 2
+
+
+@pytest.mark.parametrize(("language", "said"), [("en", "not α<sub>0</sub>"), ("it", "non α<sub>0</sub>")])
+def test_with_coulomb_friction_it_says_which_multiplier_is_compared(language, said):
+    results = example(language, "coulomb", pair())
+    text = " ".join(told(results, words_of(results)))
+    assert said in text and "Coulomb" in text
+
+
+def test_without_a_linear_program_it_says_why_and_has_no_table():
+    results = example(found=None)
+    words = words_of(results)
+    [sentence] = told(results, words)
+    assert "crush" in sentence and not second_solver(results).rows
+    assert not list(agreement(results, words))
+    earlier = typed(results_example("en"))  # results without the key
+    assert not list(told(earlier, words))
+
+
+def test_the_judgement_says_whether_they_agree():
+    words = words_of(example())
+    assert "the same multipliers" in next(iter(agreement(example(found=pair()), words)))
+    assert "must be explained" in next(iter(agreement(example(found=pair(-2e-6)), words)))
+    [missing] = agreement(example(found=NOTHING), words)
+    assert missing.startswith("Multipliers that could not be compared") and ": 4;" in missing
