@@ -150,14 +150,16 @@ def solve_program(
 ) -> tuple[Iterate, int]:
     """Return the iterate that solves a program to a residual, and the number of solves.
 
-    The search begins `near` an iterate; if it fails, from a cold start. Raises NoEquilibriumError if the
-    structure is unstable or no load moves it, ConvergenceError if no solution is found.
+    The search begins `near` an iterate; if it fails, from a cold start with the geometry held: what the forces change
+    with the geometry makes a program of elastic joints non-convex, and far from its solution it leads nowhere. Raises
+    NoEquilibriumError if the structure is unstable or no load moves it, ConvergenceError if no solution is found.
     """
     unstable, solves = False, 0
-    for start in (near, interior.cold(program)):
+    held = interior.frozen(program)
+    for tried, start in ((program, near), (held, interior.cold(held))):
         if start is None:
             continue
-        found, outcome = interior.run(program, layout, start, accepted)
+        found, outcome = interior.run(tried, layout, start, accepted)
         solves += 1
         if outcome.accepted:
             return found, solves

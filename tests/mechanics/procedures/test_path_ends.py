@@ -184,6 +184,18 @@ def test_an_elastic_path_that_only_bends_is_followed_without_letting_blocks_go()
     assert not len(path.crossed)
 
 
+def test_an_elastic_path_that_slides_by_coulomb_friction_is_followed_to_its_collapse():
+    """Programs near the last solution failed as slips changed, and it ended undecided after 68 s at 0.05 of 0.26 m."""
+    movement = np.array([0.15, -0.15])
+    path = pushdown(
+        drawn("triumphal_arch"), "destro", movement, increment=0.01, contacts="elastic", to_collapse=True,
+        sliding="coulomb",
+    )  # fmt: skip
+    assert path.ultimate is not None
+    assert path.ultimate > 0.25
+    assert "moves by" in path.end
+
+
 @pytest.mark.parametrize("increment", [1e-4, 1e-3])
 def test_an_elastic_path_never_jumps_back_to_where_it_has_jumped_before(increment):
     """At its limit point a released arch came to rest behind, climbed again and was released again, eleven times."""
