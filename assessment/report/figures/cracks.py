@@ -43,7 +43,8 @@ def draw_cracks(results: Results, words: Words, state: str) -> Figure:
     for number, (ring, centroid) in enumerate(zip(rings, shape.centroids, strict=True)):
         size = room(page, ring, str(number))
         if size >= SMALLEST_PT:
-            labels.put(str(number), centroid, fontsize=size, color="0.25")
+            supports = results.geometry.blocks[number].support is not None  # drawn dark
+            labels.put(str(number), centroid, fontsize=size, color="1.0" if supports else "0.25")
     for row in rows:
         labels.write(f"G{row['joint']}", _beside(page, ends[row["joint"]], middle), **NUMBER)
     legend(page, [Line2D([], [], **CRACK, label=words.plain("figure.crack"))])

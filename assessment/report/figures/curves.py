@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from assessment.report.figures.style import COLOURS, DASHES, OVER_LINES, chart, state_style
+from assessment.report.figures.style import COLOURS, DASHES, chart, state_style
 from assessment.report.text.language import Words, direction_name
 from assessment.results.outlines import Array
 from assessment.results.schema import Results, State
@@ -19,6 +19,7 @@ from assessment.results.schema.static import PushdownPath, Pushovers
 from assessment.results.table import sense
 
 WIDTHS = {"rigid": 0.8, "elastic": 1.9}
+YIELD: dict[str, Any] = {"marker": "s", "markersize": 4.0, "markerfacecolor": "1.0", "linestyle": "none"}
 
 
 def draw_pushdown(results: Results, words: Words, state: str) -> Figure:
@@ -73,7 +74,7 @@ def draw_pushover(results: Results, words: Words, direction: Direction) -> Figur
                     linewidth=WIDTHS[contacts],
                     **state_style(number),
                 )
-            _key_points(axes, pushover, COLOURS[number % len(COLOURS)], len(panels) == 1 or axes is panels[1])
+            _key_points(axes, pushover, COLOURS[number % len(COLOURS)])
         along = words.plain("figure.push_displacement", direction=direction_name(direction))
         axes.set(xlabel=along, ylabel=words.plain("figure.multiplier"))
         axes.set_ylim(bottom=0.0)
@@ -86,6 +87,8 @@ def draw_pushover(results: Results, words: Words, direction: Direction) -> Figur
         Line2D([], [], **state_style(number), label=_key_numbers(name, pushover, words))
         for number, (name, pushover) in enumerate(states.items())
     ]
+    if yields:
+        handles.append(Line2D([], [], color="0.0", **YIELD, label="d_y, α_y"))
     handles += [
         Line2D([], [], color="0.0", linewidth=WIDTHS[contacts], label=words.plain(f"figure.{contacts}_line"))
         for contacts in ("rigid", "elastic")
@@ -104,7 +107,8 @@ def pushed(results: Results, direction: Direction) -> dict[str, Pushovers]:
     }
 
 
-def _key_points(axes: Axes, pushover: Pushovers, colour: str, names_yield: bool) -> None:
+def _key_points(axes: Axes, pushover: Pushovers, colour: str) -> None:
+    """Mark α0, d_0 and (d_y, α_y); the last, among the curves, is named in the legend."""
     mark: dict[str, Any] = {"color": colour, "markerfacecolor": "1.0", "linestyle": "none", "clip_on": True}
     rigid, elastic = pushover.rigid, pushover.elastic
     text: dict[str, Any] = {"textcoords": "offset points", "annotation_clip": True, "parse_math": True}
@@ -117,10 +121,7 @@ def _key_points(axes: Axes, pushover: Pushovers, colour: str, names_yield: bool)
             axes.plot(1000.0 * rigid.d_0_m, 0.0, marker="^", markersize=5.0, **(mark | {"clip_on": False}))
             axes.annotate("$d_0$", (1000.0 * rigid.d_0_m, 0.0), (4, 4), **text)
     if elastic and elastic.alpha_y is not None and elastic.d_y_m is not None:
-        axes.plot(1000.0 * elastic.d_y_m, elastic.alpha_y, marker="s", markersize=4.0, **mark)
-        if names_yield:
-            place = (1000.0 * elastic.d_y_m, elastic.alpha_y)
-            axes.annotate("$d_y, \\alpha_y$", place, (-4, 5), ha="right", bbox=OVER_LINES, zorder=2.2, **text)
+        axes.plot(1000.0 * elastic.d_y_m, elastic.alpha_y, color=colour, **YIELD)
 
 
 def _key_numbers(name: str, pushover: Pushovers, words: Words) -> str:

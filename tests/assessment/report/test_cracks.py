@@ -91,3 +91,14 @@ def test_the_number_of_a_block_stays_within_it():
         size = room(page, ring, "88")
         fits = 1000.0 * side / (np.hypot(1.3, 0.75) * 25.4 / 72.0)  # of 1 pt: 2 digits 0.65 wide, 0.75 high
         assert size == pytest.approx(min(LARGEST_PT, fits))
+
+
+def test_numbers_of_supports_are_light_on_their_dark_ground():
+    results = typed(results_example("en"))
+    with mpl.rc_context(STYLE):
+        [axes] = draw_cracks(results, words_of(results), SETTLED).axes
+    colours = {text.get_text(): text.get_color() for text in axes.texts}
+    supports = {str(n) for n, block in enumerate(results.geometry.blocks) if block.support is not None}
+    assert supports <= colours.keys()
+    light = {text for text, colour in colours.items() if mpl.colors.to_rgb(colour) == (1.0, 1.0, 1.0)}
+    assert light == supports

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.report.figures.curves import draw_pushdown
+from assessment.report.figures.curves import draw_pushdown, draw_pushover
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.figures.style import MM, SCALES, STYLE, SYMBOL, chart, nice, save_svg, sheet, typeset
 from assessment.report.text.language import slug, words_of
@@ -160,3 +160,14 @@ def test_mechanism_and_finite_motion_agree_to_first_order():
     rate = np.random.default_rng(1).normal(size=(7, 3))
     difference = shape.swept(rate, 1e-4).points - shape.moved(1e-4 * rate).points
     assert np.abs(difference).max() < 1e-7
+
+
+@pytest.mark.parametrize("language", ["it", "en"])
+def test_the_yield_point_is_named_in_the_legend_where_no_curve_runs(language):
+    """Its name beside the marker of a settled state stood on the first branch of the other one."""
+    results = typed(results_example(language))
+    figure = draw_pushover(results, words_of(results), "+x")
+    named = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert named and not any("d_y" in text for text in named)
+    [legend] = figure.legends
+    assert [text.get_text() for text in legend.get_texts()].count("d_y, α_y") == 1

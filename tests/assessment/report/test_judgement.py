@@ -597,8 +597,8 @@ def test_a_loss_at_another_limit_state_than_the_farthest_is_told():
     before = results["states"]["original"]["capacity"]["-x"]["SLV"]["a_g_g"]
     capacity_of(results, SETTLED, "-x", "SLV", (1.0 - 0.037) * before)
     text = text_of(results)
-    assert f"borne at SLV is 3.70 %: state “{SETTLED}” with the whole movement, direction −x" in text
-    assert "At SLV none" not in text and "At SLC none" in text and "At SLD none" in text
+    assert f"borne (SLV): 3.70 %, state “{SETTLED}” with the whole movement, direction −x" in text
+    assert "(SLV): none" not in text and "(SLC): none" in text and "At SLD none" in text
 
 
 def test_a_settled_state_without_a_result_is_no_state_without_loss():
@@ -606,7 +606,7 @@ def test_a_settled_state_without_a_result_is_no_state_without_loss():
     capacity_of(results, SETTLED, "-x", "SLC", None)
     text = text_of(results)
     assert (
-        "At SLC none" not in text
+        "(SLC): none" not in text
         and "was found at: SLC." in text
         and "1 verifications have no result" in text
     )
@@ -620,7 +620,7 @@ def test_the_linear_check_may_be_the_least_favourable_and_sld_is_no_index():
     capacity_of(results, SETTLED, "-x", "SLD", 0.119 * 0.104)
     capacity_of(results, SETTLED, "-x", "SLV linear", 0.0975 * 0.261)
     first, second, *_ = draft_judgement(typed(results), words_of(typed(results)))
-    assert f"is SLV, linear for the state “{SETTLED}” in direction −x" in first and "ratio 0.0975" in first
+    assert f"is that at SLV, linear (state “{SETTLED}”, direction −x)" in first and "ratio 0.0975" in first
     assert "ζ" not in first and "ζ" in second and "SLD" not in second
     keys = hold(results)
     assert keys[:2] == ["governing", "zeta"]
