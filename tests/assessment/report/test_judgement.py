@@ -598,7 +598,7 @@ def test_a_loss_at_another_limit_state_than_the_farthest_is_told():
     capacity_of(results, SETTLED, "-x", "SLV", (1.0 - 0.037) * before)
     text = text_of(results)
     assert f"borne (SLV): 3.70 %, state “{SETTLED}” with the whole movement, direction −x" in text
-    assert "(SLV): none" not in text and "(SLC): none" in text and "At SLD none" in text
+    assert "(SLV): none" not in text and "(SLC): none" in text and "(SLD): none" in text
 
 
 def test_a_settled_state_without_a_result_is_no_state_without_loss():
