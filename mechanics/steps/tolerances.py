@@ -18,10 +18,10 @@ class StepTolerances:
     last. `slip_rounds`: number of programs in which Coulomb slips are updated; `slip_gap`: gap left by a change of the
     slips that is accepted, as a share of a step.
 
-    Acceptance. `rigid_certificate`, `elastic_certificate`: residuals of the forces in the geometry that they lead to;
-    `slow`: the same if forces and geometry approach each other only slowly. `fall`: a motion of so many times the step
-    is a fall, not a path of equilibrium; `turn` (rad): a step that rotates a block by more leaves the range in which
-    its geometry is linear.
+    Acceptance. `rigid_certificate`, `elastic_certificate`: residuals of the forces in the geometry that they lead
+    to; `slow`: the same of rigid joints if forces and geometry approach each other only slowly. `fall`: a motion of
+    so many times the step is a fall, not a path of equilibrium; `turn` (rad): a step that rotates a block by more
+    leaves the range in which its geometry is linear.
 
     Contacts. `carrying`: least force of a joint that carries, as a share of the weight. As shares of the block size:
     `no_overlap`, overlap that does not count; `inside`, least penetration that counts; `look_ahead`, distance beyond a

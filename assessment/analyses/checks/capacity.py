@@ -13,6 +13,7 @@ from assessment.analyses.checks.check_numbers import check_numbers
 from assessment.analyses.checks.chosen_mechanism import Control, MechanismError, compared, evaluate
 from assessment.analyses.checks.demand import Demands, demand_return_periods, ground_of, site_acceleration
 from assessment.analyses.static.local_loss import loss_told
+from assessment.analyses.static.states import PAST_PEAK
 from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
 from assessment.ntc.curve_fit import CapacityError, Curve, CurveFit, fit_curve
@@ -103,8 +104,15 @@ def assess(
 
 
 def _elastic_end(elastic: Mapping[str, Any] | None) -> float | None:
-    """Return the displacement (m) at which the elastic curve loses equilibrium; None if the curve was cut before."""
-    if elastic is None or not (elastic.get("lost") or elastic.get("reached_zero")):
+    """Return the displacement (m) at which the elastic curve ends; None if it was cut beyond its peak.
+
+    An end that is not decided limits as a loss of equilibrium does: no equilibrium is known beyond it.
+    """
+    if elastic is None:
+        return None
+    multiplier = elastic["curve"]["multiplier"]
+    cut = multiplier[-1] <= PAST_PEAK * max(multiplier)
+    if cut and not (elastic["lost"] or elastic["reached_zero"]):
         return None
     return max(map(abs, elastic["curve"]["displacement_m"]))
 
