@@ -106,7 +106,8 @@ def test_a_lost_cluster_is_told_apart_from_an_error_of_the_analysis(error, ended
 
     done: Future[int] = Future()
     cluster._hand_over(SimpleNamespace(result=result, status=ended), SimpleNamespace(status=client), done)
-    found = done.exception(timeout=0)
+    assert done.done()
+    found = done.exception()
     assert str(found) == cluster.LOST if lost else found is error
 
 
