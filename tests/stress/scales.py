@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover, time_history
-from mechanics.errors import ControlError, UnstableError
+from mechanics.errors import ControlError, RunawayError, UnstableError
 from mechanics.kernels.joint import H
 from mechanics.solvers import lp_highs
 from mechanics.steps.equilibrium import closed_program
@@ -146,7 +146,13 @@ def cases() -> Iterator[Case]:
         refusal = (UnstableError, ControlError) if soft else ()
         yield Case("stiffness", f"k = {k:g} kN/m³", partial(stiffness, k), refusal, soft)
     for factor in 10.0 ** np.arange(-5, 6, 2):
-        yield Case("stiffness", f"one of three joints stiffer by {factor:g}", partial(mixed, factor))
+        soft = (
+            factor * 1e5 / 12.0 < 27.0 * 0.75
+        )  # k b³/12 of a soft joint below W h/2: no column stands on it
+        refusal = (RunawayError,) if soft else ()
+        yield Case(
+            "stiffness", f"one of three joints stiffer by {factor:g}", partial(mixed, factor), refusal, soft
+        )
     for size in (1e-3, 1e-1, 1e1, 1e3):
         for make in ("block", "arch"):
             yield Case("size", f"{make} × {size:g}", partial(same_elastic_curve, make, size, 1.0 / size))

@@ -39,7 +39,7 @@ OPEN = {
         "records: at rest in steps of 10 s, rigid, implicit-euler",
         "records: at rest in steps of 10 s, rigid, second-order",
     ),
-    "extreme stiffnesses": ("stiffness: k = 1e+12 kN/m³", "stiffness: one of three joints stiffer by 1e-05"),
+    "extreme stiffnesses": ("stiffness: k = 1e+12 kN/m³",),
     "an increment longer than the block": ("steps too large: block × 1000, rigid",),
 }
 REASON = {label: reason for reason, labels in OPEN.items() for label in labels}

@@ -38,7 +38,11 @@ def test_results_keep_every_bit():
         np.array([True, False]),
     )
     part = Part(
-        {"a": (0.1, None, np.float64(1 / 7), np.int64(3))}, state, [{"x": 2.0}], ["w «é»\r\n"], [], 0.3
+        {"a": (0.1, None, np.float64(1 / 7), np.int64(3))},
+        reached=state,
+        quality=[{"x": 2.0}],
+        warnings=["w «é»\r\n"],
+        seconds=0.3,
     )
     found = unpacked(packed(part))
     assert found.numbers == {"a": [0.1, None, 1 / 7, 3]}
