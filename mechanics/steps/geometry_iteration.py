@@ -52,8 +52,9 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     A sequence of programs is solved. Each is convex in the geometry of the positions at which it begins, and contains
     the change of the last forces with that geometry (Newton's method for geometry and forces together); the first ones
     are solved roughly. With Coulomb friction each program subtracts the lift of the last slips: once the slips settle,
-    sliding lifts nothing. `last`: the previous equilibrium of the path. Raises NoEquilibriumError if none lies near,
-    UnsettledError if geometry and forces do not agree in the end, ConvergenceError if neither can be decided.
+    sliding lifts nothing. `last`: the previous equilibrium of the path. Raises NoEquilibriumError if none lies near
+    or elastic joints do not hold it (it is unstable), UnsettledError if geometry and forces do not agree in the end,
+    ConvergenceError if neither can be decided.
     """
     system, model = problem.system, problem.system.model
     residuals, repeats = STEP.residuals(system.behaviour), STEP.rounds(system.behaviour)
