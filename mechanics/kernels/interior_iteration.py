@@ -21,7 +21,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mechanics.kernels.cholesky import factorise, substitute
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import H
 from mechanics.kernels.joint_elimination import (
@@ -56,9 +55,10 @@ from mechanics.kernels.joint_elimination import (
     stiffness,
 )
 from mechanics.kernels.law import BED, FRICTION, STRENGTH
+from mechanics.kernels.linalg.cholesky import factorise, substitute
+from mechanics.kernels.linalg.pattern import unpacked
+from mechanics.kernels.linalg.signed_factors import factorise_signed, substitute_signed
 from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
-from mechanics.kernels.pattern import unpacked
-from mechanics.kernels.signed_factors import factorise_signed, substitute_signed
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")

@@ -18,13 +18,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mechanics.kernels.bed import crushed, points
-from mechanics.kernels.cholesky import solve
 from mechanics.kernels.interior_iteration import unbalanced
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
+from mechanics.kernels.linalg.cholesky import solve
+from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.kernels.matrix import diagonal, motion, push, stiffen
-from mechanics.kernels.pattern import unpacked
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")

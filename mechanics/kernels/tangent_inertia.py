@@ -9,8 +9,8 @@ import numpy as np
 from mechanics.kernels.interior_iteration import Direction, Joints, assemble, dot, evaluate
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint_elimination import KNOWN
-from mechanics.kernels.pattern import unpacked
-from mechanics.kernels.signed_factors import factorise_signed, substitute_signed
+from mechanics.kernels.linalg.pattern import unpacked
+from mechanics.kernels.linalg.signed_factors import factorise_signed, substitute_signed
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")

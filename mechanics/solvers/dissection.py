@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from mechanics.kernels.pattern import NONE, OVERHANG, Fronts
+from mechanics.kernels.linalg.pattern import NONE, OVERHANG, Fronts
 from mechanics.types import Array, Index, Mask
 
 SMALLEST = 10  # blocks: parts that are not divided any more

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from mechanics.kernels.pattern import NO_FRONTS, Fronts, Pattern, packed
+from mechanics.kernels.linalg.pattern import NO_FRONTS, Fronts, Pattern, packed
 from mechanics.solvers.band import envelope, half_band, narrowest_order
 from mechanics.solvers.dissection import dissected, fronts
 from mechanics.types import Array, Index

@@ -13,9 +13,9 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from mechanics.errors import ConvergenceError
-from mechanics.kernels.cholesky import factorise, substitute
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import BED, SHEAR
+from mechanics.kernels.linalg.cholesky import factorise, substitute
 from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.kernels.motion_step import ELASTIC, ENERGIES, JOINT, SPRING, SUNK, march, strain_energy
 from mechanics.model.assembly import Assembly, State

@@ -7,10 +7,10 @@ import pytest
 from scipy.spatial import Delaunay
 
 from mechanics import pushover, time_history
-from mechanics.kernels import cholesky
 from mechanics.kernels.joint import PLACE
+from mechanics.kernels.linalg import cholesky
+from mechanics.kernels.linalg.pattern import Pattern
 from mechanics.kernels.matrix import diagonal, stiffen
-from mechanics.kernels.pattern import Pattern
 from mechanics.solvers import elimination
 from mechanics.solvers.dissection import SMALLEST, dissected, fronts
 from mechanics.solvers.elimination import Elimination

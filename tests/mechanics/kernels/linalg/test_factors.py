@@ -1,20 +1,15 @@
-"""Factors of banded matrices against those of LAPACK and of NumPy; threads."""
+"""Factors of banded matrices against those of LAPACK and of NumPy."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-import scipy
 from scipy.linalg import lapack
 
-from mechanics.kernels import cholesky
-from mechanics.kernels.pattern import NO_FRONTS, Pattern
-from mechanics.kernels.signed_factors import factorise_signed, substitute_signed
-from mechanics.solvers.band import envelope
+from mechanics.kernels.linalg import cholesky
+from mechanics.kernels.linalg.pattern import NO_FRONTS, Pattern
+from mechanics.kernels.linalg.signed_factors import factorise_signed, substitute_signed
 from mechanics.solvers.elimination import PADDING, Elimination
-from mechanics.solvers.threads import _libraries, one_thread
 from mechanics.types import Array, Index
 
 
@@ -102,13 +97,6 @@ def test_signed_factors_tell_a_pivot_that_vanishes() -> None:
         assert factorise_signed(band.ravel(), 6 + PADDING, pattern.last) == -1
 
 
-def test_envelope_of_a_few_links() -> None:
-    """Five blocks, the first linked with the third, the second with the fourth; the last stands alone."""
-    first, last = envelope(np.array([[0, 6], [9, 3], [-1, 12]]), 15)
-    assert first.tolist() == [0] * 3 + [3] * 3 + [0] * 3 + [3] * 3 + [12] * 3
-    assert last.tolist() == [8] * 3 + [11] * 9 + [14] * 3
-
-
 def test_an_empty_right_hand_side_is_left_alone(capfd: pytest.CaptureFixture[str]) -> None:
     """LAPACK, which once took it, printed a line of complaint for each."""
     pairs = linked(4, 1, 1.0)
@@ -116,16 +104,3 @@ def test_an_empty_right_hand_side_is_left_alone(capfd: pytest.CaptureFixture[str
     assert cholesky.factorise(band, pattern)
     cholesky.substitute(band, pattern, b)
     assert not len(b) and capfd.readouterr() == ("", "")
-
-
-def test_one_thread_within_and_as_many_as_before_afterwards() -> None:
-    """Of the BLAS that each of the two wheels brings."""
-    wheels = [path.parent for path in (Path(np.__file__).parent, Path(scipy.__file__).parent)]
-    names = ("numpy", "scipy")
-    assert len(_libraries()) == sum(
-        any(wheel.glob(f"{name}.libs/*openblas*")) for wheel, name in zip(wheels, names, strict=True)
-    )
-    before = [ask() for ask, _ in _libraries()]
-    with one_thread():
-        assert all(ask() == 1 for ask, _ in _libraries())
-    assert [ask() for ask, _ in _libraries()] == before

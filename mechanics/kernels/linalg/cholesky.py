@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.simd_tiles import BYTES, COLUMNS, ROWS, below, half_below, sums
+from mechanics.kernels.linalg.simd_tiles import BYTES, COLUMNS, ROWS, below, half_below, sums
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
