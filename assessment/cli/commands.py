@@ -50,8 +50,8 @@ def check(options: argparse.Namespace) -> int:
     from assessment.project.model import build_model
     from assessment.project.plausibility import implausible_hazard
     from assessment.project.project import load_project
-    from assessment.report.figures.faults import draw_faults
-    from assessment.report.figures.model import draw_model
+    from assessment.report.figures.drawings.faults import draw_faults
+    from assessment.report.figures.drawings.model import draw_model
     from assessment.report.figures.style import save_svg
     from assessment.report.text.language import Words, words_of
     from assessment.results.file import typed

@@ -12,7 +12,7 @@ from ezdxf._options import options
 from ezdxf.document import Drawing
 from ezdxf.filemanagement import new
 
-from assessment.report.figures.deformed import found_mechanism
+from assessment.report.figures.drawings.deformed import found_mechanism
 from assessment.report.text.language import slug
 from assessment.results.hand_check import mechanisms
 from assessment.results.joint_states import joint_states, situations, thrust_lines

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.patches import PathPatch
 
-from assessment.report.figures.deformed import GHOST, INK, SUPPORT
+from assessment.report.figures.drawings.deformed import GHOST, INK, SUPPORT
 from assessment.report.figures.dynamic import bounds_of_views, shaken
 from assessment.report.figures.style import STYLE, sheet
 from assessment.report.text.language import slug, words_of

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 
 from assessment.ntc.limit_states import SURFACE
-from assessment.report.figures.deformed import GHOST, INK, SUPPORT
+from assessment.report.figures.drawings.deformed import GHOST, INK, SUPPORT
 from assessment.report.figures.style import DASHES, chart, sheet, state_style
 from assessment.report.text.language import Words
 from assessment.report.text.table_format import referenced

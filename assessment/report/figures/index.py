@@ -19,9 +19,16 @@ from assessment.report.figures.campaign import (
     fragile_shares,
     moved,
 )
-from assessment.report.figures.cracks import draw_cracks
 from assessment.report.figures.curves import draw_pushdown, draw_pushover, pushed
-from assessment.report.figures.deformed import draw_chosen, draw_mechanisms, draw_overturned, draw_settlement
+from assessment.report.figures.drawings.cracks import draw_cracks
+from assessment.report.figures.drawings.deformed import (
+    draw_chosen,
+    draw_mechanisms,
+    draw_overturned,
+    draw_settlement,
+)
+from assessment.report.figures.drawings.model import draw_model
+from assessment.report.figures.drawings.thrust import draw_thrust
 from assessment.report.figures.dynamic import (
     draw_fragility,
     draw_history,
@@ -31,11 +38,9 @@ from assessment.report.figures.dynamic import (
     fragile,
     shaken,
 )
-from assessment.report.figures.model import draw_model
 from assessment.report.figures.spectra import draw_demand, draw_spectra
 from assessment.report.figures.studies import draw_scenarios, draw_tornado, varied
 from assessment.report.figures.style import save_png, save_svg
-from assessment.report.figures.thrust import draw_thrust
 from assessment.report.text.language import Words, direction_name, slug, words_of
 from assessment.results.joint_states import situations
 from assessment.results.schema import Results, State

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from assessment.report.cracks import SEEN, cracks
-from assessment.report.figures.cracks import LARGEST_PT, draw_cracks, room
-from assessment.report.figures.labels import Labels
+from assessment.report.figures.drawings.cracks import LARGEST_PT, draw_cracks, room
+from assessment.report.figures.drawings.labels import Labels
 from assessment.report.figures.style import STYLE, sheet
 from assessment.report.text.language import words_of
 from tests.support.results_example import SETTLED, results_example

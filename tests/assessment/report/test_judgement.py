@@ -14,7 +14,7 @@ from markupsafe import Markup
 
 from assessment.analyses.checks.capacity import governing, safety_index
 from assessment.report.figures.curves import draw_pushdown
-from assessment.report.figures.deformed import draw_settlement
+from assessment.report.figures.drawings.deformed import draw_settlement
 from assessment.report.judgement import RESIDUALS, all_warnings, draft_judgement
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import index as tables

@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 from assessment.report.document import render_html
-from assessment.report.figures.deformed import found_mechanism
+from assessment.report.figures.drawings.deformed import found_mechanism
 from assessment.report.text.language import words_of
 from assessment.results.hand_check import (
     figures_of,

@@ -13,7 +13,7 @@ from assessment.benchmark.cases.structures import assembly, template
 from assessment.ntc.capacity import participation
 from assessment.project.schema import ControlTable
 from assessment.report.figures.curves import draw_pushover
-from assessment.report.figures.deformed import found_mechanism
+from assessment.report.figures.drawings.deformed import found_mechanism
 from assessment.report.tables.index import mechanisms, pushover_curves
 from assessment.report.text.language import words_of
 from assessment.report.text.messages import translated

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from assessment.report.cracks import cracks
-from assessment.report.figures.deformed import INK, fill_roles, legend, union
-from assessment.report.figures.labels import LETTER, POINT_MM, Labels
+from assessment.report.figures.drawings.deformed import INK, fill_roles, legend, union
+from assessment.report.figures.drawings.labels import LETTER, POINT_MM, Labels
 from assessment.report.figures.style import Sheet, sheet
 from assessment.report.text.language import Words
 from assessment.results.outlines import Array, Outlines, outlines

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from assessment.report.figures.deformed import HINGE, INK, fill_roles, legend, push_arrow, union
+from assessment.report.figures.drawings.deformed import HINGE, INK, fill_roles, legend, push_arrow, union
 from assessment.report.figures.style import Sheet, sheet
 from assessment.report.text.language import Words
 from assessment.results.joint_states import JointStates, Situation, joint_states, thrust_lines

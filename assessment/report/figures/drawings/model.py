@@ -11,7 +11,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from assessment.report.figures.deformed import ARROW, INK, SUPPORT, Bounds, fill, legend, legend_columns
+from assessment.report.figures.drawings.deformed import (
+    ARROW,
+    INK,
+    SUPPORT,
+    Bounds,
+    fill,
+    legend,
+    legend_columns,
+)
 from assessment.report.figures.style import Sheet, nice, sheet
 from assessment.report.text.language import Words
 from assessment.results.outlines import outlines

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Curve
 
-from assessment.report.figures.deformed import INK, SUPPORT, Bounds, legend
+from assessment.report.figures.drawings.deformed import INK, SUPPORT, Bounds, legend
 from assessment.report.figures.style import sheet
 from assessment.report.text.language import Words
 from mechanics.faults import Fault, FaultyDrawingError, Outline

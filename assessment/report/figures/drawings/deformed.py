@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 
-from assessment.report.figures.labels import Labels
+from assessment.report.figures.drawings.labels import Labels
 from assessment.report.figures.style import WIDTH_MM, Sheet, nice, sheet
 from assessment.report.text.language import Words, direction_name
 from assessment.results.faces import faces_of

@@ -1,0 +1,1 @@
+"""Drawings of the structure to scale, in black and white."""
