@@ -7,10 +7,9 @@ reader, a spreadsheet or a test can compute the result again from what is printe
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
 
@@ -52,18 +51,3 @@ def names(formula: str) -> list[str]:
 def renamed(formula: str, other: Mapping[str, str]) -> str:
     """Return the formula with other names in the place of some of its own."""
     return _NAME.sub(lambda match: other.get(match[0], match[0]), formula)
-
-
-def numbers(trace: Iterable[Step]) -> list[dict[str, Any]]:
-    """Return the steps as plain values for results.json."""
-    return [
-        {
-            "symbol": line.symbol,
-            "formula": line.formula,
-            "inputs": dict(line.inputs),
-            "result": line.result,
-            "unit": line.unit,
-            "paragraph": line.paragraph,
-        }
-        for line in trace
-    ]

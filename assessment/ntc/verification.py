@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from assessment.ntc.calculation import Trace, datum, step
 from assessment.ntc.capacity import CapacityCurve
@@ -27,6 +28,8 @@ from assessment.ntc.methods import ACTIVATION_DAMPING, LAW, Method
 from mechanics.errors import require
 
 __all__ = ["Check", "Method", "check_elastic", "check_linear", "check_nonlinear", "verify"]
+
+CheckMethod = Literal["linear", "elastic", "nonlinear"]
 
 _SURFACE_LAW = "NTC 2018, §3.2.3.2.1"
 _COLLAPSE_FIRST = (
@@ -53,7 +56,7 @@ class Check:
     """
 
     limit_state: str
-    method: str
+    method: CheckMethod
     d_star: float | None
     a_star: float | None
     T: float | None
@@ -205,7 +208,7 @@ def _check(
     spectrum: Spectrum,
     method: Method,
     *,
-    kind: str,
+    kind: CheckMethod,
 ) -> Check:
     """Return the Check of the capacity against the demand: `spectrum`'s own a_g, or that of the site."""
     a_g, S = solved.a_g, solved.base.S

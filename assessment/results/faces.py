@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -33,10 +32,8 @@ from mechanics.model import (
 )
 from mechanics.types import Array, Index, Mask
 
-Numbers = dict[str, Any]
 
-
-def described(model: Assembly, contacts: Contacts) -> list[Numbers]:
+def described(model: Assembly, contacts: Contacts) -> list[Face]:
     """Describe pairs of faces (m, as drawn): of either block start and end along the common direction, and a middle.
 
     The `middle_m` of each face are the points from which slips count; of drawn joints they are one.
@@ -49,17 +46,17 @@ def described(model: Assembly, contacts: Contacts) -> list[Numbers]:
         along, facing = face[[TAX, TAZ]], face[[TBX, TBZ]]
         thin = float(min(depth[a], depth[b]))
         found.append(
-            {
-                "blocks": [int(a), int(b)],
-                "middle_m": [p.tolist(), q.tolist()],
-                "faces_m": [
+            Face(
+                blocks=[int(a), int(b)],
+                middle_m=[p.tolist(), q.tolist()],
+                faces_m=[
                     [(p + s * along).tolist() for s in face[[A1, A2]]],
                     [(q + s * facing).tolist() for s in face[[B1, B2]]],
                 ],
-                "friction": friction_of(model, int(a), int(b)),
-                "depth_m": thin,
-                "compressive_strength_kN_m2": None if math.isinf(strength) else float(strength) / thin,
-            }
+                friction=friction_of(model, int(a), int(b)),
+                depth_m=thin,
+                compressive_strength_kN_m2=None if math.isinf(strength) else float(strength) / thin,
+            )
         )
     return found
 
@@ -76,7 +73,7 @@ class Met:
     def __init__(self, model: Assembly) -> None:
         self.model, self.drawn = model, len(model.contacts)
         self.place: dict[tuple[int, ...], int] = {}
-        self.joints: list[Numbers] = []
+        self.joints: list[Face] = []
 
     def numbers(self, contacts: Contacts, wanted: Mask) -> Index:
         """Return the number (j,) of each of the contacts among drawn joints and met pairs; −1 where neither.

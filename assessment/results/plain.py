@@ -10,6 +10,11 @@ from typing import Any
 from pydantic import BaseModel
 
 
+def finite(value: float | None) -> float | None:
+    """Return a number that is finite; None for NaN, infinity and None."""
+    return value if value is not None and math.isfinite(value) else None
+
+
 def plain(value: Any) -> Any:
     """Return a value in dictionaries, lists, strings and Python's own numbers; null for NaN and infinity.
 

@@ -54,7 +54,7 @@ class Statics:
         """Return the results of a state, one for each contact behaviour."""
         return [stage for stage in self.stages if stage.state == name]
 
-    def pushed(self, name: str) -> tuple[Mapping[str, Any], Mapping[str, Capacity]]:
+    def pushed(self, name: str) -> tuple[Mapping[Direction, Any], Mapping[Direction, Capacity]]:
         """Return the pushover curves and the checks of a state, by direction."""
         return self.states[name]["pushover"], self.states[name]["capacity"]
 
@@ -93,7 +93,7 @@ def analyse(
         stages = [next(results) for _ in range(each)]
         study.take(variant, stages)
         pushovers = curves(stages)
-        capacities: dict[str, Capacity] = {}
+        capacities: dict[Direction, Capacity] = {}
         if variant.project.assessment:
             notes: list[str] = []
             capacities = assess(variant.project, variant.model, pushovers, demands, notes)
@@ -116,9 +116,9 @@ def directions(project: Project) -> tuple[Direction, ...]:
     return project.pushover.directions if project.pushover else ()
 
 
-def curves(stages: Iterable[StateResult]) -> dict[str, Numbers]:
+def curves(stages: Iterable[StateResult]) -> dict[Direction, Numbers]:
     """Return the pushover numbers of one state by direction and behaviour."""
-    found: dict[str, Numbers] = {}
+    found: dict[Direction, Numbers] = {}
     for stage in stages:
         for direction, numbers in stage.pushover.items():
             found.setdefault(direction, {})[stage.behaviour] = numbers

@@ -15,6 +15,7 @@ from assessment.project.schema import ORIGINAL, LayerTable
 from assessment.results.faces import described
 from assessment.results.schema import FORMAT
 from assessment.results.schema.dynamic import Incremental
+from assessment.results.schema.model import Joint
 from assessment.runtime.fingerprint import installed
 from mechanics.faults import visible
 from mechanics.types import GRAVITY
@@ -154,8 +155,8 @@ def _geometry(project: Project, a: Assembly) -> Results:
             for point in project.control
         ],
         "joints": [
-            joint | {"ends_m": ends.tolist()}
-            for joint, ends in zip(described(a, a.contacts), a.joints.ends, strict=True)
+            Joint(**dict(face), ends_m=ends.tolist())
+            for face, ends in zip(described(a, a.contacts), a.joints.ends, strict=True)
         ],
         "joint_tolerance_m": a.joint_tolerance,
         "gravity_m_s2": GRAVITY,

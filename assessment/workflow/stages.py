@@ -9,8 +9,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.checks.capacity import assess, assess_chosen, governing, safety_index
-from assessment.analyses.checks.demand import Demands, demand_spectra, spectra_numbers
-from assessment.analyses.checks.indices import knowledge_numbers, state_indices
+from assessment.analyses.checks.demand import Demands, demand_parts, demand_spectra
+from assessment.analyses.checks.indices import knowledge_of, state_indices
 from assessment.analyses.checks.ranges import Assess, with_ranges
 from assessment.analyses.static.ensemble import members
 from assessment.analyses.static.paths import stand
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from assessment.project.model import Model
     from assessment.project.project import Project
     from assessment.project.schema import SettlementTable
-    from assessment.results.schema.checks import Capacity
+    from assessment.results.schema.checks import Capacity, Direction
     from assessment.runtime.cache import Store
     from mechanics import Assembly
     from mechanics.model import Behaviour
@@ -179,7 +179,7 @@ def _add_capacities(
             if project.assessment
             else lambda _: {}
         )
-        capacity: Mapping[str, Capacity]
+        capacity: Mapping[Direction, Capacity]
         if name in ensembles:
             capacity = with_ranges(state, [settled_and_pushed(each) for each in ensembles[name]], checked)
             notes += [*told_of(ensembles[name]), *notes]
@@ -192,8 +192,8 @@ def _add_capacities(
             state["indices"] = state_indices(project, capacity)
     if project.assessment:
         if project.assessment.knowledge:
-            results["knowledge"] = knowledge_numbers(project.assessment.knowledge)
-        results["spectra"] = spectra_numbers(project, demands)
+            results["knowledge"] = knowledge_of(project.assessment.knowledge)
+        results["spectra"] = demand_parts(project, demands)
         results["timing_s"]["assessment"] = time.perf_counter() - began
     if project.mechanism:
         results["mechanisms"] = assess_chosen(project, assembly, states, demands, warnings)
@@ -220,7 +220,7 @@ def _merge(state: Results, stage: StateResult) -> None:
         state["pushover"].setdefault(direction, {"control": control})[stage.behaviour] = numbers
 
 
-def settled_and_pushed(member: Sequence[StateResult]) -> tuple[Results, dict[str, Results]]:
+def settled_and_pushed(member: Sequence[StateResult]) -> tuple[Results, dict[Direction, Results]]:
     """Return what a member of an ensemble found: its settlement by behaviour, its curves by direction and behaviour."""
     settled: Results = {each.behaviour: each.pushdown for each in member if each.pushdown is not None}
     return settled, curves(member)

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from assessment.analyses.checks.check_numbers import check_numbers
+from assessment.analyses.checks.check_result import check_of, curve_of
 from assessment.analyses.checks.chosen_mechanism import Control, MechanismError, compared, evaluate
 from assessment.analyses.checks.demand import Demands, demand_return_periods, ground_of, site_acceleration
 from assessment.analyses.static.local_loss import loss_told
 from assessment.analyses.static.states import PAST_PEAK
-from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
 from assessment.ntc.curve_fit import CapacityError, Curve, CurveFit, fit_curve
 from assessment.ntc.demand.hazard import HazardCurve
@@ -24,14 +23,11 @@ from assessment.ntc.verification import Check, Method, verify
 from assessment.ntc.vertical import THRUSTING_A_G, vertical_component
 from assessment.project.mechanisms import chosen_mechanisms
 from assessment.project.schema import ORIGINAL
-from assessment.results.schema.checks import (
-    Capacity,
-    Governing,
-    NominalCheck,
-    SafetyIndex,
-    ScaledCheck,
-    VerticalCheck,
-)
+from assessment.results.lines import lines
+from assessment.results.plain import finite
+from assessment.results.schema import checks as parts
+from assessment.results.schema.checks import Capacity, Direction, GivenMechanism
+from assessment.results.schema.part import known
 from assessment.results.table import indices, sense
 
 if TYPE_CHECKING:
@@ -46,10 +42,10 @@ CONTRADICTION = 0.5  # relative difference of virtual work from the curve: anoth
 def assess(
     project: Project,
     model: Assembly,
-    pushovers: Mapping[str, Mapping[str, Any]],
+    pushovers: Mapping[Direction, Mapping[str, Any]],
     demands: Demands,
     warnings: list[str],
-) -> dict[str, Capacity]:
+) -> dict[Direction, Capacity]:
     """Return capacity and checks of one state by direction, from its curves `pushovers` by direction and behaviour.
 
     A direction whose capacity is not defined is left out. The fitted yield point is added to the elastic curves; what
@@ -92,14 +88,14 @@ def assess(
             elastic |= {"alpha_y": fit.alpha_y, "d_y_m": fit.d_y}
         said = dict.fromkeys(note for check in checks.values() for note in check.notes)
         warnings += [f"{direction}: {note}" for note in said]
-        content = _numbers(mechanism, part, fit, capacity, checks)
-        vertical = _vertical(model, capacity, checks.get("SLV linear"), demands.spectra)
-        content |= {"vertical": vertical} if vertical else {}
+        made = _capacity(mechanism, part, fit, capacity, checks)
+        if vertical := _vertical(model, capacity, checks.get("SLV linear"), demands.spectra):
+            made = made.replace(vertical=vertical)
         if demands.hazard is not None and "SLV" in demands.spectra:
-            content |= {"scalings": _scalings(capacity, checks["SLV"], demands.spectra["SLV"], method)}
+            made = made.replace(scalings=_scalings(capacity, checks["SLV"], demands.spectra["SLV"], method))
         if project.incremental:
-            content |= {"nominal": _nominal(capacity, demands.spectra, method)}
-        found[direction] = Capacity.of(content)
+            made = made.replace(nominal=_nominal(capacity, demands.spectra, method))
+        found[direction] = made
     return found
 
 
@@ -119,20 +115,20 @@ def _elastic_end(elastic: Mapping[str, Any] | None) -> float | None:
 
 def _scalings(
     capacity: CapacityCurve, used: Check, spectrum: Spectrum, method: Method
-) -> dict[str, ScaledCheck]:
+) -> dict[str, parts.ScaledCheck]:
     """Return the check at SLV by both ways of scaling the demand; the check itself has the trace of the one `used`."""
     ways = {"shape": "demand-shape", "return_period": "grid"}
-    found = {ways[method.scaling]: ScaledCheck.of(check_numbers(used, 0) | {"trace": [], "used": True})}
+    own = check_of(parts.ScaledCheck, replace(used, trace=()), 0, used=True)
+    found = {ways[method.scaling]: own}
     for scaling in ways.keys() - {method.scaling}:
         other = verify(capacity, {"SLV": spectrum}, replace(method, scaling=scaling))["SLV"]
-        content = check_numbers(other, len(capacity.steps())) | {"used": False}
-        found[ways[scaling]] = ScaledCheck.of(content)
+        found[ways[scaling]] = check_of(parts.ScaledCheck, other, len(capacity.steps()), used=False)
     return found
 
 
 def _vertical(
     model: Assembly, capacity: CapacityCurve, linear: Check | None, demands: Mapping[str, Spectrum]
-) -> VerticalCheck | None:
+) -> parts.VerticalCheck | None:
     """Return the linear check at SLV with the vertical component where a_g ≥ 0.15 g (NTC 2018, §7.2.2).
 
     None with loads without mass or joints that crush: strength is then not proportional to the weights.
@@ -145,28 +141,26 @@ def _vertical(
         return None
     assert linear.demand_a_star is not None
     steps = vertical_component(ground, capacity.fit.alpha_0, capacity.a_0_star, linear.demand_a_star)
-    known = {line.symbol: line.result for line in steps}
-    return VerticalCheck.of(
-        {
-            "a_v_g": known["a_v"],
-            "alpha_0": known["alpha_0_v"],
-            "a_0_star_g": known["a_0_star_v"],
-            "demand_a_star_g": linear.demand_a_star,
-            "ratio": known["r_v"],
-            "verified": known["r_v"] >= 1.0,
-            "trace": numbers(steps),
-        }
+    result = {line.symbol: line.result for line in steps}
+    return parts.VerticalCheck(
+        a_v_g=result["a_v"],
+        alpha_0=result["alpha_0_v"],
+        a_0_star_g=result["a_0_star_v"],
+        demand_a_star_g=linear.demand_a_star,
+        ratio=result["r_v"],
+        verified=result["r_v"] >= 1.0,
+        trace=lines(steps),
     )
 
 
-def _nominal(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method) -> NominalCheck:
+def _nominal(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method) -> parts.NominalCheck:
     """Return the check of the farthest limit state with F_C = 1, for comparison with the dynamic capacity.
 
     A dynamic analysis shakes the model at the surface: its PGA at collapse contains neither F_C nor S.
     """
     limit = next(limit for limit in QUOTED if limit in demands)
     check = verify(replace(capacity, confidence_factor=1.0), {limit: demands[limit]}, method)[limit]
-    return NominalCheck.of({"limit_state": limit} | check_numbers(check, 0))
+    return check_of(parts.NominalCheck, check, 0, limit_state=limit)
 
 
 def _asked_for_elastic(project: Project) -> bool:
@@ -230,25 +224,25 @@ def _beyond_loss(assessment: AssessmentTable, loss: Mapping[str, Any] | None) ->
         yield f"local_displacement_limit_m = {given:.4g} m, but {loss_told(loss)}; write no more than that"
 
 
-def governing(capacities: Mapping[str, Capacity]) -> Governing | None:
+def governing(capacities: Mapping[Direction, Capacity]) -> parts.Governing | None:
     """Return the check with the least ratio, by direction and limit state; None if no check has a ratio."""
     least = _least({direction: each.ratios for direction, each in capacities.items()})
     if least is None:
         return None
     ratio, direction, name = least
-    return Governing.of({"direction": direction, "limit_state": name, "ratio": ratio})
+    return parts.Governing(direction=direction, limit_state=name, ratio=ratio)
 
 
-def safety_index(capacities: Mapping[str, Capacity]) -> SafetyIndex | None:
+def safety_index(capacities: Mapping[Direction, Capacity]) -> parts.SafetyIndex | None:
     """Return ζ_E of a state: the least ratio at SLV and SLC (NTC 2018, §8.3), by direction and limit state."""
     least = _least({direction: indices(each.ratios) for direction, each in capacities.items()})
     if least is None:
         return None
     zeta, direction, name = least
-    return SafetyIndex.of({"direction": direction, "limit_state": name, "zeta_E": zeta})
+    return parts.SafetyIndex(direction=direction, limit_state=name, zeta_E=zeta)
 
 
-def _least(ratios: Mapping[str, Mapping[str, float]]) -> tuple[float, str, str] | None:
+def _least(ratios: Mapping[Direction, Mapping[str, float]]) -> tuple[float, Direction, str] | None:
     """Return the least of the ratios by direction and check, with these; None where there is none."""
     return min(
         (
@@ -266,25 +260,24 @@ def assess_chosen(
     states: Mapping[str, Mapping[str, Any]],
     demands: Demands,
     warnings: list[str],
-) -> list[dict[str, Any]]:
+) -> list[GivenMechanism]:
     """Return the mechanisms that the user chose, each in its state's configuration; a refused one has its reason."""
     found = []
     factor = project.assessment.confidence_factor if project.assessment else 1.0
     method = method_of(project, demands.hazard) if project.assessment else Method()
     for chosen in chosen_mechanisms(project, model):
         state = states[chosen.state]
-        answer: dict[str, Any] = {"name": chosen.name, "state": chosen.state}
         positions = model.initial.positions + np.array(state["configuration"])
         try:
             if chosen.state != ORIGINAL and not any(map(any, state["configuration"])):
                 raise MechanismError("its state was not reached")
             controls = _controls(project, model, positions)
-            answer |= evaluate(model, positions, chosen, factor, demands.spectra, method, controls)
-            rigid = (state["pushover"].get(answer["direction"]) or {}).get("rigid")
+            answer = evaluate(model, positions, chosen, factor, demands.spectra, method, controls)
+            rigid = (state["pushover"].get(answer.direction) or {}).get("rigid")
             answer = compared(answer, *(rigid[key] if rigid else None for key in ("alpha_0", "alpha_onset")))
-            warnings += [f'mechanism "{chosen.name}": {note}' for note in answer["notes"]]
+            warnings += [f'mechanism "{chosen.name}": {note}' for note in known(answer.notes)]
         except MechanismError as refusal:
-            answer["refused"] = str(refusal)
+            answer = GivenMechanism(name=chosen.name, state=chosen.state, refused=str(refusal))
             warnings.append(f'mechanism "{chosen.name}": refused: {refusal}')
         found.append(answer)
     return found
@@ -301,23 +294,24 @@ def _controls(project: Project, model: Assembly, positions: NDArray[np.float64])
     return found
 
 
-def _numbers(
+def _capacity(
     mechanism: Mapping[str, Any],
     part: Participation,
     fit: CurveFit,
     capacity: CapacityCurve,
     checks: Mapping[str, Check],
-) -> dict[str, Any]:
-    return {
-        "mechanism": {"hinges": mechanism["hinges"], "sliding_joints": len(mechanism["sliding_joints"])},
-        "alpha_0": fit.alpha_0,
-        "e_star": part.e_star,
-        "gamma_star": part.gamma_star,
-        "T_0_s": capacity.T_0,
-        "model": fit.model,
-        "d_0_star_m": capacity.d_0_star,
-        "notes": list(fit.notes),
-        "curve": {"d_star_m": capacity.displacement.tolist(), "a_star_g": capacity.acceleration.tolist()},
-        "trace": numbers((*part.steps(), *capacity.steps()[2:])),  # with the steps of e* and Γ*
-        **{name: check_numbers(check, len(capacity.steps())) for name, check in checks.items()},
-    }
+) -> Capacity:
+    """Return capacity curve and checks as a part of the results, with the steps of e* and Γ*."""
+    common = len(capacity.steps())
+    return Capacity(
+        mechanism=parts.Count(hinges=mechanism["hinges"], sliding_joints=len(mechanism["sliding_joints"])),
+        alpha_0=fit.alpha_0,
+        e_star=part.e_star,
+        gamma_star=part.gamma_star,
+        T_0_s=finite(capacity.T_0),
+        model=fit.model,
+        d_0_star_m=finite(capacity.d_0_star),
+        notes=list(fit.notes),
+        curve=curve_of(capacity),
+        trace=lines((*part.steps(), *capacity.steps()[2:])),
+    ).with_checks({name: check_of(parts.Check, check, common) for name, check in checks.items()})

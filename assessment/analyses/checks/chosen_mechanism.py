@@ -8,19 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from assessment.analyses.checks.check_numbers import check_numbers
+from assessment.analyses.checks.check_result import check_of, curve_of
 from assessment.analyses.checks.kinematics import Closed, KinematicsError, finite_motion, hinges_of
 from assessment.analyses.checks.virtual_work import VirtualWork, virtual_displacements, virtual_work
-from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import CapacityCurve, capacity_curve
 from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
 from assessment.ntc.verification import Method, verify
 from assessment.results.faces import Met
+from assessment.results.lines import lines
+from assessment.results.plain import finite
+from assessment.results.schema import checks as parts
+from assessment.results.schema.part import known
 from mechanics.model import Contacts, H, end_gaps, end_points, rows
 from mechanics.steps import LIMIT, static_system
 from mechanics.types import Index, Mask
@@ -31,7 +34,6 @@ if TYPE_CHECKING:
     from mechanics import Assembly
 
 Array = NDArray[np.float64]
-Numbers = dict[str, Any]
 
 SLIGHT = 0.02  # of the largest displacement: penetration allowed for hinges set back from the edge
 ROUNDING = 1e-4  # of the largest displacement: penetration from rounded coordinates
@@ -119,7 +121,7 @@ def evaluate(
     demands: Mapping[str, Spectrum],
     method: Method,
     controls: Mapping[str, Control] | None = None,
-) -> Numbers:
+) -> parts.GivenMechanism:
     """Return α0 of a chosen mechanism at `positions` (b, 3), its direction, its checks and their steps.
 
     `controls`: control point of each direction. If it takes no part in the mechanism, the block that moves farthest
@@ -132,7 +134,7 @@ def evaluate(
     work = virtual_work(model, positions, chosen)
     _refuse_without_load(work, delta)
 
-    direction = "+x" if work.lateral > 0.0 else "-x"
+    direction: parts.Direction = "+x" if work.lateral > 0.0 else "-x"
     given = (controls or {}).get(direction)
     control = followed(model, positions, delta, given, 1.0 if direction == "+x" else -1.0)
     if given is None or (given.block, given.point) != (control.block, control.point):
@@ -151,17 +153,32 @@ def evaluate(
     capacity = capacity_curve(fit, work.e_star, participation.result, confidence_factor)
 
     by_hand = [*work.steps, *work.result_steps(), *others, participation]
-    return {
-        "direction": direction,
-        **_capacity_numbers(work, capacity, control),
-        **_shape_numbers(chosen, delta),
-        "penetration": motion.penetration,
-        "sliding_joints": rubbing,
-        "met": met.joints,
-        "notes": notes,
-        "trace": numbers([*by_hand, *(line for line in capacity.steps() if line.symbol in CURVE)]),
-        **_checks(capacity, demands, method),
-    }
+    return parts.GivenMechanism(
+        name=chosen.name,
+        state=chosen.state,
+        direction=direction,
+        alpha_0=work.alpha_0,
+        e_star=work.e_star,
+        gamma_star=capacity.gamma_star,
+        control_m=list(control.point),
+        a_0_star_g=capacity.a_0_star,
+        d_0_m=finite(capacity.fit.d_0),
+        d_0_star_m=finite(capacity.d_0_star),
+        curve=curve_of(capacity) if capacity.fit.d_0 is not None else None,
+        moving_weight_kN=work.moving,
+        macro_blocks=[
+            parts.GivenMacroBlock(
+                about_m=part.about.tolist(), rotation=part.rotation, blocks=part.blocks.tolist()
+            )
+            for part in chosen.parts
+        ],
+        displacements=(delta / abs(delta[:, :2]).max()).tolist(),
+        penetration=motion.penetration,
+        sliding_joints=rubbing,
+        met=met.joints,
+        notes=notes,
+        trace=lines([*by_hand, *(line for line in capacity.steps() if line.symbol in CURVE)]),
+    ).with_checks(_checks(capacity, demands, method))
 
 
 def _refuse_penetration(motion: JointMotion) -> None:
@@ -183,35 +200,6 @@ def _refuse_without_load(work: VirtualWork, delta: Array) -> None:
             f"alpha_0 = {work.alpha_0:.4g}: the weights drive it without any horizontal load; change the sense of "
             "rotation"
         )
-
-
-def _capacity_numbers(work: VirtualWork, capacity: CapacityCurve, control: Control) -> Numbers:
-    """Return α0, e*, Γ*, and the capacity curve of the equivalent system where the motion is known."""
-    d_0 = capacity.fit.d_0
-    return {
-        "alpha_0": work.alpha_0,
-        "e_star": work.e_star,
-        "gamma_star": capacity.gamma_star,
-        "a_0_star_g": capacity.a_0_star,
-        "d_0_m": d_0,
-        "d_0_star_m": capacity.d_0_star,
-        "control_m": list(control.point),
-        "curve": None
-        if d_0 is None
-        else {"d_star_m": capacity.displacement.tolist(), "a_star_g": capacity.acceleration.tolist()},
-        "moving_weight_kN": work.moving,
-    }
-
-
-def _shape_numbers(chosen: Chosen, delta: Array) -> Numbers:
-    """Return the macro-blocks with their centres, and the displacements (b, 3) over the largest one."""
-    return {
-        "macro_blocks": [
-            {"about_m": part.about.tolist(), "rotation": part.rotation, "blocks": part.blocks.tolist()}
-            for part in chosen.parts
-        ],
-        "displacements": (delta / abs(delta[:, :2]).max()).tolist(),
-    }
 
 
 def followed(
@@ -244,7 +232,9 @@ def _fit(model: Assembly, positions: Array, chosen: Chosen, closed: Closed, cont
     return replace(fit_rigid((d, path.multiplier)), source="virtual work, hinges followed")
 
 
-def _checks(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method) -> Numbers:
+def _checks(
+    capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method
+) -> dict[str, parts.Check]:
     """Return the linear checks up to SLV and, where the motion is known, the nonlinear ones (C8.7.1.2)."""
     whole = capacity.d_0_star is not None
     answers = {
@@ -253,27 +243,29 @@ def _checks(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Me
         if whole or check.method == "linear"
     }
     common = len(capacity.steps())
-    return {name: check_numbers(check, common) for name, check in answers.items()}
+    return {name: check_of(parts.Check, check, common) for name, check in answers.items()}
 
 
-def compared(found: Numbers, alpha_0: float | None, alpha_onset: float | None) -> Numbers:
+def compared(
+    found: parts.GivenMechanism, alpha_0: float | None, alpha_onset: float | None
+) -> parts.GivenMechanism:
     """Return the mechanism with the α0 of its state in its direction, and a note if its own α0 is lower.
 
     In a settled state a hinge of the settlement may close at `alpha_onset` < α0. A mechanism without sliding and
     penetration is an upper bound of `alpha_onset`, the limit analysis in the configuration of the state.
     """
-    notes = list(found["notes"])
-    if alpha_onset is not None and found["alpha_0"] < (1.0 - BELOW) * alpha_onset:
+    notes, own = list(known(found.notes)), known(found.alpha_0)
+    if alpha_onset is not None and own < (1.0 - BELOW) * alpha_onset:
         notes.append(
             "alpha_0 is below that of limit analysis, which no mechanism without sliding and penetration can be: the "
             "friction of the sliding joints, or the penetration, is what it leaves out"
         )
-    elif alpha_0 is not None and found["alpha_0"] < (1.0 - BELOW) * alpha_0:
+    elif alpha_0 is not None and own < (1.0 - BELOW) * alpha_0:
         notes.append(
             f"alpha_0 is below that of the state, {alpha_0:.4g}: a hinge of the settlement closes from α = "
             f"{alpha_onset:.4g} on, before the structure moves as a whole"
         )
-    return found | {"alpha_0_limit": alpha_0, "notes": notes}
+    return found.replace(alpha_0_limit=alpha_0, notes=notes)
 
 
 def _notes(penetration: float, pair: tuple[int, int], rubbing: list[int]) -> list[str]:

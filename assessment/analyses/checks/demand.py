@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from assessment.ntc.calculation import Trace, numbers
+from assessment.ntc.calculation import Trace
 from assessment.ntc.demand.floor_spectrum import (
     FloorSpectrum,
     FloorSpectrum2009,
@@ -21,6 +21,8 @@ from assessment.ntc.demand.hazard_grid import HazardError
 from assessment.ntc.demand.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
 from assessment.ntc.limit_states import ROCK, SURFACE
 from assessment.ntc.methods import ACTIVATION_DAMPING, RULES
+from assessment.results.lines import lines
+from assessment.results.schema.checks import Spectrum as DemandSpectrum
 from assessment.runtime.errors import ProjectError
 
 if TYPE_CHECKING:
@@ -134,43 +136,57 @@ def _hazard_curve(project: Project, site: SiteTable) -> HazardCurve | None:
         raise ProjectError(f"{project.source}: assessment.site: {error}") from None
 
 
-def spectra_numbers(project: Project, demands: Demands) -> dict[str, Any]:
-    """Return the demand spectra: ordinates at 5 % and at the damping of the check, parameters, calculation."""
+def demand_parts(project: Project, demands: Demands) -> dict[str, DemandSpectrum]:
+    """Return the demand spectra by limit state: ordinates at 5 % and at the damping of the check, and parameters.
+
+    With the calculation of the parameters; a record has none. NTC 2018, §3.2.3; at height Circolare 7/2019, C7.2.3.
+    """
     assert project.assessment is not None
     found, periods = {}, demand_return_periods(project)
     for name, spectrum in demands.spectra.items():
         rule = RULES.get((str(project.assessment.circular), name))
-        damped = spectrum.with_damping(rule.damping if rule else ACTIVATION_DAMPING)
-        found[name] = {
-            "kind": _kind(spectrum),
-            "a_g_g": spectrum.ag,
-            "S": spectrum.S,
-            "pga_g": spectrum.ag * spectrum.S,
-            "reference": SURFACE if isinstance(spectrum, RecordSpectrum) else ROCK,
-            "T_s": PERIODS.tolist(),
-            "S_e_g": spectrum.acceleration(PERIODS).tolist(),
-            "S_De_m": spectrum.displacement(PERIODS).tolist(),
-            "damping": rule.damping if rule else ACTIVATION_DAMPING,
-            "damped_S_e_g": damped.acceleration(PERIODS).tolist(),
-            "damped_S_De_m": damped.displacement(PERIODS).tolist(),
-            **_parameters(spectrum),
-        }
-        site = project.assessment.site
-        steps: Trace = ()
+        part = _ordinates(spectrum, rule.damping if rule else ACTIVATION_DAMPING)
         if name in periods:
-            found[name]["return_period_years"] = periods[name]
-        if demands.hazard is not None and site is not None:
-            by_life = return_period_steps(name, site.nominal_life_years, site.use_class)
-            steps = (*by_life, *demands.hazard.steps(by_life[-1].result)[1:])
-        ground, floor = ground_of(spectrum), project.assessment.floor
+            part = part.replace(return_period_years=periods[name])
+        ground = ground_of(spectrum)
         if ground is not None:
-            if floor is not None and floor.period_s is None and ground is not spectrum:
-                steps = (*steps, fundamental_period(floor.building_height_m))
-            found[name]["trace"] = numbers((*steps, *ground.parameter_steps()))
+            steps = (*_hazard_steps(project.assessment, demands, name, spectrum), *ground.parameter_steps())
+            part = _with_parameters(part, ground).replace(trace=lines(steps))
+        found[name] = part
     return found
 
 
-def _kind(spectrum: Spectrum) -> str:
+def _ordinates(spectrum: Spectrum, damping: float) -> DemandSpectrum:
+    """Return a spectrum at PERIODS, with 5 % damping and with that of the check."""
+    damped = spectrum.with_damping(damping)
+    return DemandSpectrum(
+        kind=_kind(spectrum),
+        a_g_g=spectrum.ag,
+        S=spectrum.S,
+        pga_g=spectrum.ag * spectrum.S,
+        reference=SURFACE if isinstance(spectrum, RecordSpectrum) else ROCK,
+        T_s=PERIODS.tolist(),
+        S_e_g=spectrum.acceleration(PERIODS).tolist(),
+        S_De_m=spectrum.displacement(PERIODS).tolist(),
+        damping=damping,
+        damped_S_e_g=damped.acceleration(PERIODS).tolist(),
+        damped_S_De_m=damped.displacement(PERIODS).tolist(),
+    )
+
+
+def _hazard_steps(assessment: AssessmentTable, demands: Demands, name: str, spectrum: Spectrum) -> Trace:
+    """Return how return period, hazard and, at height, the period of the building follow."""
+    steps: Trace = ()
+    site, floor = assessment.site, assessment.floor
+    if demands.hazard is not None and site is not None:
+        by_life = return_period_steps(name, site.nominal_life_years, site.use_class)
+        steps = (*by_life, *demands.hazard.steps(by_life[-1].result)[1:])
+    if floor is not None and floor.period_s is None and ground_of(spectrum) is not spectrum:
+        steps = (*steps, fundamental_period(floor.building_height_m))
+    return steps
+
+
+def _kind(spectrum: Spectrum) -> Literal["ground", "floor", "record"]:
     if isinstance(spectrum, RecordSpectrum):
         return "record"
     return "ground" if isinstance(spectrum, ElasticSpectrum) else "floor"
@@ -183,16 +199,14 @@ def ground_of(spectrum: Spectrum) -> ElasticSpectrum | None:
     return spectrum if isinstance(spectrum, ElasticSpectrum) else None
 
 
-def _parameters(spectrum: Spectrum) -> dict[str, Any]:
-    ground = ground_of(spectrum)
-    if ground is None:
-        return {}
-    return {
-        "F0": ground.F0,
-        "Tc_star_s": ground.Tc_star,
-        "soil": ground.soil,
-        "topography": ground.topography,
-        "T_B_s": ground.T_B,
-        "T_C_s": ground.T_C,
-        "T_D_s": ground.T_D,
-    }
+def _with_parameters(part: DemandSpectrum, ground: ElasticSpectrum) -> DemandSpectrum:
+    """Return the demand with what its spectrum at the ground follows from."""
+    return part.replace(
+        F0=ground.F0,
+        Tc_star_s=ground.Tc_star,
+        soil=ground.soil,
+        topography=ground.topography,
+        T_B_s=ground.T_B,
+        T_C_s=ground.T_C,
+        T_D_s=ground.T_D,
+    )

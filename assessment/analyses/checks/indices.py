@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from assessment.analyses.checks.demand import demand_return_periods
-from assessment.ntc.calculation import numbers
 from assessment.ntc.indices import confidence_factor, heritage_and_risk_indices, required_zeta
-from assessment.results.schema.checks import Capacity, Check
+from assessment.results.lines import lines
+from assessment.results.schema.checks import Capacity, Check, Direction
 from assessment.results.schema.indices import Indices, Knowledge
 from assessment.results.schema.part import known
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from assessment.project.schema import KnowledgeTable
 
 
-def state_indices(project: Project, capacities: Mapping[str, Capacity]) -> Indices | None:
+def state_indices(project: Project, capacities: Mapping[Direction, Capacity]) -> Indices | None:
     """Return the indices of a state from the least favourable check of its directions at each limit state.
 
     None if no check at SLV has a ratio, and if the demand is a record: its a_g does not refer to rock.
@@ -40,55 +40,51 @@ def state_indices(project: Project, capacities: Mapping[str, Capacity]) -> Indic
         T_R,
         damage.check.return_period_years if damage else None,
     )
-    return Indices.of(
-        {
-            "direction": direction,
-            "check": limit,
-            "zeta_SLV": zeta,
-            "zeta_SLC": collapse.ratio if collapse else None,
-            "ratio_SLD": damage.ratio if damage else None,
-            "T_SLV_years": check.return_period_years,
-            "T_SLV_stated": check.return_period_stated,
-            "T_R_SLV_years": T_R,
-            "I_S": found.I_S,
-            "f_a": found.f_a,
-            "acceptable_nominal_life_years": found.nominal_life,
-            "IS_V": found.is_v,
-            "IS_V_class": found.is_v_class,
-            "PAM": found.pam,
-            "PAM_class": found.pam_class,
-            "risk_class": found.risk_class,
-            "use_class": use_class,
-            "required_zeta": required_zeta(zeta, use_class),
-            "trace": numbers(found.trace),
-        }
+    return Indices(
+        direction=direction,
+        check=limit,
+        zeta_SLV=zeta,
+        zeta_SLC=collapse.ratio if collapse else None,
+        ratio_SLD=damage.ratio if damage else None,
+        T_SLV_years=check.return_period_years,
+        T_SLV_stated=check.return_period_stated,
+        T_R_SLV_years=T_R,
+        I_S=found.I_S,
+        f_a=found.f_a,
+        acceptable_nominal_life_years=found.nominal_life,
+        IS_V=found.is_v,
+        IS_V_class=found.is_v_class,
+        PAM=found.pam,
+        PAM_class=found.pam_class,
+        risk_class=found.risk_class,
+        use_class=use_class,
+        required_zeta=required_zeta(zeta, use_class),
+        trace=lines(found.trace),
     )
 
 
-def knowledge_numbers(knowledge: KnowledgeTable) -> Knowledge:
+def knowledge_of(knowledge: KnowledgeTable) -> Knowledge:
     """Return F_C, its components, and the calculation of F_C from them."""
     found = confidence_factor(knowledge.level, knowledge.components)
-    return Knowledge.of(
-        {
-            "F_C": found.factor,
-            "level": knowledge.level,
-            "components": knowledge.components,
-            "origins": knowledge.origins,
-            "trace": numbers(found.trace),
-        }
+    return Knowledge(
+        F_C=found.factor,
+        level=knowledge.level,
+        components=knowledge.components,
+        origins=knowledge.origins,
+        trace=lines(found.trace),
     )
 
 
 class _Least(NamedTuple):
     """The check with the least `ratio` of a_g borne to a_g demanded, by direction and limit state."""
 
-    direction: str
+    direction: Direction
     limit_state: str
     check: Check
     ratio: float
 
 
-def _least(capacities: Mapping[str, Capacity], limit_states: Iterable[str]) -> _Least | None:
+def _least(capacities: Mapping[Direction, Capacity], limit_states: Iterable[str]) -> _Least | None:
     """Return the check with the least ratio at some limit states; None if no check has a ratio."""
     made = [
         _Least(direction, name, capacity.checks[name], capacity.ratios[name])

@@ -7,17 +7,17 @@ from operator import itemgetter
 from typing import Any
 
 from assessment.analyses.static.ensemble import QUANTITIES
-from assessment.results.schema.checks import Capacity
+from assessment.results.schema.checks import Capacity, Direction
 from assessment.results.table import static_pga
 
-Curves = Mapping[str, Mapping[str, Any]]  # of a state: numbers by direction and behaviour
-Assess = Callable[[Curves], Mapping[str, Capacity]]
+Curves = Mapping[Direction, Mapping[str, Any]]  # of a state: numbers by direction and behaviour
+Assess = Callable[[Curves], Mapping[Direction, Capacity]]
 CHECKED = ("a_g_g", "zeta_E")
 
 
 def with_ranges(
     state: dict[str, Any], members: Sequence[tuple[Mapping[str, Any], Curves]], assess: Assess
-) -> dict[str, Capacity]:
+) -> dict[Direction, Capacity]:
     """Return the capacity of a state from the ensemble of its paths; the curves in `state` become those of it.
 
     `members`: settlements by behaviour, and curves, of each further member. In each direction the state takes the

@@ -67,7 +67,7 @@ class StateResult:
     state: str
     behaviour: Behaviour
     pushdown: dict[str, Any] | None = None
-    pushover: dict[str, dict[str, Any]] = field(default_factory=dict)
+    pushover: dict[Direction, dict[str, Any]] = field(default_factory=dict)
     configuration: list[list[float]] | None = None
     reached: State | None = None
     activated: dict[Direction, State] = field(default_factory=dict)

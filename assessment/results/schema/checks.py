@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Mapping
+from typing import Literal, Self
 
 from assessment.results.schema.model import Face, Line
 from assessment.results.schema.part import Configuration, Part, Point, key, optional, present
@@ -64,6 +65,14 @@ class NominalCheck(Check, _OfLimitState):  # the limit state first, as in the fi
     """`capacity.+x.nominal`: the check with F_C = 1 that is compared with a dynamic capacity."""
 
 
+class _Checked(Part):
+    """What has checks of limit states, each a key of its name."""
+
+    def with_checks(self, checks: Mapping[str, Check]) -> Self:
+        """Return the part with checks that were made, by their names in the file."""
+        return self.replace(**{name.replace(" ", "_"): check for name, check in checks.items()})
+
+
 class Count(Part):
     """`capacity.+x.mechanism`: the mechanism that the capacity is of."""
 
@@ -83,7 +92,7 @@ class VerticalCheck(Part):
     trace: list[Line] = key("its calculation")
 
 
-class Capacity(Part):
+class Capacity(_Checked):
     """`capacity.+x`, `.-x`: the capacity in a direction and its checks, each where its limit state was asked for."""
 
     mechanism: Count = key("the mechanism")
@@ -181,7 +190,7 @@ class GivenMacroBlock(Part):
     blocks: list[int] = key("numbers of its blocks")
 
 
-class GivenMechanism(Part):
+class GivenMechanism(_Checked):
     """`mechanisms[]`: a mechanism of the project file; one that is refused has nothing but the reason."""
 
     name: str = key("name in the project file")

@@ -42,6 +42,13 @@ class Part(BaseModel):
         except ValidationError as error:
             raise UndocumentedError(f"results.json: {said(error)}") from None
 
+    def replace(self, **values: Any) -> Self:
+        """Return the part with other values of some keys, or with keys that it did not have.
+
+        Raises pydantic's ValidationError for a key that is not described, or a value of another type.
+        """
+        return type(self)(**{name: getattr(self, name) for name in self.model_fields_set} | values)
+
 
 def key(meaning: str, unit: str = "", alias: str | None = None) -> Any:
     """Describe a key that is always there; `unit` where its name does not tell it, or tells it too."""

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable, SettlementTable
+    from assessment.results.schema.checks import Capacity, Direction
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
 
@@ -60,8 +61,8 @@ class _Reviewed:
 
     start: Start
     stages: Sequence[StateResult]
-    curves: Mapping[str, Any]
-    checks: Mapping[str, Any]
+    curves: Mapping[Direction, Any]
+    checks: Mapping[Direction, Capacity]
 
 
 def moved_states(
@@ -142,9 +143,9 @@ def _rest(stages: Iterable[StateResult], table: CampaignTable) -> Start:
     return "; ".join(own.failures) or "the settled state was not reached"
 
 
-def _curves(stages: Iterable[StateResult]) -> Numbers:
+def _curves(stages: Iterable[StateResult]) -> dict[Direction, Numbers]:
     """Return the pushover numbers of a state as results.json has them."""
-    found: Numbers = {}
+    found: dict[Direction, Numbers] = {}
     for stage in stages:
         for direction, numbers in stage.pushover.items():
             rest = {key: value for key, value in numbers.items() if key != "control"}
@@ -168,7 +169,7 @@ def _static(project: Project, state: _Reviewed, demands: Demands) -> float | Non
     return None if None in found else min(found)
 
 
-def _ultimate(project: Project, table: CampaignTable, curves: Mapping[str, Any]) -> float | None:
+def _ultimate(project: Project, table: CampaignTable, curves: Mapping[Direction, Any]) -> float | None:
     """Return the displacement of the campaign's control point (m) at which the static capacity vanishes."""
     point = project.control_point(table.control).name
     return ultimates({ORIGINAL: {"pushover": curves}}).get((ORIGINAL, point))

@@ -70,25 +70,25 @@ def test_one_block_by_hand():
     """
     demands = {"SLD": GROUND, "SLV": GROUND, "SLC": GROUND}
     answer = found(block_on_base(0.6, 4.2), ((0.6, 0.0), -1.0, [1]), demands=demands, F_C=1.35)
-    assert answer["direction"] == "+x"
-    assert answer["alpha_0"] == pytest.approx(1 / 7, rel=1e-12)
-    assert (answer["e_star"], answer["moving_weight_kN"]) == (pytest.approx(1.0), pytest.approx(45.36))
-    assert answer["a_0_star_g"] == pytest.approx(0.105820, abs=1e-6)
-    assert answer["SLD"]["zeta_E"] == pytest.approx(0.423280, abs=1e-6)
-    assert answer["SLV linear"]["a_g_g"] == pytest.approx(0.211640, abs=1e-6)
-    assert answer["SLV linear"]["zeta_E"] == pytest.approx(0.846561, abs=1e-6)
-    assert answer["d_0_star_m"] == pytest.approx(0.3, rel=1e-7)
-    assert answer["control_m"] == pytest.approx([0.3, 2.1])
-    assert answer["SLV"]["T_s"] == pytest.approx(2.32456, rel=1e-4)
-    assert answer["SLV"]["a_g_g"] == pytest.approx(0.329089, rel=1e-4)
-    assert answer["SLC"]["a_g_g"] == pytest.approx(0.474077, rel=1e-4)
-    assert not answer["notes"]
-    steps = {line["symbol"]: line["result"] for line in answer["trace"]}
+    assert answer.direction == "+x"
+    assert answer.alpha_0 == pytest.approx(1 / 7, rel=1e-12)
+    assert (answer.e_star, answer.moving_weight_kN) == (pytest.approx(1.0), pytest.approx(45.36))
+    assert answer.a_0_star_g == pytest.approx(0.105820, abs=1e-6)
+    assert answer.SLD.zeta_E == pytest.approx(0.423280, abs=1e-6)
+    assert answer.SLV_linear.a_g_g == pytest.approx(0.211640, abs=1e-6)
+    assert answer.SLV_linear.zeta_E == pytest.approx(0.846561, abs=1e-6)
+    assert answer.d_0_star_m == pytest.approx(0.3, rel=1e-7)
+    assert answer.control_m == pytest.approx([0.3, 2.1])
+    assert answer.SLV.T_s == pytest.approx(2.32456, rel=1e-4)
+    assert answer.SLV.a_g_g == pytest.approx(0.329089, rel=1e-4)
+    assert answer.SLC.a_g_g == pytest.approx(0.474077, rel=1e-4)
+    assert not answer.notes
+    steps = {line.symbol: line.result for line in answer.trace}
     assert [steps[s] for s in ("delta_x_1", "delta_z_1", "L_W", "L_P")] == pytest.approx(
         [2.1, 0.3, 13.608, 95.256]
     )
     mirrored = found(block_on_base(0.6, 4.2), ((0.0, 0.0), 1.0, [1]))
-    assert (mirrored["direction"], mirrored["alpha_0"]) == ("-x", pytest.approx(1 / 7))
+    assert (mirrored.direction, mirrored.alpha_0) == ("-x", pytest.approx(1 / 7))
 
 
 def test_a_load_without_mass_resists_and_does_not_push():
@@ -98,7 +98,7 @@ def test_a_load_without_mass_resists_and_does_not_push():
     """
     for mass, expected in ((True, 1.2), (False, 4.62 / 1.35)):
         answer = found(column(1, loads=[(10.0, mass)]), ((0.6, 0.0), -1.0, [1]))
-        assert answer["alpha_0"] == pytest.approx(expected)
+        assert answer.alpha_0 == pytest.approx(expected)
 
 
 @given(courses=st.integers(2, 6), hinge=st.integers(0, 5), load=st.floats(0.0, 30.0))
@@ -108,10 +108,10 @@ def test_no_chosen_mechanism_lies_below_limit_analysis(courses, hinge, load):
     model, hinge = column(courses, loads=[(load, True)]), min(hinge, courses - 1)
     part = ((0.6, 0.5 * hinge), -1.0, range(hinge + 1, courses + 1))
     answer = compared(found(model, part), *2 * [limit_analysis(model, "+x").alpha])
-    assert answer["alpha_0"] >= answer["alpha_0_limit"] * (1.0 - 1e-6)
+    assert answer.alpha_0 >= answer.alpha_0_limit * (1.0 - 1e-6)
     if hinge == 0:
-        assert answer["alpha_0"] == pytest.approx(answer["alpha_0_limit"], rel=1e-6)
-    assert not answer["notes"]
+        assert answer.alpha_0 == pytest.approx(answer.alpha_0_limit, rel=1e-6)
+    assert not answer.notes
 
 
 def macro_blocks(model, delta):
@@ -135,10 +135,10 @@ def test_the_mechanism_of_limit_analysis_given_back_as_macro_blocks(model):
     parts = macro_blocks(model, limit.mechanism)
     assert len(parts) >= 3
     answer = compared(found(model, *parts), limit.alpha, limit.alpha)
-    assert answer["alpha_0"] == pytest.approx(limit.alpha, rel=1e-6)
-    assert answer["penetration"] < 1e-5
-    assert answer["sliding_joints"] == []
-    assert answer["e_star"] == pytest.approx(
+    assert answer.alpha_0 == pytest.approx(limit.alpha, rel=1e-6)
+    assert answer.penetration < 1e-5
+    assert answer.sliding_joints == []
+    assert answer.e_star == pytest.approx(
         mechanism_participation(model, limit.mechanism, 1.0).e_star, rel=1e-6
     )
     wrong = [(centre, -theta if k == 1 else theta, blocks) for k, (centre, theta, blocks) in enumerate(parts)]
@@ -151,26 +151,26 @@ def test_the_motion_of_given_macro_blocks_is_that_of_the_pushover():
     model = semicircular_arch(15, 0.16)
     parts = macro_blocks(model, limit_analysis(model, "+x").mechanism)
     answer = found(model, *parts, demands={"SLV": GROUND, "SLC": GROUND})
-    d = np.array(answer["curve"]["d_star_m"]) / answer["gamma_star"]
-    alpha = np.array(answer["curve"]["a_star_g"]) * answer["e_star"]
-    path = pushover(model, control=tuple(answer["control_m"]), direction="+x", increment=0.006)
+    d = np.array(answer.curve.d_star_m) / answer.gamma_star
+    alpha = np.array(answer.curve.a_star_g) * answer.e_star
+    path = pushover(model, control=tuple(answer.control_m), direction="+x", increment=0.006)
     assert (np.diff(d) > 0.0).all() and alpha[-1] == 0.0
-    kept = path.displacement < 0.7 * answer["d_0_m"]
+    kept = path.displacement < 0.7 * answer.d_0_m
     np.testing.assert_allclose(path.multiplier[kept], np.interp(path.displacement[kept], d, alpha), atol=1e-5)
-    lines = [*answer["trace"], *answer["SLV"]["trace"], *answer["SLC"]["trace"]]
+    lines = [*answer.trace, *answer.SLV.trace, *answer.SLC.trace]
     for line in lines:
-        if line["formula"]:
-            assert recomputed(line["formula"], line["inputs"]) == pytest.approx(line["result"], rel=1e-9)
+        if line.formula:
+            assert recomputed(line.formula, line.inputs) == pytest.approx(line.result, rel=1e-9)
 
 
 def test_a_wedge_without_hinges_has_no_nonlinear_check():
     """A centre far away is a translation: the linear check stays, and a note says why the other is missing."""
     model = column(3, friction=0.1)
     answer = found(model, ((1e4, -1e5), -1e-5, [1, 2, 3]), demands={"SLV": GROUND})
-    assert "SLV" not in answer and "SLV linear" in answer
-    assert any("no nonlinear check: the hinges between" in note for note in answer["notes"])
+    assert "SLV" not in answer.checks and "SLV linear" in answer.checks
+    assert any("no nonlinear check: the hinges between" in note for note in answer.notes)
     words = Words.of("it")
-    assert all(translated(note, words) != note for note in answer["notes"])
+    assert all(translated(note, words) != note for note in answer.notes)
 
 
 def test_a_block_in_the_way_stops_the_motion():
@@ -181,8 +181,8 @@ def test_a_block_in_the_way_stops_the_motion():
         Block(rectangle(0.65, 0.0, 2.0, 3.0), 1.0, STONE),
     ]
     answer = found(Assembly(blocks), ((0.6, 0.0), -1.0, [1]), demands={"SLV": GROUND})
-    assert any("block 1 runs into block 2" in note for note in answer["notes"])
-    assert "SLV" not in answer
+    assert any("block 1 runs into block 2" in note for note in answer.notes)
+    assert "SLV" not in answer.checks
 
 
 def test_the_control_point_is_that_of_the_pushover_where_it_moves():
@@ -192,14 +192,14 @@ def test_the_control_point_is_that_of_the_pushover_where_it_moves():
     chosen, demands = mechanism(((0.6, 0.0), -1.0, [1])), {"SLC": GROUND}
     method = Method(local_limits={"SLC": 0.1}, local_reason="beam")
     answer = evaluate(model, model.initial.positions, chosen, 1.0, demands, method, top)
-    assert answer["gamma_star"] == pytest.approx(0.5)
-    assert answer["d_0_star_m"] == pytest.approx(answer["d_0_m"] * 0.5)
-    assert answer["SLC"]["governing"] == "local limit"
-    assert answer["SLC"]["d_star_m"] == pytest.approx(0.05)
+    assert answer.gamma_star == pytest.approx(0.5)
+    assert answer.d_0_star_m == pytest.approx(answer.d_0_m * 0.5)
+    assert answer.SLC.governing == "local limit"
+    assert answer.SLC.d_star_m == pytest.approx(0.05)
     other = evaluate(
         model, model.initial.positions, chosen, 1.0, demands, method, {"+x": Control((0, -0.1), 0)}
     )
-    assert other["SLC"]["governing"] == "0.60 d_0"  # a limit of another point is none of this one
+    assert other.SLC.governing == "0.60 d_0"  # a limit of another point is none of this one
 
 
 def test_displacements_are_a_rotation_of_each_macro_block():
@@ -236,17 +236,17 @@ def test_a_hinge_set_back_from_the_edge_is_told():
     """30 mm in 2.1 m: 1.4 % of the largest displacement; α0 = 0.27/2.1 lies below limit analysis, and says why."""
     model = block_on_base(0.6, 4.2)
     answer = compared(found(model, ((0.57, 0.0), -1.0, [1])), *2 * [limit_analysis(model, "+x").alpha])
-    assert answer["alpha_0"] == pytest.approx(0.27 / 2.1)
-    assert "penetrates block 1 by 1.4 %" in answer["notes"][0]
-    assert "below that of limit analysis" in answer["notes"][1]
+    assert answer.alpha_0 == pytest.approx(0.27 / 2.1)
+    assert "penetrates block 1 by 1.4 %" in answer.notes[0]
+    assert "below that of limit analysis" in answer.notes[1]
 
 
 def test_in_a_settled_state_it_stands_beside_the_alpha_0_that_is_printed():
     """Beside the multiplier that closes a hinge of the settlement, 0.037, a mechanism looked three times too strong."""
     answer = found(block_on_base(0.6, 4.2), ((0.6, 0.0), -1.0, [1]))
-    assert compared(answer, 0.11, 0.037)["alpha_0_limit"] == 0.11
-    assert compared(answer, 0.11, 0.037)["notes"] == answer["notes"]
-    [*_, note] = compared(answer, 0.2, 0.037)["notes"]
+    assert compared(answer, 0.11, 0.037).alpha_0_limit == 0.11
+    assert compared(answer, 0.11, 0.037).notes == answer.notes
+    [*_, note] = compared(answer, 0.2, 0.037).notes
     assert note.startswith(
         "alpha_0 is below that of the state, 0.2: a hinge of the settlement closes from α = 0.037"
     )
@@ -264,7 +264,7 @@ def test_a_joint_that_slides_is_told():
     assert motion.penetration == pytest.approx(0.0, abs=1e-12)
     assert len(motion.rubbing) == 1
     assert any(
-        "slide as the mechanism moves: 1;" in note for note in found(model, ((1.2, 0.0), -1.0, [2]))["notes"]
+        "slide as the mechanism moves: 1;" in note for note in found(model, ((1.2, 0.0), -1.0, [2])).notes
     )
 
 
@@ -272,13 +272,11 @@ def test_every_step_follows_from_its_inputs():
     model = arch_on_piers(friction=10.0)
     parts = macro_blocks(model, limit_analysis(model, "+x").mechanism)
     answer = found(model, *parts, demands={"SLD": GROUND, "SLV": GROUND}, F_C=1.2)
-    lines = [*answer["trace"], *answer["SLD"]["trace"], *answer["SLV linear"]["trace"]]
-    computed = [line for line in lines if line["formula"]]
+    lines = [*answer.trace, *answer.SLD.trace, *answer.SLV_linear.trace]
+    computed = [line for line in lines if line.formula]
     assert len(computed) > 20
     for line in computed:
-        assert recomputed(line["formula"], line["inputs"]) == pytest.approx(
-            line["result"], rel=1e-9, abs=1e-12
-        )
+        assert recomputed(line.formula, line.inputs) == pytest.approx(line.result, rel=1e-9, abs=1e-12)
 
 
 def written(project, text):

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import capacity_curve
 from assessment.ntc.curve_fit import fit_rigid, fit_trilinear
 from assessment.ntc.demand.floor_spectrum import (
@@ -116,13 +115,13 @@ def test_the_higher_of_modes_and_ground_is_traced_by_hand():
     governs = set()
     for z, T in itertools.product((0.0, 0.3, 2.0, 9.0), (0.0, 0.2, 0.43, 0.45, 0.6, 3.0, 7.0)):
         floor = floor_spectrum("2019", ground, z, higher=(Mode(0.13, -0.4, 0.1),))
-        lines = numbers(floor.demand_steps(0.0, T) if T else floor.steps(T))
+        lines = floor.demand_steps(0.0, T) if T else floor.steps(T)
         for line in lines:
-            if line["formula"]:
-                assert recomputed(line["formula"], line["inputs"]) == pytest.approx(line["result"], rel=1e-9)
+            if line.formula:
+                assert recomputed(line.formula, line.inputs) == pytest.approx(line.result, rel=1e-9)
         expected = floor.largest_displacement(0.0, T)[0] if T else float(floor.displacement(T))
-        assert lines[-1]["result"] == pytest.approx(expected, rel=1e-12)
-        governs.add(lines[-1]["formula"])
+        assert lines[-1].result == pytest.approx(expected, rel=1e-12)
+        governs.add(lines[-1].formula)
     assert len(governs) >= 3
 
 

@@ -2,7 +2,6 @@
 
 import pytest
 
-from assessment.ntc.calculation import numbers
 from assessment.ntc.indices import (
     confidence_factor,
     expected_annual_loss,
@@ -29,11 +28,11 @@ def test_heritage_indices_by_hand():
     assert (third.pam, third.risk_class) == (None, None)
     assert found.pam == pytest.approx(0.0155527, abs=1e-7)
     assert (found.pam_class, found.risk_class) == ("C", "C")
-    units = {line["symbol"]: line["unit"] for line in numbers(found.trace)}
+    units = {line.symbol: line.unit for line in found.trace}
     assert units["a_g_SLV"] == units["a_g_demand"] == "g"
     assert units["T_SLV"] == units["T_R_SLV"] == units["T_SLD"] == "years"
-    for line in (row for row in numbers(found.trace) if row["formula"]):
-        assert recomputed(line["formula"], line["inputs"]) == pytest.approx(line["result"], rel=1e-9)
+    for line in (row for row in found.trace if row.formula):
+        assert recomputed(line.formula, line.inputs) == pytest.approx(line.result, rel=1e-9)
 
 
 def test_a_new_building_loses_1_1_per_cent_a_year():

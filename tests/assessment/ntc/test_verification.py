@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assessment.ntc.calculation import numbers
 from assessment.ntc.capacity import capacity_curve, participation
 from assessment.ntc.curve_fit import CurveFit, fit_curve, fit_rigid
 from assessment.ntc.demand.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
@@ -401,12 +400,12 @@ def test_every_number_of_the_trace_follows_from_its_inputs(hazard):
     """And every name in a formula is an input."""
     steps = 0
     for check in _traces(hazard):
-        for line in numbers(check.trace):
-            assert line["paragraph"]
-            if line["formula"]:
+        for line in check.trace:
+            assert line.paragraph
+            if line.formula:
                 steps += 1
-                result = recomputed(line["formula"], line["inputs"])
-                assert result == pytest.approx(line["result"], rel=1e-9, abs=1e-9), line
+                result = recomputed(line.formula, line.inputs)
+                assert result == pytest.approx(line.result, rel=1e-9, abs=1e-9), line
     assert steps > 500
 
 
@@ -429,6 +428,6 @@ def test_trace_of_participation_hazard_and_return_period():
     lines = [*participation([10.0, 19.1], [0.5, 1.0], 1.0).steps(), *return_period_steps("SLV", 50, "III")]
     if GRID_FILE.exists():
         lines += site_curve(GRID_FILE, 42.35, 13.40).steps(return_period("SLV"))
-    for line in numbers(lines):
-        if line["formula"]:
-            assert recomputed(line["formula"], line["inputs"]) == pytest.approx(line["result"], rel=1e-9)
+    for line in lines:
+        if line.formula:
+            assert recomputed(line.formula, line.inputs) == pytest.approx(line.result, rel=1e-9)

@@ -9,7 +9,7 @@ import pytest
 from ezdxf.math import Matrix44
 
 from assessment.analyses.checks.capacity import assess, assess_chosen, governing
-from assessment.analyses.checks.demand import demand_spectra, spectra_numbers
+from assessment.analyses.checks.demand import demand_parts, demand_spectra
 from assessment.cli.main import main
 from assessment.ntc.demand.hazard import RETURN_PERIODS
 from assessment.project.model import build_model
@@ -104,7 +104,7 @@ def assessed(project, results):
     for state in states.values():
         state["capacity"] = assess(project, model, state["pushover"], demands, notes)
         state["governing"] = governing(state["capacity"])
-    results["spectra"] = spectra_numbers(project, demands)
+    results["spectra"] = demand_parts(project, demands)
     results["mechanisms"] = assess_chosen(project, model, states, demands, notes)
     return plain(results)
 

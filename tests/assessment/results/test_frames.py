@@ -166,7 +166,7 @@ def test_a_wall_leans_on_its_neighbour_and_the_pair_that_met_is_told():
     path = pushover(model, (0.0, 3.0), "+x", increment=0.01)
     frames = pushover_frames(model, path, Met(model))
     assert frames["met"]
-    assert [sorted(each["blocks"]) for each in frames["met"]] == [[1, 2]] * len(frames["met"])
+    assert [sorted(each.blocks) for each in frames["met"]] == [[1, 2]] * len(frames["met"])
     lateral = model.lateral_load("+x")[:, :2]
     leaning = 0
     for number, index in enumerate(frames["index"]):
