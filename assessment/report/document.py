@@ -200,9 +200,9 @@ class Counter:
 
 
 def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[dict[str, object]]]:
-    """Return per chapter PNG file, caption and data address of each figure; as images, their ids cannot clash."""
+    """Return PNG file, caption and data address of each figure, by chapter, cracks apart; images' ids cannot clash."""
     found: dict[str, list[dict[str, object]]] = {
-        chapter: [] for chapter in (*CHAPTERS, *STUDIES, *DYNAMIC, CAMPAIGN)
+        section: [] for section in (*CHAPTERS, *STUDIES, *DYNAMIC, CAMPAIGN, "cracks")
     }
     for picture in pictures(results):
         svg = base64.b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()
@@ -275,7 +275,9 @@ def _grids(results: Results, words: Words) -> dict[str, Grid]:
         if table.rows
     }
     scattering = tables.static_ranges(results)
-    return found | ({scattering.name: ranges_grid(scattering, words)} if scattering.rows else {})
+    if scattering.rows:
+        found[scattering.name] = ranges_grid(scattering, words, reference_of(results))
+    return found
 
 
 def _validation(words: Words) -> Table:

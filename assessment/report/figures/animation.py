@@ -51,7 +51,7 @@ def animation(results: Results, state: str, entry: History) -> bytes:
     views = [shape.moved(configuration) for configuration in known(entry.frames).configuration]
     supports = np.array([block.support is not None for block in results.geometry.blocks])
     with mpl.rc_context(STYLE):  # type: ignore[arg-type]
-        page = sheet(bounds_of_views(start, views), border_mm=5.0, height_mm=115.0)
+        page = sheet(bounds_of_views(start, views), border_mm=5.0, height_mm=115.0, below_mm=5.0)
         (axes,) = page.panels
         axes.add_patch(PathPatch(start.path(range(len(supports))), **GHOST))
         groups = [

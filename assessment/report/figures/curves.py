@@ -25,7 +25,7 @@ YIELD: dict[str, Any] = {"marker": "s", "markersize": 4.0, "markerfacecolor": "1
 def draw_pushdown(results: Results, words: Words, state: str) -> Figure:
     """Draw both reactions of the moved support over the movement; applied and ultimate movement marked."""
     content = results.states[state]
-    figure, panels = chart(words, columns=2)
+    figure, panels = chart(words, columns=2, height_mm=66.0)
     for axes, component in zip(panels, ("x", "z"), strict=True):
         for contacts, path in content.pushdown.items():
             axes.plot(

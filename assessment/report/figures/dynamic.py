@@ -100,7 +100,9 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
         else words.plain("figure.at_end", time=known(entry.curve).time_s[-1])
     )
     views[title] = shape.moved(known(entry.final_configuration))
-    page = sheet(bounds_of_views(start, list(views.values())), len(views), border_mm=5.0, height_mm=115.0)
+    page = sheet(
+        bounds_of_views(start, list(views.values())), len(views), border_mm=5.0, height_mm=115.0, below_mm=5.0
+    )
     supports = np.array([block.support is not None for block in results.geometry.blocks])
     for axes, (title, view) in zip(page.panels, views.items(), strict=True):
         axes.set_title(title)

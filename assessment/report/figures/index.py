@@ -55,7 +55,7 @@ SIDES: dict[Direction, str] = {"+x": "plus_x", "-x": "minus_x"}  # directions in
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure of the report: file stem, its chapter, how to draw it, key and fields of its caption."""
+    """A figure of the report: file stem, its chapter or part of one, how to draw it, key and fields of its caption."""
 
     name: str
     section: str
@@ -111,7 +111,7 @@ def pictures(results: Results) -> list[Picture]:
             if cracks(results, [name]).rows:
                 draw = partial(draw_cracks, results, words, name)
                 found.append(
-                    Picture(f"cracks_{slug(results, name)}", "settlements", draw, "cracks_drawing", fields)
+                    Picture(f"cracks_{slug(results, name)}", "cracks", draw, "cracks_drawing", fields)
                 )
         if state.pushdown:
             draw = partial(draw_pushdown, results, words, name)
@@ -214,13 +214,13 @@ def _of_direction(results: Results, words: Words, direction: Direction) -> list[
         found.append(Picture(_numbered(f"mechanism_{side}", number), "mechanisms", draw, "mechanism", fields))
     found += _thrusts(results, words, direction)
     overturned = [name for name, push in rigid.items() if push.d_0_m is not None]
+    if states:
+        draw = partial(draw_pushover, results, words, direction)
+        found.append(Picture(f"pushover_{side}", "pushover", draw, "pushover", fields))
     for number, names in enumerate(_portions(overturned)):
         draw = partial(draw_overturned, results, words, names, direction)
         stem = _numbered(f"overturned_{side}", number)
         found.append(Picture(stem, "pushover", draw, "overturned", fields))
-    if states:
-        draw = partial(draw_pushover, results, words, direction)
-        found.append(Picture(f"pushover_{side}", "pushover", draw, "pushover", fields))
     for limit in ("SLV", "SLC"):
         able = [name for name, state in results.states.items() if _has_curve(state, direction, limit)]
         for number, names in enumerate(_portions(able)):

@@ -5,13 +5,14 @@ from __future__ import annotations
 import io
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -112,9 +113,23 @@ def save_png(draw: Callable[[], Figure], path: Path) -> None:
 
 def _without_bands(figure: Figure) -> Bbox:
     """Return the figure in inches, in its whole width, without the empty bands above and below what is drawn."""
-    drawn = figure.get_tightbbox()
+    boxes = list(_drawn(figure))
+    low, high = (
+        pick(edge) / figure.dpi for pick, edge in ((min, [b.y0 for b in boxes]), (max, [b.y1 for b in boxes]))
+    )
     width, height = figure.get_size_inches()
-    return Bbox([[0.0, max(0.0, drawn.y0 - BAND_MM * MM)], [width, min(height, drawn.y1 + BAND_MM * MM)]])
+    return Bbox([[0.0, max(0.0, low - BAND_MM * MM)], [width, min(height, high + BAND_MM * MM)]])
+
+
+def _drawn(figure: Figure) -> Iterator[Bbox]:
+    """Yield the boxes, in pixels, of what is drawn: of a sheet, whose axes are off, only what stands on it."""
+    parts: list[Artist] = [*figure.legends, *figure.texts]
+    for axes in figure.axes:
+        parts += [axes] if axes.axison else [each for each in axes.get_children() if each is not axes.patch]
+    boxes = (part.get_tightbbox() for part in parts if part.get_visible())
+    yield from (
+        box for box in boxes if box is not None and np.isfinite(box.extents).all() and box.height > 0.0
+    )
 
 
 @dataclass(frozen=True)
@@ -136,10 +151,13 @@ def sheet(
     border_mm: float = 3.0,
     height_mm: float = 205.0,
     foot_mm: float = 10.0,
+    below_mm: float = 4.0,
+    most_mm: float = 105.0,
 ) -> Sheet:
     """Lay out `count` panels, two in a row unless the model is wide, three if three, at the largest usual scale.
 
-    bounds (x0, z0, x1, z1) in m; every panel has a free border; `foot_mm` is kept below for a legend.
+    bounds (x0, z0, x1, z1) in m; every panel has a free border, `below_mm` high at its foot; `foot_mm` is kept below
+    all of them for a legend; `most_mm`: height of a panel that stands alone.
     """
     x0, z0, x1, z1 = bounds
     width, height = max(x1 - x0, 1e-6), max(z1 - z0, 1e-6)
@@ -147,15 +165,15 @@ def sheet(
     rows = math.ceil(count / columns)
     head_mm = 9.0
     room_x = WIDTH_MM / columns - 2.0 * border_mm
-    most = 105.0 if count == 1 else 85.0  # of several, so that two figures stand on a page
-    room_z = min(most, (height_mm - foot_mm) / rows - head_mm) - 2.0 * border_mm
+    most = most_mm if count == 1 else 85.0  # of several, so that two figures stand on a page
+    room_z = min(most, (height_mm - foot_mm) / rows - head_mm) - border_mm - below_mm
     needed = max(width / room_x, height / room_z) * 1000.0
     scale = next((s for s in SCALES if s >= needed - 1e-9), needed)
-    cell = (WIDTH_MM / columns, height * 1000.0 / scale + 2.0 * border_mm)
+    cell = (WIDTH_MM / columns, height * 1000.0 / scale + border_mm + below_mm)
     total = (WIDTH_MM, (cell[1] + head_mm) * rows + foot_mm)
     figure = Figure(figsize=(total[0] * MM, total[1] * MM))
     middle, half = (x0 + x1) / 2.0, cell[0] * scale / 2000.0
-    pad = border_mm * scale / 1000.0
+    above, below = border_mm * scale / 1000.0, below_mm * scale / 1000.0
     panels = []
     for index in range(count):
         row, column = divmod(index, columns)
@@ -168,7 +186,7 @@ def sheet(
                 cell[1] / total[1],
             )
         )
-        axes.set(xlim=(middle - half, middle + half), ylim=(z0 - pad, z1 + pad))
+        axes.set(xlim=(middle - half, middle + half), ylim=(z0 - below, z1 + above))
         axes.set_axis_off()
         panels.append(axes)
     return Sheet(figure, panels, scale)

@@ -59,8 +59,13 @@ def _group(path: Path, words: Words) -> Markup:
     name = _name(first, words)
     for part in rest:
         plain = part.isdigit() or first == "layers"  # the second cedimento, the layer PIERS
-        name += Markup(" ") + Markup.escape(part) if plain else Markup(", ") + _name(part, words)
+        name += Markup(" ") + Markup.escape(part) if plain else Markup(", ") + _inner(_name(part, words))
     return name
+
+
+def _inner(name: Markup) -> Markup:
+    """Return a name as it stands behind a comma: "punto di controllo", but SLV."""
+    return name[:1].lower() + name[1:] if name[1:2].islower() else name
 
 
 def _setting(path: Path, key: str, words: Words) -> Markup:

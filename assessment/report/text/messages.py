@@ -12,6 +12,8 @@ from collections.abc import Sequence
 from functools import cache
 from importlib.resources import files
 
+from markupsafe import Markup, escape
+
 from assessment.report.text.language import SUPERSCRIPTS, Words, direction_name
 
 NESTED = ("text", "reason", "block")  # fields that are messages themselves, or made of them
@@ -19,6 +21,7 @@ KINDS = {"contacts": "rigid|elastic", "limit": "SL[A-Z]", "direction": "[+-]x", 
 _FIELD = re.compile(r"\{(\w+)\}")
 _POINT = re.compile(r"(?<=\d)\.(?=\d)")
 _POWER = re.compile(r"(?<=\d)e([+−-]?\d+)\b")
+_SYMBOL = re.compile(r"(?<![\w.])(?:(?=α0\b)|(?=\w_))([αdTaS])_?(0|[uyge]|De|SL[A-Z])(?!\w)")
 _WORD = re.compile(r"[a-zà-ù]{2}(?!\S*\.\w)")  # no name of a file
 
 Entry = tuple[re.Pattern[str], str]
@@ -33,12 +36,12 @@ def translated(message: str, words: Words) -> str:
     )
 
 
-def sentence(message: str, words: Words) -> str:
-    """Return a message as a sentence of the report: in its language, with a capital, a full stop and powers of ten."""
+def sentence(message: str, words: Words) -> Markup:
+    """Return a message as a sentence of the report, HTML: in its language, its powers and symbols set as such."""
     text = translated(message, words) if words.language != "en" else _dressed(message)
     text = _POWER.sub(_power, text)
     start = text[0].upper() if _WORD.match(text) else text[0]
-    return f"{start}{text[1:].rstrip('.')}."
+    return Markup(_SYMBOL.sub(r"\1<sub>\2</sub>", str(escape(f"{start}{text[1:].rstrip('.')}."))))
 
 
 def _power(found: re.Match[str]) -> str:

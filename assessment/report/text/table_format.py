@@ -100,6 +100,7 @@ LETTERS = 125.0  # of average width in a row of a table
 CENTRES = {"x_C_m", "z_C_m"}  # a block that does not turn has none
 AT_ONSET = {name for name in CHECKS if name not in INDEXED}
 ROUNDING = 1e-9  # a reduction no larger is none
+FOUND = re.compile(r"(\d+) \+ (\d+)")  # a mechanism by its hinges and sliding joints
 GENERATED = re.compile(r"generated (\d+)")  # the name of a record that the program made
 REDUCTIONS = 3  # settled states beside the original in one table
 
@@ -215,6 +216,10 @@ def _name(column: str, value: Any, words: Words) -> str:
         return direction_name(value)
     if column == "record" and (made := GENERATED.fullmatch(str(value))):
         return words.plain("value.generated", number=made[1])
+    if column == "mechanism" and (found := FOUND.fullmatch(str(value))):
+        counts = zip(("hinge", "slide"), found.groups(), strict=True)
+        named = ((what if count == "1" else f"{what}s", count) for what, count in counts if count != "0")
+        return ", ".join(words.plain(f"value.{what}", count=count) for what, count in named)
     if column in {"contacts", "property", "rule"}:
         return words.plain(f"value.{value}")
     if column == "verified" and value is not None:
@@ -254,12 +259,17 @@ def summary_grids(table: Table, results: Results, words: Words) -> Iterator[Grid
             )
 
 
-def ranges_grid(table: Table, words: Words) -> Grid:
-    """Write the ranges of paths that scatter: a row a quantity, under the contacts or the check that it is of."""
+def ranges_grid(table: Table, words: Words, reference: str = ROCK) -> Grid:
+    """Write the ranges of paths that scatter: a row a quantity, under the contacts or the check that it is of.
+
+    Ratios are left out: they are those of the a_g above them. `reference`: of a_g, rock or surface.
+    """
     ends = ("value", "lowest", "highest")
     rows = []
     for row in table.rows:
-        label = words(f"column.{row['quantity']}")
+        if row["quantity"] == "zeta_E":
+            continue
+        label = heading(row["quantity"], words, reference)
         if "limit_state" in row:
             label += Markup(" <span class='limit'>{}</span>").format(check_name(row["limit_state"], words))
         of = [cell(column, row, words) for column in ("state", "direction", "contacts")]

@@ -299,7 +299,7 @@ def test_crushing_friction_and_collisions_are_told():
     assert "Joints crush at a compressive strength of 829 kN/m²." in told and "No limit" not in told
     assert "associative" in told and "come to touch" in told
     results["echo"]["contacts"]["collisions"] = False
-    assert "pass through each other" in laws_told(results)
+    assert "have no contact (collisions = false)" in laws_told(results)
 
 
 def test_without_system_libraries_the_html_is_written_and_the_command_given(tmp_path, monkeypatch, capsys):

@@ -149,6 +149,20 @@ def test_warnings_are_sentences_in_the_report():
     assert sentence("α = 0", english) == "α = 0."
 
 
+def test_symbols_of_warnings_are_set_as_symbols():
+    message = (
+        "original, pushover +x, rigid contacts: with friction that does not lift what slides (Coulomb) "
+        "α0 is 0.07, not 0.08"
+    )
+    assert sentence(message, ENGLISH).count("α<sub>0</sub> is") == 1
+    assert "α<sub>0</sub> vale 0,07" in sentence(message, ITALIAN)
+    text = "SLV: S_De at T_SLV; see max_scale, Tc_star_s, d_0_m"
+    assert sentence(text, ENGLISH) == (
+        "SLV: S<sub>De</sub> at T<sub>SLV</sub>; see max_scale, Tc_star_s, d_0_m."
+    )
+    assert sentence("<b> a_g", ENGLISH) == "&lt;b&gt; a<sub>g</sub>."
+
+
 def test_the_warnings_of_a_run_are_known():
     words = ITALIAN
     for warning in all_warnings(typed(analysed("it"))):

@@ -12,7 +12,9 @@ from assessment.report.tables.index import blocks, layers, write_tables
 from assessment.report.tables.mechanisms import all_mechanisms
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import LANGUAGES, Words
+from assessment.report.text.table_format import grid, ranges_grid
 from assessment.results.hand_check import hand_check
+from assessment.results.table import Table
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
 
@@ -185,7 +187,7 @@ def test_the_input_is_told_in_words_with_the_names_of_the_user():
         ("Cedimento assegnato 2", "Nome", "it &lt;b&gt;"),
         ("", "Spostamento x; z [m]", "0,02; −0,02"),
         ("Pushover", "Contatti", "rigidi"),
-        ("Pushover, Punto di controllo", "+x", "C1"),
+        ("Pushover, punto di controllo", "+x", "C1"),
         ("Verifica, sito, SLV", "a<sub>g</sub> su suolo rigido (cat. A), senza S [g]", "0,261"),
     ]
 
@@ -203,3 +205,22 @@ def test_mechanisms_found_and_chosen_stand_in_one_table():
     assert [row["macro_element"] for row in rows] == ["*"] * 4 + ["ARCH"]
     assert rows[-1]["mechanism"] == "crown" and rows[-1]["zeta_SLV"] == capacity["SLV"]["zeta_E"]
     assert rows[0]["zeta_SLC"] == capacity["SLC"]["zeta_E"]
+
+
+def test_ranges_say_what_an_acceleration_refers_to():
+    """The table of ranges printed "a_g [g]" alone; a ratio of its a_g says nothing more, and is left out."""
+    check = {"state": "moved", "direction": "+x", "limit_state": "SLV", "lowest": 0.1, "highest": 0.2}
+    rows = [check | {"quantity": quantity, "value": 0.1} for quantity in ("a_g_g", "zeta_E")]
+    made = ranges_grid(Table("static_ranges", rows, ()), Words.of("it"))
+    assert [row[3].striptags() for row in made.rows] == ["ag su suolo rigido [g] SLV"]
+
+
+def test_a_mechanism_is_named_by_what_it_is_made_of():
+    rows = [{"mechanism": text} for text in ("4 + 0", "16 + 6", "0 + 1", "parete che ruota")]
+    made = grid(Table("all_mechanisms", rows, ("mechanism",)), Words.of("it"), "")
+    assert [row[0] for row in made.rows] == [
+        "4 cerniere",
+        "16 cerniere, 6 scorrimenti",
+        "1 scorrimento",
+        "parete che ruota",
+    ]

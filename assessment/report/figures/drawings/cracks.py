@@ -9,8 +9,8 @@ import shapely
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from assessment.report.cracks import cracks
-from assessment.report.figures.drawings.deformed import INK, fill_roles, legend, union
+from assessment.report.cracks import PRINTED, cracks
+from assessment.report.figures.drawings.deformed import INK, fill_roles, foot, legend, union
 from assessment.report.figures.drawings.labels import LETTER, POINT_MM, Labels
 from assessment.report.figures.style import Sheet, sheet
 from assessment.report.text.language import Words
@@ -18,6 +18,7 @@ from assessment.results.outlines import Array, Outlines, outlines
 from assessment.results.schema import Results
 
 SMALLEST_PT, LARGEST_PT = 3.5, 6.5  # of the number of a block, as large as the block has room for
+HIGHEST_MM = 125.0  # of the drawing: larger than others, numbers are read in it
 CAPITAL = 0.75  # of the size of a font: the height of a digit
 CRACK: dict[str, Any] = {"color": INK, "linewidth": 2.0, "solid_capstyle": "butt"}
 NUMBER: dict[str, Any] = {
@@ -28,9 +29,9 @@ NUMBER: dict[str, Any] = {
 
 
 def draw_cracks(results: Results, words: Words, state: str) -> Figure:
-    """Draw a settled state, not magnified: numbers in the blocks, and beside the joints of the table of cracks."""
+    """Draw a settled state, not magnified: numbers in the blocks, and beside the joints that the report lists."""
     shape = outlines(results).moved(results.states[state].configuration)
-    page = sheet(union([shape]), border_mm=8.0, foot_mm=12.0)
+    page = sheet(union([shape]), border_mm=8.0, foot_mm=foot([""]), most_mm=HIGHEST_MM)
     axes = page.panels[0]
     fill_roles(axes, shape, results)
     labels = Labels(page, axes)
@@ -45,7 +46,7 @@ def draw_cracks(results: Results, words: Words, state: str) -> Figure:
         if size >= SMALLEST_PT:
             supports = results.geometry.blocks[number].support is not None  # drawn dark
             labels.put(str(number), centroid, fontsize=size, color="1.0" if supports else "0.25")
-    for row in rows:
+    for row in rows[:PRINTED]:
         labels.write(f"G{row['joint']}", _beside(page, ends[row["joint"]], middle), **NUMBER)
     legend(page, [Line2D([], [], **CRACK, label=words.plain("figure.crack"))])
     return page.figure

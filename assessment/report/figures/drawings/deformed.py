@@ -33,6 +33,7 @@ LETTER_MM, KEY_MM = (
     1.4,
     9.0,
 )  # of a legend: an average letter; the key before the words and the gap after them
+LINE_MM, FREE_MM = 3.8, 4.0  # of a legend: a line; what is free above and below
 ARROW = {"arrowstyle": "-|>,head_width=0.18,head_length=0.4", "shrinkA": 0.0, "shrinkB": 0.0, "lw": 0.8}
 GHOST = {"fill": False, "edgecolor": FAINT, "linewidth": 0.5, "linestyle": (0, (4, 2))}
 
@@ -54,7 +55,7 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
                 movement=words.millimetres(path.ultimate_movement_m),
             )
             views[title] = shape.moved(path.ultimate_configuration)
-    page = sheet(union([shape, *views.values()]), len(views), border_mm=9.0)
+    page = sheet(union([shape, *views.values()]), len(views), border_mm=5.0, below_mm=8.0, foot_mm=foot([""]))
     for axes, (title, view) in zip(page.panels, views.items(), strict=True):
         axes.set_title(title)
         axes.add_patch(PathPatch(shape.path(_all(shape)), **GHOST))
@@ -70,7 +71,7 @@ def draw_overturned(results: Results, words: Words, states: Sequence[str], direc
     pushed = [rigid_push(results, name, direction) for name in states]
     starts = [drawing.moved(results.states[name].configuration) for name in states]
     ends = [drawing.moved(rigid.final_configuration) for rigid in pushed]
-    page = sheet(union([*starts, *ends]), len(states), border_mm=7.0)
+    page = sheet(union([*starts, *ends]), len(states), border_mm=7.0, foot_mm=foot([""]))
     for axes, name, start, end, rigid in zip(page.panels, states, starts, ends, pushed, strict=True):
         axes.set_title(f"{words.state(name)}\nd₀ = {words.millimetres(rigid.d_0_m)}")
         axes.add_patch(PathPatch(start.path(_all(start)), **GHOST))
@@ -96,16 +97,6 @@ def draw_chosen(results: Results, words: Words, given: GivenMechanism) -> Figure
 
 
 def _draw_mechanisms(words: Words, views: Sequence[Mechanism], direction: Direction) -> Figure:
-    page = sheet(
-        union([outline for view in views for outline in (view.start, view.swept)]),
-        len(views),
-        border_mm=7.0,
-        foot_mm=14.0,
-    )
-    for axes, view in zip(page.panels, views, strict=True):
-        axes.set_title(words.state(view.state))
-        view.draw(page, axes)
-        push_arrow(page, axes, view.swept.bounds, direction)
     handles: list[Any] = [
         ghost_handle(words.plain("figure.start_outline")),
         Patch(facecolor=MOVING, edgecolor=INK, linewidth=0.5, label=words.plain("figure.moving")),
@@ -113,6 +104,12 @@ def _draw_mechanisms(words: Words, views: Sequence[Mechanism], direction: Direct
     ]
     if any(len(view.sliding) for view in views):
         handles.append(Line2D([], [], **SLIDING, label=words.plain("figure.sliding")))
+    bounds = union([outline for view in views for outline in (view.start, view.swept)])
+    page = sheet(bounds, len(views), border_mm=7.0, foot_mm=foot(labels_of(handles)))
+    for axes, view in zip(page.panels, views, strict=True):
+        axes.set_title(words.state(view.state))
+        view.draw(page, axes)
+        push_arrow(page, axes, view.swept.bounds, direction)
     legend(page, handles)
     return page.figure
 
@@ -283,9 +280,19 @@ def legend_columns(labels: Sequence[str]) -> int:
     return max(1, min(len(labels), 3, int(WIDTH_MM / widest)))
 
 
+def foot(labels: Sequence[str]) -> float:
+    """Return the height in mm of a legend with these labels."""
+    return FREE_MM + LINE_MM * math.ceil(len(labels) / legend_columns(labels))
+
+
+def labels_of(handles: Sequence[Any]) -> list[str]:
+    """Return what a legend says of its handles."""
+    return [str(handle.get_label()) for handle in handles]
+
+
 def legend(page: Sheet, handles: list[Any]) -> None:
     """Put the legend of a drawing below it, in as many columns, up to three, as the sheet has room for."""
-    columns = legend_columns([str(handle.get_label()) for handle in handles])
+    columns = legend_columns(labels_of(handles))
     labels = [
         f" {text}" if (text := str(h.get_label())).startswith("_") else text for h in handles
     ]  # "_": left out

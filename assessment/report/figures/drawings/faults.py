@@ -36,7 +36,7 @@ NUMBER: dict[str, Any] = {
 
 def draw_faults(faulty: FaultyDrawingError, words: Words) -> Figure:
     """Draw the outlines that could be read, to scale, and mark every fault that has a place; ValueError without any."""
-    page = sheet(_bounds(faulty.outlines), border_mm=14.0, foot_mm=16.0)
+    page = sheet(_bounds(faulty.outlines), border_mm=14.0, below_mm=14.0, foot_mm=16.0)
     axes = page.panels[0]
     for support, grey in ((False, "0.95"), (True, SUPPORT)):
         blocks = [each for each in faulty.outlines if each.closed and each.support == support]

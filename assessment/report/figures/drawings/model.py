@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,15 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from assessment.report.figures.drawings.deformed import (
-    ARROW,
-    INK,
-    SUPPORT,
-    Bounds,
-    fill,
-    legend,
-    legend_columns,
-)
+from assessment.report.figures.drawings.deformed import ARROW, INK, SUPPORT, Bounds, fill, foot, legend
 from assessment.report.figures.style import Sheet, nice, sheet
 from assessment.report.text.language import Words
 from assessment.results.outlines import outlines
@@ -27,7 +18,6 @@ from assessment.results.schema import Results
 from assessment.results.schema.model import Block
 
 LAYER_GREYS = ("1.0", "0.88", "0.76", "0.94", "0.82", "0.70")
-LINE_MM = 4.0  # of the legend
 MOST_NAMED, LONGEST_NAME = 24, 50  # layers, and letters of one, in the legend
 DIMENSION = {
     "arrowstyle": "<|-|>,head_width=0.12,head_length=0.35",
@@ -45,8 +35,8 @@ def draw_model(results: Results, words: Words) -> Figure:
         by_layer.setdefault(block.layer, []).append(number)
     named = {layer: _label(layer, blocks[own[0]].support, words) for layer, own in sorted(by_layer.items())}
     labels = list(named.values())[:MOST_NAMED]
-    rows = math.ceil(len(labels) / legend_columns(labels))
-    page = sheet(shape.bounds, border_mm=14.0, foot_mm=max(20.0, 12.0 + LINE_MM * rows))
+    marked = ["", ""]  # loads and control points
+    page = sheet(shape.bounds, border_mm=14.0, below_mm=14.0, foot_mm=foot([*labels, *marked]))
     axes = page.panels[0]
     handles: list[Any] = []
     for index, (layer, label) in enumerate(named.items()):

@@ -12,7 +12,16 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from assessment.report.figures.drawings.deformed import HINGE, INK, fill_roles, legend, push_arrow, union
+from assessment.report.figures.drawings.deformed import (
+    HINGE,
+    INK,
+    fill_roles,
+    foot,
+    labels_of,
+    legend,
+    push_arrow,
+    union,
+)
 from assessment.report.figures.style import Sheet, sheet
 from assessment.report.text.language import Words
 from assessment.results.joint_states import JointStates, Situation, joint_states, thrust_lines
@@ -38,14 +47,16 @@ def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> F
     drawing = outlines(results)
     shapes = [drawing.moved(situation.configuration) for situation in shown]
     joints = [joint_states(results, situation) for situation in shown]
-    page = sheet(union(shapes), len(shown), border_mm=7.0, foot_mm=18.0)
     largest = max(float(np.hypot(*states.force.T).max()) for states in joints)
+    handles = _handles({c for states in joints for c in states.condition}, largest, words)
+    above = 7.0 if any(situation.direction for situation in shown) else 3.0  # the arrow of the loads
+    page = sheet(union(shapes), len(shown), border_mm=above, foot_mm=foot(labels_of(handles)))
     for axes, situation, shape, states in zip(page.panels, shown, shapes, joints, strict=True):
         axes.set_title(_title(situation, words))
         _draw(page, axes, results, shape, states, largest)
         if situation.direction:
             push_arrow(page, axes, shape.bounds, situation.direction)
-    legend(page, _handles({c for states in joints for c in states.condition}, largest, words))
+    legend(page, handles)
     return page.figure
 
 

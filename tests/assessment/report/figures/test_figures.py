@@ -100,7 +100,7 @@ def test_sheet_is_to_scale():
             paper_mm = axes.get_position().size * page.figure.get_size_inches() / MM
             model_mm = 1000.0 * np.ptp([axes.get_xlim(), axes.get_ylim()], axis=1)
             assert paper_mm == pytest.approx(model_mm / page.scale)
-            assert paper_mm[1] == pytest.approx(1.6e3 / page.scale + 28.0)
+            assert paper_mm[1] == pytest.approx(1.6e3 / page.scale + 18.0)
 
 
 def test_panels_of_slender_models_leave_room_for_their_titles():
