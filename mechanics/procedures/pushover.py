@@ -17,6 +17,7 @@ from mechanics.errors import (
 )
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
 from mechanics.model.contacts import Contacts
+from mechanics.procedures.closings import behind_closing, may_peak
 from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.path_start import (
     PathStart,
@@ -40,8 +41,9 @@ class PushoverTolerances:
     `still`: displacement of a control point, as a share of the largest displacement, below which it takes no part;
     `largest`: increments that a block may move in a step in which the control point moves less. As shares of the
     largest multiplier: `zero`, a multiplier that counts as zero (found with at most `chords` chords); `nearly`, one
-    from which a falling path may jump below zero; `flat`, a change that does not count. `back`: share of its
-    displacement by which the control point goes back where a part falls; `points`: most points of a curve.
+    from which a falling path may jump below zero; `flat`, a change that does not count; `closing`, to which the
+    peak behind a joint that closes is located. `back`: share of its displacement by which the control point goes back
+    where a part falls; `points`: most points of a curve.
     """
 
     still: float = 1e-3
@@ -50,6 +52,7 @@ class PushoverTolerances:
     chords: int = 8
     nearly: float = 1e-2
     flat: float = 1e-3
+    closing: float = 2e-4
     back: float = 0.5
     points: int = 5000
 
@@ -134,6 +137,8 @@ def pushover(
                 curve.end, curve.lost = str(stop), isinstance(stop, RunawayError)
             continue
         bisection.longer(len(curve.crossed) > jumps)
+    if curve.system.rigid:
+        curve.locate_peak()
     return curve.finished()
 
 
@@ -311,6 +316,30 @@ class _Curve:
             self.end = f"α has come down to {self.push.until:g} of its peak"
         if len(self.states) == self.tolerances.points and not self.end:
             self.end = f"{self.tolerances.points} points"
+
+    def locate_peak(self) -> None:
+        """Add the points just behind joints that close, in the steps in which α may be largest."""
+        best = max(self.multiplier)
+        tolerance = self.tolerances.closing * best
+        steps = zip(self.displacement, self.displacement[1:], strict=False)
+        jumped = {point for point, step in enumerate(steps, 1) if step in self.crossed}
+        added: dict[int, Equilibrium] = {}
+        for most, point in may_peak(self.multiplier, self.displacement, self.tolerances.flat * best):
+            if point in jumped or most < best:
+                continue
+            start, end = self.states[point - 1], self.steps[point - 1]
+            last = self.steps[point - 2] if point > 1 else None
+            part = tolerance / max(most - end.alpha, tolerance)
+            step = behind_closing(self.system, self.lateral, start, end, last, part)
+            if step is not None and step.alpha > best:
+                added[point], best = step, step.alpha
+        for point in sorted(added, reverse=True):
+            step = added[point]
+            self.states.insert(point, step.state)
+            self.steps.insert(point - 1, step)
+            self.certificates.insert(point, step.certificate)
+            self.multiplier.insert(point, step.alpha)
+            self.displacement.insert(point, self.along(step.state.positions))
 
     def finished(self) -> Pushover:
         """Return the curve; raise ControlError if the control point takes no part in it."""

@@ -37,22 +37,25 @@ PUSHED = [(state, direction) for state in ("original", SETTLED) for direction in
 def test_mechanism_reactions_and_hand_check_belong_to_alpha_0(state, direction):
     """C8.7.1.2: the virtual displacements of the configuration in which the mechanism is activated.
 
-    A settled state was pushed on by a tenth of its path, where α is smaller, and its figures were those of there.
+    A settled state was pushed on by a tenth of its path, where α is smaller, and its figures were those of there. Of an
+    ensemble α0 is the least, and the curve with its mechanism that of the member with the least a_g.
     """
     results = analysed()
     rigid = results["states"][state]["pushover"][direction]["rigid"]
     alpha_0, mechanism = rigid["alpha_0"], rigid["mechanism"]
-    assert alpha_0 == max(rigid["curve"]["multiplier"])
-    assert alpha_0 == rigid["curve"]["multiplier"][mechanism["point"]] == mechanism["alpha"]
-    assert rigid["virtual_work_alpha"] == pytest.approx(alpha_0, rel=1e-6)
+    peaks = [max(curve["multiplier"]) for curve in (rigid["curve"], *rigid.get("members", []))]
+    activated = peaks[0]
+    assert alpha_0 == min(peaks) == pytest.approx(activated, rel=1e-3)
+    assert activated == rigid["curve"]["multiplier"][mechanism["point"]] == mechanism["alpha"]
+    assert rigid["virtual_work_alpha"] == pytest.approx(activated, rel=1e-6)
     named = {"state": state, "direction": direction}
     for table in (reactions(typed(results)), balance(typed(results))):
         rows = [row for row in table.rows if named.items() <= row.items()]
-        assert rows and {row["alpha"] for row in rows} == {alpha_0}
+        assert rows and {row["alpha"] for row in rows} == {activated}
     [checked] = [row for row in hand_check(typed(results)).rows if named.items() <= row.items()]
-    assert checked["alpha_mechanism"] == alpha_0
+    assert checked["alpha_mechanism"] == activated
     [listed] = [row for row in mechanisms(typed(results)).rows if named.items() <= row.items()]
-    assert listed["alpha_0"] == alpha_0 and "mechanism_alpha" not in listed
+    assert listed["alpha_0"] == alpha_0 and listed.get("mechanism_alpha", alpha_0) == activated
 
 
 @pytest.mark.parametrize(("state", "direction"), PUSHED)
