@@ -132,8 +132,8 @@ def _limit_point(axes: Axes, point: Check, limit: str) -> None:
     axes.annotate(
         f"$d^*_{{\\mathrm{{{limit}}}}}$",
         (d_star, a_star),
-        (-4, -5),
-        ha="right",
+        (5, -5),  # the secant comes from the left
+        ha="left",
         va="top",
         parse_math=True,
         bbox=OVER_LINES,

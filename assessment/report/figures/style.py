@@ -125,7 +125,8 @@ def _drawn(figure: Figure) -> Iterator[Bbox]:
     """Yield the boxes, in pixels, of what is drawn: of a sheet, whose axes are off, only what stands on it."""
     parts: list[Artist] = [*figure.legends, *figure.texts]
     for axes in figure.axes:
-        parts += [axes] if axes.axison else [each for each in axes.get_children() if each is not axes.patch]
+        frame = [axes.patch, axes.xaxis, axes.yaxis, *axes.spines.values()]
+        parts += [axes] if axes.axison else [each for each in axes.get_children() if each not in frame]
     boxes = (part.get_tightbbox() for part in parts if part.get_visible())
     yield from (
         box for box in boxes if box is not None and np.isfinite(box.extents).all() and box.height > 0.0

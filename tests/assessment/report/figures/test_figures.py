@@ -9,10 +9,23 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.patches import Rectangle
 
 from assessment.report.figures.curves import draw_pushdown, draw_pushover
 from assessment.report.figures.index import pictures, write_figures
-from assessment.report.figures.style import MM, SCALES, STYLE, SYMBOL, chart, nice, save_svg, sheet, typeset
+from assessment.report.figures.style import (
+    BAND_MM,
+    MM,
+    SCALES,
+    STYLE,
+    SYMBOL,
+    WIDTH_MM,
+    chart,
+    nice,
+    save_svg,
+    sheet,
+    typeset,
+)
 from assessment.report.text.language import slug, words_of
 from assessment.results.outlines import Outlines, outlines
 from assessment.runtime.processes.pool import Pool
@@ -171,3 +184,19 @@ def test_the_yield_point_is_named_in_the_legend_where_no_curve_runs(language):
     assert named and not any("d_y" in text for text in named)
     [legend] = figure.legends
     assert [text.get_text() for text in legend.get_texts()].count("d_y, α_y") == 1
+
+
+def test_sheets_are_saved_without_empty_bands(tmp_path):
+    """A square of 40 mm with 30 mm above it and 20 mm below: the picture is as high as the square."""
+
+    def draw():
+        page = sheet((0.0, 0.0, 0.4, 0.4), border_mm=30.0, below_mm=20.0, most_mm=90.0)
+        page.panels[0].add_patch(Rectangle((0.0, 0.0), 0.4, 0.4))
+        assert page.scale == 10.0
+        return page.figure
+
+    save_svg(draw, tmp_path / "square.svg")
+    box = re.search(r'viewBox="([^"]*)"', (tmp_path / "square.svg").read_text())[1].split()
+    width, height = (float(each) * 25.4 / 72.0 for each in box[2:])
+    assert width == pytest.approx(WIDTH_MM)
+    assert height == pytest.approx(40.0 + 2.0 * BAND_MM, abs=0.5)
