@@ -277,3 +277,6 @@ def test_nothing_is_wider_than_a_telephone(html):
     with browser.page() as narrow:
         narrow.open(html, width=390, height=844)
         assert narrow.ask("document.documentElement.scrollWidth") <= 390
+        for whole in ("caption", ".fields td"):  # not cut, as wide tables are, which can be scrolled
+            right = f"[...document.querySelectorAll('{whole}')].map(e => e.getBoundingClientRect().right)"
+            assert narrow.ask(f"Math.max(...{right})") <= 390
