@@ -131,10 +131,10 @@ def _limit_point(axes: Axes, point: Check, limit: str) -> None:
     axes.plot(d_star, a_star, marker="s", color="0.0", markersize=4.5, linestyle="none")
     axes.annotate(
         f"$d^*_{{\\mathrm{{{limit}}}}}$",
-        (d_star, a_star),
-        (5, -5),  # the secant comes from the left
+        (d_star, 0.0),
+        (3, 3),  # by the axis: curve and secant are above
         ha="left",
-        va="top",
+        va="bottom",
         parse_math=True,
         bbox=OVER_LINES,
         **OFFSET,
