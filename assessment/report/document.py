@@ -70,7 +70,7 @@ DYNAMIC = ("history", "incremental")  # chapters before the comparison, where th
 STUDIES = ("scenarios", "sensitivity")  # likewise
 CAMPAIGN = "campaign"  # likewise, behind them
 SIGNIFICANT = {"hand_check": 4, "second_solver": 8}  # digits of tables that show how near two values are
-ONSET = 0.01  # of α_0: an onset below it by more is that of a part
+ONSET = 0.01  # of α_0: an onset below it by more closes hinges first
 
 
 def write_page(results: Results, folder: Path, edited: Markup | None = None) -> None:
@@ -377,13 +377,17 @@ def _missing(results: Results, words: Words) -> Iterator[Markup]:
 
 
 def _onsets(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield a sentence for each curve that begins, at `alpha_onset`, with a part that moves before the whole does."""
+    """Yield a sentence for each curve that begins, at `alpha_onset`, by closing hinges of the settlement."""
     for name, direction, rigid in sorted(mechanisms(results), key=lambda each: each[1]):
         if rigid.alpha_onset < (1.0 - ONSET) * rigid.alpha_0:
+            alpha = rigid.curve.multiplier
+            peak = alpha.index(max(alpha))
             yield words(
                 "text.onset",
                 state=words.state(name),
                 direction=direction_name(direction),
                 onset=words.show(rigid.alpha_onset),
+                least=words.show(min(alpha[: peak + 1])),
                 alpha_0=words.show(rigid.alpha_0),
+                place=words.show(1000.0 * abs(rigid.curve.displacement_m[peak])),
             )

@@ -263,7 +263,7 @@ def compared(
     elif alpha_0 is not None and own < (1.0 - BELOW) * alpha_0:
         notes.append(
             f"alpha_0 is below that of the state, {alpha_0:.4g}: a hinge of the settlement closes from α = "
-            f"{alpha_onset:.4g} on, before the structure moves as a whole"
+            f"{alpha_onset:.4g} on, before that is reached"
         )
     return found.replace(alpha_0_limit=alpha_0, notes=notes)
 
