@@ -104,8 +104,8 @@ class HazardCurve:
         p, d, at = self.node_values[:, column, j], self.distances, f"; T_R = {RETURN_PERIODS[column]:g}"
         if len(d) == 1:
             return datum(symbol, p[0], unit, f"{self.name}: one node, the site itself{at}")
-        inputs = {f"p{i + 1}": p[i] for i in range(4)} | {f"d{i + 1}": d[i] for i in range(4)}
-        formula = "(p1/d1 + p2/d2 + p3/d3 + p4/d4)/(1/d1 + 1/d2 + 1/d3 + 1/d4)"
+        inputs = {f"p_{i + 1}": p[i] for i in range(4)} | {f"d_{i + 1}": d[i] for i in range(4)}
+        formula = "(p_1/d_1 + p_2/d_2 + p_3/d_3 + p_4/d_4)/(1/d_1 + 1/d_2 + 1/d_3 + 1/d_4)"
         return step(symbol, formula, self.values[column, j], unit, f"{_ALLEGATO}, eq. 2{at}", **inputs)
 
 

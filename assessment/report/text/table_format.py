@@ -170,6 +170,8 @@ def cell(column: str, row: Row, words: Words, significant: int = 3) -> Markup:
         return value
     if column not in row or (value is None and column in TEXT | CENTRES):
         return words("value.none")
+    if column == "parameter":
+        return words(f"value.parameter_{value}")
     if column == "governing":
         return governing(str(value), words)
     if column in {"return_period_years", "T_SLV_years"} and value is not None:
@@ -228,8 +230,6 @@ def _name(column: str, value: Any, words: Words) -> str:
         return check_name(value, words)
     if column == "kind":
         return words.plain(f"value.{value}_spectrum")
-    if column == "parameter":
-        return words.plain(f"value.parameter_{value}")
     if column == "macro_element" and value == WHOLE:
         return words.plain("value.whole_structure")
     if column == "use_category":

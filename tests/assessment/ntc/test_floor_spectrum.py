@@ -147,3 +147,20 @@ def test_a_height_of_zero_means_the_ground(tmp_path, circular):
 def test_period_of_the_building_by_hand():
     """H = 10 m: 10^0.75 = 5.623413, T_1 = 0.05·5.623413 = 0.281171 s."""
     assert fundamental_period(10.0).result == pytest.approx(0.281171, abs=1e-6)
+
+
+def test_the_period_of_the_building_follows_from_its_height_where_it_is_not_given(tmp_path):
+    """H = 10 m, T_1 = 0.281171 s; with 0.4 s given that counts, and no formula is printed."""
+    from assessment.analyses.checks.demand import demand_parts, demand_spectra
+    from assessment.project.project import load_project
+
+    site = f'[assessment]\nmodel = "none"\n[assessment.site]\nsoil = "B"\n{HAZARD}'
+    floor = f"[assessment.floor]\nheight_m = 7\nbuilding_height_m = {H}\nstoreys = 2\n"
+    for name, period, expected in (("formula", "", 0.281171), ("given", "period_s = 0.4\n", 0.4)):
+        project = load_project(write_block(tmp_path / name, block() + PUSHED + site + floor + period))
+        demands = demand_spectra(project)
+        assert pytest.approx(expected, abs=1e-6) == demands.spectra["SLV"].T_1
+        lines = {line.symbol: line for line in demand_parts(project, demands)["SLV"].trace}
+        assert ("T_1" in lines) == (not period)
+        if not period:
+            assert lines["T_1"].result == pytest.approx(expected, abs=1e-6)

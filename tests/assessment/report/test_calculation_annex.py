@@ -11,11 +11,13 @@ from ezdxf.math import Matrix44
 from assessment.analyses.checks.capacity import assess, assess_chosen, governing
 from assessment.analyses.checks.demand import demand_parts, demand_spectra
 from assessment.cli.main import main
+from assessment.ntc.capacity_return_period import stated
 from assessment.ntc.demand.hazard import RETURN_PERIODS
+from assessment.ntc.limit_states import CHECKS
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.calculation_annex import traces
-from assessment.report.tables.capacity import trace, verification
+from assessment.report.tables.capacity import scalings, trace, verification
 from assessment.report.text.language import Words, words_of
 from assessment.results.plain import plain
 from assessment.workflow.dynamic import read_motions
@@ -267,3 +269,40 @@ def test_zeta_does_not_know_the_unit_of_the_drawing(tmp_path):
             [row[key] or 0.0 for key in ("d_star_m", "a_star_g", "a_g_g", "zeta_E")] for row in (one, other)
         ]
         assert numbers[0] == pytest.approx(numbers[1], rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["site table, bilinear", "grid, rigid, along the return period"])
+def test_both_ways_of_following_the_demand_are_printed(outcomes, name):
+    """Two rows of each state and direction at SLV: the way that counts gives the check, each its own return period."""
+    results = typed(outcomes[name])
+    rows = scalings(results).rows
+    counts, other = ("grid", "demand-shape") if name.startswith("grid") else ("demand-shape", "grid")
+    assert [row["scaling"] for row in rows] == [counts, other] * 4
+    checks = {
+        (row["state"], row["direction"]): row
+        for row in verification(results).rows
+        if row["limit_state"] == "SLV"
+    }
+    for row in rows:
+        check = checks[row["state"], row["direction"]]
+        assert row["counts"] == (row["scaling"] == counts)
+        assert (row["a_g_g"] == check["a_g_g"]) == row["counts"]
+        assert row["return_period_years"] > 0.0
+
+
+def test_a_return_period_beyond_the_hazard_is_told_as_such(outcomes):
+    """JSON has "< 30" or "> 2475" beside the estimate, T_R,D (PGA_C/PGA_D)^(1/0.41)."""
+    found = set()
+    for results in outcomes.values():
+        for state in results["states"].values():
+            for check in (check for side in state["capacity"].values() for check in checks_of(side)):
+                T_R = check.get("return_period_years")
+                beyond = None if T_R is None or 30.0 <= T_R <= 2475.0 else "< 30" if T_R < 30.0 else "> 2475"
+                assert check.get("return_period_stated") == beyond
+                found.add(beyond)
+    assert found >= {None, "< 30"}
+    assert stated(2476.0) == "> 2475"
+
+
+def checks_of(capacity):
+    return [capacity[name] for name in CHECKS if name in capacity]

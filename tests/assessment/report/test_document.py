@@ -273,7 +273,24 @@ def test_a_level_of_knowledge_needs_no_level_of_evaluation(tmp_path, monkeypatch
     }
     results["echo"]["assessment"]["knowledge"] = {"level": "LC2", "investigations": ""}
     text = render_html(typed(results), tmp_path, words_of(typed(results)))
-    assert "LC2" in text and '<td class="text">tests</td>' in text
+    assert "Level of knowledge LC2" in text and '<td class="text">tests</td>' in text
+
+
+def test_a_confidence_factor_of_components_is_printed_with_them(tmp_path, monkeypatch):
+    """ "level of knowledge: –" stood there; 1 + 0.05 + 0 + 0.06 + 0 = 1.11."""
+    monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
+    results = results_example("it")
+    components = {"geometry": 0.05, "construction": 0.0, "mechanical": 0.06, "ground": 0.0}
+    results["knowledge"] = {"F_C": 1.11, "level": None, "components": components, "origins": {}, "trace": []}
+    results["echo"]["assessment"]["knowledge"] = {
+        **components,
+        "evaluation": "LV3",
+        "investigations": "martinetti piatti.",
+    }
+    text = render_html(typed(results), tmp_path, words_of(typed(results)))
+    assert "F<sub>C</sub> = 1 + Σ F<sub>Ck</sub> = 1,11 (D.P.C.M." in text
+    assert "LV3" in text and "Indagini svolte: martinetti piatti." in text
+    assert text.count("F<sub>C1</sub>, rilievo geometrico") == 2  # with its component, and among the input
 
 
 def laws_told(results):

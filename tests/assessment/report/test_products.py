@@ -9,6 +9,8 @@ from PIL import Image
 
 from assessment.report.figures.style import PNG_DPI
 from assessment.report.judgement import draft_judgement
+from assessment.report.tables.capacity import summary
+from assessment.report.tables.indices import indices
 from assessment.report.text.language import words_of
 from assessment.report.text.table_format import cell
 from assessment.results.hand_check import figures_of, governing_mechanisms, hand_check
@@ -43,6 +45,21 @@ def printed(rows, columns, words, significant=3):
         squeezed("".join(cell(column, row, words, significant).striptags() for column in kept))
         for row in rows
     ]
+
+
+def test_zeta_at_slv_is_the_headline_and_its_table_stands_below(text):
+    """The least of both directions (§8.3), before the tables of the chapter; SLC and SLD beside it; the reductions."""
+    results = typed(analysed("it"))
+    words, table = words_of(results), indices(results)
+    rows = printed(table.rows, table.columns, words)
+    for (name, state), row in zip(results.states.items(), rows, strict=True):
+        least = min(capacity.ratios["SLV"] for capacity in state.capacity.values())
+        said = squeezed(f"Stato “{words.state(name)}”: ζE = {words.show(least)} allo SLV")
+        assert said in text and text.index(said) < text.index(row)
+    assert {"zeta_SLV", "zeta_SLC", "ratio_SLD"} <= table.rows[0].keys()
+    for line in summary(results).rows:
+        if line["quantity"] == "zeta_E":  # a reduction at each limit state
+            assert line[f"reduction: {SETTLED}"] is not None
 
 
 def test_reactions_and_their_balance_are_printed(text):

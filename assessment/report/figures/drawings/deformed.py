@@ -105,7 +105,7 @@ def _draw_mechanisms(words: Words, views: Sequence[Mechanism], direction: Direct
     if any(len(view.sliding) for view in views):
         handles.append(Line2D([], [], **SLIDING, label=words.plain("figure.sliding")))
     bounds = union([outline for view in views for outline in (view.start, view.swept)])
-    page = sheet(bounds, len(views), border_mm=7.0, foot_mm=foot(labels_of(handles)))
+    page = sheet(bounds, len(views), border_mm=7.0, foot_mm=foot(labels_of(handles)), most_mm=85.0)
     for axes, view in zip(page.panels, views, strict=True):
         axes.set_title(words.state(view.state))
         view.draw(page, axes)
