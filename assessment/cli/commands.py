@@ -54,7 +54,6 @@ def check(options: argparse.Namespace) -> int:
     from assessment.report.figures.drawings.model import draw_model
     from assessment.report.figures.style import save_svg
     from assessment.report.text.language import Words, words_of
-    from assessment.results.file import typed
     from assessment.runtime.terminal.progress import model_summary, told
     from assessment.workflow.dynamic import read_motions
     from assessment.workflow.skeleton import describe
@@ -71,16 +70,15 @@ def check(options: argparse.Namespace) -> int:
             save_svg(partial(draw_faults, faulty, Words.of(project.report.language)), drawing)
             tell(f"drawing with the faults marked: {drawing}")
         return WRONG_INPUT
-    content = describe(project, model)
-    motions, warnings = read_motions(project), content["model"]["warnings"]
-    warnings += motions.notes
+    results = describe(project, model)
+    motions = read_motions(project)
+    warnings = [*results.model.warnings, *motions.notes]
     if project.assessment:
         demands = demand_spectra(project, motions.history)  # refused here if a run would refuse it
         warnings += implausible_hazard(project, demands.spectra)
     if unstable := stand(model.assembly):
-        content["model"]["self_weight_stable"] = False
+        results = results.replace(model=results.model.replace(self_weight_stable=False))
         warnings.append(unstable)
-    results = typed(content)
     save_svg(lambda: draw_model(results, words_of(results)), drawing)
     say(model_summary(results))
     say(f"drawing of the model: {drawing}")

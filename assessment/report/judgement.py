@@ -199,7 +199,7 @@ def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
             state=words.state(worst.state),
             movement=words.millimetres(worst.movement_m),
             direction=direction_name(worst.direction),
-            capacity=compared(worst, found),
+            capacity=compared(worst, found.quantity),
             limit=found.limit_state,
         )
         if not worst.collapses and worst.reduction is not None:

@@ -10,14 +10,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assessment.results.faces import Met, shares
+from assessment.results.plain import plain
+from assessment.results.schema.dynamic import Snapshots
+from assessment.results.schema.part import Configuration, Point
+from assessment.results.schema.static import Frames
 
 if TYPE_CHECKING:
+    from assessment.results.schema.model import Face
     from mechanics import Assembly
     from mechanics.model import Contacts, State
     from mechanics.procedures import Pushdown, Pushover
     from mechanics.types import Array
 
-Numbers = dict[str, Any]
 NUMBERS = 40_000  # kept of one path: what its frames may cost in results.json and in the page
 FEWEST, MOST = 15, 60  # frames of a static path
 FEWEST_IN_TIME, MOST_IN_TIME = 24, 150
@@ -33,7 +37,21 @@ class Carried:
     forces: Array
 
 
-def pushover_frames(model: Assembly, path: Pushover, met: Met) -> Numbers:
+@dataclass(frozen=True, eq=False)
+class Pictured:
+    """Some points of a path (f,): displacements and rotations of the blocks (f, b, 3), m and rad.
+
+    `force_kN` (f, j, 2): N and T of each joint, `centre` (f, j): where N presses, as a share of the overlap; None where
+    not known. Joints are the drawn ones and then those in `met`, which did not touch as drawn.
+    """
+
+    configuration: list[Configuration]
+    force_kN: list[list[Point] | None]  # noqa: N815
+    centre: list[list[float | None] | None]
+    met: list[Face]
+
+
+def pushover_frames(model: Assembly, path: Pushover, met: Met) -> Frames:
     """Frames of a capacity curve, its onset, peak and end among them; see `frames`."""
     # a rigid curve has no step at its onset: the forces there are those of the limit analysis
     lead: list[Carried | None] = [] if len(path.steps) == len(path.states) else [None]
@@ -42,7 +60,7 @@ def pushover_frames(model: Assembly, path: Pushover, met: Met) -> Numbers:
     return frames(model, path.states, carried, (path.peak, path.formed), met)
 
 
-def pushdown_frames(model: Assembly, path: Pushdown, whole: float) -> Numbers:
+def pushdown_frames(model: Assembly, path: Pushdown, whole: float) -> Frames:
     """Frames of a movement, the `whole` one (m) that was asked for among them; see `frames`."""
     asked = int(np.argmin(abs(path.movement - whole)))
     carried = [Carried(step.contacts, step.forces) for step in path.steps]
@@ -55,17 +73,18 @@ def frames(
     carried: Sequence[Carried | None],
     wanted: Iterable[int],
     met: Met,
-) -> Numbers:
-    """Describe some points of a path, first, last and `wanted` ones among them.
-
-    `index` (f,): which points of the path's curve; `configuration` (f, b, 3): displacements (m) and rotation (rad) of
-    the blocks from the drawing; `force_kN` (f, j, 2): N and T of each joint, `centre` (f, j): where N presses, as a
-    share of the overlap; None where not known. Joints are the drawn ones and then those in `met`, which did not touch
-    as drawn.
-    """
+) -> Frames:
+    """Describe some points of a path (see Pictured): first, last and `wanted` ones, and others evenly between them."""
     kept = chosen(len(states), max(FEWEST, min(MOST, NUMBERS // _size(model))), wanted)
     at = [states[k].positions for k in kept]
-    return {"index": kept, **_pictured(model, at, [carried[k] for k in kept], met)}
+    found = _pictured(model, at, [carried[k] for k in kept], met)
+    return Frames(
+        index=kept,
+        configuration=found.configuration,
+        force_kN=found.force_kN,
+        centre=found.centre,
+        met=found.met,
+    )
 
 
 def _size(model: Assembly) -> int:
@@ -75,7 +94,7 @@ def _size(model: Assembly) -> int:
 
 def _pictured(
     model: Assembly, positions: Sequence[Array], carried: Sequence[Carried | None], met: Met
-) -> Numbers:
+) -> Pictured:
     least = LEAST * model.weight
     numbers = [None if c is None else met.numbers(c.contacts, c.forces[:, 0] > least) for c in carried]
     count = met.drawn + len(met.joints)
@@ -92,31 +111,30 @@ def _pictured(
         share[number[told]] = shares(c.contacts.places(at), c.forces)[told]
         share[resultant[:, 0] <= 1e-9 * model.weight] = np.nan
         force.append(_rounded(resultant, model.weight))
-        centre.append(np.round(share, 6).tolist())
-    return {
-        "configuration": configurations(model, np.array(positions)),
-        "force_kN": force,
-        "centre": centre,
-        "met": list(met.joints),
-    }
+        centre.append(plain(np.round(share, 6).tolist()))
+    return Pictured(configurations(model, np.array(positions)), force, centre, list(met.joints))
 
 
 def snapshots(
     model: Assembly, time: Array, displacement: Array, positions: Array, forces: Array, peak: int
-) -> Numbers:
-    """Describe some times of a motion, evenly spaced, the peak among them: `time_s`, `displacement_m` (f,) as well.
+) -> Snapshots:
+    """Describe some times of a motion (see Pictured), evenly spaced, the peak among them, of the drawn joints.
 
-    `configuration`, `force_kN` and `centre` as in `frames`, of the drawn joints: `forces` (k, j, 3) are those of the
-    step that led there.
+    `time` (k,) s; `displacement` (k,) m of the control point; `positions` (k, b, 3); `forces` (k, j, 3), kN and kNm:
+    those of the step that led there.
     """
     kept = chosen(len(time), max(FEWEST_IN_TIME, min(MOST_IN_TIME, NUMBERS // _size(model))), (peak,))
     carried = [Carried(model.contacts, forces[k]) if k > 0 or forces[k].any() else None for k in kept]
-    return {
-        "time_s": np.round(time[kept], 6).tolist(),
-        "displacement_m": displacement[kept].tolist(),
-        # a motion knows no forces before its first step
-        **_pictured(model, [positions[k] for k in kept], carried, Met(model)),
-    }
+    # a motion knows no forces before its first step
+    found = _pictured(model, [positions[k] for k in kept], carried, Met(model))
+    return Snapshots(
+        time_s=np.round(time[kept], 6).tolist(),
+        displacement_m=displacement[kept].tolist(),
+        configuration=found.configuration,
+        force_kN=found.force_kN,
+        centre=found.centre,
+        met=found.met,
+    )
 
 
 def chosen(count: int, most: int, wanted: Iterable[int]) -> list[int]:

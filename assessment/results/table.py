@@ -10,7 +10,7 @@ from assessment.ntc.limit_states import INDEXED, QUOTED, ROCK, SURFACE
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity
 from assessment.results.schema.part import Part
-from assessment.results.schema.studies import ScenarioPoint, Scenarios
+from assessment.results.schema.studies import Capacities
 
 Row = dict[str, Any]
 
@@ -57,14 +57,14 @@ def brought_together(static: float | None, dynamic: float | None) -> Row:
     return {"static_surface_pga_g": static, "dynamic_to_static": ratio}
 
 
-def compared(point: ScenarioPoint, scenarios: Scenarios) -> float | None:
-    """Return what the scenarios are compared by at one of their points."""
+def compared(found: Capacities, quantity: str) -> float | None:
+    """Return the quantity that capacities are compared by: a_g (g), α_0 or α_u."""
     of: dict[str, float | None] = {
-        "a_g_g": point.a_g_g,
-        "alpha_0": point.alpha_0,
-        "alpha_u": point.alpha_u,
+        "a_g_g": found.a_g_g,
+        "alpha_0": found.alpha_0,
+        "alpha_u": found.alpha_u,
     }
-    return of[scenarios.quantity]
+    return of[quantity]
 
 
 def reference_of(results: Results) -> str:

@@ -8,20 +8,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from assessment.analyses.accuracy import FIRST_ORDER, NOISE, SHOWN, accuracy_of
-from assessment.analyses.checks.capacity import assess
+from assessment.analyses.checks.capacity import assess, capacities
+from assessment.analyses.static.states import curves
+from assessment.results.schema.studies import ConvergenceRow
+from assessment.results.table import cells
 from assessment.studies.increments import refined
-from assessment.studies.variants import capacity_numbers, curves, directions
+from assessment.studies.variants import capacities_of
 
 if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.analyses.static.states import StateResult
     from assessment.project.project import Project
     from mechanics import Assembly
+    from mechanics.model import Direction
 
-Numbers = dict[str, Any]
 Measured = Mapping[str, float | None]
 SAFETY = 1.25  # on estimated errors, which are as often too small as too large (Roache's grid convergence index, 1994)
 QUANTITIES = ("alpha_0", "d_0_m", "alpha_u", "a_g_g")
@@ -103,18 +106,20 @@ class Levels:
             if error is None or error > tolerance
         ]
 
-    def numbers(self, tolerance: float) -> Numbers:
-        """Return the row of results.json: errors, the largest relative error, and the values of each level."""
+    def row(self, state: str, direction: Direction, halvings: int, tolerance: float) -> ConvergenceRow:
+        """Return the row of the results: errors, the largest relative error, and the values of each level."""
         relative = self.relative.values()
         largest = (
             None if None in relative else max((each for each in relative if each is not None), default=None)
         )
-        return {
-            **{_error_key(key): error for key, error in self.errors.items()},
-            "relative_error": largest,
-            "met": self.within(tolerance),
-            "levels": {key: self.values(key) for key in self.measured[-1]},
-        }
+        return ConvergenceRow(
+            state=state,
+            direction=direction,
+            halvings=halvings,
+            relative_error=largest,
+            met=self.within(tolerance),
+            levels={key: self.values(key) for key in self.measured[-1]},
+        ).replace(**{_error_key(key): error for key, error in self.errors.items()})
 
     def _least(self, key: str) -> float:
         return NOISE * (self.size if key.endswith("_m") else 1.0)
@@ -136,7 +141,7 @@ class Convergence:
     stages: list[StateResult]
     given: list[StateResult]
     halvings: dict[str, int] = field(default_factory=dict)
-    rows: list[Numbers] = field(default_factory=list)
+    rows: list[ConvergenceRow] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
 
@@ -184,8 +189,7 @@ def converge(
         for way, each in ways.items():
             if not each.reached:
                 continue
-            row = {"state": state, "direction": way, "halvings": found.halvings[state]}
-            found.rows.append(row | each.numbers(accuracy.tolerance))
+            found.rows.append(each.row(state, way, found.halvings[state], accuracy.tolerance))
             title = f"{state}, {way}"
             if state in failed:
                 found.warnings.append(f"{title}: finer increments fail: {failed[state]}")
@@ -213,17 +217,16 @@ def measure(
     demands: Demands,
     stages: Sequence[StateResult],
     quantities: Collection[str] = QUANTITIES,
-) -> dict[str, dict[str, Numbers]]:
+) -> dict[str, dict[Direction, Measured]]:
     """Return the quantities that have to converge, by state and direction."""
-    found: dict[str, dict[str, Numbers]] = {}
+    found: dict[str, dict[Direction, Measured]] = {}
     for state in dict.fromkeys(stage.state for stage in stages):
         own = [stage for stage in stages if stage.state == state]
         pushovers = curves(own)
-        capacities = assess(project, model, pushovers, demands, []) if project.assessment else {}
+        checked = capacities(assess(project, model, pushovers, demands, [])) if project.assessment else {}
         found[state] = {
-            way: {key: value for key, value in numbers.items() if key in quantities}
-            for way in directions(project)
-            for numbers in [capacity_numbers(project, own, pushovers.get(way, {}), capacities.get(way))]
+            direction: cells(each, quantities)
+            for direction, each in capacities_of(project, own, pushovers, checked).items()
         }
     return found
 

@@ -7,20 +7,20 @@ comes to rest, and is pushed over.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from assessment.project.schema import ORIGINAL
-from assessment.results.table import reduction
+from assessment.results.schema.studies import Capacities, ScenarioPoint, Scenarios
+from assessment.results.table import compared, reduction
 from assessment.studies.increments import finest
 from assessment.studies.variants import (
-    Numbers,
     Statics,
     Study,
     Variant,
     analyse,
     behaviours,
-    capacity_numbers,
-    directions,
+    capacities_of,
     quantity,
     quoted_limit_state,
 )
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from assessment.project.schema import SettlementTable
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
+    from mechanics.model import Direction
 
 
 def asks_for_scenarios(project: Project) -> bool:
@@ -47,7 +48,7 @@ def scenarios(
     demands: Demands,
     workers: Workers,
     study: Study,
-) -> Numbers:
+) -> Scenarios:
     """Compare the states of the project and the parts of each movement with a sweep.
 
     The parts have the increments of the whole movement, halved as often. Return the points in the order of the
@@ -76,12 +77,13 @@ def scenarios(
             last = k == steps
             numbers = _of_state(project, statics, settlement.name) if last else parts[settlement.name, k]
             points += _points(settlement.name, k / steps, k / steps * movement, numbers, original, by)
-    return {
-        "quantity": by,
-        "limit_state": quoted_limit_state(project),
-        "points": points,
-        "worst": worst(points, by),
-    }
+    return Scenarios(
+        quantity=by,
+        limit_state=quoted_limit_state(project),
+        points=points,
+        worst=worst(points, by),
+        warnings=study.warnings,
+    )
 
 
 def part(whole: SettlementTable, share: float) -> SettlementTable:
@@ -91,37 +93,43 @@ def part(whole: SettlementTable, share: float) -> SettlementTable:
     return whole.model_copy(update=moved | {"to_collapse": False, "steps": None})
 
 
-def worst(points: Sequence[Numbers], by: str) -> Numbers | None:
-    """Return the settled point with the lowest capacity; if some collapse, the one with the shortest movement."""
-    settled = [point for point in points if point["state"] != ORIGINAL]
-    fallen = [point for point in settled if point["collapses"]]
+def worst(points: Sequence[ScenarioPoint], by: str) -> ScenarioPoint | None:
+    """Return the settled point with the lowest capacity; if some collapse, the one with the shortest movement.
+
+    `by`: the quantity that capacities are compared by. None where no settled point has a capacity.
+    """
+    settled = [point for point in points if point.state != ORIGINAL]
+    fallen = [point for point in settled if point.collapses]
     if fallen:
-        return min(fallen, key=lambda point: point["movement_m"])
-    known = [point for point in settled if point[by] is not None]
-    return min(known, key=lambda point: point[by], default=None)
+        return min(fallen, key=lambda point: point.movement_m)
+    reached = [(value, point) for point in settled if (value := compared(point, by)) is not None]
+    return min(reached, key=itemgetter(0))[1] if reached else None
 
 
-def _of_state(project: Project, statics: Statics, name: str) -> dict[str, Numbers]:
+def _of_state(project: Project, statics: Statics, name: str) -> dict[Direction, Capacities]:
     """Return the capacity of a state of the project, by direction."""
     own = [stage for stage in statics.stages_of(name) if stage.behaviour in behaviours(project)]
-    curves, checks = statics.pushed(name)
-    return {
-        direction: capacity_numbers(project, own, curves.get(direction, {}), checks.get(direction))
-        for direction in directions(project)
-    }
+    state = statics.states[name]
+    return capacities_of(project, own, state.pushover, state.capacity)
 
 
 def _points(
     state: str,
     share: float,
     movement: float,
-    numbers: Mapping[str, Numbers],
-    original: Mapping[str, Numbers],
+    found: Mapping[Direction, Capacities],
+    original: Mapping[Direction, Capacities],
     by: str,
-) -> list[Numbers]:
+) -> list[ScenarioPoint]:
+    """Return the point of a part of a movement (its largest component `movement`, m) in each direction."""
     return [
-        {"state": state, "share": share, "movement_m": movement, "direction": direction}
-        | found
-        | {"reduction": reduction(original[direction][by], found[by])}
-        for direction, found in numbers.items()
+        ScenarioPoint(
+            state=state,
+            share=share,
+            movement_m=movement,
+            direction=direction,
+            **capacities.model_dump(exclude_unset=True),
+            reduction=reduction(compared(original[direction], by), compared(capacities, by)),
+        )
+        for direction, capacities in found.items()
     ]

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 from assessment.project.model import build_model
 from assessment.project.schema import ORIGINAL, Table
+from assessment.results.schema.studies import Sensitivity, SensitivityRun
 from assessment.studies.increments import finest, refined
-from assessment.studies.variants import Numbers, Study, Variant, analyse, quoted_limit_state
+from assessment.studies.variants import Study, Variant, analyse, quoted_limit_state
 
 if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
@@ -29,7 +30,7 @@ KEYS = {  # property: the keys of [material], [geometry] and [layers] that it st
 
 def sensitivity(
     project: Project, halvings: Mapping[str, int], demands: Demands, workers: Workers, study: Study
-) -> Numbers:
+) -> Sensitivity:
     """Analyse every state with each property lower and higher; return the runs, two to a property and state.
 
     The increments are those of the state itself, halved as often (`halvings`): only the property differs.
@@ -49,20 +50,20 @@ def sensitivity(
         for (key, factor), settlement in cases
     ]
     runs = [
-        {
-            "state": settlement.name if settlement else ORIGINAL,
-            "property": key,
-            "factor": factor,
-            "direction": direction,
-            **numbers,
-        }
+        SensitivityRun(
+            state=settlement.name if settlement else ORIGINAL,
+            property=key,
+            factor=factor,
+            direction=direction,
+            **capacities.model_dump(exclude_unset=True),
+        )
         for ((key, factor), settlement), found in zip(
             cases, analyse(variants, demands, workers, study, "sensitivity"), strict=True
         )
-        for direction, numbers in found.items()
+        for direction, capacities in found.items()
     ]
     study.findings += scatter(runs, without_effect(project))
-    return {"limit_state": quoted_limit_state(project), "runs": runs}
+    return Sensitivity(limit_state=quoted_limit_state(project), runs=runs, warnings=study.warnings)
 
 
 def without_effect(project: Project) -> set[str]:
@@ -80,17 +81,17 @@ def without_effect(project: Project) -> set[str]:
     return {"depth", "unit_weight"} if rigid else {"depth"}
 
 
-def scatter(runs: Sequence[Numbers], properties: Set[str]) -> list[str]:
+def scatter(runs: Sequence[SensitivityRun], properties: Set[str]) -> list[str]:
     """Return a finding for each state whose capacity changes with properties that it cannot depend on."""
     found = []
     names = " and ".join(
-        key.replace("_", " ") for key in KEYS if key in properties & {r["property"] for r in runs}
+        key.replace("_", " ") for key in KEYS if key in properties & {run.property for run in runs}
     )
-    for state, direction in dict.fromkeys((run["state"], run["direction"]) for run in runs):
+    for state, direction in dict.fromkeys((run.state, run.direction) for run in runs):
         same = [
-            run["a_g_g"]
+            run.a_g_g
             for run in runs
-            if (run["state"], run["direction"]) == (state, direction) and run["property"] in properties
+            if (run.state, run.direction) == (state, direction) and run.property in properties
         ]
         known = [value for value in same if value is not None]
         spread = (

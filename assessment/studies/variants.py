@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from assessment.analyses.checks.capacity import assess
-from assessment.analyses.static.states import Request, StateResult, analyse_states
+from assessment.analyses.checks.capacity import assess, capacities
+from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
 from assessment.ntc.limit_states import QUOTED
 from assessment.project.schema import ORIGINAL
+from assessment.results.schema.studies import Capacities
 
 if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.project.project import Project
     from assessment.project.schema import SettlementTable
+    from assessment.results.schema import State
     from assessment.results.schema.checks import Capacity
+    from assessment.results.schema.model import QualityRow
+    from assessment.results.schema.static import Pushovers
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
     from mechanics.model import Behaviour, Direction
-
-Numbers = dict[str, Any]
-UNCHECKED = {"a_g_g": None, "zeta_E": None}
 
 
 @dataclass(frozen=True)
@@ -41,12 +42,12 @@ class Variant:
 
 @dataclass(frozen=True, eq=False)
 class Statics:
-    """What the static analyses gave: numbers of each state as results.json has them, and the results behind them.
+    """What the static analyses gave: each state as results.json has it, and the results behind it.
 
     `halvings`: how often the increments of each state were halved; the studies of a state halve theirs as often.
     """
 
-    states: Mapping[str, Any]
+    states: Mapping[str, State]
     stages: Sequence[StateResult]
     halvings: Mapping[str, int]
 
@@ -54,16 +55,12 @@ class Statics:
         """Return the results of a state, one for each contact behaviour."""
         return [stage for stage in self.stages if stage.state == name]
 
-    def pushed(self, name: str) -> tuple[Mapping[Direction, Any], Mapping[Direction, Capacity]]:
-        """Return the pushover curves and the checks of a state, by direction."""
-        return self.states[name]["pushover"], self.states[name]["capacity"]
-
 
 @dataclass
 class Study:
     """Rows of quality, warnings and failures of the runs of a study, findings about all of them, and their time (s)."""
 
-    quality: list[Numbers] = field(default_factory=list)
+    quality: list[QualityRow] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     findings: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
@@ -80,7 +77,7 @@ class Study:
 
 def analyse(
     variants: Sequence[Variant], demands: Demands, workers: Workers, study: Study, name: str
-) -> Iterator[dict[str, Numbers]]:
+) -> Iterator[dict[Direction, Capacities]]:
     """Yield the capacity of each variant by direction; `name`: of the study."""
     requests = [
         Request(variant.project, variant.model, variant.settlement, behaviour, f"{variant.what}: ")
@@ -93,17 +90,12 @@ def analyse(
         stages = [next(results) for _ in range(each)]
         study.take(variant, stages)
         pushovers = curves(stages)
-        capacities: dict[Direction, Capacity] = {}
+        checked: dict[Direction, Capacity] = {}
         if variant.project.assessment:
             notes: list[str] = []
-            capacities = assess(variant.project, variant.model, pushovers, demands, notes)
+            checked = capacities(assess(variant.project, variant.model, pushovers, demands, notes))
             study.warnings += [f"{variant.title}: {note}" for note in notes]
-        yield {
-            direction: capacity_numbers(
-                variant.project, stages, pushovers.get(direction, {}), capacities.get(direction)
-            )
-            for direction in directions(variant.project)
-        }
+        yield capacities_of(variant.project, stages, pushovers, checked)
 
 
 def behaviours(project: Project) -> tuple[Behaviour, ...]:
@@ -116,37 +108,38 @@ def directions(project: Project) -> tuple[Direction, ...]:
     return project.pushover.directions if project.pushover else ()
 
 
-def curves(stages: Iterable[StateResult]) -> dict[Direction, Numbers]:
-    """Return the pushover numbers of one state by direction and behaviour."""
-    found: dict[Direction, Numbers] = {}
-    for stage in stages:
-        for direction, numbers in stage.pushover.items():
-            found.setdefault(direction, {})[stage.behaviour] = numbers
-    return found
-
-
-def capacity_numbers(
+def capacities_of(
     project: Project,
-    stages: Iterable[StateResult],
-    pushover: Mapping[str, Any],
-    capacity: Capacity | None,
-) -> Numbers:
-    """Return the capacity of one state in one direction for a study; None: asked for, but not reached.
+    stages: Collection[StateResult],
+    pushovers: Mapping[Direction, Pushovers],
+    checked: Mapping[Direction, Capacity],
+) -> dict[Direction, Capacities]:
+    """Return the capacity of one state for a study, by direction; null: asked for, but not reached.
 
     `collapses`: under one of the contact behaviours the structure falls before the whole movement is applied;
     a_g and ζ_E are of the farthest limit state.
     """
     fallen = any(stage.pushdown is not None and stage.reached is None for stage in stages)
-    numbers: Numbers = {"collapses": fallen}
+    return {
+        direction: _capacities(project, fallen, pushovers.get(direction), checked.get(direction))
+        for direction in directions(project)
+    }
+
+
+def _capacities(
+    project: Project, fallen: bool, pushed: Pushovers | None, capacity: Capacity | None
+) -> Capacities:
+    found = Capacities(collapses=fallen)
     if "rigid" in behaviours(project):
-        rigid = pushover.get("rigid") or {}
-        numbers |= {key: rigid.get(key) for key in ("alpha_0", "d_0_m")}
+        rigid = pushed.rigid if pushed else None
+        found = found.replace(alpha_0=rigid.alpha_0 if rigid else None, d_0_m=rigid.d_0_m if rigid else None)
     if "elastic" in behaviours(project):
-        numbers["alpha_u"] = (pushover.get("elastic") or {}).get("alpha_u")
+        elastic = pushed.elastic if pushed else None
+        found = found.replace(alpha_u=elastic.alpha_u if elastic else None)
     if project.assessment:
-        check = capacity and capacity.checks.get(quoted_limit_state(project) or "")
-        numbers |= {"a_g_g": check.a_g_g, "zeta_E": check.zeta_E} if check else UNCHECKED
-    return numbers
+        check = capacity.checks.get(quoted_limit_state(project) or "") if capacity else None
+        found = found.replace(a_g_g=check.a_g_g if check else None, zeta_E=check.zeta_E if check else None)
+    return found
 
 
 def quoted_limit_state(project: Project) -> str | None:

@@ -1,18 +1,18 @@
-"""The dynamic stages of a run: which motions start from which states, and their place in the results."""
+"""The dynamic stages of a run: which motions shake which states, and their place in the results."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from assessment.analyses.dynamic.errors import Estimates, collapses_again
+from assessment.analyses.dynamic.errors import collapses_again
 from assessment.analyses.dynamic.histories import histories
 from assessment.analyses.dynamic.incremental import searches, summarise
 from assessment.analyses.dynamic.inputs import Campaign, starts_of, ultimates
-from assessment.analyses.dynamic.time_history import StageResult, motion_numbers
+from assessment.analyses.dynamic.time_history import StageResult, motion_part
 from assessment.project.motions import (
     BaseMotion,
     campaign_motions,
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.results.schema.dynamic import History, Search
     from assessment.runtime.tasks import Workers
+    from assessment.workflow.draft import Draft
     from mechanics import Assembly
     from mechanics.model import Behaviour
 
-Results = dict[str, Any]
 PERIODS = np.linspace(0.0, 4.0, 201)  # s
 
 
@@ -67,52 +67,60 @@ def dynamic_contacts(project: Project) -> list[Behaviour]:
 
 
 def add_dynamics(
-    results: Results,
+    draft: Draft,
     project: Project,
     model: Assembly,
     motions: Motions,
     stages: Iterable[StateResult],
     workers: Workers,
 ) -> bool:
-    """Compute [[history]] and [incremental] from the states that `stages` reached and add them to `results`.
+    """Compute [[history]] and [incremental] from the states that `stages` reached, and add them to the results.
 
-    Return whether every analysis was completed.
+    Return whether every analysis was completed. Raises KilledError where a process was ended from outside.
     """
     starts = starts_of(dynamic_contacts(project), model, stages)
-    campaign = Campaign(project, model, starts, ultimates(results["states"]), workers)
-    warnings = results["quality"]["warnings"]
+    pushovers = {name: state.pushover for name, state in draft.states.items()}
+    campaign = Campaign(project, model, starts, ultimates(pushovers), workers)
     complete = True
-
-    def take(stage: StageResult[History] | StageResult[Search]) -> None:
-        nonlocal complete
-        warnings.extend([*stage.warnings, *stage.failures])
-        results["quality"]["by_stage"] += stage.quality
-        results["timing_s"][stage.stage] = results["timing_s"].get(stage.stage, 0.0) + stage.seconds
-        complete = complete and not stage.failures
-
     if project.history:
-        results["motions"] = [motion_numbers(motion, PERIODS) for motion in motions.history]
-        for shaken in histories(campaign, motions.history):
-            take(shaken)
-            results["states"][shaken.state]["history"].append(shaken.numbers)
-            if shaken.convergence is not None:
-                results["convergence"]["rows"].append(shaken.convergence)
+        draft.put(motions=[motion_part(motion, PERIODS) for motion in motions.history])
+        complete = _add_histories(draft, histories(campaign, motions.history))
     if project.incremental:
-        found: dict[str, list[Search]] = {}
         searched = searches(campaign, motions.incremental)
-        for stage in searched:
-            take(stage)
-            found.setdefault(stage.state, []).append(stage.numbers)
-        for state, records in found.items():
-            results["states"][state]["incremental"] = summarise(records, warnings, state)
-        _tell(results, "incremental", collapses_again(campaign, motions.incremental, searched))
+        complete = _add_searches(draft, searched) and complete
+        estimates = collapses_again(campaign, motions.incremental, searched)
+        if estimates.rows:
+            draft.search_errors += estimates.rows
+            draft.warnings += estimates.warnings
+            draft.took("incremental error", estimates.seconds)
     return complete
 
 
-def _tell(results: Results, study: str, found: Estimates) -> None:
-    """Add the rows of a study of errors to the results; nothing where there are none."""
-    if found.rows:
-        results["convergence"].setdefault(study, []).extend(found.rows)
-        results["quality"]["warnings"] += found.warnings
-        name = f"{study} error"
-        results["timing_s"][name] = results["timing_s"].get(name, 0.0) + found.seconds
+def _add_histories(draft: Draft, found: Iterable[StageResult[History]]) -> bool:
+    """Add time histories to their states; return whether all were completed."""
+    complete = True
+    for each in found:
+        complete = _take(draft, each) and complete
+        draft.put_state(each.state, history=[*draft.states[each.state].history, each.numbers])
+        if each.convergence is not None:
+            draft.errors.append(each.convergence)
+    return complete
+
+
+def _add_searches(draft: Draft, found: Sequence[StageResult[Search]]) -> bool:
+    """Add the incremental analyses to their states; return whether all were completed."""
+    complete = True
+    records: dict[str, list[Search]] = {}
+    for each in found:
+        complete = _take(draft, each) and complete
+        records.setdefault(each.state, []).append(each.numbers)
+    for state, own in records.items():
+        draft.put_state(state, incremental=summarise(own, draft.warnings, state))
+    return complete
+
+
+def _take(draft: Draft, stage: StageResult[Any]) -> bool:
+    """Add messages, certificates and time of a dynamic analysis; return whether it was completed."""
+    draft.take(stage.warnings, stage.failures, stage.quality)
+    draft.took(stage.stage, stage.seconds)
+    return not stage.failures

@@ -5,24 +5,27 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from assessment.analyses.static.states import joined_quality
+from assessment.results.quality import joined
 from assessment.studies.campaign.stage import campaign
 from assessment.studies.scenarios import asks_for_scenarios, scenarios
 from assessment.studies.sensitivity import sensitivity
-from assessment.studies.variants import Numbers, Statics, Study
+from assessment.studies.variants import Statics, Study
 
 if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
+    from assessment.results.schema.campaign import Campaign
+    from assessment.results.schema.studies import Scenarios, Sensitivity
     from assessment.runtime.tasks import Workers
+    from assessment.workflow.draft import Draft
     from mechanics import Assembly
 
 FEW = 3  # warnings of a study that are repeated among those of the run
 
 
 def add_studies(
-    results: Numbers,
+    draft: Draft,
     project: Project,
     model: Assembly,
     statics: Statics,
@@ -30,11 +33,12 @@ def add_studies(
     records: Sequence[BaseMotion],
     workers: Workers,
 ) -> bool:
-    """Set the scenarios side by side, vary the properties, run the campaign, where asked for.
+    """Compare the scenarios, vary the properties and run the campaign, each where asked for, and add the results.
 
-    Returns whether all was completed. `records`: of the files that [campaign] names.
+    `records`: of the files that [campaign] names. Return whether all was completed. Raises KilledError where a process
+    was ended from outside, ProjectError for a property that gives no model.
     """
-    made: dict[str, Callable[[Study], Numbers]] = {}
+    made: dict[str, Callable[[Study], Scenarios | Sensitivity | Campaign]] = {}
     if asks_for_scenarios(project):
         made["scenarios"] = lambda study: scenarios(project, model, statics, demands, workers, study)
     if project.sensitivity:
@@ -44,22 +48,21 @@ def add_studies(
     complete = True
     for name, make in made.items():
         study = Study()
-        results[name] = make(study)
-        results["timing_s"][name] = study.seconds
-        results[name]["warnings"] = study.warnings
-        results["quality"]["warnings"] += [
+        draft.put(**{name: make(study)})
+        draft.took(name, study.seconds)
+        draft.warnings += [
             *_in_short(name, study.warnings),
             *study.findings,
             *_in_short(name, study.failures, "failures"),
         ]
         if study.quality:
-            results["quality"]["by_stage"].append(joined_quality(None, name, study.quality))
+            draft.quality.append(joined(None, name, study.quality))
         complete = complete and not study.failures
     return complete
 
 
 def _in_short(name: str, told: Sequence[str], what: str = "warnings") -> list[str]:
-    """Return messages one by one if they are few; the runs of a study repeat those of the states they vary."""
+    """Return up to FEW messages as they are, more as their number: a study repeats those of the states it varies."""
     if len(told) <= FEW:
         return list(told)
     return [f"{name}: {len(told)} {what} of single runs, in results.json; the first: {told[0]}"]

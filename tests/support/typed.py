@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import NoneType, UnionType
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
 from assessment.results.schema import Results
+from assessment.results.schema.part import Part
+
+Kind = TypeVar("Kind", bound=Part)
 
 NOTHING: dict[Any, Any] = {float: 0.0, int: 0, str: "", bool: False}
 
@@ -19,6 +22,11 @@ def typed(content: Mapping[str, Any]) -> Results:
         return Results.model_validate(content)
     except ValidationError:
         return Results.model_validate(filled(Results, content))
+
+
+def made(kind: type[Kind], content: Mapping[str, Any] | None = None) -> Kind:
+    """Return a part of the results with this content; keys that have to be there and are not stand for nothing."""
+    return kind.model_validate(filled(kind, content))
 
 
 def filled(kind: Any, value: Any = None) -> Any:
@@ -35,6 +43,8 @@ def filled(kind: Any, value: Any = None) -> Any:
     if origin is Literal:
         return inner[0] if value is None else value
     if isinstance(kind, type) and issubclass(kind, BaseModel):
+        if isinstance(value, kind):
+            return value
         found = dict(value or {})
         for name, field in kind.model_fields.items():
             key = field.alias or name

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,91 +26,119 @@ from assessment.project.schema import ORIGINAL
 from assessment.results.lines import lines
 from assessment.results.plain import finite
 from assessment.results.schema import checks as parts
+from assessment.results.schema import static
 from assessment.results.schema.checks import Capacity, Direction, GivenMechanism
 from assessment.results.schema.part import known
+from assessment.results.schema.static import ElasticPush, LocalLoss, Pushovers, RigidPush
 from assessment.results.table import indices, sense
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import AssessmentTable
+    from assessment.results.schema import State
     from mechanics import Assembly
 
 
 CONTRADICTION = 0.5  # relative difference of virtual work from the curve: another mechanism moves
 
 
+class Assessed(NamedTuple):
+    """The capacity in a direction, with the curves that it is of: the elastic one has the fitted yield point."""
+
+    curves: Pushovers
+    capacity: Capacity
+
+
 def assess(
     project: Project,
     model: Assembly,
-    pushovers: Mapping[Direction, Mapping[str, Any]],
+    pushovers: Mapping[Direction, Pushovers],
     demands: Demands,
     warnings: list[str],
-) -> dict[Direction, Capacity]:
-    """Return capacity and checks of one state by direction, from its curves `pushovers` by direction and behaviour.
+) -> dict[Direction, Assessed]:
+    """Return capacity and checks of one state by direction, from its curves (Circolare 7/2019, C8.7.1.2).
 
-    A direction whose capacity is not defined is left out. The fitted yield point is added to the elastic curves; what
-    is missing or refused is added to `warnings`.
+    A direction whose capacity is not defined is left out. What is missing or refused is added to `warnings`.
     """
-    assessment = project.assessment
-    assert assessment is not None
     found = {}
     for direction, curves in pushovers.items():
-        rigid = curves.get("rigid")
-        if rigid is None:
+        if curves.rigid is None:
             warnings.append(f"{direction}: no capacity without the rigid pushover curve")
             continue
         try:
-            mechanism, elastic = rigid["mechanism"], curves.get("elastic")
-            told, virtual_work = mechanism["alpha"], rigid["virtual_work_alpha"]
-            if abs(virtual_work - told) > CONTRADICTION * abs(told):
-                raise CapacityError(
-                    f"virtual work on the mechanism gives α = {virtual_work:.3g}, the curve {told:.3g}: blocks "
-                    "slide or move by themselves there, and e*, Γ* are not those of a mechanism"
-                )
-            if elastic is None and assessment.model != "none" and _asked_for_elastic(project):
-                raise CapacityError(
-                    "the elastic pushover was asked for and gave no curve (the warnings say why), and the "
-                    f'{assessment.model} curve needs it; mend that, or set model = "none" (rigid branch alone)'
-                )
-            virtual = np.array(mechanism["displacements"])
-            part = mechanism_participation(model, virtual, mechanism["control_displacement_x"])
-            branch = None if elastic is None else along_push(elastic["curve"], direction)
-            fit = fit_curve(assessment.model, rigid_branch(rigid, direction), branch)
-            fit = replace(fit, elastic_end=_elastic_end(elastic) if assessment.model != "none" else None)
-            capacity = capacity_curve(fit, part.e_star, part.gamma_star, assessment.confidence_factor)
-            method = with_loss(method_of(project, demands.hazard), rigid.get("local_loss"))
-            warnings += [f"{direction}: {note}" for note in _beyond_loss(assessment, rigid.get("local_loss"))]
-            checks = verify(capacity, demands.spectra, method)
+            found[direction] = _assessed(project, model, direction, curves, demands, warnings)
         except CapacityError as refusal:
             warnings.append(f"{direction}: no capacity: {refusal}")
-            continue
-        if elastic is not None and fit.alpha_y is not None:
-            elastic |= {"alpha_y": fit.alpha_y, "d_y_m": fit.d_y}
-        said = dict.fromkeys(note for check in checks.values() for note in check.notes)
-        warnings += [f"{direction}: {note}" for note in said]
-        made = _capacity(mechanism, part, fit, capacity, checks)
-        if vertical := _vertical(model, capacity, checks.get("SLV linear"), demands.spectra):
-            made = made.replace(vertical=vertical)
-        if demands.hazard is not None and "SLV" in demands.spectra:
-            made = made.replace(scalings=_scalings(capacity, checks["SLV"], demands.spectra["SLV"], method))
-        if project.incremental:
-            made = made.replace(nominal=_nominal(capacity, demands.spectra, method))
-        found[direction] = made
     return found
 
 
-def _elastic_end(elastic: Mapping[str, Any] | None) -> float | None:
+def capacities(assessed: Mapping[Direction, Assessed]) -> dict[Direction, Capacity]:
+    """Return the capacities alone."""
+    return {direction: each.capacity for direction, each in assessed.items()}
+
+
+def _assessed(
+    project: Project,
+    model: Assembly,
+    direction: Direction,
+    curves: Pushovers,
+    demands: Demands,
+    warnings: list[str],
+) -> Assessed:
+    """Return capacity and checks from the curves of one direction. Raises CapacityError where it is not defined."""
+    assessment, rigid, elastic = known(project.assessment), known(curves.rigid), curves.elastic
+    _refuse_other_mechanism(rigid)
+    if elastic is None and assessment.model != "none" and _asked_for_elastic(project):
+        raise CapacityError(
+            "the elastic pushover was asked for and gave no curve (the warnings say why), and the "
+            f'{assessment.model} curve needs it; mend that, or set model = "none" (rigid branch alone)'
+        )
+    mechanism = rigid.mechanism
+    part = mechanism_participation(model, np.array(mechanism.displacements), mechanism.control_displacement_x)
+    branch = None if elastic is None else along_push(elastic.curve, direction)
+    fit = fit_curve(assessment.model, rigid_branch(rigid, direction), branch)
+    fit = replace(fit, elastic_end=_elastic_end(elastic) if assessment.model != "none" else None)
+    capacity = capacity_curve(fit, part.e_star, part.gamma_star, assessment.confidence_factor)
+    method = with_loss(method_of(project, demands.hazard), rigid.local_loss)
+    warnings += [f"{direction}: {note}" for note in _beyond_loss(assessment, rigid.local_loss)]
+    checks = verify(capacity, demands.spectra, method)
+    said = dict.fromkeys(note for check in checks.values() for note in check.notes)
+    warnings += [f"{direction}: {note}" for note in said]
+
+    made = _capacity(mechanism, part, fit, capacity, checks)
+    if vertical := _vertical(model, capacity, checks.get("SLV linear"), demands.spectra):
+        made = made.replace(vertical=vertical)
+    if demands.hazard is not None and "SLV" in demands.spectra:
+        made = made.replace(scalings=_scalings(capacity, checks["SLV"], demands.spectra["SLV"], method))
+    if project.incremental:
+        made = made.replace(nominal=_nominal(capacity, demands.spectra, method))
+    if elastic is not None and fit.alpha_y is not None:
+        curves = curves.replace(elastic=elastic.replace(alpha_y=fit.alpha_y, d_y_m=fit.d_y))
+    return Assessed(curves, made)
+
+
+def _refuse_other_mechanism(rigid: RigidPush) -> None:
+    """Raise CapacityError where virtual work on the mechanism contradicts the multiplier of the curve."""
+    told, virtual_work = rigid.mechanism.alpha, rigid.virtual_work_alpha
+    if virtual_work is not None and abs(virtual_work - told) > CONTRADICTION * abs(told):
+        raise CapacityError(
+            f"virtual work on the mechanism gives α = {virtual_work:.3g}, the curve {told:.3g}: blocks "
+            "slide or move by themselves there, and e*, Γ* are not those of a mechanism"
+        )
+
+
+def _elastic_end(elastic: ElasticPush | None) -> float | None:
     """Return the displacement (m) at which the elastic curve ends; None if it was cut beyond its peak.
 
     An end that is not decided limits as a loss of equilibrium does: no equilibrium is known beyond it.
     """
     if elastic is None:
         return None
-    multiplier = elastic["curve"]["multiplier"]
+    multiplier = elastic.curve.multiplier
     cut = multiplier[-1] <= PAST_PEAK * max(multiplier)
-    if cut and not (elastic["lost"] or elastic["reached_zero"]):
+    if cut and not (elastic.lost or elastic.reached_zero):
         return None
-    return max(map(abs, elastic["curve"]["displacement_m"]))
+    return max(map(abs, elastic.curve.displacement_m))
 
 
 def _scalings(
@@ -167,22 +195,22 @@ def _asked_for_elastic(project: Project) -> bool:
     return project.pushover is not None and "elastic" in project.pushover.contacts
 
 
-def along_push(curve: Mapping[str, Any], direction: str) -> Curve:
+def along_push(curve: static.Curve, direction: Direction) -> Curve:
     """Return a curve of the results with displacements (m) positive along the push."""
-    return sense(direction) * np.array(curve["displacement_m"]), np.array(curve["multiplier"])
+    return sense(direction) * np.array(curve.displacement_m), np.array(curve.multiplier)
 
 
-def rigid_branch(rigid: Mapping[str, Any], direction: str) -> Curve:
+def rigid_branch(rigid: RigidPush, direction: Direction) -> Curve:
     """Return the rigid curve from its peak on, over growing displacements (m) along the push.
 
     If equilibrium is lost before α = 0, the capacity vanishes there: the branch ends with a vertical drop at d_0.
     """
-    d, alpha = map(np.asarray, along_push(rigid["curve"], direction))
+    d, alpha = map(np.asarray, along_push(rigid.curve, direction))
     peak = int(np.argmax(alpha))
     d, alpha = d[peak:], alpha[peak:]
     grows = np.concatenate([[True], d[1:] > np.maximum.accumulate(d)[:-1]])
     d, alpha = d[grows], alpha[grows]
-    if rigid["lost"]:
+    if rigid.lost:
         d, alpha = np.append(d, d[-1] * (1.0 + 1e-9) + 1e-15), np.append(alpha, 0.0)
     return d, alpha
 
@@ -205,22 +233,22 @@ def method_of(project: Project, hazard: HazardCurve | None) -> Method:
     )
 
 
-def with_loss(method: Method, loss: Mapping[str, Any] | None) -> Method:
+def with_loss(method: Method, loss: LocalLoss | None) -> Method:
     """Return the method with the local loss of the path as its limit, if the project gives no limit (C8.7.1.2)."""
     if loss is None or method.local_limits:
         return method
-    a, b = loss["blocks"]
+    a, b = loss.blocks
     return replace(
         method,
-        local_limits=dict.fromkeys(("SLV", "SLC"), loss["displacement_m"]),
+        local_limits=dict.fromkeys(("SLV", "SLC"), loss.displacement_m),
         local_reason=f"pushover, the faces of blocks {a} and {b} slide off each other",
     )
 
 
-def _beyond_loss(assessment: AssessmentTable, loss: Mapping[str, Any] | None) -> Iterator[str]:
+def _beyond_loss(assessment: AssessmentTable, loss: LocalLoss | None) -> Iterator[str]:
     """Yield a warning if the project's local limit lies beyond the local loss of the path."""
     given = assessment.local_displacement_limit_m
-    if loss is not None and given is not None and given > loss["displacement_m"]:
+    if loss is not None and given is not None and given > loss.displacement_m:
         yield f"local_displacement_limit_m = {given:.4g} m, but {loss_told(loss)}; write no more than that"
 
 
@@ -257,7 +285,7 @@ def _least(ratios: Mapping[Direction, Mapping[str, float]]) -> tuple[float, Dire
 def assess_chosen(
     project: Project,
     model: Assembly,
-    states: Mapping[str, Mapping[str, Any]],
+    states: Mapping[str, State],
     demands: Demands,
     warnings: list[str],
 ) -> list[GivenMechanism]:
@@ -267,14 +295,15 @@ def assess_chosen(
     method = method_of(project, demands.hazard) if project.assessment else Method()
     for chosen in chosen_mechanisms(project, model):
         state = states[chosen.state]
-        positions = model.initial.positions + np.array(state["configuration"])
+        positions = model.initial.positions + np.array(state.configuration)
         try:
-            if chosen.state != ORIGINAL and not any(map(any, state["configuration"])):
+            if chosen.state != ORIGINAL and not any(map(any, state.configuration)):
                 raise MechanismError("its state was not reached")
             controls = _controls(project, model, positions)
             answer = evaluate(model, positions, chosen, factor, demands.spectra, method, controls)
-            rigid = (state["pushover"].get(answer.direction) or {}).get("rigid")
-            answer = compared(answer, *(rigid[key] if rigid else None for key in ("alpha_0", "alpha_onset")))
+            pushed = state.pushover.get(known(answer.direction))
+            rigid = pushed.rigid if pushed else None
+            answer = compared(answer, rigid.alpha_0 if rigid else None, rigid.alpha_onset if rigid else None)
             warnings += [f'mechanism "{chosen.name}": {note}' for note in known(answer.notes)]
         except MechanismError as refusal:
             answer = GivenMechanism(name=chosen.name, state=chosen.state, refused=str(refusal))
@@ -295,7 +324,7 @@ def _controls(project: Project, model: Assembly, positions: NDArray[np.float64])
 
 
 def _capacity(
-    mechanism: Mapping[str, Any],
+    mechanism: static.Mechanism,
     part: Participation,
     fit: CurveFit,
     capacity: CapacityCurve,
@@ -304,7 +333,7 @@ def _capacity(
     """Return capacity curve and checks as a part of the results, with the steps of e* and Γ*."""
     common = len(capacity.steps())
     return Capacity(
-        mechanism=parts.Count(hinges=mechanism["hinges"], sliding_joints=len(mechanism["sliding_joints"])),
+        mechanism=parts.Count(hinges=mechanism.hinges, sliding_joints=len(mechanism.sliding_joints)),
         alpha_0=fit.alpha_0,
         e_star=part.e_star,
         gamma_star=part.gamma_star,

@@ -3,63 +3,83 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from operator import itemgetter
-from typing import Any
+from typing import Any, TypeVar
 
+from assessment.analyses.checks.capacity import Assessed
 from assessment.analyses.static.ensemble import QUANTITIES
+from assessment.results.schema import State
 from assessment.results.schema.checks import Capacity, Direction
+from assessment.results.schema.part import Part
+from assessment.results.schema.static import Contacts, ElasticPush, PushdownPath, Pushovers, RigidPush
 from assessment.results.table import static_pga
 
-Curves = Mapping[Direction, Mapping[str, Any]]  # of a state: numbers by direction and behaviour
-Assess = Callable[[Curves], Mapping[Direction, Capacity]]
+Assess = Callable[[Mapping[Direction, Pushovers]], Mapping[Direction, Assessed]]
+Ranged = TypeVar("Ranged", bound=Part)
 CHECKED = ("a_g_g", "zeta_E")
 
 
-def with_ranges(
-    state: dict[str, Any], members: Sequence[tuple[Mapping[str, Any], Curves]], assess: Assess
-) -> dict[Direction, Capacity]:
-    """Return the capacity of a state from the ensemble of its paths; the curves in `state` become those of it.
+@dataclass(frozen=True)
+class Paths:
+    """What a member of an ensemble found: its settlement by behaviour, its curves by direction."""
 
-    `members`: settlements by behaviour, and curves, of each further member. In each direction the state takes the
-    curves of the member with the least a_g at the farthest limit state. The ultimate movement and every quantity of
-    QUANTITIES and CHECKED become the least of all members, with their range; `members` of a curve: the curves of the
-    others.
+    pushdown: Mapping[Contacts, PushdownPath]
+    pushover: Mapping[Direction, Pushovers]
+
+
+def with_ranges(state: State, members: Sequence[Paths], assess: Assess) -> State:
+    """Return a state with the ranges of the ensemble of its paths, and with its capacity.
+
+    `members`: paths of each further member. In each direction the state takes the curves of the member with the least
+    a_g at the farthest limit state. The ultimate movement and every quantity of QUANTITIES and CHECKED become the least
+    of all members, with their range; `members` of a curve: the curves of the others.
     """
-    for behaviour, numbers in state["pushdown"].items():
-        others = [pushdown.get(behaviour) or {} for pushdown, _ in members]
-        _with_range(numbers, "ultimate_movement_m", [numbers, *others])
-    capacity = {}
-    for direction, own in state["pushover"].items():
-        followed = [own, *(curves[direction] for _, curves in members if direction in curves)]
+    pushdown = {
+        behaviour: _with_range(
+            path,
+            "ultimate_movement_m",
+            [path, *(each.pushdown[behaviour] for each in members if behaviour in each.pushdown)],
+        )
+        for behaviour, path in state.pushdown.items()
+    }
+    pushover, capacity = {}, {}
+    for direction, own in state.pushover.items():
+        followed = [own, *(each.pushover[direction] for each in members if direction in each.pushover)]
         checked = [assess({direction: each}).get(direction) for each in followed]
         least = min(range(len(followed)), key=lambda number: _capacity(checked[number]))
-        state["pushover"][direction] = {"control": own["control"]} | {
-            behaviour: _joined(numbers, [each[behaviour] for each in followed if behaviour in each])
-            for behaviour, numbers in followed[least].items()
-            if behaviour != "control"
-        }
         lowest = checked[least]
+        pushover[direction] = _joined(
+            own.control, lowest.curves if lowest else followed[least], least, followed
+        )
         if lowest is not None:
-            capacity[direction] = _checks(lowest, [each for each in checked if each is not None])
-    return capacity
+            others = [each.capacity for each in checked if each is not None]
+            capacity[direction] = _checks(lowest.capacity, others)
+    return state.replace(pushdown=pushdown, pushover=pushover, capacity=capacity)
 
 
-def _capacity(checked: Capacity | None) -> float:
+def _capacity(checked: Assessed | None) -> float:
     """Return the a_g at the farthest limit state that was checked, g; infinite if there is none."""
-    found = static_pga(checked)
+    found = static_pga(checked.capacity if checked else None)
     return float("inf") if found is None else found
 
 
-def _joined(numbers: Mapping[str, Any], followed: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the numbers of a curve with the ranges of all and the curves of the others."""
-    found = {
-        key: value for key, value in numbers.items() if key != "control"
-    }  # the state has it once for both behaviours
-    for name in QUANTITIES:
-        if name in found:
-            _with_range(found, name, followed)
-    found["members"] = [each["curve"] for each in followed if each is not numbers]
-    return found
+def _joined(control: str, chosen: Pushovers, number: int, followed: Sequence[Pushovers]) -> Pushovers:
+    """Return the curves of the member of that number with the ranges of all and the curves of the others."""
+    curves: dict[Contacts, RigidPush | ElasticPush] = {}
+    for behaviour, curve in chosen.by_contacts.items():
+        numbered = [
+            (place, each.by_contacts[behaviour])
+            for place, each in enumerate(followed)
+            if behaviour in each.by_contacts
+        ]
+        others = [each.curve for place, each in numbered if place != number]
+        found = curve.replace(members=others)
+        for name in QUANTITIES:
+            if name in curve.model_fields_set:
+                found = _with_range(found, name, [each for _, each in numbered])
+        curves[behaviour] = found
+    return Pushovers(control=control).replace(**curves)
 
 
 def _checks(least: Capacity, members: Sequence[Capacity]) -> Capacity:
@@ -74,27 +94,23 @@ def _checks(least: Capacity, members: Sequence[Capacity]) -> Capacity:
         if not asked:
             continue
         _, check, lowest = min(asked, key=itemgetter(0))
-        ranges: dict[str, Any] = {}
-        for quantity in CHECKED:
-            ranges |= _range(quantity, [getattr(each, quantity) for _, each, _ in asked])
         # of another capacity curve: its steps belong to the check
         steps = [] if lowest is least else lowest.trace
-        found[name.replace(" ", "_")] = check.model_copy(update=ranges | {"trace": [*steps, *check.trace]})
-    return least.model_copy(update=found)
+        ranged = check.replace(trace=[*steps, *check.trace])
+        for quantity in CHECKED:
+            ranged = _with_range(ranged, quantity, [each for _, each, _ in asked])
+        found[name] = ranged
+    return least.with_checks(found)
 
 
-def _with_range(numbers: dict[str, Any], name: str, members: Sequence[Mapping[str, Any]]) -> None:
-    """Set a quantity to the least of the members, and add its range."""
-    numbers |= _range(name, [each[name] for each in members if name in each])
+def _with_range(part: Ranged, name: str, members: Sequence[Part]) -> Ranged:
+    """Return the part with the least value of a quantity, and its range; as it is where no member has a value.
 
-
-def _range(name: str, values: Sequence[float | None]) -> dict[str, Any]:
-    """Return the least value of a quantity and its range; its upper end is open if a member has no value.
-
-    Nothing where no member has one.
+    The upper end of the range is open if a member has none.
     """
+    values: list[Any] = [getattr(each, name) for each in members if name in each.model_fields_set]
     found = [value for value in values if value is not None]
     if not found:
-        return {}
+        return part
     highest = max(found) if len(found) == len(values) else None
-    return {name: min(found), f"{name}_range": [min(found), highest]}
+    return part.replace(**{name: min(found), f"{name}_range": [min(found), highest]})

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from assessment.analyses.accuracy import NOISE, accuracy_of
 from assessment.analyses.dynamic.bracket import Bracket
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from assessment.analyses.dynamic.time_history import StageResult
     from assessment.project.motions import BaseMotion
     from assessment.results.schema.dynamic import Search
+    from assessment.results.schema.studies import ConvergenceRow
 
 AGAIN = 20  # motions that a repeated search takes, about, at two to eight levels
 PGA = "pga_collapse_g"
@@ -31,7 +32,7 @@ PGA = "pga_collapse_g"
 class Estimates:
     """`rows` of results.json; `warnings`: where the tolerance was not met; `seconds`: what the analyses took."""
 
-    rows: list[dict[str, Any]] = field(default_factory=list)
+    rows: list[ConvergenceRow] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     seconds: float = 0.0
 
@@ -74,8 +75,8 @@ def collapses_again(
         apart = 0.0 if near.certain is None or near.collapse is None else near.certain - near.collapse
         levels = Refinement(PGA, values, (apart, 0.0, 0.0), NOISE, near.width, 0)
         failed = [each.numbers.reason for each in (half, quarter) if each.numbers.pga_safe_g is None]
-        row = {"state": task.state, "record": task.motion.name, **levels.numbers(tolerance)}
-        found.rows.append(row | ({"met": False} if failed else {}))
+        row = levels.row(task.state, task.motion.name, tolerance)
+        found.rows.append(row.replace(met=False) if failed else row)
         found.warnings += [f"{title}: a finer time step fails: {why}" for why in failed[:1]]
         found.warnings += [] if failed else levels.missed(title, tolerance, "tolerance_g or time_step_s")
     return found

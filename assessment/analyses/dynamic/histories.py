@@ -26,6 +26,7 @@ from assessment.analyses.dynamic.ensemble import (
 from assessment.analyses.dynamic.inputs import Campaign
 from assessment.analyses.dynamic.refinement import LEVELS, Refinement
 from assessment.analyses.dynamic.time_history import Numbers, Shaking, StageResult, history
+from assessment.results.quality import joined
 from assessment.results.schema.dynamic import Band, History
 from assessment.results.schema.part import known
 
@@ -136,8 +137,7 @@ class Study:
         if self.finest < max(self.members):
             said = "; ".join(_failures(self.members[self.finest + 1]))
             found.warnings.append(f"{title}: a finer time step fails: {said}")
-        found.convergence = {"state": state, "record": record, "halvings": self.finest}
-        found.convergence |= self.refinement.numbers(tolerance)
+        found.convergence = self.refinement.row(state, record, tolerance).replace(halvings=self.finest)
         found.warnings += self.refinement.missed(title, tolerance)
         return found
 
@@ -177,6 +177,7 @@ def together(title: str, members: Sequence[StageResult[History]]) -> StageResult
         "peak_displacement_median_m": middle,
         "seconds": sum(each.seconds for each in members),
     }
+    rows = [row for each in members for row in each.quality]
     warnings = list(worst.warnings)
     if len(finished) > PAIR:
         told |= {"band": band(finished, np.array(known(worst.numbers.curve).time_s))}
@@ -185,7 +186,7 @@ def together(title: str, members: Sequence[StageResult[History]]) -> StageResult
         worst.state,
         worst.stage,
         worst.numbers.model_copy(update=told),
-        [_joined([row for each in members for row in each.quality])],
+        [joined(worst.state, rows[0].stage, rows)],
         warnings,
         [text for each in members for text in each.failures],
     )
@@ -224,12 +225,6 @@ def _scattered(
         f"{title}: under {count} records within 1 % of the one given the peak is from {low:.4g} to {high:.4g} m, "
         f"median {middle:.4g} m; the largest counts"
     )
-
-
-def _joined(rows: Sequence[Numbers]) -> Numbers:
-    """Return one row of quality for the programs of several members."""
-    worst = {key: max(row[key] for row in rows) for key in rows[0] if key.startswith("worst")}
-    return rows[0] | {"solves": sum(row["solves"] for row in rows)} | worst
 
 
 def _course(member: StageResult[History]) -> Course:

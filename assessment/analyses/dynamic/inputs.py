@@ -15,9 +15,10 @@ if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
     from assessment.project.schema import MotionTable, StatesTable
+    from assessment.results.schema.static import Pushovers
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
-    from mechanics.model import Behaviour
+    from mechanics.model import Behaviour, Direction
 
 WORTHWHILE = 50_000  # joints times steps: below it a second process costs more than it saves
 
@@ -88,17 +89,18 @@ def starts_of(
     return starts
 
 
-def ultimates(states: Mapping[str, Any]) -> dict[tuple[str, str], float]:
+def ultimates(
+    pushovers: Mapping[str, Mapping[Direction, Pushovers]],
+) -> dict[tuple[str, str], float]:
     """Return the displacement (m) at which the static capacity vanishes, by state and control point.
 
-    Only where both directions have one.
+    `pushovers`: of each state, by direction. Only where both directions have such a displacement, of one point.
     """
     found = {}
-    for state, content in states.items():
-        curves = content["pushover"]
-        sides = [curves.get(direction, {}) for direction in ("+x", "-x")]
-        ends = [side["rigid"]["d_0_m"] for side in sides if side.get("rigid", {}).get("reached_zero")]
-        controls = {side.get("control") for side in sides}
+    for state, pushed in pushovers.items():
+        rigid = [(each.control, each.rigid) for each in pushed.values() if each.rigid is not None]
+        ends = [curve.d_0_m for _, curve in rigid if curve.reached_zero and curve.d_0_m is not None]
+        controls = {control for control, _ in rigid}
         if len(ends) == 2 and len(controls) == 1:
             found[state, controls.pop()] = max(ends)
     return found

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from assessment.analyses.accuracy import FIRST_ORDER, SHOWN
+from assessment.results.schema.studies import ConvergenceRow
 
 FASTEST = 6.0  # largest ratio of differences that counts as convergence: second order has 4
 LEVELS = 3
@@ -89,15 +89,22 @@ class Refinement:
         """Whether no finer level is needed."""
         return len(self.values) >= LEVELS and (self.within(tolerance) or self.scatters is not None)
 
-    def numbers(self, tolerance: float) -> dict[str, Any]:
-        """Return the row of results.json: order, error or scatter, the same relative to the value, and the levels."""
+    def row(self, state: str, record: str, tolerance: float) -> ConvergenceRow:
+        """Return the row of the results: order, error or scatter, the same relative to the value, and the levels."""
         stem, _, unit = self.quantity.rpartition("_")
-        told: dict[str, Any] = {}
+        found = ConvergenceRow(
+            state=state,
+            record=record,
+            met=self.within(tolerance),
+            levels={self.quantity: list(self.values)},
+        )
         if self.scatters is not None:
-            told = {f"{stem}_scatter_{unit}": self.scatters, "relative_scatter": self.unsure}
-        elif not self.collapsed:
-            told = {f"{stem}_error_{unit}": self.error, "order": self.order, "relative_error": self.unsure}
-        return told | {"met": self.within(tolerance), "levels": {self.quantity: list(self.values)}}
+            scatter = {f"{stem}_scatter_{unit}": self.scatters}
+            return found.replace(relative_scatter=self.unsure, **scatter)
+        if self.collapsed:
+            return found
+        error = {f"{stem}_error_{unit}": self.error}
+        return found.replace(order=self.order, relative_error=self.unsure, **error)
 
     def missed(self, title: str, tolerance: float, keys: str = "time_step_s") -> list[str]:
         """Return a warning if the tolerance is not met; `keys`: of the project that may help."""

@@ -14,8 +14,10 @@ from assessment.analyses.dynamic.ensemble import sustained_peak
 from assessment.analyses.dynamic.response import Response, Setting, respond
 from assessment.project.schema import HistoryTable
 from assessment.results.frames import snapshots
-from assessment.results.schema.dynamic import History
+from assessment.results.schema.dynamic import History, Motion
+from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import Part
+from assessment.results.schema.studies import ConvergenceRow
 from mechanics import Assembly, ConvergenceError, State
 from mechanics.records import response_spectrum
 from mechanics.types import Array
@@ -44,11 +46,11 @@ class StageResult(Generic[Found]):
     state: str
     stage: str
     numbers: Found
-    quality: list[Numbers] = field(default_factory=list)
+    quality: list[QualityRow] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
     seconds: float = 0.0
-    convergence: Numbers | None = None
+    convergence: ConvergenceRow | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,37 +159,37 @@ def frames(response: Response, start: float, drawn: Array) -> Numbers:
     }
 
 
-def quality_row(state: str, stage: str, solves: int, worst: float) -> Numbers:
+def quality_row(state: str, stage: str, solves: int, worst: float) -> QualityRow:
     """Return the row of motions in the table of certificates; `worst`: the largest residual of all their programs.
 
     It bounds the residuals of equilibrium and complementarity. The method itself keeps forces inside the cone.
     """
-    return {
-        "state": state,
-        "stage": stage,
-        "solves": solves,
-        "worst_equilibrium_residual": worst,
-        "worst_complementarity": worst,
-    }
+    return QualityRow(
+        state=state,
+        stage=stage,
+        solves=solves,
+        worst_equilibrium_residual=worst,
+        worst_complementarity=worst,
+    )
 
 
-def motion_numbers(motion: BaseMotion, periods: Array) -> Numbers:
+def motion_part(motion: BaseMotion, periods: Array) -> Motion:
     """Return a base motion for figures: accelerations in the window, thinned, and spectrum at `periods` (s), 5 %."""
     a = motion.record.acceleration
     S_a, S_d = response_spectrum(a, motion.record.time_step, periods)
     kept = thinned(a)
-    return {
-        "name": motion.name,
-        "pga_g": motion.pga,
-        "scale": motion.scale,
-        "window_s": [motion.start, motion.start + motion.record.duration],
-        "time_s": (motion.start + motion.record.time[kept]).tolist(),
-        "acceleration_g": a[kept].tolist(),
-        "T_s": periods.tolist(),
-        "S_a_g": S_a.tolist(),
-        "S_d_m": S_d.tolist(),
-        "vertical": motion.vertical is not None,
-    }
+    return Motion(
+        name=motion.name,
+        pga_g=motion.pga,
+        scale=motion.scale,
+        window_s=[motion.start, motion.start + motion.record.duration],
+        time_s=(motion.start + motion.record.time[kept]).tolist(),
+        acceleration_g=a[kept].tolist(),
+        T_s=periods.tolist(),
+        S_a_g=S_a.tolist(),
+        S_d_m=S_d.tolist(),
+        vertical=motion.vertical is not None,
+    )
 
 
 def thinned(values: Array, most: int = MOST_POINTS) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:

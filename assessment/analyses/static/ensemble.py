@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from assessment.analyses.static.states import Request, StateResult, analyse_states
+from assessment.results.table import cells
 from assessment.runtime.tasks import Workers
 
 if TYPE_CHECKING:
@@ -62,11 +63,11 @@ def apart(one: StateResult, other: StateResult) -> bool:
 def quantities(result: StateResult) -> Iterator[tuple[tuple[str, str], float | None]]:
     """Yield the quantities of a state's paths by direction ("": the settlement) and name."""
     if result.pushdown is not None:
-        yield ("", "ultimate_movement_m"), result.pushdown["ultimate_movement_m"]
-    for direction, curve in result.pushover.items():
-        for name in QUANTITIES:
-            if name in curve:
-                yield (direction, name), curve[name]
+        yield ("", "ultimate_movement_m"), result.pushdown.ultimate_movement_m
+    for direction, pushed in result.pushover.items():
+        for curve in pushed.by_contacts.values():
+            for name, value in cells(curve, QUANTITIES).items():
+                yield (direction, name), value
 
 
 def _follow(requests: Sequence[Request], numbers: Sequence[int], workers: Workers) -> Members:

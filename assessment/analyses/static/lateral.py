@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from assessment.analyses.static.curve_numbers import LIFTED, elastic_numbers, other_law, rigid_numbers
+from assessment.analyses.static.curve_numbers import LIFTED, elastic_push, rigid_push
 from assessment.analyses.static.local_loss import loss_told
-from assessment.analyses.static.paths import Part, Quality, crossings, turns_on_rounding
-from assessment.results.faces import Met
-from assessment.results.frames import pushover_frames
+from assessment.analyses.static.paths import PathResult, Quality, crossings, turns_on_rounding
+from assessment.results.schema.static import Pushovers, RigidPush
 from mechanics import (
     Assembly,
     ControlError,
@@ -50,7 +49,7 @@ def push(
     setting: PushSetting,
     directions: tuple[Direction, ...],
     controls: tuple[tuple[ControlTable, ...], ...],
-) -> list[Part]:
+) -> list[PathResult[Pushovers]]:
     """Push the state of that name over (None: as drawn), by the first of its control points (m) that moves.
 
     A second direction is the mirror image of the first, and so is its curve: model and control points are each other's.
@@ -60,7 +59,7 @@ def push(
     found: tuple[ControlTable, Pushover] | None = None
     for direction, points in zip(directions, controls, strict=True):
         began = time.perf_counter()
-        result, quality = Part(), Quality(name, f"pushover, {behaviour}")
+        result, quality = PathResult[Pushovers](), Quality(name, f"pushover, {behaviour}")
         title = f"{name}, pushover {direction}, {behaviour} contacts"
         # where the first control point does not move, each direction is followed and tells so
         image = None
@@ -83,7 +82,7 @@ def push(
                 quality.add(found[1])
         if found is not None:
             add_curve(title, model, setting, direction, *found, result)
-        result.quality.append(quality.numbers())
+        result.quality.append(quality.row)
         result.seconds = time.perf_counter() - began
         parts.append(result)
     return parts
@@ -101,7 +100,7 @@ def _path(
     model: Assembly,
     controls: tuple[ControlTable, ...],
     followed: Callable[[Assembly, tuple[float, float]], Pushover],
-    result: Part,
+    result: PathResult[Pushovers],
 ) -> tuple[ControlTable, Pushover] | None:
     """Return the first control point that moves, and its curve; None if there is none, `result` then says why."""
     for control in controls:
@@ -125,47 +124,44 @@ def add_curve(
     direction: Direction,
     control: ControlTable,
     path: Pushover,
-    result: Part,
+    result: PathResult[Pushovers],
 ) -> None:
-    """Add the numbers of a curve to the result, and the warnings about it; `title` begins each of them."""
+    """Add a curve to the result, and the warnings about it; `title` begins each of them."""
     result.warnings += crossings(title, path.crossed, setting.increment)
     result.scatters = turns_on_rounding(model, path)
     rigid = setting.behaviour == "rigid"
-    result.activated = path.states[path.peak] if rigid else None
-    met = Met(model)
-    numbers = (
-        rigid_numbers(model, control, direction, path, met)
-        if rigid
-        else elastic_numbers(model, direction, path)
-    )
-    if rigid and numbers["mechanism"]["sliding_joints"]:
-        numbers |= other_law(model, setting.sliding, direction, path)
-        if "alpha_0_coulomb" in numbers:
-            result.warnings.append(
-                f"{title}: with friction that does not lift what slides (Coulomb) α0 is "
-                f"{numbers['alpha_0_coulomb']:.4g}, not {numbers['alpha_0']:.4g}"
-            )
-        elif numbers.get("sliding_residual", 0.0) > LIFTED:
-            result.warnings.append(
-                f"{title}: no flow was found in which friction does not lift what slides (Coulomb): "
-                "α0 by it is not known"
-            )
-    result.numbers = {
-        "control": control.name,
-        "sliding": setting.sliding,
-        **numbers,
-        "frames": pushover_frames(model, path, met),
-    }
-    if rigid and numbers["local_loss"] is not None:
-        said = loss_told(numbers["local_loss"])
-        result.warnings.append(f"{title}: {said}")
-    if rigid and path.formed != path.peak:
-        result.warnings.append(
-            f"{title}: the control point takes no part in the mechanism at α0: displacements, e*, Γ*, forces and hand "
-            f"check are those of d = {path.displacement[path.formed]:.4g} m, α = {path.multiplier[path.formed]:.4g}"
-        )
+    if rigid:
+        result.activated = path.states[path.peak]
+        curve = rigid_push(model, control, setting.sliding, direction, path)
+        result.found = Pushovers(control=control.name, rigid=curve)
+        result.warnings += _told_of_rigid(title, curve, path)
+    else:
+        elastic = elastic_push(model, setting.sliding, direction, path)
+        result.found = Pushovers(control=control.name, elastic=elastic)
     # of an elastic curve the part up to its peak is used, of a rigid one the whole
     if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * max(path.multiplier)):
         result.warnings.append(
             f"{title}: ends at d = {path.displacement[-1]:.4g} m, α = {path.multiplier[-1]:.4g}: {path.end}"
+        )
+
+
+def _told_of_rigid(title: str, curve: RigidPush, path: Pushover) -> Iterator[str]:
+    """Yield what to know about a rigid curve: the other law of friction, local losses, where the mechanism is from."""
+    if curve.alpha_0_coulomb is not None:
+        yield (
+            f"{title}: with friction that does not lift what slides (Coulomb) α0 is "
+            f"{curve.alpha_0_coulomb:.4g}, not {curve.alpha_0:.4g}"
+        )
+    elif (curve.sliding_residual or 0.0) > LIFTED:
+        yield (
+            f"{title}: no flow was found in which friction does not lift what slides (Coulomb): "
+            "α0 by it is not known"
+        )
+    if curve.local_loss is not None:
+        said = loss_told(curve.local_loss)
+        yield f"{title}: {said}"
+    if path.formed != path.peak:
+        yield (
+            f"{title}: the control point takes no part in the mechanism at α0: displacements, e*, Γ*, forces and hand "
+            f"check are those of d = {path.displacement[path.formed]:.4g} m, α = {path.multiplier[path.formed]:.4g}"
         )

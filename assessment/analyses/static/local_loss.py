@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from assessment.results.schema.static import LocalLoss
 from mechanics.model import H
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ BEARS = 1e-3  # of the weight of the model: least force of a joint that carries
 
 def local_loss(
     model: Assembly, states: Sequence[State], displacement: Array, forces: Array, falls: bool
-) -> dict[str, Any] | None:
+) -> LocalLoss | None:
     """Return the first loss along a path: a drawn joint that carries at the start, and whose faces overlap no longer.
 
     `displacement` (k,) m of the points `states`; `forces` (j, 3), kN, kNm, of the drawn joints, and others, at the
@@ -43,17 +44,17 @@ def local_loss(
     return _loss(model, joint, d_1 + share[joint] * (d_2 - d_1), overlap)
 
 
-def _loss(model: Assembly, joint: int, displacement: float, overlap: Array) -> dict[str, Any]:
+def _loss(model: Assembly, joint: int, displacement: float, overlap: Array) -> LocalLoss:
     drawn = model.contacts
-    return {
-        "displacement_m": float(displacement),
-        "joint": joint,
-        "blocks": [int(drawn.a[joint]), int(drawn.b[joint])],
-        "overlap_m": float(overlap[0, joint]),
-    }
+    return LocalLoss(
+        displacement_m=float(displacement),
+        joint=joint,
+        blocks=[int(drawn.a[joint]), int(drawn.b[joint])],
+        overlap_m=float(overlap[0, joint]),
+    )
 
 
-def loss_told(loss: Mapping[str, Any]) -> str:
+def loss_told(loss: LocalLoss) -> str:
     """Return the text of a local loss for messages."""
-    a, b = loss["blocks"]
-    return f"the faces of blocks {a} and {b} slide off each other at d = {loss['displacement_m']:.4g} m"
+    a, b = loss.blocks
+    return f"the faces of blocks {a} and {b} slide off each other at d = {loss.displacement_m:.4g} m"

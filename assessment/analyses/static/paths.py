@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
 
+from assessment.results.schema.model import QualityRow
+from assessment.results.schema.part import Part
 from mechanics import Assembly, State, UnstableError
 from mechanics.procedures import HALVINGS, Pushdown, Pushover
 from mechanics.program import Certificate
@@ -14,6 +16,8 @@ from mechanics.steps import check_self_weight
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+Found = TypeVar("Found", bound=Part)
 
 AT_LIMIT = 1e-5  # of the friction limit: a joint whose T is closer to it slides
 SLIDING_CARRIES = 1e-3  # of the weight of the model: the slide of a joint that carries less has no effect
@@ -36,33 +40,34 @@ class Quality:
         self.solves += sum(step.solves for step in path.steps) + len(path.certificates) - len(path.steps)
         self.penetration = max([self.penetration, *(step.penetration for step in path.steps)])
 
-    def numbers(self) -> dict[str, Any]:
-        """Return the row of the table of certificates."""
+    @property
+    def row(self) -> QualityRow:
+        """The row of the table of certificates."""
         worst = self.worst or Certificate(0.0, 0.0, 0.0, 0.0, 0.0)
-        return {
-            "state": self.state,
-            "stage": self.stage,
-            "solves": self.solves,
-            "worst_equilibrium_residual": worst.equilibrium,
-            "worst_penetration_m": max(worst.penetration, self.penetration),
-            "worst_complementarity": worst.complementarity,
-            "worst_cone_violation": worst.cone,
-        }
+        return QualityRow(
+            state=self.state,
+            stage=self.stage,
+            solves=self.solves,
+            worst_equilibrium_residual=worst.equilibrium,
+            worst_penetration_m=max(worst.penetration, self.penetration),
+            worst_complementarity=worst.complementarity,
+            worst_cone_violation=worst.cone,
+        )
 
 
 @dataclass
-class Part:
-    """Result of one static analysis: `numbers` for results.json, None if there are none.
+class PathResult(Generic[Found]):
+    """Result of one static analysis: what it `found`, as a part of the results; None if nothing.
 
     `reached`: the settled state, at rest; None where the structure collapses before. `activated`: where a rigid curve
     has its largest multiplier. `failures`: what could not be completed. `scatters`: whether the path amplifies the last
     digits of its input.
     """
 
-    numbers: dict[str, Any] | None = None
+    found: Found | None = None
     reached: State | None = None
     activated: State | None = None
-    quality: list[dict[str, Any]] = field(default_factory=list)
+    quality: list[QualityRow] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
     seconds: float = 0.0

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 
-from assessment.analyses.static.paths import Part
+from assessment.analyses.static.paths import PathResult
+from assessment.results.schema.static import SecondSolver
 from mechanics import ArgumentError, Assembly, ConvergenceError, NoEquilibriumError, State
 from mechanics.model import Direction
 from mechanics.procedures import limit_in, static_theorem
@@ -13,15 +14,17 @@ AGREE = 1e-6  # relative difference of the two multipliers from which a warning 
 LEAST = 1e-6  # a multiplier below which differences are not relative to it
 
 
-def second_solver(model: Assembly, name: str, direction: Direction, activated: State, alpha_0: float) -> Part:
+def second_solver(
+    model: Assembly, name: str, direction: Direction, activated: State, alpha_0: float
+) -> PathResult[SecondSolver]:
     """Compare the associative multipliers of two programs in the state `activated` of the state of that name.
 
     `alpha_0`: multiplier of the curve that has its peak there, told beside them.
     The law is associative whatever that of the curve: with Coulomb's the multiplier is not unique, and no linear
-    program has it. `numbers` of the result are None where joints crush.
+    program has it. Nothing is `found` where joints crush.
     """
     began = time.perf_counter()
-    result = Part()
+    result = PathResult[SecondSolver]()
     title = f"{name}, pushover {direction}, rigid contacts"
     try:
         linear = static_theorem(model, direction, activated)
@@ -42,11 +45,11 @@ def second_solver(model: Assembly, name: str, direction: Direction, activated: S
                 f"{title}: limit analysis where α0 is reached gives α = {own:.8g}, a linear program written apart "
                 f"(HiGHS) {linear:.8g}: relative difference {difference:.2g}"
             )
-    result.numbers = {
-        "alpha_0": alpha_0,
-        "alpha_program": own,
-        "alpha_linear_program": linear,
-        "relative_difference": difference,
-    }
+    result.found = SecondSolver(
+        alpha_0=alpha_0,
+        alpha_program=own,
+        alpha_linear_program=linear,
+        relative_difference=difference,
+    )
     result.seconds = time.perf_counter() - began
     return result

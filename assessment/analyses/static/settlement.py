@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from assessment.analyses.static.local_loss import local_loss, loss_told
-from assessment.analyses.static.paths import Part, Quality, configuration, crossings, turns_on_rounding
+from assessment.analyses.static.paths import PathResult, Quality, configuration, crossings, turns_on_rounding
 from assessment.results.frames import pushdown_frames
+from assessment.results.schema.static import PushdownPath
 from mechanics import (
     Assembly,
     CollapseError,
@@ -30,13 +31,13 @@ def settle(
     behaviour: Behaviour,
     sliding: Sliding,
     control: ControlTable | None,
-) -> Part:
+) -> PathResult[PushdownPath]:
     """Move a support as a scenario asks, and return the path, with that of the control point if there is one."""
     began = time.perf_counter()
-    result = Part()
+    result = PathResult[PushdownPath]()
     path = _moved(model, settlement, behaviour, sliding, result)
     if path is not None:
-        result.numbers = {"sliding": sliding} | _numbers(model, settlement, control, path)
+        result.found = _pushdown_path(model, settlement, sliding, control, path)
         _add_path(model, settlement, behaviour, path, result)
     result.seconds = time.perf_counter() - began
     return result
@@ -52,7 +53,11 @@ def _whole(model: Assembly, settlement: SettlementTable) -> float:
 
 
 def _moved(
-    model: Assembly, settlement: SettlementTable, behaviour: Behaviour, sliding: Sliding, result: Part
+    model: Assembly,
+    settlement: SettlementTable,
+    behaviour: Behaviour,
+    sliding: Sliding,
+    result: PathResult[PushdownPath],
 ) -> Pushdown | None:
     """Return the path of the support, up to collapse if the structure collapses; None if no path was found."""
     title = _title(settlement, behaviour)
@@ -79,7 +84,11 @@ def _moved(
 
 
 def _add_path(
-    model: Assembly, settlement: SettlementTable, behaviour: Behaviour, path: Pushdown, result: Part
+    model: Assembly,
+    settlement: SettlementTable,
+    behaviour: Behaviour,
+    path: Pushdown,
+    result: PathResult[PushdownPath],
 ) -> None:
     """Add the certificates of a path, and the warnings about it."""
     title = _title(settlement, behaviour)
@@ -89,34 +98,37 @@ def _add_path(
     result.scatters = turns_on_rounding(model, path)
     quality = Quality(settlement.name, f"pushdown, {behaviour}")
     quality.add(path)
-    result.quality.append(quality.numbers())
-    if result.numbers and result.numbers["local_loss"] is not None:
-        said = loss_told(result.numbers["local_loss"])
+    result.quality.append(quality.row)
+    if result.found and result.found.local_loss is not None:
+        said = loss_told(result.found.local_loss)
         result.warnings.append(f"{title}: {said}")
 
 
-def _numbers(
-    model: Assembly, settlement: SettlementTable, control: ControlTable | None, path: Pushdown
-) -> dict[str, Any]:
-    """Return reactions, configurations and the movement at collapse, as results.json has them."""
+def _pushdown_path(
+    model: Assembly,
+    settlement: SettlementTable,
+    sliding: Sliding,
+    control: ControlTable | None,
+    path: Pushdown,
+) -> PushdownPath:
+    """Return reactions, configurations and the movement at collapse."""
     whole = _whole(model, settlement)
     falls = path.ultimate is not None
     lost = local_loss(model, path.states, path.movement, path.steps[0].forces, falls) if path.steps else None
-    return {
-        "movement_m": path.movement.tolist(),
-        "reaction_x_kN": path.reaction[:, 0].tolist(),
-        "reaction_z_kN": path.reaction[:, 1].tolist(),
-        "ultimate_movement_m": path.ultimate,
-        "local_loss": lost,
-        "applied_movement_m": whole,
-        "end": path.end,
-        "configuration": configuration(model, path.final),
-        "ultimate_configuration": configuration(model, path.states[-1])
-        if path.ultimate is not None
-        else None,
-        "control_displacement_m": _control_path(model, control, path) if control else None,
-        "frames": pushdown_frames(model, path, whole),
-    }
+    return PushdownPath(
+        sliding=sliding,
+        movement_m=path.movement.tolist(),
+        reaction_x_kN=path.reaction[:, 0].tolist(),
+        reaction_z_kN=path.reaction[:, 1].tolist(),
+        ultimate_movement_m=path.ultimate,
+        local_loss=lost,
+        applied_movement_m=whole,
+        end=path.end,
+        configuration=configuration(model, path.final),
+        ultimate_configuration=configuration(model, path.states[-1]) if falls else None,
+        control_displacement_m=_control_path(model, control, path) if control else None,
+        frames=pushdown_frames(model, path, whole),
+    )
 
 
 def _control_path(model: Assembly, control: ControlTable, path: Pushdown) -> list[list[float]]:

@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.static.lateral import PushSetting, push
-from assessment.analyses.static.paths import Part, configuration
+from assessment.analyses.static.paths import PathResult, configuration
 from assessment.analyses.static.settlement import settle
 from assessment.project.schema import ORIGINAL
+from assessment.results.quality import joined
+from assessment.results.schema.part import present
+from assessment.results.schema.static import Pushovers
 from assessment.runtime.tasks import Workers, large
 from mechanics.procedures import Mirror
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import ControlTable, SettlementTable
+    from assessment.results.schema.model import QualityRow
+    from assessment.results.schema.static import PushdownPath
     from mechanics import Assembly, State
     from mechanics.model import Behaviour, Direction
     from mechanics.steps import Sliding
 
-WORST = ("worst_equilibrium_residual", "worst_penetration_m", "worst_complementarity", "worst_cone_violation")
 PAST_PEAK = 0.25  # of the peak of an elastic curve
 
 
@@ -66,18 +70,18 @@ class StateResult:
 
     state: str
     behaviour: Behaviour
-    pushdown: dict[str, Any] | None = None
-    pushover: dict[Direction, dict[str, Any]] = field(default_factory=dict)
+    pushdown: PushdownPath | None = None
+    pushover: dict[Direction, Pushovers] = field(default_factory=dict)
     configuration: list[list[float]] | None = None
     reached: State | None = None
     activated: dict[Direction, State] = field(default_factory=dict)
-    quality: list[dict[str, Any]] = field(default_factory=list)
+    quality: list[QualityRow] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
     scatters: bool = False
 
-    def take(self, stage: str, parts: Sequence[Part]) -> None:
+    def take(self, stage: str, parts: Sequence[PathResult[Any]]) -> None:
         """Add the messages, certificates and times of the analyses of a stage."""
         for part in parts:
             self.warnings += part.warnings
@@ -85,7 +89,7 @@ class StateResult:
             self.scatters |= part.scatters
         rows = [row for part in parts for row in part.quality]
         if rows:
-            self.quality.append(joined_quality(rows[0]["state"], rows[0]["stage"], rows))
+            self.quality.append(joined(rows[0].state, rows[0].stage, rows))
         if parts:
             self.seconds[stage] = sum(part.seconds for part in parts)
 
@@ -132,6 +136,16 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
     return results
 
 
+def curves(results: Iterable[StateResult]) -> dict[Direction, Pushovers]:
+    """Return the pushover of one state by direction, the curves of every behaviour together."""
+    found: dict[Direction, Pushovers] = {}
+    for result in results:
+        for direction, pushed in result.pushover.items():
+            own = found.setdefault(direction, pushed)
+            found[direction] = own.replace(**pushed.by_contacts)
+    return found
+
+
 def _together(request: Request) -> list[tuple[Direction, ...]]:
     """Return the directions of a request; two whose curves are mirror images of each other are one task."""
     alone: list[tuple[Direction, ...]] = [(direction,) for direction in request.directions]
@@ -144,31 +158,25 @@ def _together(request: Request) -> list[tuple[Direction, ...]]:
     return [request.directions]
 
 
-def joined_quality(state: str | None, stage: str, rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return one row of quality for the rows of several analyses; motions have no penetration."""
-    worst = {key: max(found) for key in WORST if (found := [row[key] for row in rows if key in row])}
-    return {"state": state, "stage": stage, "solves": sum(row["solves"] for row in rows)} | worst
-
-
-def _result(request: Request, settled: Part | None, pushed: dict[Direction, Part]) -> StateResult:
+def _result(
+    request: Request,
+    settled: PathResult[PushdownPath] | None,
+    pushed: dict[Direction, PathResult[Pushovers]],
+) -> StateResult:
     result = StateResult(request.state, request.behaviour)
     if settled is not None:
         result.take("pushdown", [settled])
-        result.pushdown, result.reached = settled.numbers, settled.reached
+        result.pushdown, result.reached = settled.found, settled.reached
         if settled.reached is not None:
             result.configuration = configuration(request.model, settled.reached)
     result.take("pushover", list(pushed.values()))
-    result.pushover = {
-        direction: part.numbers for direction, part in pushed.items() if part.numbers is not None
-    }
-    result.activated = {
-        direction: part.activated for direction, part in pushed.items() if part.activated is not None
-    }
+    result.pushover = present({direction: part.found for direction, part in pushed.items()})
+    result.activated = present({direction: part.activated for direction, part in pushed.items()})
     return result
 
 
 def _push_arguments(
-    request: Request, together: tuple[Direction, ...], settled: Part | None
+    request: Request, together: tuple[Direction, ...], settled: PathResult[PushdownPath] | None
 ) -> tuple[Any, ...]:
     """Return the arguments of `push`."""
     project = request.project

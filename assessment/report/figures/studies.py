@@ -41,7 +41,7 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
                 (point, capacity)
                 for point in found.points
                 if point.direction == direction
-                and (capacity := compared(point, found)) is not None
+                and (capacity := compared(point, found.quantity)) is not None
                 and (point.state == name or point.movement_m == 0.0)
             ]
             x, y = [1000.0 * point.movement_m for point, _ in own], [capacity for _, capacity in own]
@@ -148,7 +148,7 @@ def _ring(axes: Axes, found: Scenarios) -> None:
     """Ring the worst case; where the structure has fallen, on the axis: no capacity is left."""
     if worst := found.worst:
         ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgewidth": 1.2, "linestyle": "none"}
-        y = 0.0 if worst.collapses else known(compared(worst, found))
+        y = 0.0 if worst.collapses else known(compared(worst, found.quantity))
         axes.plot(1000.0 * worst.movement_m, y, marker="o", markersize=11, color="0.0", clip_on=False, **ring)
 
 

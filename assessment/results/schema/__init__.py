@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 from assessment.results.schema.campaign import Campaign
 from assessment.results.schema.checks import (
@@ -21,7 +21,7 @@ from assessment.results.schema.part import Configuration, Part, key, optional
 from assessment.results.schema.static import Contacts, PushdownPath, Pushovers, Settlement
 from assessment.results.schema.studies import Convergence, Scenarios, Sensitivity
 
-FORMAT = 1
+FORMAT: Final = 1
 """Of the file: it changes where a key goes, or gets another meaning."""
 
 

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from assessment.analyses.checks.capacity import assess
+from assessment.analyses.checks.capacity import assess, capacities
 from assessment.analyses.dynamic.inputs import ultimates
 from assessment.analyses.dynamic.time_history import Start
-from assessment.analyses.static.states import Request, StateResult, analyse_states
+from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
 from assessment.ntc.demand.spectrum import ElasticSpectrum, Spectrum
 from assessment.project.schema import ORIGINAL
+from assessment.results.table import compared
 from assessment.studies.increments import finest
 from assessment.studies.scenarios import part
 from assessment.studies.variants import (
-    Numbers,
     Statics,
     Study,
     behaviours,
-    capacity_numbers,
+    capacities_of,
     quantity,
     quoted_limit_state,
 )
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable, SettlementTable
     from assessment.results.schema.checks import Capacity, Direction
+    from assessment.results.schema.static import Pushovers
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
 
@@ -61,7 +62,7 @@ class _Reviewed:
 
     start: Start
     stages: Sequence[StateResult]
-    curves: Mapping[Direction, Any]
+    curves: Mapping[Direction, Pushovers]
     checks: Mapping[Direction, Capacity]
 
 
@@ -82,14 +83,15 @@ def moved_states(
         length = whole_movement(model, whole.support, whole.displacement_m, whole.rotation_rad)
         for share in table.shares:
             if share == 0.0:
-                state = _Reviewed(model.initial, [], *statics.pushed(ORIGINAL))
+                own = statics.states[ORIGINAL]
+                state = _Reviewed(model.initial, [], own.pushover, own.capacity)
             elif share == 1.0:
-                own = statics.stages_of(whole.name)
-                state = _Reviewed(_rest(own, table), own, *statics.pushed(whole.name))
+                own, stages = statics.states[whole.name], statics.stages_of(whole.name)
+                state = _Reviewed(_rest(stages, table), stages, own.pushover, own.capacity)
             else:
-                own = parts[whole.name, share]
-                _take(study, whole.name, share, own)
-                state = _part(project, model, own, demands, study)
+                stages = parts[whole.name, share]
+                _take(study, whole.name, share, stages)
+                state = _part(project, model, stages, demands, study)
             capacity = _static(project, state, demands)
             ultimate = _ultimate(project, table, state.curves)
             found.append(Moved(whole.name, share, share * length, state.start, capacity, ultimate))
@@ -122,9 +124,9 @@ def _part(
 ) -> _Reviewed:
     """Return the state after a share of a movement, with its checks where there is an assessment."""
     assert project.campaign is not None
-    curves = _curves(stages)
-    checks = assess(project, model, curves, demands, study.warnings) if project.assessment else {}
-    return _Reviewed(_rest(stages, project.campaign), stages, curves, checks)
+    pushed = curves(stages)
+    checks = capacities(assess(project, model, pushed, demands, study.warnings)) if project.assessment else {}
+    return _Reviewed(_rest(stages, project.campaign), stages, pushed, checks)
 
 
 def _take(study: Study, name: str, share: float, stages: Iterable[StateResult]) -> None:
@@ -143,36 +145,26 @@ def _rest(stages: Iterable[StateResult], table: CampaignTable) -> Start:
     return "; ".join(own.failures) or "the settled state was not reached"
 
 
-def _curves(stages: Iterable[StateResult]) -> dict[Direction, Numbers]:
-    """Return the pushover numbers of a state as results.json has them."""
-    found: dict[Direction, Numbers] = {}
-    for stage in stages:
-        for direction, numbers in stage.pushover.items():
-            rest = {key: value for key, value in numbers.items() if key != "control"}
-            found.setdefault(direction, {"control": numbers["control"]})[stage.behaviour] = rest
-    return found
-
-
 def _static(project: Project, state: _Reviewed, demands: Demands) -> float | None:
     """Return the static capacity of the weaker direction; None if that of a direction is not known."""
     if project.pushover is None:
         return None
     found = []
-    for direction in project.pushover.directions:
-        curves, checks = state.curves.get(direction, {}), state.checks.get(direction)
-        numbers = capacity_numbers(project, state.stages, curves, checks)
-        value = numbers[quantity(project)]
+    for each in capacities_of(project, state.stages, state.curves, state.checks).values():
+        value = compared(each, quantity(project))
         limit_state = quoted_limit_state(project)
         if value is not None and limit_state is not None:
             value = surface_pga(demands.spectra[limit_state], value)
+        if value is None:
+            return None
         found.append(value)
-    return None if None in found else min(found)
+    return min(found)
 
 
-def _ultimate(project: Project, table: CampaignTable, curves: Mapping[Direction, Any]) -> float | None:
+def _ultimate(project: Project, table: CampaignTable, curves: Mapping[Direction, Pushovers]) -> float | None:
     """Return the displacement of the campaign's control point (m) at which the static capacity vanishes."""
     point = project.control_point(table.control).name
-    return ultimates({ORIGINAL: {"pushover": curves}}).get((ORIGINAL, point))
+    return ultimates({ORIGINAL: curves}).get((ORIGINAL, point))
 
 
 def surface_pga(spectrum: Spectrum, a_g: float) -> float:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.dynamic.record_set import Target, compatibility, made_record, ordinate, scaled_to
 from assessment.project.motions import motion_of
-from assessment.studies.variants import Numbers
+
+Numbers = dict[str, Any]
 
 if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands

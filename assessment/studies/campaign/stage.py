@@ -13,12 +13,19 @@ from assessment.analyses.dynamic.record_set import HIGH, LOW
 from assessment.analyses.dynamic.response import Setting
 from assessment.analyses.dynamic.time_history import quality_row
 from assessment.project.schema import MotionTable
+from assessment.results.schema.campaign import Campaign
 from assessment.runtime.fingerprint import fingerprint
 from assessment.studies.campaign.movements import Moved, moved_states
 from assessment.studies.campaign.records import RecordSet, record_set
-from assessment.studies.campaign.search import Combination, open_numbers, run_stripes, search_collapse
+from assessment.studies.campaign.search import (
+    Combination,
+    Numbers,
+    open_numbers,
+    run_stripes,
+    search_collapse,
+)
 from assessment.studies.campaign.summary import Observed, fragility, loss
-from assessment.studies.variants import Numbers, Statics, Study, quantity
+from assessment.studies.variants import Statics, Study, quantity
 from mechanics.procedures import Mirror
 
 if TYPE_CHECKING:
@@ -70,7 +77,7 @@ def campaign(
     demands: Demands,
     workers: Workers,
     study: Study,
-) -> Numbers:
+) -> Campaign:
     """Run every combination that [campaign] asks for and return its results; `motions`: of the files it names.
 
     Combinations that could not be completed are in study.failures, and in the results with their reason.
@@ -102,7 +109,7 @@ def campaign(
         **_by_movement(moved, asked, rows, table, scatter.members),
     }
     study.findings += _findings(found, table)
-    return found
+    return Campaign.of(found | {"warnings": study.warnings})
 
 
 def _combinations(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -18,8 +19,9 @@ from assessment.studies.campaign.fragility import (
     fit_stripes,
     samples_of_records,
 )
-from assessment.studies.variants import Numbers
 from mechanics.types import Array
+
+Numbers = dict[str, Any]
 
 BAND = (0.16, 0.84)  # of the losses of single records: one standard deviation to either side
 

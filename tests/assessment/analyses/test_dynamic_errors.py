@@ -25,7 +25,7 @@ from assessment.runtime.tasks import Workers
 from assessment.workflow.stages import run
 from tests.assessment.analyses.test_incremental import Trial
 from tests.support.block_project import block, write_block
-from tests.support.typed import filled
+from tests.support.typed import made
 
 SEARCHED = """[incremental]
 records = ["pulse.csv"]
@@ -104,7 +104,7 @@ def test_the_error_of_the_pga_at_collapse_bounds_the_distance_from_finer_analyse
 
 
 def made_up(numbers: dict) -> StageResult[Search]:
-    return StageResult("original", "incremental", Search.of(filled(Search, {"reason": None} | numbers)))
+    return StageResult("original", "incremental", made(Search, {"reason": None} | numbers))
 
 
 def again(project, found: dict, *finer: dict):
@@ -129,20 +129,20 @@ SOME = {"pga_safe_g": 0.30, "pga_collapse_g": 0.31, "pga_collapse_g_range": [0.3
 def test_a_collapse_that_not_every_time_step_finds_leaves_no_number(project):
     for first, half in ((NONE, SOME), (SOME, NONE)):
         found = again(project, first, half, half)
-        assert found.rows[0]["pga_collapse_error_g"] is None and not found.rows[0]["met"]
+        assert found.rows[0].pga_collapse_error_g is None and not found.rows[0].met
         assert "pga_collapse_g not known" in found.warnings[0]
     found = again(project, NONE, NONE, NONE)
-    assert found.rows[0]["met"] and not found.warnings
+    assert found.rows[0].met and not found.warnings
     failed = {"pga_safe_g": None, "pga_collapse_g": None, "reason": "no step is solved"}
     found = again(project, SOME, SOME, failed)
-    assert not found.rows[0]["met"] and "no step is solved" in found.warnings[0]
+    assert not found.rows[0].met and "no step is solved" in found.warnings[0]
     assert not again(project, failed).rows
 
 
 def test_an_ensemble_wider_than_the_time_steps_is_told_as_scatter(project):
     wide = SOME | {"pga_collapse_g_range": [0.31, 0.42]}
     found = again(project, wide, SOME, SOME)
-    assert found.rows[0]["pga_collapse_scatter_g"] == pytest.approx(0.11) and not found.rows[0]["met"]
+    assert found.rows[0].pga_collapse_scatter_g == pytest.approx(0.11) and not found.rows[0].met
     assert "scatters by 35 %" in found.warnings[0]
 
 

@@ -3,14 +3,13 @@
 import pytest
 
 from assessment.analyses.checks.capacity import _elastic_end
+from assessment.results.schema.static import ElasticPush
+from tests.support.typed import made
 
 
 def curve(last: float, lost: bool = False, reached_zero: bool = False):
-    return {
-        "curve": {"displacement_m": [0.0, -0.01, -0.02], "multiplier": [0.0, 0.1, last]},
-        "lost": lost,
-        "reached_zero": reached_zero,
-    }
+    points = {"displacement_m": [0.0, -0.01, -0.02], "multiplier": [0.0, 0.1, last]}
+    return made(ElasticPush, {"curve": points, "lost": lost, "reached_zero": reached_zero})
 
 
 @pytest.mark.parametrize(

@@ -12,13 +12,13 @@ from assessment.analyses.dynamic import histories
 from assessment.analyses.dynamic.ensemble import Course, Scatter, agree, lowest_median_highest
 from assessment.analyses.dynamic.histories import together
 from assessment.analyses.dynamic.response import Setting, respond
-from assessment.analyses.dynamic.time_history import Shaking, StageResult
+from assessment.analyses.dynamic.time_history import Shaking, StageResult, quality_row
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, HistoryTable
 from assessment.results.schema.dynamic import History
 from mechanics.records.record import Record
 from tests.support.structures import arch_on_piers, block_on_base
-from tests.support.typed import filled
+from tests.support.typed import made
 
 FAST, FIVE = Accuracy(None, 0), Scatter(5, 0.05)
 
@@ -156,8 +156,11 @@ def member(peak=0.1, collapsed=False, time=None):
         "time_of_collapse_s": time,
         "curve": {"time_s": time_s, "displacement_m": [0.0, peak]},
     }
-    row = {"state": "s", "stage": "h", "solves": 2, "worst_equilibrium_residual": peak}
-    return StageResult("s", "history", History.of(filled(History, numbers)), quality=[row], seconds=1.0)
+    return StageResult("s", "history", made(History, numbers), quality=[row(2, peak)], seconds=1.0)
+
+
+def row(solves, residual):
+    return quality_row("s", "h", solves, residual)
 
 
 def test_the_largest_demand_is_used():
@@ -165,7 +168,7 @@ def test_the_largest_demand_is_used():
     assert found.numbers.peak_displacement_m == 0.3 and found.numbers.time_of_collapse_s is None
     assert found.numbers.peak_displacement_m_range == [0.1, 0.3]
     assert found.numbers.peak_displacement_median_m == 0.2
-    assert found.quality == [{"state": "s", "stage": "h", "solves": 6, "worst_equilibrium_residual": 0.3}]
+    assert found.quality == [row(6, 0.3)]
 
 
 def test_a_collapse_is_beyond_any_peak_and_the_earliest_counts():
@@ -179,7 +182,7 @@ def test_a_collapse_is_beyond_any_peak_and_the_earliest_counts():
 
 
 def test_a_member_that_fails_is_told_and_the_others_count():
-    failed = StageResult("s", "history", History.of(filled(History, {"reason": "no"})), failures=["s, r: no"])
+    failed = StageResult("s", "history", made(History, {"reason": "no"}), failures=["s, r: no"])
     found = together("s, r", [member(0.1), failed])
     assert found.failures == ["s, r: no"] and found.numbers.members == 1
     assert together("s, r", [failed, failed]) is failed

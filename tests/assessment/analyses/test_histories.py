@@ -11,10 +11,11 @@ from assessment.analyses.dynamic.time_history import Shaking, StageResult
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, HistoryTable
 from assessment.results.schema.dynamic import History
+from assessment.results.schema.model import QualityRow
 from mechanics.records.record import Record
 from mechanics.types import GRAVITY
 from tests.support.structures import block_on_base
-from tests.support.typed import filled
+from tests.support.typed import made
 
 STEP = 0.02
 TIME = STEP * np.arange(76)
@@ -49,12 +50,10 @@ class Asked:
 def bounded(found: StageResult, exact: float) -> dict:
     """Check a history's estimate against the true error of its peak; return its row."""
     row, peak = found.convergence, found.numbers.peak_displacement_m
-    assert row is not None and row["met"]
-    assert peak == row["levels"]["peak_displacement_m"][-1]
-    assert found.numbers.time_step_s == STEP / 2 ** row["halvings"]
-    assert (
-        abs(peak - exact) <= row["peak_displacement_error_m"] == pytest.approx(row["relative_error"] * peak)
-    )
+    assert row is not None and row.met
+    assert peak == row.levels["peak_displacement_m"][-1]
+    assert found.numbers.time_step_s == STEP / 2**row.halvings
+    assert abs(peak - exact) <= row.peak_displacement_error_m == pytest.approx(row.relative_error * peak)
     return row
 
 
@@ -74,7 +73,7 @@ def test_the_error_of_a_slide_is_bounded_by_the_estimate():
     exact = u4 + v4**2 / (2.0 * friction * GRAVITY)
     found = Asked(model, PUSH, 0.02).found()
     row = bounded(found, exact)
-    assert abs(row["levels"]["peak_displacement_m"][0] / exact - 1.0) > 0.02 >= row["relative_error"]
+    assert abs(row.levels["peak_displacement_m"][0] / exact - 1.0) > 0.02 >= row.relative_error
 
 
 def test_the_error_of_a_rocking_block_is_bounded_by_the_estimate():
@@ -91,8 +90,8 @@ def test_two_time_steps_that_agree_do_not_end_the_search(monkeypatch):
     peaks = {1.0: 3.22, 0.5: 3.22, 0.25: 3.88, 0.125: 6.7, 0.0625: 11.6}
     found = made_up(monkeypatch, "fine", lambda share: (peaks[share], False))
     row = found.convergence
-    assert row["levels"]["peak_displacement_m"] == [3.22, 3.22, 3.88, 6.7, 11.6]
-    assert not row["met"] and row["relative_error"] > 0.4 and row["order"] is None
+    assert row.levels["peak_displacement_m"] == [3.22, 3.22, 3.88, 6.7, 11.6]
+    assert not row.met and row.relative_error > 0.4 and row.order is None
     assert "estimated error of peak_displacement_m" in found.warnings[0]
 
 
@@ -100,43 +99,43 @@ def test_levels_that_agree_by_chance_are_told_as_scatter(monkeypatch):
     """A record weaker by 1 % gives another peak: no fourth level is run."""
     found = made_up(monkeypatch, "fine", lambda _: (3.2, False), weaker=3.6, scatter=2)
     row = found.convergence
-    assert row["peak_displacement_scatter_m"] == pytest.approx(0.4) and not row["met"]
-    assert len(row["levels"]["peak_displacement_m"]) == 3
+    assert row.peak_displacement_scatter_m == pytest.approx(0.4) and not row.met
+    assert len(row.levels["peak_displacement_m"]) == 3
     assert any("scatters by" in text for text in found.warnings)
 
 
 def test_a_collapse_is_confirmed_by_three_time_steps(monkeypatch):
     """Where one says collapse and another does not, nothing is known."""
     three = made_up(monkeypatch, "standard", lambda _: (9.9, True))
-    assert three.convergence["met"] and three.convergence["halvings"] == 2 and not three.warnings
+    assert three.convergence.met and three.convergence.halvings == 2 and not three.warnings
     assert "peak_displacement_error_m" not in three.convergence
     late = made_up(monkeypatch, "standard", lambda share: (0.1, share == 1.0))
-    assert not late.convergence["met"] and "not known" in late.warnings[0]
+    assert not late.convergence.met and "not known" in late.warnings[0]
 
 
 def test_a_finer_time_step_that_fails_leaves_the_coarser_one(monkeypatch):
     found = made_up(monkeypatch, "standard", lambda share: (None if share < 0.4 else 0.1, False))
-    assert found.numbers.peak_displacement_m == 0.1 and found.convergence["halvings"] == 1
-    assert not found.convergence["met"] and not found.failures
+    assert found.numbers.peak_displacement_m == 0.1 and found.convergence.halvings == 1
+    assert not found.convergence.met and not found.failures
     assert "a finer time step fails: no step is solved" in found.warnings[0]
 
 
 def made_up(monkeypatch, accuracy, told, weaker=None, scatter=1):
     """A history whose peak and collapse are told for each share of the time step; `weaker`: the peak of the other."""
 
-    def made(shaking):
+    def moved(shaking):
         motion, state = shaking.motion, shaking.state
         peak, fell = told(motion.record.time_step / STEP)
         if motion.amplitude < 1.0:
             peak = weaker
         if peak is None:
-            return StageResult(state, "history", History.of(filled(History)), failures=["no step is solved"])
+            return StageResult(state, "history", made(History), failures=["no step is solved"])
         curve = {"time_s": [0.0, 1.0, 2.0], "displacement_m": [0.0, peak, 0.0]}
         numbers = {"peak_displacement_m": peak, "collapsed": fell, "curve": curve}
         numbers["time_of_collapse_s"] = 2.0 if fell else None
-        return StageResult(state, "history", History.of(filled(History, numbers)), [{"solves": 1}])
+        return StageResult(state, "history", made(History, numbers), [made(QualityRow, {"solves": 1})])
 
-    monkeypatch.setattr(histories, "history", made)
+    monkeypatch.setattr(histories, "history", moved)
     asked = Asked(block_on_base(), SINE, accuracy)
     asked.scatter = scatter
     return asked.found()

@@ -19,7 +19,7 @@ from assessment.project.schema import ControlTable, IncrementalTable
 from assessment.results.schema.dynamic import Search
 from mechanics.records.record import Record
 from tests.support.structures import block_on_base
-from tests.support.typed import filled
+from tests.support.typed import made
 
 SINGLE = Scatter(1, 0.05)
 
@@ -169,7 +169,7 @@ def test_fragility_by_maximum_likelihood():
 
 def _record(collapse, safe=None, **more):
     numbers = {"pga_collapse_g": collapse, "pga_safe_g": collapse if safe is None else safe}
-    return Search.of(filled(Search, numbers | more))
+    return made(Search, numbers | more)
 
 
 def test_what_the_standard_takes_of_the_records():
@@ -242,7 +242,7 @@ def test_the_pulse_that_overturns_a_slender_block(pulse, setting):
     assert not fallen[numbers.pga_safe_g]
     assert all((point.peak_displacement_m is None) == point.collapsed for point in numbers.points)
     assert found.failures == found.warnings == []
-    assert found.quality[0]["worst_equilibrium_residual"] < 1e-6
+    assert found.quality[0].worst_equilibrium_residual < 1e-6
 
 
 def test_no_collapse_up_to_max_scale_is_null_with_a_warning(pulse, setting):

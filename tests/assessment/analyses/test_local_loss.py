@@ -16,6 +16,7 @@ from assessment.report.document import _local_limit, write_page
 from assessment.report.figures.index import write_figures
 from assessment.report.text.language import Words
 from assessment.report.text.messages import translated
+from assessment.results.schema.static import LocalLoss
 from assessment.runtime.processes.pool import Pool
 from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, pushdown, pushover
@@ -41,8 +42,8 @@ def test_a_block_slides_past_an_edge():
     states = [replace(model.initial, positions=each) for each in positions]
     forces = np.array([[1.44, 0.0, 0.0]])
     loss = local_loss(model, states, ways, forces, falls=False)
-    assert loss["displacement_m"] == pytest.approx(0.4)
-    assert (loss["joint"], loss["blocks"], loss["overlap_m"]) == (0, [0, 1], pytest.approx(0.4))
+    assert loss.displacement_m == pytest.approx(0.4)
+    assert (loss.joint, loss.blocks, loss.overlap_m) == (0, [0, 1], pytest.approx(0.4))
     assert local_loss(model, states[:4], ways[:4], forces, falls=True) is None
     assert (
         local_loss(model, states, ways, 0.0 * forces, falls=True) is None
@@ -59,7 +60,7 @@ def test_a_hinge_that_turns_loses_nothing():
 
 
 def test_the_loss_is_the_limit_unless_the_project_gives_one():
-    loss = {"displacement_m": 0.05, "joint": 0, "blocks": [3, 4], "overlap_m": 0.1}
+    loss = LocalLoss(displacement_m=0.05, joint=0, blocks=[3, 4], overlap_m=0.1)
     found = with_loss(Method(), loss)
     assert found.local_limits == {"SLV": 0.05, "SLC": 0.05}
     assert "blocks 3 and 4" in found.local_reason
@@ -73,25 +74,21 @@ def test_the_check_is_made_with_it(tmp_path):
     project = load_project(write_block(tmp_path / "block", PROJECT + ASSESSMENT))
     model = build_model(project)
     results = run(project, model, jobs=1).results
-    pushed = results["states"]["original"]["pushover"]
+    state = typed(results).states["original"]
+    pushed = state.pushover["+x"]
     demands = demand_spectra(project)
-    whole = assess(project, model.assembly, pushed, demands, [])["+x"].SLV
-    pushed["+x"]["rigid"]["local_loss"] = {
-        "displacement_m": 0.1,
-        "joint": 0,
-        "blocks": [0, 1],
-        "overlap_m": 0.6,
-    }
-    limited = assess(project, model.assembly, pushed, demands, [])["+x"].SLV
+    whole = assess(project, model.assembly, {"+x": pushed}, demands, [])["+x"].capacity.SLV
+    loss = LocalLoss(displacement_m=0.1, joint=0, blocks=[0, 1], overlap_m=0.6)
+    lost = {"+x": pushed.replace(rigid=pushed.rigid.replace(local_loss=loss))}
+    limited = assess(project, model.assembly, lost, demands, [])["+x"].capacity.SLV
     assert whole.governing == "0.40 d_0"
     assert limited.governing == "local limit"
-    assert limited.d_star_m == pytest.approx(
-        0.1 * results["states"]["original"]["capacity"]["+x"]["gamma_star"]
-    )
+    assert limited.d_star_m == pytest.approx(0.1 * state.capacity["+x"].gamma_star)
+    results["states"]["original"]["pushover"]["+x"]["rigid"]["local_loss"] = loss.model_dump()
     assert "perdere l’appoggio a 100 mm" in _local_limit(typed(results), Words.of("it"))
     table = project.assessment.model_copy(update={"local_displacement_limit_m": 0.2})
     farther, warnings = project.model_copy(update={"assessment": table}), []
-    assess(farther, model.assembly, pushed, demands, warnings)
+    assess(farther, model.assembly, lost, demands, warnings)
     assert any("write no more than that" in warning for warning in warnings)
 
 
@@ -173,6 +170,6 @@ def test_a_pier_that_moves_away_unseats_the_beam():
     path = pushdown(model, "right", (0.002, 0.0), increment=0.002, to_collapse=True, sliding="coulomb")
     assert path.ultimate == pytest.approx(0.1, rel=0.02)
     loss = local_loss(model, path.states, path.movement, path.steps[0].forces, falls=True)
-    assert loss["displacement_m"] == path.movement[-1] == pytest.approx(0.1, rel=0.02)
-    assert 4 in loss["blocks"]
+    assert loss.displacement_m == path.movement[-1] == pytest.approx(0.1, rel=0.02)
+    assert 4 in loss.blocks
     assert local_loss(model, path.states, path.movement, path.steps[0].forces, falls=False) is None

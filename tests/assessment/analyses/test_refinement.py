@@ -30,7 +30,7 @@ def test_the_error_bounds_that_of_any_order_which_is_told(exact, share, order, c
 
 def test_two_levels_never_tell_that_it_is_enough():
     assert not levels(3.22, 3.22).within(0.05) and not levels(3.22, 3.22).finished(0.05)
-    assert levels(3.22, 3.22).numbers(0.05)["relative_error"] is None
+    assert levels(3.22, 3.22).row("s", "r", 0.05).relative_error is None
 
 
 def test_two_equal_levels_and_a_third_that_differs_are_not_believed():
@@ -47,8 +47,8 @@ def test_scatter_that_levels_do_not_exceed_is_told_as_such():
     """3.28, 3.25, 3.22 mm look converged; records that differ by 1 % say how far they are to be believed."""
     found = levels(3.28, 3.25, 3.22, scatter=0.4)
     assert found.scatters == 0.4 and found.finished(0.05) and not found.within(0.05)
-    row = found.numbers(0.05)
-    assert row["peak_displacement_scatter_m"] == 0.4 and "peak_displacement_error_m" not in row
+    row = found.row("s", "r", 0.05)
+    assert row.peak_displacement_scatter_m == 0.4 and "peak_displacement_error_m" not in row.model_fields_set
     [said] = found.missed("original", 0.05)
     assert "scatters by 12 %" in said
     assert levels(3.9, 3.5, 3.22, scatter=0.4).scatters is None
@@ -56,7 +56,7 @@ def test_scatter_that_levels_do_not_exceed_is_told_as_such():
 
 def test_a_collapse_that_all_levels_see_has_no_error_and_one_that_some_see_leaves_it_open():
     assert levels(None, None, None).within(0.05)
-    assert "relative_error" not in levels(None, None, None).numbers(0.05)
+    assert "relative_error" not in levels(None, None, None).row("s", "r", 0.05).model_fields_set
     assert levels(0.1, None, None).error is None and not levels(0.1, None, None).within(0.05)
     assert "not known" in levels(0.1, 0.1, None).missed("original", 0.05)[0]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
 from pathlib import Path
 
 import pytest
@@ -26,8 +25,8 @@ def capacities(tmp_path_factory):
     model, demands = build_model(project).assembly, Demands()
 
     def of(change):
-        pushovers, warnings = deepcopy(analysed()["states"]["original"]["pushover"]), []
-        change(pushovers["+x"])
+        pushovers, warnings = dict(typed(analysed()).states["original"].pushover), []
+        pushovers["+x"] = change(pushovers["+x"])
         return assess(project, model, pushovers, demands, warnings), warnings
 
     return of
@@ -36,8 +35,8 @@ def capacities(tmp_path_factory):
 @pytest.mark.parametrize(("share", "refused"), [(0.9, False), (1.1, True), (-1.1, True)])
 def test_a_mechanism_that_virtual_work_contradicts_has_no_capacity(capacities, share, refused):
     def contradict(curves):
-        rigid = curves["rigid"]
-        rigid["virtual_work_alpha"] = (1.0 + share * CONTRADICTION) * rigid["mechanism"]["alpha"]
+        alpha = (1.0 + share * CONTRADICTION) * curves.rigid.mechanism.alpha
+        return curves.replace(rigid=curves.rigid.replace(virtual_work_alpha=alpha))
 
     found, warnings = capacities(contradict)
     assert ("+x" in found) is not refused
@@ -48,7 +47,7 @@ def test_a_mechanism_that_virtual_work_contradicts_has_no_capacity(capacities, s
 
 
 def test_an_elastic_pushover_that_failed_is_not_asked_for_again(capacities):
-    found, warnings = capacities(lambda curves: curves.pop("elastic"))
+    found, warnings = capacities(lambda curves: curves.replace(elastic=None))
     assert "+x" not in found and "-x" in found
     [said] = [text for text in warnings if text.startswith("+x: no capacity")]
     assert "was asked for and gave no curve" in said and "ask for contacts" not in said

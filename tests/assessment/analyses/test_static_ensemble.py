@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from assessment.analyses.checks.ranges import with_ranges
+from assessment.analyses.checks.capacity import Assessed
+from assessment.analyses.checks.ranges import Paths, with_ranges
 from assessment.analyses.static import ensemble
 from assessment.analyses.static.ensemble import NOISE, in_increments, members, shaken_corners
 from assessment.analyses.static.paths import turns_on_rounding
@@ -15,13 +16,15 @@ from assessment.analyses.static.states import Request, analyse_states
 from assessment.cli.main import main
 from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.results.schema import State
 from assessment.results.schema.checks import Capacity
 from assessment.results.schema.model import Line
+from assessment.results.schema.static import PushdownPath, Pushovers, RigidPush
 from assessment.runtime.tasks import Workers
 from mechanics import pushover
 from tests.support.block_project import block, read_results, write_block
 from tests.support.structures import block_on_base, running_bond
-from tests.support.typed import filled
+from tests.support.typed import filled, made
 
 PUSHOVER = '[pushover]\ndirections = ["+x"]\nincrement_m = 0.02\n'
 
@@ -58,7 +61,7 @@ def test_where_a_member_differs_all_are_run(request_of, monkeypatch):
         assert len(others) == request_of.project.scatter - 1
         alone = replace(request_of, project=request_of.project.model_copy(update={"scatter": 1}))
         assert members([alone], found, workers) == {}
-    alphas = {member[0].pushover["+x"]["alpha_0"] for member in others}
+    alphas = {member[0].pushover["+x"].rigid.alpha_0 for member in others}
     assert len(alphas) == len(others), "each member has corners of its own"
     assert max(alphas) - min(alphas) < 1e-5
 
@@ -81,9 +84,13 @@ def test_a_joint_that_slides_is_what_a_path_turns_on(friction, slides):
     assert turns_on_rounding(model, pushover(model, (0.0, 1.0), increment=0.02, until=0.9)) is slides
 
 
-def curve(alpha: float, d: float | None) -> dict:
-    points = {"displacement_m": [0.0, d], "multiplier": [alpha, 0.0]}
-    return {"rigid": {"control": "C", "alpha_0": alpha, "d_0_m": d, "curve": points}}
+def curve(alpha: float, d: float | None) -> Pushovers:
+    points = {"displacement_m": [0.0, d or 1.0], "multiplier": [alpha, 0.0]}
+    return Pushovers(control="C", rigid=made(RigidPush, {"alpha_0": alpha, "d_0_m": d, "curve": points}))
+
+
+def moved(ultimate: float) -> dict:
+    return {"rigid": made(PushdownPath, {"ultimate_movement_m": ultimate})}
 
 
 def lines(symbol: str) -> list[dict]:
@@ -96,39 +103,36 @@ def symbols(trace: list[Line]) -> list[str]:
 
 
 def test_a_range_is_open_where_a_member_slides_on_without_end():
-    state = {"pushdown": {}, "pushover": {"+x": {"control": "C", **curve(0.10, 0.5)}}}
-    with_ranges(state, [({}, {"+x": curve(0.12, None)}), ({}, {"+x": curve(0.11, 0.4)})], lambda _: {})
-    rigid = state["pushover"]["+x"]["rigid"]
-    assert (rigid["d_0_m"], rigid["d_0_m_range"]) == (0.4, [0.4, None])
-    assert rigid["alpha_0_range"] == [0.10, 0.12]
+    state = made(State).replace(pushover={"+x": curve(0.10, 0.5)})
+    members = [Paths({}, {"+x": curve(0.12, None)}), Paths({}, {"+x": curve(0.11, 0.4)})]
+    rigid = with_ranges(state, members, lambda _: {}).pushover["+x"].rigid
+    assert (rigid.d_0_m, rigid.d_0_m_range) == (0.4, [0.4, None])
+    assert rigid.alpha_0_range == [0.10, 0.12]
 
 
 def test_the_least_member_is_used_and_its_range_told():
     """In a direction the curve is that of the least a_g at SLC; every other number is the least of all."""
 
-    def assess(curves: dict) -> dict:
-        ((direction, each),) = curves.items()
-        alpha, d = each["rigid"]["alpha_0"], each["rigid"]["d_0_m"]
+    def assess(pushovers: dict) -> dict:
+        ((direction, each),) = pushovers.items()
+        alpha, d = each.rigid.alpha_0, each.rigid.d_0_m
         checks = {"SLC": {"a_g_g": d, "zeta_E": 2.0 * d, "trace": lines("c")}}
         checks["SLV"] = {"a_g_g": alpha, "zeta_E": 3.0 * alpha, "trace": lines("v")}
-        return {direction: Capacity.of(filled(Capacity, {"trace": lines(f"α0 = {alpha}"), **checks}))}
+        return {direction: Assessed(each, made(Capacity, {"trace": lines(f"α0 = {alpha}"), **checks}))}
 
-    state = {
-        "pushdown": {"rigid": {"ultimate_movement_m": 0.3}},
-        "pushover": {"+x": {"control": "C", **curve(0.10, 0.5)}},
-    }
+    own = made(State).replace(pushdown=moved(0.3), pushover={"+x": curve(0.10, 0.5)})
     others = [
-        ({"rigid": {"ultimate_movement_m": 0.2}}, {"+x": curve(0.12, 0.4)}),
-        ({}, {"+x": curve(0.11, 0.6)}),
-        ({}, {}),
+        Paths(moved(0.2), {"+x": curve(0.12, 0.4)}),
+        Paths({}, {"+x": curve(0.11, 0.6)}),
+        Paths({}, {}),
     ]
-    capacity = with_ranges(state, others, assess)["+x"]
-    rigid = state["pushover"]["+x"]["rigid"]
-    assert rigid["curve"] == curve(0.12, 0.4)["rigid"]["curve"] and len(rigid["members"]) == 2
-    assert (rigid["alpha_0"], rigid["alpha_0_range"]) == (0.10, [0.10, 0.12])
-    assert (rigid["d_0_m"], rigid["d_0_m_range"]) == (0.4, [0.4, 0.6])
-    assert state["pushover"]["+x"]["control"] == "C" and "control" not in rigid
-    assert state["pushdown"]["rigid"] == {"ultimate_movement_m": 0.2, "ultimate_movement_m_range": [0.2, 0.3]}
+    state = with_ranges(own, others, assess)
+    rigid, capacity = state.pushover["+x"].rigid, state.capacity["+x"]
+    assert rigid.curve == curve(0.12, 0.4).rigid.curve and len(rigid.members) == 2
+    assert (rigid.alpha_0, rigid.alpha_0_range) == (0.10, [0.10, 0.12])
+    assert (rigid.d_0_m, rigid.d_0_m_range) == (0.4, [0.4, 0.6])
+    path = state.pushdown["rigid"]
+    assert (path.ultimate_movement_m, path.ultimate_movement_m_range) == (0.2, [0.2, 0.3])
     assert (capacity.SLC.a_g_g, capacity.SLC.a_g_g_range) == (0.4, [0.4, 0.6])
     assert capacity.SLV.zeta_E == pytest.approx(0.3)
     assert capacity.SLV.zeta_E_range == pytest.approx([0.3, 0.36])

@@ -19,7 +19,6 @@ from assessment.report.text.table_format import cell
 from assessment.workflow.skeleton import describe
 from tests import ROOT
 from tests.support.block_project import ASSESSMENT, HAZARD, PROJECT, PUSHED, block, edit, write_block
-from tests.support.typed import typed
 
 MOVED = '[[settlements]]\nname = "down"\nsupport = "base"\ndisplacement_m = [0.0, -0.01]\n'
 SITE = PROJECT + ASSESSMENT
@@ -128,9 +127,9 @@ def test_friction_without_sliding_is_accepted(tmp_path, friction):
 def test_infinite_inputs_are_echoed_as_they_are_written(project):
     """JSON has no infinity, and null means that a result was not reached."""
     described = describe(load_project(project), build_model(load_project(project)))
-    assert described["echo"]["material"]["tangential_stiffness_kN_m3"] == "inf"
-    assert "tangential_stiffness_kN_m3" in layers(typed(described)).rows[0]
-    row = layers(typed(described)).rows[0]
+    assert described.echo.material["tangential_stiffness_kN_m3"] == "inf"
+    assert "tangential_stiffness_kN_m3" in layers(described).rows[0]
+    row = layers(described).rows[0]
     assert cell("tangential_stiffness_kN_m3", row, Words.of("en")) == "∞"
 
 

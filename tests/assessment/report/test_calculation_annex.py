@@ -1,14 +1,13 @@
 """Every number of the annex, of whole projects: recomputed from what tables/trace.csv and the report print."""
 
 import re
-from copy import deepcopy
 
 import ezdxf
 import numpy as np
 import pytest
 from ezdxf.math import Matrix44
 
-from assessment.analyses.checks.capacity import assess, assess_chosen, governing
+from assessment.analyses.checks.capacity import assess, assess_chosen, capacities, governing
 from assessment.analyses.checks.demand import demand_parts, demand_spectra
 from assessment.cli.main import main
 from assessment.ntc.capacity_return_period import stated
@@ -91,24 +90,32 @@ def outcomes(tmp_path_factory):
     hazard_files(folder)
     (folder / "project.toml").write_text(PROJECT, encoding="utf-8")
     project = load_project(folder)
-    pushed = run(project, build_model(project), jobs=1).results
+    pushed = run(project, build_model(project), jobs=1).typed
     found = {}
     for name, text in VARIANTS.items():
         (folder / "project.toml").write_text(PROJECT + text, encoding="utf-8")
-        found[name] = assessed(load_project(folder), deepcopy(pushed))
+        found[name] = assessed(load_project(folder), pushed)
     return found
 
 
 def assessed(project, results):
     """Add to pushovers what the assessment of the project makes of them."""
-    model, states, notes = build_model(project).assembly, results["states"], results["quality"]["warnings"]
-    demands = demand_spectra(project, read_motions(project).history)
-    for state in states.values():
-        state["capacity"] = assess(project, model, state["pushover"], demands, notes)
-        state["governing"] = governing(state["capacity"])
-    results["spectra"] = demand_parts(project, demands)
-    results["mechanisms"] = assess_chosen(project, model, states, demands, notes)
-    return plain(results)
+    model, notes = build_model(project).assembly, []
+    demands, states = demand_spectra(project, read_motions(project).history), {}
+    for name, state in results.states.items():
+        found = assess(project, model, state.pushover, demands, notes)
+        curves, capacity = {way: each.curves for way, each in found.items()}, capacities(found)
+        states[name] = state.replace(
+            pushover=state.pushover | curves, capacity=capacity, governing=governing(capacity)
+        )
+    return plain(
+        results.replace(
+            states=states,
+            quality=results.quality.replace(warnings=[*results.quality.warnings, *notes]),
+            spectra=demand_parts(project, demands),
+            mechanisms=assess_chosen(project, model, states, demands, notes),
+        )
+    )
 
 
 @pytest.mark.parametrize("name", VARIANTS)

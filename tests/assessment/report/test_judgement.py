@@ -24,22 +24,32 @@ from assessment.report.text.language import direction_name, words_of
 from assessment.report.text.table_format import check_name
 from assessment.results.hand_check import hand_check
 from assessment.results.plain import plain
+from assessment.results.quality import quality_of
 from assessment.results.reactions import balance
+from assessment.results.schema import State
 from assessment.results.schema.checks import Capacity
 from assessment.results.schema.dynamic import Incremental
+from assessment.results.schema.model import QualityRow
+from assessment.results.schema.studies import ScenarioPoint
 from assessment.results.table import reference_of
 from assessment.studies.scenarios import worst as worst_of
-from assessment.workflow.stages import _comparison, _sum_up
+from assessment.workflow.comparison import comparison
 from tests.assessment.report.test_study_tables import results_with_studies
 from tests.support.analysed import analysed
 from tests.support.results_example import SETTLED, results_example
-from tests.support.typed import filled, typed
+from tests.support.typed import made, typed
 
 Results = dict[str, Any]
 Fields = Mapping[str, str]
 LIMITS = ("SLO", "SLD", "SLV", "SLC")
 WORDS = words_of(typed(results_example("en")))
 SMALLEST = 1e-9  # a reduction no larger is none
+
+
+def summed_up(quality: dict[str, Any]) -> dict[str, Any]:
+    """The certificates with the worst of them, as a run sums them up."""
+    rows = [made(QualityRow, row) for row in quality["by_stage"]]
+    return plain(quality_of(rows, quality["warnings"]))
 
 
 class Read:
@@ -472,18 +482,18 @@ def random_results(draw):
                 }
                 for contacts in ("rigid", "elastic")
             }
-        capacities = {d: Capacity.of(filled(Capacity, each)) for d, each in content["capacity"].items()}
+        capacities = {d: made(Capacity, each) for d, each in content["capacity"].items()}
         content["governing"], content["safety_index"] = governing(capacities), safety_index(capacities)
         states[name] = content
-        searches = Incremental.of(filled(Incremental, content["incremental"]))
-        checked[name] = content | {"capacity": capacities, "incremental": searches}
+        searches = made(Incremental, content["incremental"])
+        checked[name] = made(State, content).replace(capacity=capacities, incremental=searches)
     results["states"] = plain(states)
-    results["comparison"] = _comparison(checked)
+    results["comparison"] = plain(comparison(checked))
     results["quality"]["by_stage"] = [
         row | {f"worst_{name}": draw(RESIDUAL) for name in RESIDUALS}
         for row in results["quality"]["by_stage"]
     ]
-    _sum_up(results["quality"])
+    results["quality"] = summed_up(results["quality"])
     results["quality"]["warnings"] = draw(st.lists(st.sampled_from(["a", "b", "c"])))
     results["echo"]["settlements"] = [{"name": name, "to_collapse": draw(st.booleans())} for name in names]
     if limits:
@@ -537,7 +547,8 @@ def scenarios_of(draw, names, directions, limits):
                     | {"collapses": fallen, by: value, "reduction": None if value is None else 1.0 - value}
                 )
     limit = next((limit for limit in reversed(LIMITS) if limit in limits), None)
-    return {"quantity": by, "limit_state": limit, "points": points, "worst": worst_of(points, by)}
+    worst = worst_of([made(ScenarioPoint, point) for point in points], by)
+    return {"quantity": by, "limit_state": limit, "points": points, "worst": plain(worst)}
 
 
 @st.composite
@@ -678,7 +689,7 @@ def test_poor_certificates_and_a_poor_hand_check_are_not_hidden():
     ):
         results = results_example("en")
         results["quality"]["by_stage"][1][f"worst_{name}"] = residual
-        _sum_up(results["quality"])
+        results["quality"] = summed_up(results["quality"])
         assert "must be checked" in text_of(results)
     results = results_example("en")
     results["states"]["original"]["pushover"]["+x"]["rigid"]["virtual_work_alpha"] = 0.2

@@ -12,7 +12,6 @@ from assessment.results.frames import MOST, chosen, pushdown_frames, pushover_fr
 from assessment.results.joint_states import Situation, joint_states, pressed, situations, thrust_lines
 from assessment.results.outlines import outlines
 from assessment.results.reactions import balance, joint_table, reactions
-from assessment.results.schema.model import Face
 from mechanics import Assembly, Block, Material, pushdown, pushover, time_history
 from mechanics.steps.equilibrium import reaction
 from tests.support.analysed import SETTLED, analysed
@@ -35,9 +34,8 @@ def plain_results(model):
 
 def situation(frames, number):
     """The situation of a frame."""
-    force, centre = (np.array(frames[key][number], dtype=float) for key in ("force_kN", "centre"))
-    met = [Face.model_validate(each) for each in frames["met"]]
-    return Situation("", "+x", "", 0.0, np.array(frames["configuration"][number]), force, centre, met)
+    force, centre = (np.array(values[number], dtype=float) for values in (frames.force_kN, frames.centre))
+    return Situation("", "+x", "", 0.0, np.array(frames.configuration[number]), force, centre, frames.met)
 
 
 def forces_on(model, states):
@@ -64,7 +62,7 @@ def test_reactions_of_the_frames_are_those_of_the_path(contacts):
     path = pushdown(model, "right", (0.02, -0.01), increment=0.004, contacts=contacts)
     right = model.support("right")
     frames = pushdown_frames(model, path, 0.02)
-    for number, index in enumerate(frames["index"]):
+    for number, index in enumerate(frames.index):
         states = joint_states(plain_results(model), situation(frames, number))
         on_structure = -forces_on(model, states)[right].sum(axis=0)
         expected = reaction(model, path.steps[index], right)[:2]
@@ -75,12 +73,12 @@ def test_frames_hold_onset_peak_end_and_the_movement_asked_for():
     model = block_on_base(0.6, 4.2)
     path = pushover(model, (0.6, 4.2), increment=0.05)
     found = pushover_frames(model, path, Met(model))
-    assert {0, path.peak, path.formed, len(path.states) - 1} <= set(found["index"])
-    assert len(found["index"]) <= MOST + 4
-    assert np.shape(found["configuration"]) == (len(found["index"]), 2, 3)
+    assert {0, path.peak, path.formed, len(path.states) - 1} <= set(found.index)
+    assert len(found.index) <= MOST + 4
+    assert np.shape(found.configuration) == (len(found.index), 2, 3)
     arch = semicircular_arch(11, 0.2)
     moved = pushdown(arch, "right", (0.02, 0.0), increment=0.004, to_collapse=True)
-    kept = pushdown_frames(arch, moved, 0.02)["index"]
+    kept = pushdown_frames(arch, moved, 0.02).index
     assert any(moved.movement[index] == pytest.approx(0.02) for index in kept)
 
 
@@ -165,12 +163,12 @@ def test_a_wall_leans_on_its_neighbour_and_the_pair_that_met_is_told():
     model = Assembly([base, slender, stout])
     path = pushover(model, (0.0, 3.0), "+x", increment=0.01)
     frames = pushover_frames(model, path, Met(model))
-    assert frames["met"]
-    assert [sorted(each.blocks) for each in frames["met"]] == [[1, 2]] * len(frames["met"])
+    assert frames.met
+    assert [sorted(each.blocks) for each in frames.met] == [[1, 2]] * len(frames.met)
     lateral = model.lateral_load("+x")[:, :2]
     leaning = 0
-    for number, index in enumerate(frames["index"]):
-        if frames["force_kN"][number] is None:
+    for number, index in enumerate(frames.index):
+        if frames.force_kN[number] is None:
             continue
         states = joint_states(plain_results(model), situation(frames, number))
         load = model.dead_load[:, :2] + path.steps[index - 1].alpha * lateral
@@ -207,7 +205,7 @@ def test_rest_and_onset_of_every_state_are_there_and_balanced():
 def test_a_frame_that_is_out_of_balance_is_seen():
     results = analysed()
     frames = results["states"]["original"]["pushover"]["+x"]["elastic"]["frames"]
-    frames["force_kN"][0][0][0] *= 1.1
+    frames.force_kN[0][0][0] *= 1.1
     assert max(row["unbalanced"] for row in balance(typed(results)).rows) > 1e-3
 
 
@@ -293,12 +291,12 @@ def test_frames_of_a_motion_hold_what_the_joints_carry(contacts):
             model, np.full(400, push), 0.01, contacts, damping_ratio=0.5 * (contacts == "elastic")
         )
         seen = snapshots(model, motion.time, np.zeros(len(motion.time)), motion.positions, motion.forces, 3)
-        assert seen["force_kN"][0] is None  # no step has led there
-        [centre] = seen["centre"][-1]
+        assert seen.force_kN[0] is None  # no step has led there
+        [centre] = seen.centre[-1]
         states = joint_states(plain_results(model), situation(seen, -1))
         sign = 1.0 if model.joints.a[0] == 1 else -1.0
         assert sign * states.force[0] == pytest.approx(
             [push * model.weight, model.weight], rel=0.02, abs=1e-3
         )
         assert abs(centre - 0.5) == pytest.approx(0.5 * push / 0.2, abs=0.02)
-        assert len(seen["force_kN"]) == len(seen["centre"]) == len(seen["time_s"])
+        assert len(seen.force_kN) == len(seen.centre) == len(seen.time_s)

@@ -7,15 +7,16 @@ import os
 import numpy as np
 import pytest
 
-from assessment.analyses.static.paths import Part
+from assessment.analyses.static.paths import PathResult
 from assessment.analyses.static.settlement import settle
 from assessment.results.schema.checks import Capacity, Check
+from assessment.results.schema.model import QualityRow
 from assessment.runtime.cache import Store, packed, unpacked
 from assessment.runtime.fingerprint import fingerprint as digest
 from assessment.workflow.stages import run
 from mechanics import State
 from tests.support.structures import block_on_base
-from tests.support.typed import filled
+from tests.support.typed import filled, made
 
 
 def test_what_was_not_used_for_longest_goes_first(tmp_path):
@@ -37,21 +38,22 @@ def test_results_keep_every_bit():
         np.array([[3.0, 7.0, 0.1]]),
         np.array([True, False]),
     )
-    part = Part(
+    row = made(QualityRow, {"solves": 3, "worst_complementarity": 1 / 7})
+    part = PathResult(
         {"a": (0.1, None, np.float64(1 / 7), np.int64(3))},
         reached=state,
-        quality=[{"x": 2.0}],
+        quality=[row],
         warnings=["w «é»\r\n"],
         seconds=0.3,
     )
     found = unpacked(packed(part))
-    assert found.numbers == {"a": [0.1, None, 1 / 7, 3]}
+    assert found.found == {"a": [0.1, None, 1 / 7, 3]}
     assert found.reached.positions.tobytes() == state.positions.tobytes()
     assert (found.reached.velocities.shape, found.reached.shear.shape) == ((1, 3), (0,))
     assert found.reached.met.tobytes() == state.met.tobytes()
     assert found.reached.carrying.tolist() == [True, False]
     assert (found.quality, found.warnings, found.failures, found.seconds) == (
-        [{"x": 2.0}],
+        [row],
         ["w «é»\r\n"],
         [],
         0.3,
@@ -62,7 +64,7 @@ def test_results_keep_every_bit():
 def test_a_part_of_the_results_comes_back_with_the_keys_that_it_had():
     """A key that was null stays apart from one that was not there; names in the file may have spaces."""
     check = filled(Check, {"a_g_g": 1 / 7, "return_period_stated": None})
-    part = Capacity.of(filled(Capacity, {"SLD elastic": check, "alpha_0": 0.1}))
+    part = made(Capacity, {"SLD elastic": check, "alpha_0": 0.1})
     found = unpacked(packed({"of": [part]}))["of"][0]
     assert found == part and found.checks["SLD elastic"].a_g_g == 1 / 7
     assert found.model_dump(exclude_unset=True) == part.model_dump(exclude_unset=True)

@@ -20,6 +20,7 @@ from assessment.project.schema import PushoverTable, SettlementTable
 from assessment.report.document import render_html
 from assessment.report.figures.index import write_figures
 from assessment.report.text.language import words_of
+from assessment.results.schema.static import Pushovers, RigidPush
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.processes.pool import Pool
 from assessment.runtime.tasks import Workers
@@ -28,7 +29,7 @@ from assessment.studies.increments import refined
 from assessment.workflow.stages import run
 from tests.assessment.studies.test_studies import ASSESSMENT, BLOCK, HEIGHT, PUSHOVER, SLENDERNESS, TURNS
 from tests.support.results_example import results_example
-from tests.support.typed import typed
+from tests.support.typed import made, typed
 
 SOLVER = 1e-6  # relative: what programs leave, whatever the increments
 
@@ -85,14 +86,14 @@ def test_a_quantity_that_only_one_level_reaches_has_no_error():
     levels = Levels(1.0, ({"alpha_0": 0.1, "d_0_m": None}, {"alpha_0": 0.1, "d_0_m": 0.2}))
     assert levels.errors == {"alpha_0": 0.0, "d_0_m": None}
     assert not levels.within(0.5)
-    assert levels.numbers(0.5)["relative_error"] is None
+    assert levels.row("s", "+x", 1, 0.5).relative_error is None
     neither = Levels(1.0, ({"alpha_0": 0.1, "d_0_m": None},) * 2)
     assert neither.errors == {"alpha_0": 0.0} and neither.within(0.5)
 
 
 def test_one_level_tells_no_error():
     levels = Levels(1.0, ({"alpha_0": 0.1},))
-    assert not levels.within(0.5) and levels.numbers(0.5)["met"] is False
+    assert not levels.within(0.5) and levels.row("s", "+x", 0, 0.5).met is False
 
 
 def test_values_of_rounding_size_are_none():
@@ -176,12 +177,12 @@ def test_the_error_of_an_arch_is_within_the_tolerance(arch):
     assembly = build_model(arch).assembly
     with Workers(1) as workers:
         [stage] = analyse_states([Request(refined(arch, 5), assembly, None, "rigid")], workers)
-    fine = stage.pushover["+x"]
+    fine = stage.pushover["+x"].rigid
     found = results_of(arch.model_copy(update={"accuracy": 0.01}))
     right, left = found["convergence"]["rows"]
     values = right["levels"]["d_0_m"]
     assert max(values) < 1.02 * min(values)  # small increments reach across that part too
-    assert abs(values[-1] - fine["d_0_m"]) <= 0.01 * values[-1]
+    assert abs(values[-1] - fine.d_0_m) <= 0.01 * values[-1]
     assert right["d_0_error_m"] <= 0.01 * values[-1]
     assert found["states"]["original"]["pushover"]["+x"]["rigid"]["d_0_m"] == values[-1]
     assert right["alpha_0_error"] == 0.0  # the onset knows no increment
@@ -199,7 +200,7 @@ def test_the_error_of_an_arch_is_bounded_by_the_estimate(arch):
             [Request(refined(arch, 5), build_model(arch).assembly, None, "rigid")], workers
         )
     right, _ = results_of(arch.model_copy(update={"accuracy": 0.01}))["convergence"]["rows"]
-    error = abs(right["levels"]["d_0_m"][-1] - stage.pushover["+x"]["d_0_m"])
+    error = abs(right["levels"]["d_0_m"][-1] - stage.pushover["+x"].rigid.d_0_m)
     assert error <= right["d_0_error_m"]
 
 
@@ -225,9 +226,9 @@ def test_studies_take_the_increments_of_their_states(block):
 
 
 def _stage(state: str, alpha_0: float, *failures: str) -> StateResult:
-    numbers = {"alpha_0": alpha_0, "d_0_m": None, "control": "C"}
+    pushed = Pushovers(control="C", rigid=made(RigidPush, {"alpha_0": alpha_0, "d_0_m": None}))
     return StateResult(
-        state, "rigid", pushover={"+x": numbers}, failures=list(failures), seconds={"pushover": 1.0}
+        state, "rigid", pushover={"+x": pushed}, failures=list(failures), seconds={"pushover": 1.0}
     )
 
 
@@ -256,11 +257,11 @@ def test_only_states_that_need_it_are_analysed_again(arch):
         (1.0, ["original", "settled"]), (0.5, ["original", "settled"]), (0.25, ["settled"])
     ]  # fmt: skip
     assert found.halvings == {"original": 1, "settled": 2}
-    assert [stage.pushover["+x"]["alpha_0"] for stage in found.stages] == [0.2, 0.125]
+    assert [stage.pushover["+x"].rigid.alpha_0 for stage in found.stages] == [0.2, 0.125]
     assert [stage.seconds["pushover"] for stage in found.stages] == [2.0, 3.0]
     original, settled = found.rows
-    assert original["met"] and not settled["met"]
-    assert settled["alpha_0_error"] == pytest.approx(1.25 * 0.025)  # first order: 0.1 is where it goes
+    assert original.met and not settled.met
+    assert settled.alpha_0_error == pytest.approx(1.25 * 0.025)  # first order: 0.1 is where it goes
     (warning,) = found.warnings
     assert "settled, +x" in warning and "alpha_0 is 25 %" in warning and "1/4" in warning
 
@@ -273,7 +274,7 @@ def test_a_finer_analysis_that_fails_leaves_the_coarser_one(arch):
         {"original": _stage("original", 0.0, "no equilibrium")},
     )
     assert len(asked) == 3
-    assert found.stages[0].pushover["+x"]["alpha_0"] == 0.1 and not found.stages[0].failures
+    assert found.stages[0].pushover["+x"].rigid.alpha_0 == 0.1 and not found.stages[0].failures
     assert found.halvings["original"] == 1
     assert "original, +x: finer increments fail: no equilibrium" in found.warnings
 

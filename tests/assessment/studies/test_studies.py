@@ -12,6 +12,7 @@ from assessment.cli.main import main
 from assessment.project.catalogue.new_project import template_layout, write_drawing
 from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.results.schema.studies import ScenarioPoint, Sensitivity, SensitivityRun
 from assessment.studies.scenarios import part, worst
 from assessment.studies.sensitivity import scatter, with_factor, without_effect
 from assessment.workflow import studies as study_stages
@@ -19,6 +20,7 @@ from assessment.workflow.selection import select
 from assessment.workflow.stages import run
 from mechanics import limit_analysis
 from tests.support.block_project import block
+from tests.support.typed import made
 
 WIDTH, HEIGHT = 0.6, 4.2
 SLENDERNESS = math.atan(WIDTH / HEIGHT)
@@ -152,11 +154,12 @@ def test_only_what_was_asked_for_is_compared(project, contacts, by):
 
 def test_the_worst_point():
     def at(state, movement, capacity, collapses=False):
-        return {"state": state, "movement_m": movement, "a_g_g": capacity, "collapses": collapses}
+        found = {"state": state, "movement_m": movement, "a_g_g": capacity, "collapses": collapses}
+        return made(ScenarioPoint, found)
 
     points = [at("original", 0, 0.1), at("a", 1, 0.3), at("b", 2, 0.2), at("b", 3, None)]
     assert worst(points, "a_g_g") == at("b", 2, 0.2)
-    assert worst([*points, at("b", 5, None, True), at("b", 4, None, True)], "a_g_g")["movement_m"] == 4
+    assert worst([*points, at("b", 5, None, True), at("b", 4, None, True)], "a_g_g").movement_m == 4
     assert worst(points[:1], "a_g_g") is None
 
 
@@ -241,7 +244,8 @@ def test_what_has_no_effect(project):
 
 def test_scatter_is_told_where_a_capacity_depends_on_what_it_cannot(varied):
     def at(name, capacity):
-        return {"state": "settled", "direction": "+x", "property": name, "a_g_g": capacity}
+        found = {"state": "settled", "direction": "+x", "property": name, "a_g_g": capacity}
+        return made(SensitivityRun, found)
 
     assert scatter([at("depth", 0.2), at("depth", 0.2009), at("friction", 0.1)], {"depth"}) == []
     (found,) = scatter([at("depth", 0.2), at("unit_weight", 0.25)], {"depth", "unit_weight"})
@@ -257,7 +261,7 @@ def test_many_warnings_of_a_study_are_told_in_short(monkeypatch, project):
     def noisy(*arguments):
         arguments[-1].warnings += [f"w{number}" for number in range(count)]
         arguments[-1].findings.append("found")
-        return {"runs": []}
+        return made(Sensitivity, {"warnings": arguments[-1].warnings})
 
     monkeypatch.setattr(study_stages, "sensitivity", noisy)
     whole = project(BLOCK + PUSHOVER + ASSESSMENT + SENSITIVITY.replace("stiffness = [0.5, 2.0]\n", ""))

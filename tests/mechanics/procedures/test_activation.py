@@ -8,7 +8,7 @@ import pytest
 
 from assessment.analyses.checks.capacity import along_push
 from assessment.analyses.static.lateral import PushSetting, add_curve
-from assessment.analyses.static.paths import Part
+from assessment.analyses.static.paths import PathResult
 from assessment.benchmark.cases.structures import assembly, template
 from assessment.ntc.capacity import participation
 from assessment.project.schema import ControlTable
@@ -21,6 +21,7 @@ from assessment.report.viewer import viewer
 from assessment.results.hand_check import hand_check, weights
 from assessment.results.joint_states import situations
 from assessment.results.outlines import field, outlines, place
+from assessment.results.plain import plain
 from assessment.results.reactions import balance, reactions
 from assessment.results.table import sense
 from mechanics import pushdown, pushover
@@ -105,7 +106,7 @@ def test_where_a_block_slides_the_first_of_equal_multipliers_is_the_activation()
 def test_a_control_point_that_takes_no_part_at_alpha_0_is_told_with_the_point_that_counts():
     model = block_on_base(0.6, 4.2)
     path = pushover(model, (0.6, 4.2), increment=0.05)
-    result = Part()
+    result = PathResult()
     control = ControlTable(name="top", point_m=(0.6, 4.2))
     later = replace(path, formed=path.peak + 2)
     setting = PushSetting("rigid", "associative", increment=0.05)
@@ -119,8 +120,7 @@ def test_a_control_point_that_takes_no_part_at_alpha_0_is_told_with_the_point_th
         and f"{alpha:.4g}".replace(".", ",") in it
     )
     results = analysed()
-    numbers = {key: value for key, value in result.numbers.items() if key != "control"}
-    results["states"]["original"]["pushover"]["+x"]["rigid"] = numbers
+    results["states"]["original"]["pushover"]["+x"] = plain(result.found)
     assert mechanisms(typed(results)).rows[0]["mechanism_alpha"] == pytest.approx(alpha)
 
 
@@ -151,12 +151,12 @@ def test_curves_are_in_the_axes_of_the_model(state, direction, contacts):
 @pytest.mark.parametrize(("state", "direction"), PUSHED)
 def test_capacities_are_sizes_along_the_push(state, direction):
     results = analysed()
-    curves = results["states"][state]["pushover"][direction]
-    d, alpha = map(np.asarray, along_push(curves["rigid"]["curve"], direction))
-    least, most = curves["rigid"].get("d_0_m_range", (d[-1], d[-1]))
+    curves = typed(results).states[state].pushover[direction]
+    d, alpha = map(np.asarray, along_push(curves.rigid.curve, direction))
+    least, most = curves.rigid.d_0_m_range or (d[-1], d[-1])
     assert alpha[-1] == 0.0 and 0.0 < least * (1.0 - 1e-6) <= d[-1] <= most * (1.0 + 1e-6)
-    assert least <= curves["rigid"]["d_0_m"] <= most
-    assert curves["elastic"]["d_y_m"] > 0.0 and curves["elastic"]["d_u_m"] > 0.0
+    assert least <= curves.rigid.d_0_m <= most
+    assert curves.elastic.d_y_m > 0.0 and curves.elastic.d_u_m > 0.0
     assert min(results["states"][state]["capacity"][direction]["curve"]["d_star_m"]) == 0.0
 
 
