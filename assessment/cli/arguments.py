@@ -13,7 +13,7 @@ from assessment.cli.exit_codes import EXIT_CODES
 from assessment.runtime.terminal.console import visible
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
     from typing import Any, NoReturn
 
     Parsers = argparse._SubParsersAction["_Parser"]
@@ -91,15 +91,11 @@ def _parser() -> argparse.ArgumentParser:
     parsers = parser.add_subparsers(required=True, metavar="COMMAND", dest="name")
     for add in (_run, _check, _status, _new, _convert, _schema, _report, _benchmark):
         add(parsers)
-    for command in parsers.choices.values():
-        command.set_defaults(parser=command)
     return parser
 
 
 def _run(parsers: Parsers) -> None:
-    parser = parsers.add_parser(
-        "run", help="run every stage the project asks for and write its report", **_end("run")
-    )
+    parser = _added(parsers, "run", commands.run, "run every stage the project asks for and write its report")
     _add_project(parser, "the results")
     parser.add_argument(
         "--only",
@@ -107,96 +103,71 @@ def _run(parsers: Parsers) -> None:
         metavar="STAGE,…",
         help=f"only these stages, with what they need: {', '.join(STAGES)}",
     )
-    parser.add_argument(
-        "--jobs",
-        type=_jobs,
-        default=0,
-        metavar="N",
-        help="processes at once (default: one per core if the work is worth starting them)",
-    )
-    parser.add_argument(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="a running Dask cluster that computes instead, such as tcp://host:8786",
-    )
-    parser.add_argument("--no-report", action="store_true", help="numbers, tables and figures only")
-    parser.add_argument(
-        "--fresh", action="store_true", help="compute again what an earlier run has already computed"
-    )
-    parser.add_argument("--json", action="store_true", help="print the summary as JSON")
-    parser.set_defaults(command=commands.run)
+    jobs = "processes at once (default: one per core if the work is worth starting them)"
+    parser.add_argument("--jobs", type=_jobs, default=0, metavar="N", help=jobs)
+    scheduler = "a running Dask cluster that computes instead, such as tcp://host:8786"
+    parser.add_argument("--scheduler", metavar="ADDRESS", help=scheduler)
+    _add_flag(parser, "--no-report", "numbers, tables and figures only")
+    _add_flag(parser, "--fresh", "compute again what an earlier run has already computed")
+    _add_flag(parser, "--json", "print the summary as JSON")
 
 
 def _check(parsers: Parsers) -> None:
-    parser = parsers.add_parser(
-        "check", help="read and validate everything, draw the model; no analysis", **_end("check")
-    )
-    _add_project(parser, "model.svg")
-    parser.set_defaults(command=commands.check)
+    what = "read and validate everything, draw the model; no analysis"
+    _add_project(_added(parsers, "check", commands.check, what), "model.svg")
 
 
 def _status(parsers: Parsers) -> None:
-    parser = parsers.add_parser(
-        "status", help="tell what a run under way is at, what failed, and how long it takes", **_end("status")
-    )
-    _add_project(parser, "the results")
-    parser.set_defaults(command=commands.status)
+    what = "tell what a run under way is at, what failed, and how long it takes"
+    _add_project(_added(parsers, "status", commands.status, what), "the results")
 
 
 def _new(parsers: Parsers) -> None:
-    parser = parsers.add_parser("new", help="make a new project folder from a template", **_end("new"))
+    parser = _added(parsers, "new", commands.new, "make a new project folder from a template")
     parser.add_argument("folder", type=_folder, metavar="DIR", nargs="?", help="the folder to make")
     parser.add_argument("--template", metavar="NAME", help=", ".join(TEMPLATES))
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=NUMBER", help="a dimension; see --list"
     )
-    parser.add_argument("--excel", action="store_true", help="write project.xlsx instead of project.toml")
-    parser.add_argument(
-        "--list", action="store_true", help="print the dimensions of the template, or of all, and stop"
-    )
-    parser.set_defaults(command=commands.new)
+    _add_flag(parser, "--excel", "write project.xlsx instead of project.toml")
+    _add_flag(parser, "--list", "print the dimensions of the template, or of all, and stop")
 
 
 def _convert(parsers: Parsers) -> None:
-    parser = parsers.add_parser(
-        "convert", help="turn project.toml into project.xlsx, or back", **_end("convert")
-    )
-    _add_project(parser)
-    parser.set_defaults(command=commands.convert)
+    _add_project(_added(parsers, "convert", commands.convert, "turn project.toml into project.xlsx, or back"))
 
 
 def _schema(parsers: Parsers) -> None:
-    parser = parsers.add_parser(
-        "schema",
-        help="print the JSON schema of project.toml, for editors, or of results.json",
-        **_end("schema"),
-    )
-    parser.add_argument("--results", action="store_true", help="that of results.json")
-    parser.set_defaults(command=commands.schema)
+    what = "print the JSON schema of project.toml, for editors, or of results.json"
+    _add_flag(_added(parsers, "schema", commands.schema, what), "--results", "that of results.json")
 
 
 def _report(parsers: Parsers) -> None:
-    parser = parsers.add_parser(
-        "report", help="render the report again from stored results", **_end("report")
-    )
-    _add_project(parser, "the results")
-    parser.set_defaults(command=commands.report)
+    what = "render the report again from stored results"
+    _add_project(_added(parsers, "report", commands.report, what), "the results")
 
 
 def _benchmark(parsers: Parsers) -> None:
-    parser = parsers.add_parser(
-        "benchmark", help="measure run time against error on this machine", **_end("benchmark")
-    )
+    what = "measure run time against error on this machine"
+    parser = _added(parsers, "benchmark", commands.benchmark, what)
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(BENCHMARKS)} (default: all)")
-    parser.add_argument("--quick", action="store_true", help="fewer and smaller cases: a minute or so")
-    parser.add_argument(
-        "--out",
-        type=_folder,
-        default=Path("benchmark"),
-        metavar="DIR",
-        help="folder of tables, plots and summary.md (default: benchmark)",
-    )
-    parser.set_defaults(command=commands.benchmark)
+    _add_flag(parser, "--quick", "fewer and smaller cases: a minute or so")
+    where = "folder of tables, plots and summary.md (default: benchmark)"
+    parser.add_argument("--out", type=_folder, default=Path("benchmark"), metavar="DIR", help=where)
+
+
+def _added(
+    parsers: Parsers, name: str, command: Callable[[argparse.Namespace], int], what: str
+) -> argparse.ArgumentParser:
+    """Add a command and return its parser; `what`: what it does, for the list of all."""
+    parser: argparse.ArgumentParser = parsers.add_parser(name, help=what, **_end(name))
+    parser.set_defaults(command=command, parser=parser)
+    return parser
+
+
+def _add_flag(parser: argparse.ArgumentParser, name: str, what: str) -> None:
+    """Add an option without a value; `what` it does."""
+    parser.add_argument(name, action="store_true", help=what)
 
 
 def _end(command: str) -> dict[str, Any]:

@@ -9,35 +9,12 @@ from assessment.results.schema import Results
 from assessment.results.schema.studies import Capacities, Scenarios, Sensitivity, SensitivityRun
 from assessment.results.table import Row, Table, cells, static_pga
 
+CAPACITY = ("collapses", "alpha_0", "alpha_u", "d_0_m", "limit_state", "a_g_g", "zeta_E")
 SCENARIOS = (
-    "state",
-    "movement_m",
-    "direction",
-    "collapses",
-    "alpha_0",
-    "alpha_u",
-    "d_0_m",
-    "limit_state",
-    "a_g_g",
-    "zeta_E",
-    "reduction",
-    "ultimate_rigid_m",
-    "ultimate_elastic_m",
-    "worst",
+    *("state", "movement_m", "direction", *CAPACITY),
+    *("reduction", "ultimate_rigid_m", "ultimate_elastic_m", "worst"),
 )
-SENSITIVITY = (
-    "state",
-    "property",
-    "factor",
-    "direction",
-    "collapses",
-    "alpha_0",
-    "alpha_u",
-    "d_0_m",
-    "limit_state",
-    "a_g_g",
-    "zeta_E",
-)
+SENSITIVITY = ("state", "property", "factor", "direction", *CAPACITY)
 TORNADO = (
     "state",
     "property",
