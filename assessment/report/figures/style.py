@@ -28,6 +28,8 @@ from assessment.runtime.files.atomic_files import write_atomically
 WIDTH_MM = 168.0  # column of an A4 page with 20 mm margins, a little air included
 MM = 1.0 / 25.4  # inches
 OVER_LINES = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.6}  # behind a label that lies on lines
+LABEL_MM = 1.35  # of a label: an average letter
+TWO_LINES_MM = 11.0  # from an axis to a label of two lines
 SHADES = 64  # of a PNG in colours
 BAND_MM = 1.0  # of white that is left above and below a figure
 PNG_DPI = 200  # sharp enough on paper at the column's width
@@ -70,13 +72,29 @@ def state_style(number: int) -> dict[str, Any]:
 
 
 def typeset(figure: Figure) -> Figure:
-    """Set the symbols in the words of a figure as symbols: a_g with its subscript; a name's own dollars stay."""
+    """Set the symbols in the words of a figure as symbols: a_g with its subscript; a name's own dollars stay.
+
+    A label that is longer than its axis is high takes two lines.
+    """
+    for axes in figure.axes:
+        label = axes.get_ylabel()
+        width, height = np.asarray(axes.get_position().size) * figure.get_size_inches() / MM
+        if LABEL_MM * len(label) > height:
+            axes.set_ylabel("\n".join(_halves(label)))
+            axes.yaxis.set_label_coords(-TWO_LINES_MM / width, 0.5)
     for text in figure.findobj(Text):
         words = text.get_text()
         if not text.get_parse_math() and SYMBOL.search(words):
             text.set_text(SYMBOL.sub(_symbol, words.replace("$", r"\$")))
             text.set_parse_math(True)
     return figure
+
+
+def _halves(label: str) -> tuple[str, str]:
+    """Return a label in two lines, parted at the blank nearest to its middle."""
+    blanks = [at for at, letter in enumerate(label) if letter == " "]
+    at = min(blanks, key=lambda blank: abs(blank - len(label) / 2.0))
+    return label[:at], label[at + 1 :]
 
 
 def _symbol(found: re.Match[str]) -> str:

@@ -232,7 +232,7 @@ def _name(column: str, value: Any, words: Words) -> str:
         return words.plain(f"value.{value}_spectrum")
     if column == "macro_element" and value == WHOLE:
         return words.plain("value.whole_structure")
-    if column == "use_category":
+    if column in {"use_category", "integrator"}:
         return str(words.strings["setting"].get(value, value))
     if column == "scaling":
         return words.plain(f"value.scaling_{value.replace('-', '_')}")

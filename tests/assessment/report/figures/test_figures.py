@@ -200,3 +200,16 @@ def test_sheets_are_saved_without_empty_bands(tmp_path):
     width, height = (float(each) * 25.4 / 72.0 for each in box[2:])
     assert width == pytest.approx(WIDTH_MM)
     assert height == pytest.approx(40.0 + 2.0 * BAND_MM, abs=0.5)
+
+
+def test_a_label_longer_than_its_axis_takes_two_lines():
+    """It was cut at the edge of the picture."""
+    with mpl.rc_context(STYLE):
+        figure, [low, high] = chart(words_of(typed(results_example())), rows=2, height_mm=60.0)
+        low.set_ylabel("spostamento del punto di controllo lungo x [mm]")
+        high.set_ylabel("moltiplicatore α [–]")
+        typeset(figure)
+        assert low.get_ylabel() == "spostamento del punto di\ncontrollo lungo x [mm]"
+        assert high.get_ylabel() == "moltiplicatore α [–]"
+        box = low.yaxis.label.get_window_extent()
+        assert box.y1 <= figure.bbox.y1 and box.y0 >= figure.bbox.y0 and box.x0 >= figure.bbox.x0
