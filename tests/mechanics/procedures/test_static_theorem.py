@@ -47,6 +47,7 @@ def test_where_sliding_has_lifted_blocks_the_forces_act_at_the_corners_that_touc
     at = path.states[path.peak]
     expected = limit_in(model, "+x", at).alpha
     assert path.peak > 0 and static_theorem(model, "+x", at) == pytest.approx(expected, rel=1e-6)
+    assert path.multiplier[path.peak] == pytest.approx(expected, rel=2e-3)  # docs/accuracy.md
 
 
 def test_joints_that_crush_make_no_linear_program():
