@@ -25,7 +25,7 @@ from assessment.analyses.dynamic.ensemble import (
 )
 from assessment.analyses.dynamic.inputs import Campaign
 from assessment.analyses.dynamic.refinement import LEVELS, Refinement
-from assessment.analyses.dynamic.time_history import Numbers, Shaking, StageResult, history
+from assessment.analyses.dynamic.time_history import Shaking, StageResult, history
 from assessment.results.quality import joined
 from assessment.results.schema.dynamic import Band, History
 from assessment.results.schema.part import known
@@ -170,22 +170,22 @@ def together(title: str, members: Sequence[StageResult[History]]) -> StageResult
     worst = max(finished, key=_suffering)
     low, middle, high = lowest_median_highest([peak(each) for each in finished])
     fallen = sum(bool(each.numbers.collapsed) for each in finished)
-    told: Numbers = {
-        "members": len(finished),
-        "members_collapsed": fallen,
-        "peak_displacement_m_range": [low, high],
-        "peak_displacement_median_m": middle,
-        "seconds": sum(each.seconds for each in members),
-    }
+    found = worst.numbers.replace(
+        members=len(finished),
+        members_collapsed=fallen,
+        peak_displacement_m_range=[low, high],
+        peak_displacement_median_m=middle,
+        seconds=sum(each.seconds for each in members),
+    )
     rows = [row for each in members for row in each.quality]
     warnings = list(worst.warnings)
     if len(finished) > PAIR:
-        told |= {"band": band(finished, np.array(known(worst.numbers.curve).time_s))}
+        found = found.replace(band=band(finished, np.array(known(found.curve).time_s)))
         warnings.append(_scattered(title, len(finished), fallen, low, middle, high))
     return StageResult(
         worst.state,
         worst.stage,
-        worst.numbers.model_copy(update=told),
+        found,
         [joined(worst.state, rows[0].stage, rows)],
         warnings,
         [text for each in members for text in each.failures],

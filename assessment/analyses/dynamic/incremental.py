@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -14,12 +14,14 @@ from assessment.analyses.dynamic.bracket import Bracket, collapse_near, find_col
 from assessment.analyses.dynamic.ensemble import Course, Scatter, enough, lowest_median_highest, scatter_of
 from assessment.analyses.dynamic.inputs import Campaign
 from assessment.analyses.dynamic.response import Setting, respond
-from assessment.analyses.dynamic.time_history import Numbers, Shaking, StageResult, quality_row
-from assessment.results.schema.dynamic import Incremental, Search
+from assessment.analyses.dynamic.time_history import Shaking, StageResult, quality_row
+from assessment.results.schema.dynamic import Fragility, Incremental, Level, Search
 from mechanics import Assembly, ConvergenceError, State
 
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
+
+Kind = TypeVar("Kind", bound=Level)
 
 MEAN_FROM, ENOUGH = 7, 3  # records: NTC 2018 §7.3.5
 RUNS = 30  # motions of a search, about
@@ -91,39 +93,39 @@ def _searched(
 ) -> StageResult[Search]:
     """Return the numbers of the bracket that `bracketing` finds with the levels (g)."""
     title, motion, start = search_title(shaking), shaking.motion, shaking.start
-    numbers: Numbers = {
-        "record": motion.name,
-        "record_pga_g": motion.pga,
-        "pga_collapse_g": None,
-        "pga_safe_g": None,
-        "runs": 0,
-        "resurrections_g": [],
-        "points": [],
-        "reason": None,
-    }
+    nothing = Search(
+        record=motion.name,
+        record_pga_g=motion.pga,
+        pga_collapse_g=None,
+        pga_safe_g=None,
+        runs=0,
+        resurrections_g=[],
+        points=[],
+        reason=None,
+    )
     if isinstance(start, str):
-        nothing = Search.of(numbers | {"reason": start})
-        return StageResult(shaking.state, "incremental", nothing, warnings=[f"{title}: {start}"])
+        unanswered = nothing.replace(reason=start)
+        return StageResult(shaking.state, "incremental", unanswered, warnings=[f"{title}: {start}"])
     levels = Levels(shaking.model, motion, shaking.setting, start, scatter)
     failures = []
     began = time.perf_counter()
     try:
         bracket = bracketing(levels)
-        numbers |= {
-            "pga_collapse_g": bracket.collapse,
-            "pga_safe_g": bracket.safe,
-            "resurrections_g": list(bracket.resurrections),
-        }
+        found = nothing.replace(
+            pga_collapse_g=bracket.collapse,
+            pga_safe_g=bracket.safe,
+            resurrections_g=list(bracket.resurrections),
+        )
         if scatter.members > 1:
-            numbers |= {"pga_collapse_g_range": [bracket.collapse, bracket.certain]}
+            found = found.replace(pga_collapse_g_range=[bracket.collapse, bracket.certain])
     except ConvergenceError as error:
-        numbers |= {"reason": str(error)}
+        found = nothing.replace(reason=str(error))
         failures.append(f"{title}: {error}")
     seconds = time.perf_counter() - began
     members = [each for level in levels.members.values() for each in level]
-    points = [point(pga, level) for pga, level in sorted(levels.members.items()) if level]
-    numbers |= {"runs": len(members), "points": points, "seconds": seconds}
-    result = StageResult(shaking.state, "incremental", Search.of(numbers), failures=failures, seconds=seconds)
+    points = [point(Level, pga, level) for pga, level in sorted(levels.members.items()) if level]
+    found = found.replace(runs=len(members), points=points, seconds=seconds)
+    result = StageResult(shaking.state, "incremental", found, failures=failures, seconds=seconds)
     if members:
         worst, programs = max(each.worst for each in members), sum(each.programs for each in members)
         result.quality.append(quality_row(shaking.state, f"incremental, {motion.name}", programs, worst))
@@ -179,74 +181,89 @@ class Levels:
         )
 
 
-def point(pga: float, members: Sequence[Member]) -> Numbers:
-    """Return a level (PGA, g) of the search from its members; it counts as a collapse if any member collapses."""
+def point(kind: type[Kind], pga: float, members: Sequence[Member], **more: Any) -> Kind:
+    """Return a level (PGA, g) of the search from its members, with what such a part has `more`.
+
+    It counts as a collapse if any member collapses.
+    """
     fallen = [each for each in members if each.collapsed]
     first = min(fallen, key=lambda each: each.end, default=None)
     low, _, high = lowest_median_highest(
         [None if each.collapsed else float(abs(each.displacement).max()) for each in members]
     )
-    return {
-        "pga_g": pga,
-        "peak_displacement_m": high,
-        "peak_displacement_m_range": [low, high],
-        "members": len(members),
-        "members_collapsed": len(fallen),
-        "collapsed": bool(fallen),
-        "time_of_collapse_s": first.end if first else None,
-        "reason": first.fell if first else None,
-    }
+    return kind(
+        pga_g=pga,
+        peak_displacement_m=high,
+        peak_displacement_m_range=[low, high],
+        members=len(members),
+        members_collapsed=len(fallen),
+        collapsed=bool(fallen),
+        time_of_collapse_s=first.end if first else None,
+        reason=first.fell if first else None,
+        **more,
+    )
 
 
 def summarise(records: Sequence[Search], warnings: list[str], state: str) -> Incremental:
     """Return mean and lowest PGA at collapse of a state, the value by NTC 2018 §7.3.5, and the fragility."""
-    surely = [each.pga_collapse_g_range[1] for each in records if each.pga_collapse_g_range]
-    collapses = [each.pga_collapse_g for each in records if each.pga_collapse_g is not None]
-    withstood = [each.pga_safe_g for each in records if each.pga_collapse_g is None]
     if len(records) < ENOUGH:
         warnings.append(
             f"{state}: records of the incremental analysis: {len(records)}; "
             f"NTC 2018 §7.3.5 asks for at least {ENOUGH}"
         )
-    standard = standard_value([each.model_dump(include={"pga_collapse_g", "pga_safe_g"}) for each in records])
+    standard = standard_value([(each.pga_collapse_g, each.pga_safe_g) for each in records])
+    collapses = [each.pga_collapse_g for each in records if each.pga_collapse_g is not None]
+    withstood = [each.pga_safe_g for each in records if each.pga_collapse_g is None]
     bounds = [pga for pga in withstood if pga is not None]
-    numbers: Numbers = {
-        "records": records,
-        **standard,
-        "fragility": None if len(bounds) < len(withstood) else fragility(collapses, bounds),
-    }
-    if surely:
-        known = [pga for pga in surely if pga is not None]
-        upper = min(known, default=None)
-        if standard["rule"] == "mean":
-            upper = float(np.mean(known)) if len(known) == len(records) else None
-        numbers |= {"pga_collapse_g_range": [standard["pga_collapse_g"], upper]}
-    return Incremental.of(numbers)
+    found = Incremental(
+        records=list(records),
+        mean_pga_collapse_g=standard.mean,
+        lowest_pga_collapse_g=standard.lowest,
+        rule=standard.rule,
+        pga_collapse_g=standard.pga,
+        fragility=None if len(bounds) < len(withstood) else fragility(collapses, bounds),
+    )
+    surely = [each.pga_collapse_g_range[1] for each in records if each.pga_collapse_g_range]
+    if not surely:
+        return found
+    known = [pga for pga in surely if pga is not None]
+    upper = min(known, default=None)
+    if standard.rule == "mean":
+        upper = float(np.mean(known)) if len(known) == len(records) else None
+    return found.replace(pga_collapse_g_range=[standard.pga, upper])
 
 
-def standard_value(records: Sequence[Mapping[str, Any]]) -> Numbers:
-    """Return mean and lowest PGA at collapse, and the value by NTC 2018 §7.3.5 with its `rule`.
+class Standard(NamedTuple):
+    """Mean and lowest PGA at collapse of some records (g), and which of them counts by the `rule`; None: undecided."""
+
+    mean: float | None
+    lowest: float | None
+    rule: Literal["mean", "lowest"]
+
+    @property
+    def pga(self) -> float | None:
+        """The PGA that counts, g."""
+        return self.mean if self.rule == "mean" else self.lowest
+
+
+def standard_value(records: Sequence[tuple[float | None, float | None]]) -> Standard:
+    """Return the PGA at collapse by NTC 2018 §7.3.5; `records`: PGA at collapse and largest safe PGA of each, g.
 
     §7.3.5 [k: known, not re-read]: with seven records or more the mean of the effects counts, with three to six the
     most unfavourable: the lowest PGA at collapse. With fewer the lowest is given. A mean or lowest that a record
     without collapse leaves undecided is None.
     """
-    found = [record["pga_collapse_g"] for record in records if record["pga_collapse_g"] is not None]
-    withstood = [record["pga_safe_g"] for record in records if record["pga_collapse_g"] is None]
+    found = [collapse for collapse, _ in records if collapse is not None]
+    withstood = [safe for collapse, safe in records if collapse is None]
     mean = float(np.mean(found)) if found and not withstood else None
     lowest = min(found, default=None)
-    if lowest is not None and (None in withstood or min(withstood, default=math.inf) < lowest):
+    bounds = [safe for safe in withstood if safe is not None]
+    if lowest is not None and (len(bounds) < len(withstood) or min(bounds, default=math.inf) < lowest):
         lowest = None
-    rule = "mean" if len(records) >= MEAN_FROM else "lowest"
-    return {
-        "mean_pga_collapse_g": mean,
-        "lowest_pga_collapse_g": lowest,
-        "rule": rule,
-        "pga_collapse_g": mean if rule == "mean" else lowest,
-    }
+    return Standard(mean, lowest, "mean" if len(records) >= MEAN_FROM else "lowest")
 
 
-def fragility(collapses: Sequence[float], withstood: Sequence[float] = ()) -> Numbers | None:
+def fragility(collapses: Sequence[float], withstood: Sequence[float] = ()) -> Fragility | None:
     """Return median (g) and dispersion (of ln PGA) of the lognormal distribution of collapse, by maximum likelihood.
 
     `withstood` (g): highest levels of the records without collapse, which count as censored. None if there are not two
@@ -258,9 +275,9 @@ def fragility(collapses: Sequence[float], withstood: Sequence[float] = ()) -> Nu
 
     data = CensoredData(uncensored=np.log(collapses), right=np.log(withstood))
     mean, deviation = norm.fit(data)
-    return {
-        "median_g": float(np.exp(mean)),
-        "dispersion": float(deviation),
-        "records": len(collapses) + len(withstood),
-        "censored": len(withstood),
-    }
+    return Fragility(
+        median_g=float(np.exp(mean)),
+        dispersion=float(deviation),
+        records=len(collapses) + len(withstood),
+        censored=len(withstood),
+    )

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from assessment.ntc.limit_states import QUOTED
+from assessment.results.schema.campaign import CampaignSpectrum
 from mechanics.records import Record, compatible_record, response_spectrum
 from mechanics.types import Array
 
@@ -83,7 +84,7 @@ def _scaled(motion: BaseMotion, periods: Array, wanted: Array, table: CampaignTa
     )
 
 
-def compatibility(target: Target, motions: Sequence[BaseMotion], table: CampaignTable) -> dict[str, Any]:
+def compatibility(target: Target, motions: Sequence[BaseMotion], table: CampaignTable) -> CampaignSpectrum:
     """Return the mean spectrum of a set of records with the target: relative deviations and their periods (s)."""
     periods = np.geomspace(*table.periods_s, PERIODS)
     own = [
@@ -91,13 +92,13 @@ def compatibility(target: Target, motions: Sequence[BaseMotion], table: Campaign
         for each in motions
     ]
     deviation = np.mean(own, axis=0) / target.spectrum.acceleration(periods) - 1.0
-    return {
-        "limit_state": target.limit_state,
-        "periods_s": list(table.periods_s),
-        "T_s": periods.tolist(),
-        "target_g": target.spectrum.acceleration(periods).tolist(),
-        "mean_g": np.mean(own, axis=0).tolist(),
-        "lowest_deviation": float(deviation.min()),
-        "highest_deviation": float(deviation.max()),
-        "within": bool(deviation.min() >= LOW and deviation.max() <= HIGH),
-    }
+    return CampaignSpectrum(
+        limit_state=target.limit_state,
+        periods_s=list(table.periods_s),
+        T_s=periods.tolist(),
+        target_g=target.spectrum.acceleration(periods).tolist(),
+        mean_g=np.mean(own, axis=0).tolist(),
+        lowest_deviation=float(deviation.min()),
+        highest_deviation=float(deviation.max()),
+        within=bool(deviation.min() >= LOW and deviation.max() <= HIGH),
+    )

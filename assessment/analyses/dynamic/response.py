@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from assessment.results.schema.dynamic import Energy
 from mechanics import Assembly, State, TimeHistory, time_history
 from mechanics.types import GRAVITY, Array
 
@@ -72,19 +73,20 @@ class Response:
         """Return the total of a count over the runs."""
         return sum(getattr(part, count) for part in self.parts)
 
-    def energy(self) -> dict[str, float]:
+    def energy(self) -> Energy:
         """Return the energy balance since the beginning, kNm: stored energies, input, dissipated energies."""
-        return {
+        changes = {
             f"{name}_kNm": float(sum(energy[-1] - energy[0] for energy in series))
             for name in ENERGIES
             for series in [[getattr(part.energy, name) for part in self.parts]]
         }
+        return Energy(**changes)
 
     def integrator_share(self) -> float:
         """Return the share of the integrator in all dissipated energy."""
         energy = self.energy()
-        taken = sum(energy[f"{name}_kNm"] for name in TAKEN)
-        return abs(energy["integrator_kNm"]) / taken if taken > 0.0 else 0.0
+        taken = sum(getattr(energy, f"{name}_kNm") for name in TAKEN)
+        return abs(energy.integrator_kNm) / taken if taken > 0.0 else 0.0
 
 
 def respond(

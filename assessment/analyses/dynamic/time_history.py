@@ -6,7 +6,7 @@ import math
 import time
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from assessment.analyses.dynamic.ensemble import sustained_peak
 from assessment.analyses.dynamic.response import Response, Setting, respond
 from assessment.project.schema import HistoryTable
 from assessment.results.frames import snapshots
-from assessment.results.schema.dynamic import History, Motion
+from assessment.results.schema.dynamic import AnimationFrames, Course, History, Motion
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import Part
 from assessment.results.schema.studies import ConvergenceRow
@@ -25,7 +25,6 @@ from mechanics.types import Array
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
 
-Numbers = dict[str, Any]
 Found = TypeVar("Found", bound=Part)
 Start = State | str
 """The state at rest that a motion begins from, or why it could not be reached."""
@@ -39,7 +38,7 @@ MOST_POINTS = 2000  # of a curve kept for figures
 class StageResult(Generic[Found]):
     """Result of one motion (History), or one search (Search), from one state.
 
-    `numbers`: as results.json has them; `quality`, `convergence`: its rows of these tables; `failures`: analyses that
+    `numbers`: the part of the results; `quality`, `convergence`: its rows of these tables; `failures`: analyses that
     could not be completed; `seconds`: computing time.
     """
 
@@ -72,23 +71,22 @@ def history(shaking: Shaking) -> StageResult[History]:
     """
     model, motion, start = shaking.model, shaking.motion, shaking.start
     title = f"{shaking.state}, history of {motion.name}"
-    asked = _asked(motion, shaking.setting)
     if isinstance(start, str):
-        nothing = History.of(asked | {"reason": start})
+        nothing = _unanswered(motion, shaking.setting, start)
         return StageResult(shaking.state, "history", nothing, warnings=[f"{title}: {start}"])
     began = time.perf_counter()
     try:
         response = respond(model, motion, shaking.setting, start)
     except ConvergenceError as error:
-        nothing = History.of(asked | {"reason": str(error)})
+        nothing = _unanswered(motion, shaking.setting, str(error))
         return StageResult(shaking.state, "history", nothing, failures=[f"{title}: {error}"])
     seconds = time.perf_counter() - began
 
-    content = asked | _response_numbers(model, motion, response) | {"seconds": seconds}
+    found = _answered(model, motion, shaking.setting, response).replace(seconds=seconds)
     table = shaking.setting.table
     if isinstance(table, HistoryTable) and table.animation:
-        content |= {"frames": frames(response, motion.start, model.initial.positions)}
-    result = StageResult(shaking.state, "history", History.of(content), seconds=seconds)
+        found = found.replace(frames=frames(response, motion.start, model.initial.positions))
+    result = StageResult(shaking.state, "history", found, seconds=seconds)
     result.quality.append(
         quality_row(shaking.state, f"history, {motion.name}", response.total("programs"), response.worst)
     )
@@ -101,62 +99,60 @@ def history(shaking: Shaking) -> StageResult[History]:
     return result
 
 
-def _asked(motion: BaseMotion, setting: Setting) -> Numbers:
-    """Return the inputs of a time history, with its results unknown."""
-    return {
-        "record": motion.name,
-        "pga_g": motion.pga,
-        "scale": motion.scale,
-        "time_step_s": motion.record.time_step,
-        "contacts": setting.table.contacts,
-        "integrator": None,
-        "amplitude": motion.amplitude,
-        "control": setting.control.name,
-        "peak_displacement_m": None,
-        "residual_displacement_m": None,
-        "collapsed": None,
-        "time_of_collapse_s": None,
-        "reason": None,
-    }
+def _unanswered(motion: BaseMotion, setting: Setting, reason: str | None) -> History:
+    """Return a time history without an answer, and the `reason` why there is none."""
+    return History(
+        record=motion.name,
+        pga_g=motion.pga,
+        scale=motion.scale,
+        time_step_s=motion.record.time_step,
+        contacts=setting.table.contacts,
+        integrator=None,
+        amplitude=motion.amplitude,
+        control=setting.control.name,
+        peak_displacement_m=None,
+        residual_displacement_m=None,
+        collapsed=None,
+        time_of_collapse_s=None,
+        reason=reason,
+    )
 
 
-def _response_numbers(model: Assembly, motion: BaseMotion, response: Response) -> Numbers:
+def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: Response) -> History:
     """Return peak, residual, collapse, curve, configurations and energies of a response."""
     last, drawn = response.last, model.initial.positions
     moved, times = response.displacement, motion.start + response.time
     peak, kept = sustained_peak(moved, response.collapsed), thinned(moved)
-    return {
-        "peak_displacement_m": float(abs(moved).max()),
-        "sustained_displacement_m": float(abs(moved[peak])),
-        "time_of_peak_s": motion.start + float(response.time[peak]),
-        "residual_displacement_m": None if last.collapsed else float(moved[-1]),
-        "collapsed": last.collapsed,
-        "time_of_collapse_s": motion.start + float(response.time[-1]) if last.collapsed else None,
-        "reason": last.collapse_reason or None,
-        "free_motion_from_s": motion.start + motion.record.duration if len(response.parts) > 1 else None,
-        "curve": {"time_s": times[kept].tolist(), "displacement_m": moved[kept].tolist()},
-        "snapshots": snapshots(model, times, moved, response.positions, response.forces, peak),
-        "peak_configuration": (response.positions[peak] - drawn).tolist(),
-        "final_configuration": (response.positions[-1] - drawn).tolist(),
-        "energy": response.energy(),
-        "integrator": last.integrator,
-        "integrator_chosen": last.chosen,
-        "integrator_share": response.integrator_share(),
-        "programs": response.total("programs"),
-        "halvings": response.total("halvings"),
-        "notes": list(response.notes),
-    }
+    return _unanswered(motion, setting, last.collapse_reason or None).replace(
+        peak_displacement_m=float(abs(moved).max()),
+        sustained_displacement_m=float(abs(moved[peak])),
+        time_of_peak_s=motion.start + float(response.time[peak]),
+        residual_displacement_m=None if last.collapsed else float(moved[-1]),
+        collapsed=last.collapsed,
+        time_of_collapse_s=motion.start + float(response.time[-1]) if last.collapsed else None,
+        free_motion_from_s=motion.start + motion.record.duration if len(response.parts) > 1 else None,
+        curve=Course(time_s=times[kept].tolist(), displacement_m=moved[kept].tolist()),
+        snapshots=snapshots(model, times, moved, response.positions, response.forces, peak),
+        peak_configuration=(response.positions[peak] - drawn).tolist(),
+        final_configuration=(response.positions[-1] - drawn).tolist(),
+        energy=response.energy(),
+        integrator=last.integrator,
+        integrator_chosen=last.chosen,
+        integrator_share=response.integrator_share(),
+        programs=response.total("programs"),
+        halvings=response.total("halvings"),
+        notes=list(response.notes),
+    )
 
 
-def frames(response: Response, start: float, drawn: Array) -> Numbers:
+def frames(response: Response, start: float, drawn: Array) -> AnimationFrames:
     """Return at most FRAMES displacements (b, 3) from the positions `drawn`, at equal times from `start` (s)."""
     steps = max(math.ceil(len(response.time) / FRAMES), round(SHORTEST_FRAME / float(response.time[1])), 1)
     every = slice(None, None, steps)
     moved = response.positions[every] - drawn
-    return {
-        "time_s": (start + response.time[every]).tolist(),
-        "configuration": moved.round(7).tolist(),
-    }
+    return AnimationFrames(
+        time_s=(start + response.time[every]).tolist(), configuration=moved.round(7).tolist()
+    )
 
 
 def quality_row(state: str, stage: str, solves: int, worst: float) -> QualityRow:

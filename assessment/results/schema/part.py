@@ -7,8 +7,6 @@ from typing import Any, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from assessment.results.plain import plain
-
 Name = TypeVar("Name")
 Value = TypeVar("Value")
 
@@ -30,17 +28,6 @@ class Part(BaseModel):
     model_config = ConfigDict(
         strict=True, extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True
     )
-
-    @classmethod
-    def of(cls, content: Mapping[str, Any]) -> Self:
-        """Return the part with this content; None for numbers that are not finite.
-
-        Raises UndocumentedError where a key is missing or not described.
-        """
-        try:
-            return cls.model_validate(plain(content))
-        except ValidationError as error:
-            raise UndocumentedError(f"results.json: {said(error)}") from None
 
     def replace(self, **values: Any) -> Self:
         """Return the part with other values of some keys, or with keys that it did not have.

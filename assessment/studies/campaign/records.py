@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from assessment.analyses.dynamic.record_set import Target, compatibility, made_record, ordinate, scaled_to
 from assessment.project.motions import motion_of
-
-Numbers = dict[str, Any]
+from assessment.results.schema.campaign import CampaignRecord, CampaignSpectrum
 
 if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
@@ -28,9 +27,9 @@ class RecordSet:
 
     motions: Sequence[BaseMotion]
     ratios: Sequence[float]
-    spectrum: Numbers | None
+    spectrum: CampaignSpectrum | None
 
-    def numbers(self, table: CampaignTable) -> list[Numbers]:
+    def rows(self, table: CampaignTable) -> list[CampaignRecord]:
         """Return a row of results for each motion."""
         return [_row(motion, ratio, table) for motion, ratio in zip(self.motions, self.ratios, strict=True)]
 
@@ -69,12 +68,12 @@ def _made(project: Project, table: CampaignTable, target: Target, workers: Worke
     return [motion_of(project, "campaign", table, record) for record in made]
 
 
-def _row(motion: BaseMotion, ratio: float, table: CampaignTable) -> Numbers:
-    numbers: Numbers = {
-        "record": motion.name,
-        "record_pga_g": motion.pga,
-        "scale": motion.scale,
-        "duration_s": motion.record.duration,
-        "time_step_s": motion.record.time_step,
-    }
-    return numbers | ({"sa_g": ratio * motion.pga} if table.period_s else {})
+def _row(motion: BaseMotion, ratio: float, table: CampaignTable) -> CampaignRecord:
+    row = CampaignRecord(
+        record=motion.name,
+        record_pga_g=motion.pga,
+        scale=motion.scale,
+        duration_s=motion.record.duration,
+        time_step_s=motion.record.time_step,
+    )
+    return row.replace(sa_g=ratio * motion.pga) if table.period_s else row

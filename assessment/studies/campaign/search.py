@@ -3,33 +3,53 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from assessment.analyses.dynamic.bracket import BELOW, find_collapse
 from assessment.analyses.dynamic.ensemble import Scatter
 from assessment.analyses.dynamic.incremental import Levels, Member, point
 from assessment.analyses.dynamic.response import Setting
 from assessment.analyses.dynamic.time_history import thinned
+from assessment.results.schema.campaign import CampaignCurve, CampaignLevel
 from mechanics import Assembly, ConvergenceError, State
 
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
 
-Numbers = dict[str, Any]
 LEAST = 1e-3  # g: the lowest level of a search
 CURVE_POINTS = 400  # of a curve: those of ten thousand motions stay below 100 MB
 
 
-@dataclass
-class Combination:
-    """Result of a combination: `numbers` for results.json, number of programs solved, and their worst residual.
+@dataclass(frozen=True)
+class Judged:
+    """Levels (PGA, g) of a combination: the least at which a member collapses, None: none; the largest `safe` one.
 
-    `failures`: why it could not be completed; its numbers are then null.
+    `span`: from the collapse of a member to that of all, None without an ensemble; `resurrections`: levels above at
+    which the structure stands again. `fallen`, `all_fallen` (stripes): whether some, or all, collapse at each level.
     """
 
-    numbers: Numbers
+    collapse: float | None = None
+    safe: float | None = None
+    span: list[float | None] | None = None
+    resurrections: list[float] = field(default_factory=list)
+    fallen: list[bool] | None = None
+    all_fallen: list[bool] | None = None
+
+
+@dataclass
+class Combination:
+    """Result of a combination: its levels, the motions run, the `points` of every level that was run.
+
+    `reason`: why there is no answer; `failures`: why it could not be completed; its levels are then None. `programs`:
+    number of programs solved, `worst`: their worst residual.
+    """
+
+    judged: Judged
+    reason: str | None = None
+    runs: int = 0
+    points: list[CampaignLevel] = field(default_factory=list)
     programs: int = 0
     worst: float = 0.0
     seconds: float = 0.0
@@ -51,7 +71,7 @@ def search_collapse(
     `curves`: numbers of the members whose curves are kept.
     """
 
-    def searched(levels: Levels) -> Numbers:
+    def searched(levels: Levels) -> Judged:
         found = find_collapse(
             levels.some,
             levels.every,
@@ -61,12 +81,12 @@ def search_collapse(
             tolerance,
             BELOW,
         )
-        return {
-            "pga_collapse_g": found.collapse,
-            "pga_safe_g": found.safe,
-            "pga_collapse_range": [found.collapse, found.certain] if scatter.members > 1 else None,
-            "resurrections_g": list(found.resurrections),
-        }
+        return Judged(
+            found.collapse,
+            found.safe,
+            [found.collapse, found.certain] if scatter.members > 1 else None,
+            list(found.resurrections),
+        )
 
     return _completed(Levels(model, motion, setting, start, scatter), searched, curves)
 
@@ -85,77 +105,59 @@ def run_stripes(
     `curves`: numbers of the members whose curves are kept.
     """
 
-    def struck(levels: Levels) -> Numbers:
+    def struck(levels: Levels) -> Judged:
         some = [levels.some(pga) for pga in pgas]
         every = [fallen and levels.every(pga) for fallen, pga in zip(some, pgas, strict=True)]
         first = next((pga for fallen, pga in zip(some, pgas, strict=True) if fallen), None)
         certain = next((pga for fallen, pga in zip(every, pgas, strict=True) if fallen), None)
         stood = [pga for fallen, pga in zip(some, pgas, strict=True) if not fallen]
-        return {
-            "pga_collapse_g": first,
-            "pga_safe_g": max((pga for pga in stood if first is None or pga < first), default=0.0),
-            "pga_collapse_range": [first, certain] if scatter.members > 1 else None,
-            "resurrections_g": [pga for pga in stood if first is not None and pga > first],
-            "collapsed": some,
-            "all_collapsed": every,
-        }
+        return Judged(
+            first,
+            max((pga for pga in stood if first is None or pga < first), default=0.0),
+            [first, certain] if scatter.members > 1 else None,
+            [pga for pga in stood if first is not None and pga > first],
+            some,
+            every,
+        )
 
     return _completed(Levels(model, motion, setting, start, scatter), struck, curves)
 
 
-def open_numbers(reason: str | None) -> Numbers:
-    """Return the numbers of a combination that was not run, or not completed."""
-    return {
-        "pga_collapse_g": None,
-        "pga_safe_g": None,
-        "pga_collapse_range": None,
-        "resurrections_g": [],
-        "reason": reason,
-        "runs": 0,
-        "points": [],
-    }
-
-
-def _completed(
-    levels: Levels, run: Callable[[Levels], Mapping[str, Any]], curves: tuple[int, ...]
-) -> Combination:
+def _completed(levels: Levels, run: Callable[[Levels], Judged], curves: tuple[int, ...]) -> Combination:
     began = time.perf_counter()
-    result = Combination(open_numbers(None))
+    result = Combination(Judged())
     try:
-        result.numbers |= run(levels)
+        result.judged = run(levels)
     except ConvergenceError as error:
-        result.numbers["reason"] = str(error)
+        result.reason = str(error)
         result.failures.append(str(error))
     members = [each for level in levels.members.values() for each in level]
-    result.numbers |= {
-        "runs": len(members),
-        "points": [
-            point(pga, level)
-            | {"residual_displacement_m": _residual(level)}
-            | ({"curves": _curves(levels, level, curves)} if curves else {})
-            for pga, level in sorted(levels.members.items())
-            if level
-        ],
-    }
+    result.runs = len(members)
+    for pga, level in sorted(levels.members.items()):
+        if level:
+            reached = point(CampaignLevel, pga, level, residual_displacement_m=_residual(level))
+            result.points.append(
+                reached.replace(curves=_curves(levels, level, curves)) if curves else reached
+            )
     result.programs = sum(each.programs for each in members)
     result.worst = max((each.worst for each in members), default=0.0)
     result.seconds = time.perf_counter() - began
     return result
 
 
-def _curves(levels: Levels, members: list[Member], numbers: tuple[int, ...]) -> list[Numbers]:
+def _curves(levels: Levels, members: list[Member], numbers: tuple[int, ...]) -> list[CampaignCurve]:
     """Return displacement (m) over time (s, of the record's file) of the members of these numbers that were run."""
     found = []
     for number in sorted(number for number in numbers if number <= len(members)):
         member = members[number - 1]
         kept = thinned(member.displacement, CURVE_POINTS)
         found.append(
-            {
-                "member": number,
-                "factor": levels.scatter.strongest_first[number - 1],
-                "time_s": (levels.motion.start + member.time[kept]).round(6).tolist(),
-                "displacement_m": member.displacement[kept].round(7).tolist(),
-            }
+            CampaignCurve(
+                member=number,
+                factor=levels.scatter.strongest_first[number - 1],
+                time_s=(levels.motion.start + member.time[kept]).round(6).tolist(),
+                displacement_m=member.displacement[kept].round(7).tolist(),
+            )
         )
     return found
 

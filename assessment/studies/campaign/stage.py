@@ -13,18 +13,23 @@ from assessment.analyses.dynamic.record_set import HIGH, LOW
 from assessment.analyses.dynamic.response import Setting
 from assessment.analyses.dynamic.time_history import quality_row
 from assessment.project.schema import MotionTable
-from assessment.results.schema.campaign import Campaign
+from assessment.results.schema.campaign import (
+    Campaign,
+    CampaignCombination,
+    CampaignFragility,
+    CampaignLoss,
+    SameAs,
+)
 from assessment.runtime.fingerprint import fingerprint
 from assessment.studies.campaign.movements import Moved, moved_states
 from assessment.studies.campaign.records import RecordSet, record_set
 from assessment.studies.campaign.search import (
     Combination,
-    Numbers,
-    open_numbers,
+    Judged,
     run_stripes,
     search_collapse,
 )
-from assessment.studies.campaign.summary import Observed, fragility, loss
+from assessment.studies.campaign.summary import Observed, Place, fragility, loss
 from assessment.studies.variants import Statics, Study, quantity
 from mechanics.procedures import Mirror
 
@@ -92,24 +97,27 @@ def campaign(
     scatter = scatter_of(project)
     done = _run(project, model, table, scatter, asked, workers)
     rows = _rows(asked, done, table, study)
-    found: Numbers = {
-        "measure": table.measure,
-        "period_s": table.period_s,
-        "method": table.method,
-        "levels_g": list(table.levels_g or ()),
-        "tolerance": table.tolerance,
-        "contacts": table.contacts,
-        "members": scatter.members,
-        "static_quantity": quantity(project) if project.pushover else None,
-        "records": records.numbers(table),
-        "spectrum": records.spectrum,
-        "combinations": rows,
-        "computed": len(done),
-        "failures": study.failures.copy(),
-        **_by_movement(moved, asked, rows, table, scatter.members),
-    }
-    study.findings += _findings(found, table)
-    return Campaign.of(found | {"warnings": study.warnings})
+    fits, losses = _by_movement(moved, asked, rows, table, scatter.members)
+    found = Campaign(
+        measure=table.measure,
+        period_s=table.period_s,
+        method=table.method,
+        levels_g=list(table.levels_g or ()),
+        tolerance=table.tolerance,
+        contacts=table.contacts,
+        members=scatter.members,
+        static_quantity=quantity(project) if project.pushover else None,
+        records=records.rows(table),
+        spectrum=records.spectrum,
+        combinations=rows,
+        computed=len(done),
+        failures=study.failures.copy(),
+        fragility=fits,
+        loss=losses,
+        warnings=study.warnings,
+    )
+    study.findings += _findings(found)
+    return found
 
 
 def _combinations(
@@ -174,62 +182,74 @@ def _rows(
     done: Mapping[tuple[str, str, int], Combination],
     table: CampaignTable,
     study: Study,
-) -> list[Numbers]:
+) -> list[CampaignCombination]:
     """Return the row of each combination; if several are one run, the later ones name the first."""
-    rows: list[Numbers] = []
+    rows: list[CampaignCombination] = []
     first: dict[tuple[str, str, int], Asked] = {}
     for each in asked:
-        numbers = open_numbers(each.moved.start) if isinstance(each.moved.start, str) else None
-        if numbers is None:
-            origin = first.setdefault(each.key, each)
-            result = done[each.key]
-            numbers = dict(result.numbers)
-            if origin is not each:
-                place = {"settlement": origin.moved.settlement, "share": origin.moved.share}
-                numbers |= {"same_as": place | {"sign": origin.sign}, "runs": 0, "points": []}
-            else:
-                study.quality.append(quality_row(each.moved.title, "campaign", result.programs, result.worst))
-                study.seconds += result.seconds
-                study.failures += [f"campaign: {each.title}: {text}" for text in result.failures]
-        rows.append(_row(each, numbers, table))
+        if isinstance(each.moved.start, str):
+            rows.append(_row(each, Combination(Judged(), each.moved.start), table))
+            continue
+        origin = first.setdefault(each.key, each)
+        result = done[each.key]
+        row = _row(each, result, table)
+        if origin is not each:
+            same = SameAs(settlement=origin.moved.settlement, share=origin.moved.share, sign=origin.sign)
+            row = row.replace(same_as=same, runs=0, points=[])
+        else:
+            study.quality.append(quality_row(each.moved.title, "campaign", result.programs, result.worst))
+            study.seconds += result.seconds
+            study.failures += [f"campaign: {each.title}: {text}" for text in result.failures]
+        rows.append(row)
     return rows
 
 
-def _row(each: Asked, numbers: Numbers, table: CampaignTable) -> Numbers:
-    row: Numbers = {
-        "record": each.motion.name,
-        "settlement": each.moved.settlement,
-        "share": each.moved.share,
-        "sign": each.sign,
-    } | numbers
+def _row(each: Asked, result: Combination, table: CampaignTable) -> CampaignCombination:
+    judged = result.judged
+    row = CampaignCombination(
+        record=each.motion.name,
+        settlement=each.moved.settlement,
+        share=each.moved.share,
+        sign=each.sign,
+        pga_collapse_g=judged.collapse,
+        pga_collapse_range=judged.span,
+        pga_safe_g=judged.safe,
+        resurrections_g=judged.resurrections,
+        runs=result.runs,
+        points=result.points,
+        reason=result.reason,
+    )
+    if judged.fallen is not None:
+        row = row.replace(collapsed=judged.fallen, all_collapsed=judged.all_fallen)
     if table.period_s:
-        collapse, span = row["pga_collapse_g"], row["pga_collapse_range"]
-        row["sa_collapse_g"] = None if collapse is None else each.ratio * collapse
-        row["sa_collapse_g_range"] = span and [None if end is None else each.ratio * end for end in span]
+        span = judged.span
+        row = row.replace(
+            sa_collapse_g=None if judged.collapse is None else each.ratio * judged.collapse,
+            sa_collapse_g_range=span and [None if end is None else each.ratio * end for end in span],
+        )
     return row
 
 
-def _observed(each: Asked, row: Numbers) -> Observed:
-    span = row["pga_collapse_range"]
+def _observed(each: Asked, row: CampaignCombination) -> Observed:
     return Observed(
         record=each.motion.name,
         sign=each.sign,
         ratio=each.ratio,
-        collapse=row["pga_collapse_g"],
-        safe=row["pga_safe_g"],
-        certain=span[1] if span else None,
-        fallen=tuple(row.get("collapsed") or ()),
-        all_fallen=tuple(row.get("all_collapsed") or ()),
+        collapse=row.pga_collapse_g,
+        safe=row.pga_safe_g,
+        certain=row.pga_collapse_range[1] if row.pga_collapse_range else None,
+        fallen=tuple(row.collapsed or ()),
+        all_fallen=tuple(row.all_collapsed or ()),
     )
 
 
 def _by_movement(
     moved: Sequence[Moved],
     asked: Sequence[Asked],
-    rows: Sequence[Numbers],
+    rows: Sequence[CampaignCombination],
     table: CampaignTable,
     members: int,
-) -> Numbers:
+) -> tuple[list[CampaignFragility], list[CampaignLoss]]:
     """Return the fragility of each state, and its loss of capacity against the state before the movement."""
     observed = {
         id(state): [
@@ -238,39 +258,39 @@ def _by_movement(
         for state in moved
     }
     unmoved = {state.settlement: state for state in reversed(moved) if state.share == 0.0}
-    found: Numbers = {"fragility": [], "loss": []}
+    fits, losses = [], []
     for state in moved:
         after, base = observed[id(state)], unmoved.get(state.settlement)
         before = observed[id(base)] if base else []
-        place = {"settlement": state.settlement, "share": state.share, "movement_m": state.movement}
-        found["fragility"].append(place | fragility(after, table.levels_g, members))
-        lost = loss(before, after, base.static if base else None, state.static, table.levels_g)
-        found["loss"].append(place | lost)
-    return found
+        place = Place(state.settlement, state.share, state.movement)
+        fits.append(fragility(place, after, table.levels_g, members))
+        static = base.static if base else None
+        losses.append(loss(place, before, after, static, state.static, table.levels_g))
+    return fits, losses
 
 
-def _findings(found: Numbers, table: CampaignTable) -> list[str]:
+def _findings(found: Campaign) -> list[str]:
     """Return warnings about the campaign as a whole."""
     findings = []
-    records = len(found["records"])
+    records = len(found.records)
     if records < ENOUGH:
         findings.append(f"campaign: records: {records}; NTC 2018 §7.3.5 asks for at least {ENOUGH}")
-    equal = sum("same_as" in row for row in found["combinations"])
+    equal = sum(row.same_as is not None for row in found.combinations)
     if equal:
         findings.append(
-            f"campaign: {equal} of {len(found['combinations'])} combinations are the same as another one, or its "
+            f"campaign: {equal} of {len(found.combinations)} combinations are the same as another one, or its "
             "mirror image, and were computed once"
         )
-    for row in found["fragility"]:
-        if row["failed"]:
-            where = f"{row['settlement']} × {row['share']:g}"
+    for row in found.fragility:
+        if row.failed:
+            where = f"{row.settlement} × {row.share:g}"
             findings.append(
-                f"campaign: {where}: {row['failed']} of {row['combinations']} combinations could not be completed; "
+                f"campaign: {where}: {row.failed} of {row.combinations} combinations could not be completed; "
                 "median, dispersion and loss are those of the others"
             )
-    spectrum = found["spectrum"]
-    if spectrum and not spectrum["within"]:
-        low, high = spectrum["lowest_deviation"], spectrum["highest_deviation"]
+    spectrum = found.spectrum
+    if spectrum and not spectrum.within:
+        low, high = spectrum.lowest_deviation, spectrum.highest_deviation
         findings.append(
             f"campaign: the mean spectrum of the records deviates from that of the site by {low:.0%} to {high:.0%}; "
             f"{LOW:.0%} to {HIGH:.0%} is usual"

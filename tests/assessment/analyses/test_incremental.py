@@ -16,7 +16,7 @@ from assessment.analyses.dynamic.response import Setting
 from assessment.analyses.dynamic.time_history import Shaking
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, IncrementalTable
-from assessment.results.schema.dynamic import Search
+from assessment.results.schema.dynamic import Level, Search
 from mechanics.records.record import Record
 from tests.support.structures import block_on_base
 from tests.support.typed import made
@@ -146,8 +146,8 @@ def test_as_many_members_of_a_level_are_run_as_its_question_needs(monkeypatch, p
     ends |= {2.0: (False, 1.0), 1.98: (True, 3.0), 2.02: (False, 2.0)}
     assert levels.some(0.2) and not levels.every(0.2)
     assert [each.collapsed for each in levels.members[0.2]] == [False, False, True]
-    told = point(0.2, levels.members[0.2])
-    assert told["peak_displacement_m_range"] == [1.0, None] and told["members_collapsed"] == 1
+    told = point(Level, 0.2, levels.members[0.2])
+    assert told.peak_displacement_m_range == [1.0, None] and told.members_collapsed == 1
     ends |= {3.0: (True, 1.0), 2.97: (True, 2.0), 3.03: (True, 3.0)}
     assert levels.some(0.3) and len(levels.members[0.3]) == 1
     assert levels.every(0.3) and len(levels.members[0.3]) == 3
@@ -158,11 +158,11 @@ def test_fragility_by_maximum_likelihood():
     levels = [0.21, 0.34, 0.30, 0.55]
     found = fragility(levels)
     logs = np.log(levels)
-    assert found["median_g"] == pytest.approx(math.exp(logs.mean()))
-    assert found["dispersion"] == pytest.approx(logs.std())
+    assert found.median_g == pytest.approx(math.exp(logs.mean()))
+    assert found.dispersion == pytest.approx(logs.std())
     censored = fragility(levels, [0.6])
-    assert censored["median_g"] > found["median_g"]
-    assert (censored["records"], censored["censored"]) == (5, 1)
+    assert censored.median_g > found.median_g
+    assert (censored.records, censored.censored) == (5, 1)
     assert fragility([0.3]) is None
     assert fragility([0.3, 0.3]) is None
 

@@ -19,7 +19,7 @@ from assessment.benchmark.measure import history_programs, path_programs
 from assessment.cli import arguments, exit_codes
 from assessment.cli.main import main
 from assessment.runtime.tasks import Workers
-from assessment.studies.campaign.search import Combination
+from assessment.studies.campaign.search import Combination, Judged
 from mechanics import ConvergenceError, pushover, time_history
 from mechanics.procedures import time_history as histories
 from mechanics.program import certify
@@ -195,7 +195,7 @@ def test_a_case_that_fails_says_so_in_its_rows():
 
 def test_engines_of_a_campaign_are_compared_by_time_and_by_result(monkeypatch):
     def searched(model, motion, *_):
-        return Combination({"runs": 3, "pga_collapse_g": motion.pga}, seconds=1.0)
+        return Combination(Judged(motion.pga), runs=3, seconds=1.0)
 
     monkeypatch.setattr(campaigns, "search_collapse", searched)
     monkeypatch.setattr(campaigns, "Workers", lambda *_, **__: Workers(1))

@@ -20,9 +20,10 @@ from assessment.report.figures.campaign import (
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.tables.campaign import campaign_tables, reported_campaign
 from assessment.report.text.language import LANGUAGES, words_of
+from assessment.results.plain import plain
 from assessment.results.schema import Campaign
 from assessment.runtime.processes.pool import Pool
-from assessment.studies.campaign.summary import Observed, fragility, loss
+from assessment.studies.campaign.summary import Observed, Place, fragility, loss
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
 
@@ -64,9 +65,9 @@ def results_with_campaign(language: str = "it", settlements: tuple[str, ...] = (
         before = [observed(row) for row in rows if row["settlement"] == settlement and row["share"] == 0.0]
         for share in SHARES:
             own = [observed(row) for row in rows if (row["settlement"], row["share"]) == (settlement, share)]
-            place = {"settlement": settlement, "share": share, "movement_m": 0.02 * share}
-            fits.append(place | fragility(own, None, 5))
-            losses.append(place | loss(before, own, 0.5, 0.5 - 0.1 * share, None))
+            place = Place(settlement, share, 0.02 * share)
+            fits.append(plain(fragility(place, own, None, 5)))
+            losses.append(plain(loss(place, before, own, 0.5, 0.5 - 0.1 * share, None)))
     results["campaign"] = {
         "measure": "PGA", "period_s": None, "method": "incremental", "levels_g": [], "tolerance": 0.05,
         "contacts": "rigid", "members": 5, "static_quantity": "a_g_g", "spectrum": None, "failures": [],

@@ -205,7 +205,7 @@ def test_rest_and_onset_of_every_state_are_there_and_balanced():
 def test_a_frame_that_is_out_of_balance_is_seen():
     results = analysed()
     frames = results["states"]["original"]["pushover"]["+x"]["elastic"]["frames"]
-    frames.force_kN[0][0][0] *= 1.1
+    frames["force_kN"][0][0][0] *= 1.1
     assert max(row["unbalanced"] for row in balance(typed(results)).rows) > 1e-3
 
 

@@ -22,6 +22,7 @@ from assessment.project.motions import BaseMotion
 from assessment.project.project import load_project
 from assessment.project.record_set import check_record_set, doubtful_records
 from assessment.project.schema import CampaignTable
+from assessment.results.plain import plain
 from assessment.runtime.errors import ProjectError
 from assessment.studies.campaign import records, search
 from assessment.studies.campaign.fragility import (
@@ -32,7 +33,7 @@ from assessment.studies.campaign.fragility import (
     samples_of_records,
 )
 from assessment.studies.campaign.movements import surface_pga
-from assessment.studies.campaign.summary import Observed, fragility, loss
+from assessment.studies.campaign.summary import Observed, Place, fragility, loss
 from mechanics.records.record import Record
 from tests.support.block_project import edit, read_results, run, timeless
 from tests.support.campaign_project import SEARCHES, write_campaign
@@ -53,8 +54,8 @@ def test_what_withstood_is_a_lower_bound_as_scipy_has_it():
     levels, withstood = np.array([0.21, 0.34, 0.30, 0.55, 0.6, 0.4]), np.array([0, 0, 0, 0, 1, 1], bool)
     fit = fit_levels(levels, withstood, whole(6))
     known = censored_fit(levels[~withstood].tolist(), levels[withstood].tolist())
-    assert fit.median[0] == pytest.approx(known["median_g"], rel=1e-4)
-    assert fit.beta[0] == pytest.approx(known["dispersion"], rel=1e-3)
+    assert fit.median[0] == pytest.approx(known.median_g, rel=1e-4)
+    assert fit.beta[0] == pytest.approx(known.dispersion, rel=1e-3)
 
 
 def test_a_weight_counts_an_observation_as_often():
@@ -121,6 +122,9 @@ def test_ranges_of_normal_samples():
     assert five.variance_of_smallest == pytest.approx(0.44753, rel=1e-3)
 
 
+PLACE = Place("s", 1.0, 0.02)
+
+
 def seen(record, collapse, safe=0.1, certain=None, sign=1, fallen=(), all_fallen=()):
     return Observed(record, sign, 1.0, collapse, safe, certain or collapse, fallen, all_fallen)
 
@@ -132,40 +136,40 @@ def test_scatter_of_the_records_apart_from_that_of_the_ensembles():
     for k in range(2000):
         members = np.exp(0.4 * random.standard_normal() + 0.1 * random.standard_normal(5))
         rows.append(seen(f"{k}", float(members.min()), certain=float(members.max())))
-    found = fragility(rows, None, 5)
-    assert found["beta_ensemble"] == pytest.approx(0.1, rel=0.03)
-    assert found["beta_record"] == pytest.approx(0.4, rel=0.04)
-    assert found["beta"] > found["beta_record"]
+    found = fragility(PLACE, rows, None, 5)
+    assert found.beta_ensemble == pytest.approx(0.1, rel=0.03)
+    assert found.beta_record == pytest.approx(0.4, rel=0.04)
+    assert found.beta > found.beta_record
 
 
 def test_the_standard_takes_the_worse_sign_the_lowest_of_three_and_the_mean_of_seven():
     levels = [0.30, 0.36, 0.42, 0.33, 0.39, 0.35, 0.37]
     both = [seen(f"{k}", level + extra, sign=sign) for k, level in enumerate(levels)
             for sign, extra in ((1, 0.0), (-1, 0.1))]  # fmt: skip
-    three, seven = (fragility(both[: 2 * count], None, 1) for count in (3, 7))
-    assert (three["rule"], three["pga_collapse_g"]) == ("lowest", 0.30)
-    assert (seven["rule"], seven["pga_collapse_g"]) == ("mean", pytest.approx(np.mean(levels)))
-    assert seven["median_range"][0] < seven["median_g"] < seven["median_range"][1]
+    three, seven = (fragility(PLACE, both[: 2 * count], None, 1) for count in (3, 7))
+    assert (three.rule, three.pga_collapse_g) == ("lowest", 0.30)
+    assert (seven.rule, seven.pga_collapse_g) == ("mean", pytest.approx(np.mean(levels)))
+    assert seven.median_range[0] < seven.median_g < seven.median_range[1]
 
 
 def test_what_failed_is_counted_is_in_no_median_and_leaves_the_standard_without_a_value():
     rows = [seen("a", 0.3), seen("b", 0.4), seen("c", 0.5), seen("d", None, safe=None)]
-    found = fragility(rows, None, 1)
-    assert (found["failed"], found["combinations"], found["withstood"]) == (1, 4, 0)
-    assert found["median_g"] == pytest.approx((0.3 * 0.4 * 0.5) ** (1 / 3))
-    assert found["pga_collapse_g"] is None
+    found = fragility(PLACE, rows, None, 1)
+    assert (found.failed, found.combinations, found.withstood) == (1, 4, 0)
+    assert found.median_g == pytest.approx((0.3 * 0.4 * 0.5) ** (1 / 3))
+    assert found.pga_collapse_g is None
 
 
 def test_losses_are_those_of_each_record_by_itself():
     before = [seen("a", 0.2), seen("b", 0.4), seen("c", 0.8)]
     after = [seen("a", 0.1), seen("b", 0.36), seen("c", 0.6)]
-    found = loss(before, after, 0.5, 0.4, None)
-    assert found["dynamic"] == pytest.approx(0.25) and found["static"] == pytest.approx(0.2)
-    assert found["dynamic_range"] == pytest.approx([0.1 + 0.32 * 0.15, 0.25 + 0.68 * 0.25])
-    stood = loss(before, [after[0], seen("b", None, 0.9), after[2]], 0.5, None, None)
-    assert stood["dynamic"] == pytest.approx(0.25) and stood["dynamic_range"][0] is None
-    assert stood["static"] is None
-    assert loss([seen("a", None, 0.9), *before[1:]], after, None, None, None)["left_out"] == 1
+    found = loss(PLACE, before, after, 0.5, 0.4, None)
+    assert found.dynamic == pytest.approx(0.25) and found.static == pytest.approx(0.2)
+    assert found.dynamic_range == pytest.approx([0.1 + 0.32 * 0.15, 0.25 + 0.68 * 0.25])
+    stood = loss(PLACE, before, [after[0], seen("b", None, 0.9), after[2]], 0.5, None, None)
+    assert stood.dynamic == pytest.approx(0.25) and stood.dynamic_range[0] is None
+    assert stood.static is None
+    assert loss(PLACE, [seen("a", None, 0.9), *before[1:]], after, None, None, None).left_out == 1
 
 
 @given(limit=st.floats(0.1, 4.0), relative=st.sampled_from([0.02, 0.05, 0.2]))
@@ -223,7 +227,7 @@ def test_records_are_scaled_to_the_spectrum_within_limits():
     assert weak.pga == pytest.approx(one[0].pga) and weak.notes == ()
     assert strong.scale == 20.0 and "scale_limits = [0.5, 20]" in strong.notes[0]
     found = compatibility(target, one, table)
-    assert found["lowest_deviation"] < 0.0 < found["highest_deviation"]
+    assert found.lowest_deviation < 0.0 < found.highest_deviation
 
 
 def test_the_static_capacity_is_taken_to_the_surface_by_the_soil_factor_at_itself():
@@ -291,9 +295,9 @@ def test_curves_of_ten_thousand_motions_stay_below_100_megabytes():
     displacement = 0.1 * np.random.default_rng(1).standard_normal(time.size)
     levels = SimpleNamespace(scatter=ensemble.Scatter(5, 0.05), motion=SimpleNamespace(start=100.0))
     [curve] = search._curves(levels, [ensemble.Course(time, displacement, False)] * 2, (2, 5))
-    assert curve["member"] == 2 and (curve["time_s"][0], curve["time_s"][-1]) == (100.0, 139.995)
-    assert max(curve["displacement_m"]) == pytest.approx(displacement.max(), abs=1e-7)
-    assert len(json.dumps(curve)) < 10_000
+    assert curve.member == 2 and (curve.time_s[0], curve.time_s[-1]) == (100.0, 139.995)
+    assert max(curve.displacement_m) == pytest.approx(displacement.max(), abs=1e-7)
+    assert len(json.dumps(plain(curve))) < 10_000
 
 
 def test_stripes_by_spectral_acceleration(block):
