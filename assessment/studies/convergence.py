@@ -1,7 +1,7 @@
-"""The discretisation error of static results: increments are halved until it is below a tolerance.
+"""The discretisation error of static results: increments are halved until the estimated error meets a tolerance.
 
-Every state is analysed again with 1/2, 1/4… of the given increments of settlement and pushover. The finest analysis is
-reported, with the error estimated from the last differences.
+Every state is analysed with 1, 1/2, 1/4… of the given increments of settlement and pushover. The finest analysis is
+reported, with the error estimated from the differences between the last ones.
 """
 
 from __future__ import annotations
@@ -151,10 +151,11 @@ def converge(
     demands: Demands,
     analyse: Callable[[Project, Collection[str]], list[StateResult]],
 ) -> Convergence:
-    """Analyse the states until the errors of their capacities meet the tolerance.
+    """Analyse the states in ever finer increments until the errors of their capacities meet the tolerance.
 
-    `analyse`: analyses the states of these names in the increments of a project. A state whose finer analysis fails,
-    while the coarser one did not, keeps the coarser one.
+    `analyse`: a function that analyses the states of these names in the increments of a project. A state keeps its
+    coarser analysis where the finer one fails and the coarser did not. Without a tolerance (accuracy "fast") every
+    state is analysed once. Raises what `analyse` raises.
     """
     accuracy = accuracy_of(project)
     given = analyse(project, project.states)
@@ -198,7 +199,7 @@ def converge(
 
 
 def not_met(title: str, levels: Levels, tolerance: float, what: str) -> list[str]:
-    """Return a warning where the tolerance is not met."""
+    """Return a warning where the errors of `levels` do not meet the (relative) tolerance; `what`: what was halved."""
     if levels.within(tolerance):
         return []
     times = 2 ** (len(levels.measured) - 1)
@@ -218,7 +219,7 @@ def measure(
     stages: Sequence[StateResult],
     quantities: Collection[str] = QUANTITIES,
 ) -> dict[str, dict[Direction, Measured]]:
-    """Return the quantities that have to converge, by state and direction."""
+    """Return the quantities that have to converge (α, d_0 in m, a_g in g), by state and direction."""
     found: dict[str, dict[Direction, Measured]] = {}
     for state in dict.fromkeys(stage.state for stage in stages):
         own = [stage for stage in stages if stage.state == state]

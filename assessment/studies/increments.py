@@ -25,9 +25,9 @@ def refined(project: Project, halvings: int) -> Project:
 
 
 def finest(project: Project, halvings: Mapping[str, int]) -> list[tuple[Project, SettlementTable]]:
-    """Return each settlement in the increments at which its state ended, with the project in those increments.
+    """Return each settlement in the increments at which its state converged, with the project in those increments.
 
-    `halvings`: how often the increments of each state were halved.
+    `halvings`: how often the increments of each state, by name, were halved; 0 for a state that is not there.
     """
     projects = [refined(project, halvings.get(each.name, 0)) for each in project.settlements]
     return [(each, each.settlements[number]) for number, each in enumerate(projects)]

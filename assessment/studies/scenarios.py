@@ -1,7 +1,7 @@
-"""All movements side by side: capacity against settlement along each of them, and the worst case.
+"""Scenarios: the capacity against settlement along every movement, and the worst case.
 
-A point of a sweep is computed like a scenario of its own: the structure as drawn is settled by a part of the movement,
-comes to rest, and is pushed over.
+A point of a sweep is a scenario of its own: the structure as drawn settles by a part of the movement, comes to rest,
+and is pushed over.
 """
 
 from __future__ import annotations
@@ -49,10 +49,11 @@ def scenarios(
     workers: Workers,
     study: Study,
 ) -> Scenarios:
-    """Compare the states of the project and the parts of each movement with a sweep.
+    """Return the capacity of every state, and of each part of a movement with a sweep, in the order of the scenarios.
 
-    The parts have the increments of the whole movement, halved as often. Return the points in the order of the
-    scenarios, the quantity that they are compared by, and the worst point.
+    With the quantity that they are compared by (see `quantity`) and the worst point. Parts have the increments of the
+    whole movement, halved as often. Messages, certificates and times go to `study`. Raises KilledError where a process
+    was ended from outside.
     """
     swept = [
         (finer, whole, k)
@@ -87,7 +88,7 @@ def scenarios(
 
 
 def part(whole: SettlementTable, share: float) -> SettlementTable:
-    """Return the settlement by a share of a movement, without its search for collapse."""
+    """Return the settlement by a `share` (0 to 1) of the `whole` movement, without its search for collapse."""
     x, z = whole.displacement_m
     moved = {"displacement_m": (share * x, share * z), "rotation_rad": share * whole.rotation_rad}
     return whole.model_copy(update=moved | {"to_collapse": False, "steps": None})

@@ -1,4 +1,4 @@
-"""Sensitivity of the capacity to the properties of the masonry: each lower and higher, everywhere at once."""
+"""Sensitivity of the capacity to the properties of the masonry: each lower and higher, in all blocks at once."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from assessment.project.schema import SettlementTable
     from assessment.runtime.tasks import Workers
 
-SCATTER = 0.005  # of a_g: a difference in the third digit
+SCATTER = 0.005  # relative difference of a_g from which scatter is told: the third digit
 KEYS = {  # property: the keys of [material], [geometry] and [layers] that it stands for
     "friction": ("friction",),
     "stiffness": ("normal_stiffness_kN_m3", "tangential_stiffness_kN_m3"),
@@ -31,9 +31,11 @@ KEYS = {  # property: the keys of [material], [geometry] and [layers] that it st
 def sensitivity(
     project: Project, halvings: Mapping[str, int], demands: Demands, workers: Workers, study: Study
 ) -> Sensitivity:
-    """Analyse every state with each property lower and higher; return the runs, two to a property and state.
+    """Analyse every state with each property lower and higher; return two runs for each property, state and direction.
 
-    The increments are those of the state itself, halved as often (`halvings`): only the property differs.
+    `halvings`: how often the increments of each state were halved; the runs halve theirs as often, so that only the
+    property differs. Messages, certificates and times go to `study`. Raises ProjectError or DrawingError where a model
+    cannot be built, KilledError where a process was ended from outside.
     """
     assert project.sensitivity is not None
     factors = [(key, factor) for key, pair in project.sensitivity.factors.items() for factor in pair]
@@ -67,7 +69,7 @@ def sensitivity(
 
 
 def without_effect(project: Project) -> set[str]:
-    """Return the properties on which no capacity depends, since all forces are proportional to them.
+    """Return the properties to which all forces are proportional, so that no capacity depends on them.
 
     The depth is one unless loads are given in kN; the unit weight is one if joints neither are elastic nor crush.
     """
@@ -82,7 +84,7 @@ def without_effect(project: Project) -> set[str]:
 
 
 def scatter(runs: Sequence[SensitivityRun], properties: Set[str]) -> list[str]:
-    """Return a finding for each state whose capacity changes with properties that it cannot depend on."""
+    """Return a finding for each state and direction whose a_g changes with `properties` that it cannot depend on."""
     found = []
     names = " and ".join(
         key.replace("_", " ") for key in KEYS if key in properties & {run.property for run in runs}
@@ -109,7 +111,7 @@ def scatter(runs: Sequence[SensitivityRun], properties: Set[str]) -> list[str]:
 
 
 def with_factor(project: Project, key: str, factor: float) -> Project:
-    """Return the project with a property multiplied wherever it is given; loads stay as they are."""
+    """Return the project with a property (see KEYS) times a `factor` wherever it is given; loads stay as they are."""
 
     def scaled(table: Table) -> Table:
         values = {name: getattr(table, name, None) for name in KEYS[key]}

@@ -1,4 +1,4 @@
-"""Variants of a project that are analysed beside its states, for sweeps and sensitivities."""
+"""Variants of a project, analysed beside its states by sweeps and sensitivities, and their capacities."""
 
 from __future__ import annotations
 
@@ -78,7 +78,10 @@ class Study:
 def analyse(
     variants: Sequence[Variant], demands: Demands, workers: Workers, study: Study, name: str
 ) -> Iterator[dict[Direction, Capacities]]:
-    """Yield the capacity of each variant by direction; `name`: of the study."""
+    """Settle and push over every variant; yield the capacity of each by direction, in order; `name`: of the study.
+
+    Messages, certificates and times go to `study`. Raises KilledError where a process was ended from outside.
+    """
     requests = [
         Request(variant.project, variant.model, variant.settlement, behaviour, f"{variant.what}: ")
         for variant in variants
@@ -149,5 +152,5 @@ def quoted_limit_state(project: Project) -> str | None:
 
 
 def quantity(project: Project) -> str:
-    """Return the quantity that capacities are compared by: a_g with an assessment, else α0, or α_u without it."""
+    """Return the key of the quantity that capacities are compared by: a_g with an assessment, else α0, else α_u."""
     return "a_g_g" if project.assessment else "alpha_0" if "rigid" in behaviours(project) else "alpha_u"

@@ -1,4 +1,4 @@
-"""What of the checks against the standard, and of what is varied in them, does not fit together."""
+"""Contradictions in [assessment], [[mechanism]] and [sensitivity]."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from assessment.project.schema import (
     SiteTable,
 )
 
-HIGHEST = 40.0  # m: of a building whose period the standard's formula gives
-RETURN_PERIOD_TOL = 0.02  # relative: 50, 475 and 975 years stand for 50.3, 474.6 and 974.8
-LEAST_ROTATION = 1e-6  # of a macro-block, relative to the others'
+HIGHEST = 40.0  # m: of a building whose period T_1 = 0.05 H^(3/4) gives (Circolare 7/2019, C7.3.3.2)
+RETURN_PERIOD_TOL = 0.02  # relative: typed values are rounded, 475 years for 474.6
+LEAST_ROTATION = 1e-6  # of a macro-block, relative to those of the others; below it the block stands still
 
 
 def assessment_problems(project: ProjectContent, assessment: AssessmentTable) -> Iterator[Problem]:
-    """Yield what [assessment] needs of other tables and does not find."""
+    """Yield a problem for each table or key that [assessment] needs and that is missing."""
     needed = ["rigid"] if assessment.model == "none" else ["rigid", "elastic"]
     if project.pushover is None:
         yield Problem(
@@ -51,7 +51,11 @@ def assessment_problems(project: ProjectContent, assessment: AssessmentTable) ->
 
 
 def knowledge_problems(knowledge: KnowledgeTable, factor: float) -> Iterator[Problem]:
-    """Compare confidence_factor with the level of knowledge or the components that it follows from."""
+    """Yield a problem where the confidence factor does not follow from the level of knowledge or the components F_Ck.
+
+    `factor`: the confidence factor F_C of [assessment]. Sources: Circolare 7/2019, C8.5.4, for levels; DPCM
+    9/2/2011, §4.2, for components.
+    """
     from assessment.ntc.indices import (  # late: a run without changes loads no numpy
         COMPONENTS,
         confidence_factor,
@@ -81,7 +85,7 @@ def knowledge_problems(knowledge: KnowledgeTable, factor: float) -> Iterator[Pro
 
 
 def floor_problems(floor: FloorTable, assessment: AssessmentTable) -> Iterator[Problem]:
-    """Yield what in [assessment.floor] contradicts itself or the rest of [assessment]."""
+    """Yield a problem for each key of [assessment.floor] that contradicts another one, there or in [assessment]."""
     path: KeyPath = ("assessment", "floor")
     if floor.height_m > floor.building_height_m:
         text = f"{floor.height_m:g} is above building_height_m ({floor.building_height_m:g}); correct one of them"
@@ -100,7 +104,10 @@ def floor_problems(floor: FloorTable, assessment: AssessmentTable) -> Iterator[P
 
 
 def site_problems(site: SiteTable, limit_states: Iterable[LimitState], folder: Path) -> Iterator[Problem]:
-    """Yield what is missing of the hazard of a site, or given twice."""
+    """Yield a problem where the hazard of the site is missing, incomplete or given twice.
+
+    `limit_states`: those that [assessment] checks, each of which needs its hazard; `folder`: of the project.
+    """
     path: KeyPath = ("assessment", "site")
     yield from missing_file(folder, (*path, "grid"), site.grid)
     by_place = {key: getattr(site, key) for key in ("latitude", "longitude", "grid")}
@@ -110,7 +117,7 @@ def site_problems(site: SiteTable, limit_states: Iterable[LimitState], folder: P
     if placed and typed:
         text = f"given twice, by {', '.join(placed)} and by {', '.join(typed)}; keep one of the two"
         yield Problem(path, text)
-    elif placed and placed != ["grid"]:  # alone, it may be the table of the site; else the file tells
+    elif placed and placed != ["grid"]:  # a grid alone may be the hazard of the site itself; its reader tells
         for key in sorted(by_place.keys() - placed):
             yield Problem((*path, key), "missing; latitude, longitude and grid go together")
     elif placed:
@@ -131,7 +138,10 @@ def site_problems(site: SiteTable, limit_states: Iterable[LimitState], folder: P
 
 
 def _return_period(path: KeyPath, limit_state: str, given: float, site: SiteTable) -> Iterator[Problem]:
-    """Compare the return period of a typed hazard with that of nominal life and use class; both are rounded."""
+    """Yield a problem where the return period (years) of a typed hazard is not that of nominal life and use class.
+
+    Within RETURN_PERIOD_TOL, as typed values are rounded (NTC 2018, §3.2.1).
+    """
     from assessment.ntc.demand.hazard import return_period  # late, as above
 
     by_life = return_period(limit_state, site.nominal_life_years, site.use_class)
@@ -144,7 +154,7 @@ def _return_period(path: KeyPath, limit_state: str, given: float, site: SiteTabl
 
 
 def mechanism_problems(project: ProjectContent) -> Iterator[Problem]:
-    """Yield the macro-blocks of chosen mechanisms that are empty, still, or in no one state."""
+    """Yield a problem for each macro-block without blocks or rotation, or in another state than its mechanism."""
     states: dict[str, str] = {}
     for index, part in enumerate(project.mechanism):
         path: KeyPath = ("mechanism", index)
@@ -165,7 +175,7 @@ def mechanism_problems(project: ProjectContent) -> Iterator[Problem]:
 
 
 def sensitivity_problems(project: ProjectContent, sensitivity: SensitivityTable) -> Iterator[Problem]:
-    """Yield what [sensitivity] varies without an effect, or in states that there are not."""
+    """Yield a problem for each property that is varied without an effect, and for each state that does not exist."""
     path: KeyPath = ("sensitivity",)
     if project.assessment is None:
         yield Problem(path, "there is no capacity to vary; add [assessment] or leave [sensitivity] out")

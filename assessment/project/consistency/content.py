@@ -1,4 +1,4 @@
-"""All that does not fit together in a project, table by table."""
+"""All contradictions in a project, table by table."""
 
 from __future__ import annotations
 
@@ -27,7 +27,10 @@ from assessment.project.schema import ProjectContent
 
 
 def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]:
-    """Yield every problem between tables and with the files they name, in the order of the tables."""
+    """Yield every problem between tables, and of the files that they name, in the order of the tables.
+
+    `folder`: of the project. Files that cannot be read are problems too, no errors.
+    """
     yield from missing_file(folder, ("geometry", "drawing"), project.geometry.drawing)
     yield from stiffness_problems(project)
     for name, layer in project.layers.items():

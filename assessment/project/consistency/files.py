@@ -1,4 +1,4 @@
-"""Files that a project names: whether they are there, and what a pattern of names means."""
+"""Files that a project names: whether they exist, and which files a pattern stands for."""
 
 from __future__ import annotations
 
@@ -14,15 +14,16 @@ from assessment.project.errors import Problem
 from assessment.project.schema import MOST_ENTRIES, KeyPath
 from assessment.runtime.errors import nearest
 
-MOST_LOOKED_AT = 20_000  # names in folders, to find the files that a pattern means
+MOST_LOOKED_AT = 20_000  # names in folders that the search for a pattern reads at most
 PICTURES = (".png", ".jpg", ".jpeg")  # that a report can hold
 _WILD = re.compile(r"[*?[]")
 
 
 def matches(folder: Path, pattern: str) -> list[Path]:
-    """Return the files in `folder` that a name or a pattern such as "records/*.acc" means, sorted.
+    """Return the files in `folder` that a name, or a pattern such as "records/*.acc", stands for, sorted.
 
-    Raises ValueError where more than MOST_LOOKED_AT names would have to be looked at, or there are too many files.
+    Raises ValueError for `**`, for a pattern that would search more than MOST_LOOKED_AT names, and for more than
+    MOST_ENTRIES files.
     """
     if _is_file(folder / pattern):
         return [folder / pattern]
@@ -49,7 +50,7 @@ def matches(folder: Path, pattern: str) -> list[Path]:
 
 
 def _names(folder: Path) -> Iterator[str]:
-    """Yield the names in a folder; none where there is no such folder, or it may not be read."""
+    """Yield the names in a folder; nothing where the folder does not exist or must not be read."""
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
             yield entry.name
@@ -58,12 +59,15 @@ def _names(folder: Path) -> Iterator[str]:
 def _is_file(path: Path) -> bool:
     try:
         return path.is_file()
-    except (OSError, ValueError):  # a name that is too long or no name, a folder that may not be searched
+    except (OSError, ValueError):  # the name is too long or no valid one, or the folder must not be searched
         return False
 
 
 def missing_file(folder: Path, path: KeyPath, name: str | None) -> Iterator[Problem]:
-    """Yield the problem of a file that is not in the project folder; nothing where no file is named."""
+    """Yield a problem where a file is named that is not in the project folder.
+
+    `path`: the key that names it; `name`: None where no file is named.
+    """
     if name is not None and not _is_file(folder / name):
         parent = Path(name).parent
         names = islice(_names(folder / parent), MOST_ENTRIES)
@@ -73,7 +77,7 @@ def missing_file(folder: Path, path: KeyPath, name: str | None) -> Iterator[Prob
 
 
 def attachment_problems(folder: Path, path: KeyPath, name: str) -> Iterator[Problem]:
-    """Open a picture of the report as a run opens it."""
+    """Yield a problem for an attachment of the report that does not exist or is no picture that can be printed."""
     from PIL import Image  # late: few projects have any
 
     if missing := list(missing_file(folder, path, name)):
@@ -92,7 +96,7 @@ def attachment_problems(folder: Path, path: KeyPath, name: str) -> Iterator[Prob
 
 @contextmanager
 def _truncated_refused() -> Iterator[None]:
-    """Refuse pictures that are cut off; WeasyPrint, once imported, has Pillow accept them in the whole process."""
+    """Let Pillow refuse truncated pictures: WeasyPrint, once imported, makes it accept them in the whole process."""
     from PIL import ImageFile
 
     before = ImageFile.LOAD_TRUNCATED_IMAGES

@@ -1,4 +1,4 @@
-"""What of records, time histories and the campaign does not fit together."""
+"""Contradictions in [[history]], [incremental] and [campaign]: records, motions, states."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from assessment.project.schema import CampaignTable, KeyPath, MotionTable, Proje
 
 
 def motion_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]:
-    """Yield what is wrong with the records and motions of [[history]], [incremental] and [campaign]."""
+    """Yield a problem for each record, motion and state of [[history]], [incremental] and [campaign] that is wrong.
+
+    `folder`: of the project, in which records are looked for.
+    """
     yield from repeated_names("history", [history.name for history in project.history])
     for index, history in enumerate(project.history):
         path: KeyPath = ("history", index)

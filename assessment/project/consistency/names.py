@@ -1,4 +1,4 @@
-"""Names of a project's tables: given once, and referred to as they are."""
+"""Names in a project file: each given once, and every reference to one that exists."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from assessment.runtime.errors import nearest
 
 
 def repeated_names(table: str, names: list[str | None]) -> Iterator[Problem]:
-    """Yield the entries of a table that have the name of an earlier one."""
+    """Yield a problem for each entry of a table with the name of an earlier one; None: an entry without a name."""
     earlier: set[str] = set()
     for index, name in enumerate(names):
         if name is None:
@@ -21,7 +21,7 @@ def repeated_names(table: str, names: list[str | None]) -> Iterator[Problem]:
 
 
 def unknown_name(path: KeyPath, name: str, valid: Iterable[str], what: str) -> Iterator[Problem]:
-    """Yield the problem of a name that is none of the `valid` ones; `what` is named."""
+    """Yield a problem for a reference to a `name` that is not among the `valid` ones; `what`: what it should name."""
     names = list(valid)
     if name not in names:
         yield Problem(path, f'no {what} "{name}"; {nearest(name, names) if names else f"add a {what}"}')

@@ -1,4 +1,4 @@
-"""What of the structure and its static analyses does not fit together: loads, stiffness, points, supports."""
+"""Contradictions in the structure and its static analyses: loads, stiffness, control points, settlements."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _MOST_INCREMENTS = 100_000
 
 
 def load_problems(path: KeyPath, layer: LayerTable) -> Iterator[Problem]:
-    """Yield what is wrong with the loads of a layer: upward ones with mass, variable ones without ψ₂."""
+    """Yield a problem for upward loads with mass, and for variable loads without ψ₂ (NTC 2018, §2.5.3, Tab. 2.5.I)."""
     if layer.vertical_load_kN < 0.0 and layer.load_has_mass:
         text = f"{layer.vertical_load_kN:g} acts upward and has no mass; add load_has_mass = false"
         yield Problem((*path, "vertical_load_kN"), text)
@@ -36,7 +36,10 @@ def load_problems(path: KeyPath, layer: LayerTable) -> Iterator[Problem]:
 
 
 def stiffness_problems(project: ProjectContent) -> Iterator[Problem]:
-    """Ask for a stiffness somewhere if an analysis is elastic; which blocks lack it, the drawing tells."""
+    """Yield a problem if an analysis is elastic and no layer has a stiffness.
+
+    Single blocks without a stiffness are found when the model is built.
+    """
     layers = project.layers.values()
     if project.material.normal_stiffness_kN_m3 or any(layer.normal_stiffness_kN_m3 for layer in layers):
         return
@@ -61,7 +64,7 @@ def stiffness_problems(project: ProjectContent) -> Iterator[Problem]:
 
 
 def control_problems(project: ProjectContent) -> Iterator[Problem]:
-    """Yield references to control points that there are not, and the need for one."""
+    """Yield a problem for each reference to a control point that does not exist, or if one is needed and none given."""
     moved = project.pushover or project.history or project.incremental or project.campaign
     if not project.control and moved:
         yield Problem(("control",), "no control point; add [[control]] with name and point_m")
@@ -86,7 +89,7 @@ def control_problems(project: ProjectContent) -> Iterator[Problem]:
 def settlement_problems(
     project: ProjectContent, path: KeyPath, settlement: SettlementTable
 ) -> Iterator[Problem]:
-    """Yield what is wrong with a settlement: its name, support, movement and increments."""
+    """Yield a problem for each key of a settlement that is wrong: name, support, movement (m, rad), increments."""
     if settlement.name == ORIGINAL:
         yield Problem((*path, "name"), f'"{ORIGINAL}" is the state before any settlement; write another name')
     yield from unknown_name((*path, "support"), settlement.support, project.supports, "support")

@@ -71,7 +71,8 @@ def moved_states(
 ) -> list[Moved]:
     """Return the states after each share of each movement that [campaign] asks for, settled and pushed over.
 
-    The original state and whole movements are taken from `statics`.
+    The original state and whole movements are taken from `statics`. Messages, certificates and times go to `study`.
+    Raises KilledError where a process was ended from outside.
     """
     table = project.campaign
     assert table is not None

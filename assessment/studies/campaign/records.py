@@ -41,7 +41,10 @@ def record_set(
     demands: Demands,
     workers: Workers,
 ) -> RecordSet:
-    """Return the `motions` of the files, or records made to the target spectrum, scaled to it if asked for."""
+    """Return the `motions` of the files, or records made to the target spectrum, scaled to it if asked for.
+
+    Raises KilledError where a process was ended from outside.
+    """
     found, spectrum = list(motions), None
     if table.generated or table.spectrum_compatible:
         target = Target.of(demands.spectra)

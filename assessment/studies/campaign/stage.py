@@ -1,4 +1,4 @@
-"""A campaign: its combinations are run, each once and the long ones first, and summed up."""
+"""A campaign: every combination of record and state is run once, the longest first, and the results are summed up."""
 
 from __future__ import annotations
 
@@ -83,9 +83,10 @@ def campaign(
     workers: Workers,
     study: Study,
 ) -> Campaign:
-    """Run every combination that [campaign] asks for and return its results; `motions`: of the files it names.
+    """Run every combination that [campaign] asks for and return the results; `motions`: of the files that it names.
 
-    Combinations that could not be completed are in study.failures, and in the results with their reason.
+    Combinations that could not be completed are in study.failures, and in the results with their reason. Raises
+    KilledError where a process was ended from outside.
     """
     table = project.campaign
     assert table is not None
