@@ -93,6 +93,7 @@ SURFACE_COLUMNS = {
     "static_surface_pga_g",
     "record_pga_g",
     "pga_safe_g",
+    "resurrections",
 }
 SURFACE_COLUMNS |= {"pga_collapse_g", "pga_all_collapse_g", "mean_pga_collapse_g", "lowest_pga_collapse_g"}
 SURFACE_COLUMNS |= {"median_g", "pga_collapse_error_g"}
