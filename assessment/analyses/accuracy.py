@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,6 +15,8 @@ SHOWN = 1.25  # ratio of successive differences below which they hardly shrink
 FIRST_ORDER = 2.0
 # of α, of a_g in g and of the model's size: smaller values and differences are errors of the solver
 NOISE = 1e-6
+LEVELS = 3  # at least: two may agree by chance
+FASTEST = 6.0  # largest ratio of differences that counts as convergence: second order has 4
 
 
 @dataclass(frozen=True)
@@ -31,3 +35,17 @@ def accuracy_of(project: Project) -> Accuracy:
     """Return what the project's key `accuracy` stands for."""
     asked = project.accuracy
     return PRESETS[asked] if isinstance(asked, str) else Accuracy(asked, MOST_HALVINGS)
+
+
+def observed_order(values: Sequence[float | None]) -> float | None:
+    """Return the order that the last three of the values at steps h, h/2, h/4… show.
+
+    None: fewer are known, or their differences do not shrink as with a method.
+    """
+    if len(values) < LEVELS:
+        return None
+    a, b, c = values[-LEVELS:]
+    if a is None or b is None or c is None or c == b:
+        return None
+    ratio = abs((b - a) / (c - b))
+    return math.log2(ratio) if SHOWN <= ratio <= FASTEST else None

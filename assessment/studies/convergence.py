@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from assessment.analyses.accuracy import FIRST_ORDER, NOISE, SHOWN, accuracy_of
+from assessment.analyses.accuracy import FIRST_ORDER, LEVELS, NOISE, SHOWN, accuracy_of, observed_order
 from assessment.analyses.checks.capacity import assess, capacities
 from assessment.analyses.static.states import curves
 from assessment.results.schema.studies import ConvergenceRow
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 Measured = Mapping[str, float | None]
 SAFETY = 1.25  # on estimated errors, which are as often too small as too large (Roache's grid convergence index, 1994)
+LOCATED = 1e-5  # relative: ends of paths that do not depend on increments agree to this
 QUANTITIES = ("alpha_0", "d_0_m", "alpha_u", "a_g_g")
 
 
@@ -90,11 +91,15 @@ class Levels:
         }
 
     def within(self, tolerance: float) -> bool:
-        """Whether every error is known and meets the tolerance; with one level no error is known."""
+        """Whether every error is known and meets the tolerance, of LEVELS levels at least.
+
+        Two are enough where they agree as well as ends of paths are located: such a path knows no increments.
+        """
         if not self.reached:
             return True
+        bound = tolerance if len(self.measured) >= LEVELS else min(tolerance, LOCATED)
         known = self.relative.values()
-        return len(self.measured) > 1 and all(error is not None and error <= tolerance for error in known)
+        return len(self.measured) > 1 and all(error is not None and error <= bound for error in known)
 
     def missed(self, tolerance: float) -> list[str]:
         """Return a text for each quantity whose error does not meet the tolerance."""
@@ -107,16 +112,18 @@ class Levels:
         ]
 
     def row(self, state: str, direction: Direction, halvings: int, tolerance: float) -> ConvergenceRow:
-        """Return the row of the results: errors, the largest relative error, and the values of each level."""
-        relative = self.relative.values()
-        largest = (
-            None if None in relative else max((each for each in relative if each is not None), default=None)
+        """Return the row of the results: errors, the largest relative one with its order, values of each level."""
+        relative = self.relative
+        errors = {key: error for key, error in relative.items() if error is not None}
+        worst = (
+            max(errors, key=lambda key: errors[key], default=None) if len(errors) == len(relative) else None
         )
         return ConvergenceRow(
             state=state,
             direction=direction,
             halvings=halvings,
-            relative_error=largest,
+            order=None if worst is None else observed_order(self.values(worst)),
+            relative_error=None if worst is None else errors[worst],
             met=self.within(tolerance),
             levels={key: self.values(key) for key in self.measured[-1]},
         ).replace(**{_error_key(key): error for key, error in self.errors.items()})
@@ -205,6 +212,8 @@ def not_met(title: str, levels: Levels, tolerance: float, what: str) -> list[str
     times = 2 ** (len(levels.measured) - 1)
     if times == 1:
         return [f"{title}: discretisation error not known"]
+    if not levels.missed(tolerance):
+        return [f"{title}: two increments agree, which may be chance; a third was not reached"]
     said = "; ".join(levels.missed(tolerance))
     return [
         f"{title}: estimated discretisation error of {said} with {what} 1/{times} of those given, "

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from assessment.analyses.accuracy import NOISE, Accuracy, accuracy_of
+from assessment.analyses.accuracy import LEVELS, NOISE, Accuracy, accuracy_of
 from assessment.analyses.dynamic.ensemble import (
     PAIR,
     Course,
@@ -24,7 +24,7 @@ from assessment.analyses.dynamic.ensemble import (
     scatter_of,
 )
 from assessment.analyses.dynamic.inputs import Campaign
-from assessment.analyses.dynamic.refinement import LEVELS, Refinement
+from assessment.analyses.dynamic.refinement import Refinement
 from assessment.analyses.dynamic.time_history import Shaking, StageResult, history
 from assessment.results.quality import joined
 from assessment.results.schema.dynamic import Band, History

@@ -9,14 +9,10 @@ else                                         the levels converge to nothing that
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
-from assessment.analyses.accuracy import FIRST_ORDER, SHOWN
+from assessment.analyses.accuracy import FIRST_ORDER, LEVELS, observed_order
 from assessment.results.schema.studies import ConvergenceRow
-
-FASTEST = 6.0  # largest ratio of differences that counts as convergence: second order has 4
-LEVELS = 3
 
 
 @dataclass(frozen=True)
@@ -53,13 +49,7 @@ class Refinement:
     @property
     def order(self) -> float | None:
         """The order observed in the last three levels; None if their differences do not shrink as with a method."""
-        if not self._known:
-            return None
-        a, b, c = self._known
-        if abs(c - b) == 0.0:
-            return None
-        ratio = abs((b - a) / (c - b))
-        return math.log2(ratio) if SHOWN <= ratio <= FASTEST else None
+        return observed_order(self.values)
 
     @property
     def error(self) -> float | None:
