@@ -153,6 +153,29 @@ def evaluate(
     capacity = capacity_curve(fit, work.e_star, participation.result, confidence_factor)
 
     by_hand = [*work.steps, *work.result_steps(), *others, participation]
+    steps = [*by_hand, *(line for line in capacity.steps() if line.symbol in CURVE)]
+    found = _given(chosen, delta, direction, work, capacity, control).replace(
+        penetration=motion.penetration,
+        sliding_joints=rubbing,
+        met=met.joints,
+        notes=notes,
+        trace=lines(steps),
+    )
+    return found.with_checks(_checks(capacity, demands, method))
+
+
+def _given(
+    chosen: Chosen,
+    delta: Array,
+    direction: parts.Direction,
+    work: VirtualWork,
+    capacity: CapacityCurve,
+    control: Control,
+) -> parts.GivenMechanism:
+    """Return a mechanism with its displacements, those of blocks (b, 3) over the largest, and its capacity curve.
+
+    The curve is null where the finite motion is not known.
+    """
     return parts.GivenMechanism(
         name=chosen.name,
         state=chosen.state,
@@ -173,12 +196,7 @@ def evaluate(
             for part in chosen.parts
         ],
         displacements=(delta / abs(delta[:, :2]).max()).tolist(),
-        penetration=motion.penetration,
-        sliding_joints=rubbing,
-        met=met.joints,
-        notes=notes,
-        trace=lines([*by_hand, *(line for line in capacity.steps() if line.symbol in CURVE)]),
-    ).with_checks(_checks(capacity, demands, method))
+    )
 
 
 def _refuse_penetration(motion: JointMotion) -> None:

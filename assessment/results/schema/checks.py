@@ -9,6 +9,8 @@ from assessment.results.schema.model import Face, Line
 from assessment.results.schema.part import Configuration, Part, Point, key, optional, present
 
 Direction = Literal["+x", "-x"]
+CHECKS = ("SLO", "SLO elastic", "SLD", "SLD elastic", "SLV linear", "SLV", "SLC")
+"""Every check of a limit state, by its name in the file."""
 
 
 class CapacityCurve(Part):
@@ -68,9 +70,20 @@ class NominalCheck(Check, _OfLimitState):  # the limit state first, as in the fi
 class _Checked(Part):
     """What has checks of limit states, each a key of its name."""
 
+    @property
+    def checks(self) -> dict[str, Check]:
+        """The checks that were made, by their names in the file."""
+        made: dict[str, Check | None] = {name: getattr(self, _attribute(name), None) for name in CHECKS}
+        return present(made)
+
     def with_checks(self, checks: Mapping[str, Check]) -> Self:
         """Return the part with checks that were made, by their names in the file."""
-        return self.replace(**{name.replace(" ", "_"): check for name, check in checks.items()})
+        return self.replace(**{_attribute(name): check for name, check in checks.items()})
+
+
+def _attribute(name: str) -> str:
+    """Return the attribute of a check by its name in the file."""
+    return name.replace(" ", "_")
 
 
 class Count(Part):
@@ -117,21 +130,6 @@ class Capacity(_Checked):
     )
     scalings: dict[str, ScaledCheck] | None = optional("SLV by both ways of scaling, where a grid is given")
     nominal: NominalCheck | None = optional("check with F_C = 1, where there is an incremental analysis")
-
-    @property
-    def checks(self) -> dict[str, Check]:
-        """The checks that were made, by their names in the file."""
-        return present(
-            {
-                "SLO": self.SLO,
-                "SLO elastic": self.SLO_elastic,
-                "SLD": self.SLD,
-                "SLD elastic": self.SLD_elastic,
-                "SLV linear": self.SLV_linear,
-                "SLV": self.SLV,
-                "SLC": self.SLC,
-            }
-        )
 
     @property
     def ratios(self) -> dict[str, float]:
@@ -221,19 +219,6 @@ class GivenMechanism(_Checked):
     SLV_linear: Check | None = optional("linear check at SLV", alias="SLV linear")
     SLV: Check | None = optional("nonlinear check at SLV")
     SLC: Check | None = optional("nonlinear check at SLC")
-
-    @property
-    def checks(self) -> dict[str, Check]:
-        """The checks that were made, by their names in the file."""
-        return present(
-            {
-                "SLO": self.SLO,
-                "SLD": self.SLD,
-                "SLV linear": self.SLV_linear,
-                "SLV": self.SLV,
-                "SLC": self.SLC,
-            }
-        )
 
 
 class ComparisonRow(Part):
