@@ -59,7 +59,7 @@ def draw_pushover(results: Results, words: Words, direction: Direction) -> Figur
     """
     states = pushed(results, direction)
     yields = [p.elastic.d_y_m for p in states.values() if p.elastic and p.elastic.d_y_m]
-    figure, panels = chart(words, columns=2 if yields else 1, height_mm=85.0)
+    figure, panels = chart(words, columns=2 if yields else 1, height_mm=68.0)
     for axes in panels:
         for number, pushover in enumerate(states.values()):
             for contacts, push in pushover.by_contacts.items():

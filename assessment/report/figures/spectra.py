@@ -71,7 +71,7 @@ def draw_spectra(
 
 def draw_demand(results: Results, words: Words) -> Figure:
     """Draw S_e (g) and S_De (mm) of each limit state over the period, 5 % damping."""
-    figure, (above, below) = chart(words, columns=2)
+    figure, (above, below) = chart(words, columns=2, height_mm=66.0, foot_mm=12.0)
     for dashes, (limit, spectrum) in zip(DASHES, known(results.spectra).items(), strict=False):
         T = np.asarray(spectrum.T_s, dtype=float)
         shown = T <= LONGEST
