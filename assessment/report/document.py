@@ -70,6 +70,7 @@ DYNAMIC = ("history", "incremental")  # chapters before the comparison, where th
 STUDIES = ("scenarios", "sensitivity")  # likewise
 CAMPAIGN = "campaign"  # likewise, behind them
 SIGNIFICANT = {"hand_check": 4, "second_solver": 8}  # digits of tables that show how near two values are
+PLACES = 3  # of a displacement in mm: what is less is rounding
 ONSET = 0.01  # of α_0: an onset below it by more closes hinges first
 
 
@@ -389,5 +390,5 @@ def _onsets(results: Results, words: Words) -> Iterator[Markup]:
                 onset=words.show(rigid.alpha_onset),
                 least=words.show(min(alpha[: peak + 1])),
                 alpha_0=words.show(rigid.alpha_0),
-                place=words.show(1000.0 * abs(rigid.curve.displacement_m[peak])),
+                place=words.show(round(1000.0 * abs(rigid.curve.displacement_m[peak]), PLACES)),
             )
