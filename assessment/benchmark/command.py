@@ -8,7 +8,17 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from assessment.benchmark.cases import campaigns, chain, dynamics, ensembles, skips, statics, steps, walls
+from assessment.benchmark.cases import (
+    campaigns,
+    chain,
+    dynamics,
+    ensembles,
+    skips,
+    sliding,
+    statics,
+    steps,
+    walls,
+)
 from assessment.benchmark.machine import load, machine
 from assessment.benchmark.measure import Row
 from assessment.benchmark.plots import shown, work_precision
@@ -224,6 +234,22 @@ BENCHMARKS = {
             ("sent_kB", "sent, kB", number),
             ("returned_kB", "returned, kB", number),
             ("equal", "results equal", str),
+        ),
+    ),
+    "sliding": Benchmark(
+        "capacity curves of rigid joints by both laws of sliding: α_0, and where they end by twelve variants that may "
+        "not matter: five increments, corners moved by rounding, other units of length and weight, another origin.",
+        sliding.sliding,
+        plain(
+            CASE,
+            ("law", "sliding", str),
+            ("alpha", "α_0", lambda value: f"{value:.5f}"),
+            ("least_m", "least end, m", lambda value: f"{value:.5f}"),
+            ("median_m", "median", lambda value: f"{value:.5f}"),
+            ("most_m", "largest", lambda value: f"{value:.5f}"),
+            ("variants", "variants", str),
+            ("not_solved", "not solved", str),
+            SECONDS,
         ),
     ),
     "skips": Benchmark(

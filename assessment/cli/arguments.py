@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 BENCHMARKS = (
     "statics", "dynamics", "ensembles", "dissipation", "collapse", "steps", "growth", "walls", "chain",
-    "campaigns", "skips",
+    "campaigns", "sliding", "skips",
 )  # fmt: skip
 STAGES = (
     "pushdown",

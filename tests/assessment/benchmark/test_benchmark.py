@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from assessment.benchmark import command, table
-from assessment.benchmark.cases import campaigns, ensembles, skips, statics, steps, walls
+from assessment.benchmark.cases import campaigns, ensembles, skips, sliding, statics, steps, walls
 from assessment.benchmark.cases.dynamics import Case, certified_to, pulse, sine, stack
 from assessment.benchmark.command import BENCHMARKS, Benchmark
 from assessment.benchmark.measure import history_programs, path_programs
@@ -292,3 +292,10 @@ def test_the_table_of_the_chain_shows_what_is_whole():
     assert "static chain" in text
     assert "--help" in text
     assert "pushdown" not in text
+
+
+def test_a_wall_that_slides_ends_where_it_does_in_any_increment_unit_and_rounding():
+    """It ended between 0.061 and 0.58 m where a path stopped as soon as its control point stood still."""
+    row = sliding.measured(sliding.cases(quick=True)[0], "associative")
+    assert row["not_solved"] == 0
+    assert row["most_m"] < 1.01 * row["least_m"]

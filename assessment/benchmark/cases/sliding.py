@@ -1,0 +1,116 @@
+"""Capacity curves under both laws of sliding: how far the end of a curve hangs on increments, units and rounding."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from assessment.analyses.static.ensemble import INCREMENTS, shaken_corners
+from assessment.benchmark.cases.structures import assembly, running_bond, template
+from assessment.benchmark.measure import FAILURES, Row, seconds_of
+from mechanics import Assembly, limit_analysis, pushover
+from mechanics.procedures.pushover import Pushover
+from mechanics.steps.static_system import Sliding
+
+LAWS: tuple[Sliding, ...] = ("associative", "coulomb")
+FACTORS = tuple(np.linspace(*INCREMENTS, 5))  # of the increment
+SEEDS = range(3)  # of moved corners
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A structure pushed towards +x at a point (m), in increments (m)."""
+
+    name: str
+    model: Assembly
+    control: tuple[float, float]
+    increment: float
+
+    def run(self, law: Sliding) -> Pushover:
+        """Return the capacity curve by a law of sliding."""
+        return pushover(self.model, self.control, "+x", "rigid", self.increment, sliding=law)
+
+
+def cases(quick: bool) -> list[Case]:
+    """Walls that slide, an arch that only turns, and one that does both; quick: two walls."""
+    wall, small = running_bond(), running_bond(2, 5, 0.341, 0.15, 0.78, full_on_top=False)
+    top = small.blocks[-1].centroid
+    walls = [
+        Case("wall of 13 blocks", small, (float(top[0]), float(top[1])), 0.005),
+        Case("Ferris and Tin-Loi's wall 1", wall, (5 * 0.4, 6 * 0.175), 0.005),
+    ]
+    if quick:
+        return walls
+    arches = []
+    for name in ("buttressed-arch", "triumphal-arch"):
+        push = template(name).pushover
+        assert push is not None
+        control = template(name).pushover_control("+x").point_m
+        arches.append(Case(name.replace("-", " "), assembly(name), control, push.increment_m))
+    return walls + arches
+
+
+def sliding(quick: bool) -> Iterator[Row]:
+    """A row for each case and law: α_0, where the curve ends over its variants, and time a curve."""
+    for case in cases(quick):
+        for law in LAWS:
+            yield measured(case, law)
+
+
+def variants(case: Case) -> list[tuple[float, Case]]:
+    """Return variants that a capacity must not depend on, with their units of length: first the case itself.
+
+    Other increments, corners moved by rounding, other units of length, another origin and another unit of weight.
+    """
+    x, z = case.control
+
+    def framed(length: float, origin: tuple[float, float], weight: float) -> tuple[float, Case]:
+        blocks = [
+            replace(
+                block,
+                vertices=length * block.polygon + np.array(origin),
+                material=replace(block.material, unit_weight=weight * block.material.unit_weight),
+            )
+            for block in case.model.blocks
+        ]
+        control = (length * x + origin[0], length * z + origin[1])
+        return length, replace(
+            case, model=Assembly(blocks), control=control, increment=length * case.increment
+        )
+
+    return [
+        (1.0, case),
+        *((1.0, replace(case, increment=factor * case.increment)) for factor in FACTORS if factor != 1.0),
+        *((1.0, replace(case, model=shaken_corners(case.model, seed))) for seed in SEEDS),
+        framed(1000.0, (0.0, 0.0), 1.0),
+        framed(1.0, (137.3, -41.9), 1.0),
+        framed(1.0, (0.0, 0.0), 37.0),
+    ]
+
+
+def measured(case: Case, law: Sliding) -> Row:
+    """A row of the table: least, median and largest end (m) of the curves of all variants that are solved."""
+    row: Row = {"case": case.name, "law": law, "blocks": int(case.model.movable.sum())}
+    row["alpha"] = limit_analysis(case.model, sliding=law).alpha
+    ends, seconds, failed = [], [], 0
+    tried = variants(case)
+    for length, variant in tried:
+        try:
+            taken, curve = seconds_of(partial(variant.run, law))
+        except FAILURES:
+            failed += 1
+            continue
+        seconds.append(taken)
+        ends.append(float(curve.displacement[-1]) / length)
+    row |= {"variants": len(tried), "not_solved": failed}
+    if not ends:
+        return row | {"failed": "no variant is solved"}
+    return row | {
+        "least_m": min(ends),
+        "median_m": float(np.median(ends)),
+        "most_m": max(ends),
+        "seconds": float(np.median(seconds)),
+    }
