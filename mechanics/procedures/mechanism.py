@@ -67,6 +67,10 @@ def _merged(points: Array, turn: Array, distance: float) -> Array:
 
 
 def virtual_work_multiplier(model: Assembly, mechanism: Array, direction: Direction) -> float:
-    """Return α = −f_Dᵀδ/f_Lᵀδ of virtual displacements δ (b, 3): associative contact forces do no work."""
+    """Return α = −f_Dᵀδ/f_Lᵀδ of virtual displacements δ (b, 3): associative contact forces do no work.
+
+    Infinite or NaN where the lateral load f_L does no work on δ.
+    """
     moved = np.where(model.movable[:, None], mechanism, 0.0)
-    return -float((model.dead_load * moved).sum() / (model.lateral_load(direction) * moved).sum())
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return -float((model.dead_load * moved).sum() / (model.lateral_load(direction) * moved).sum())

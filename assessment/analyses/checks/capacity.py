@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
@@ -118,9 +119,13 @@ def _assessed(
 
 
 def _refuse_other_mechanism(rigid: RigidPush) -> None:
-    """Raise CapacityError where virtual work on the mechanism contradicts the multiplier of the curve."""
-    told, virtual_work = rigid.mechanism.alpha, rigid.virtual_work_alpha
-    if virtual_work is not None and abs(virtual_work - told) > CONTRADICTION * abs(told):
+    """Raise CapacityError where virtual work on the mechanism contradicts the multiplier of the curve.
+
+    No finite multiplier is a contradiction too: the mechanism moves, and the horizontal load does no work on it.
+    """
+    told, by_work = rigid.mechanism.alpha, rigid.virtual_work_alpha
+    virtual_work = math.inf if by_work is None else by_work
+    if abs(virtual_work - told) > CONTRADICTION * abs(told):
         raise CapacityError(
             f"virtual work on the mechanism gives α = {virtual_work:.3g}, the curve {told:.3g}: blocks "
             "slide or move by themselves there, and e*, Γ* are not those of a mechanism"

@@ -125,7 +125,7 @@ class RigidPush(Part):
     sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
     mechanism: Mechanism = key("the mechanism at its activation")
     virtual_work_alpha: float | None = key(
-        "multiplier by virtual work over all blocks; null: no load works", "–"
+        "multiplier by virtual work over all blocks; null: the horizontal load does no work", "–"
     )
     second_solver: SecondSolver | None = optional(
         "α of limit analysis by a second program; null: joints crush, the program is not linear"

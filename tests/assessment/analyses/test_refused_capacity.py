@@ -46,6 +46,15 @@ def test_a_mechanism_that_virtual_work_contradicts_has_no_capacity(capacities, s
     )
 
 
+def test_a_mechanism_on_which_the_horizontal_load_does_no_work_has_no_capacity(capacities):
+    """Virtual work is then infinite, or 0/0: null in the results, and it contradicts every curve."""
+    found, warnings = capacities(
+        lambda curves: curves.replace(rigid=curves.rigid.replace(virtual_work_alpha=None))
+    )
+    assert "+x" not in found and "-x" in found
+    assert any("+x: no capacity: virtual work on the mechanism gives α = inf" in text for text in warnings)
+
+
 def test_an_elastic_pushover_that_failed_is_not_asked_for_again(capacities):
     found, warnings = capacities(lambda curves: curves.replace(elastic=None))
     assert "+x" not in found and "-x" in found

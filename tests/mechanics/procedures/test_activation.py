@@ -59,6 +59,15 @@ def test_mechanism_reactions_and_hand_check_belong_to_alpha_0(state, direction):
     assert listed["alpha_0"] == alpha_0 and listed.get("mechanism_alpha", alpha_0) == activated
 
 
+@pytest.mark.parametrize("motion", [(0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)])
+def test_a_motion_on_which_the_horizontal_load_does_no_work_has_no_multiplier(motion):
+    """A mechanism where blocks fall by themselves: a division by zero that stops no run, and is no finite number."""
+    model = block_on_base()
+    assert not np.isfinite(
+        virtual_work_multiplier(model, np.tile(motion, (len(model.initial.positions), 1)), "+x")
+    )
+
+
 @pytest.mark.parametrize(("state", "direction"), PUSHED)
 def test_the_mechanism_is_drawn_where_it_is_activated(state, direction):
     results = analysed()
