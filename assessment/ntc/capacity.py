@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+CONFIDENCE_FACTOR = "Circolare 7/2019, C8.5.4"  # where F_C is a number that is given
 _LAW = "Circolare 7/2019, C8.7.1.2"
 _PAPER = "Portioli et al., §7.1"
 
@@ -101,13 +102,15 @@ def mechanism_participation(model: Assembly, mechanism: Array, control_dx: float
 class CapacityCurve:
     """Capacity of the equivalent oscillator: a* (k,) in g over d* (k,) in m, with the fit it comes from.
 
-    a* = α/(e* F_C) (in g), d* = d Γ*; the confidence factor is in here and nowhere else.
+    a* = α/(e* F_C) (in g), d* = d Γ*; the confidence factor is in here and nowhere else. `confidence_source`: the
+    paragraph that F_C follows from.
     """
 
     fit: CurveFit
     e_star: float
     gamma_star: float
     confidence_factor: float
+    confidence_source: str
 
     @cached_property
     def displacement(self) -> Array:
@@ -156,7 +159,7 @@ class CapacityCurve:
         lines = [
             datum("e_star", e, "", _LAW),
             datum("Gamma_star", Gamma, "", _LAW),
-            datum("F_C", F_C, "", "Circolare 7/2019, C8.5.4"),
+            datum("F_C", F_C, "", self.confidence_source),
             datum("alpha_0", fit.alpha_0, "", fit.source),
             step("a_0_star", "alpha_0/(e_star*F_C)", self.a_0_star, "g", _LAW, alpha_0=fit.alpha_0, e_star=e,
                  F_C=F_C),
@@ -180,15 +183,19 @@ class CapacityCurve:
 
 
 def capacity_curve(
-    fit: CurveFit, e_star: float, gamma_star: float, confidence_factor: float = 1.0
+    fit: CurveFit,
+    e_star: float,
+    gamma_star: float,
+    confidence_factor: float = 1.0,
+    confidence_source: str = CONFIDENCE_FACTOR,
 ) -> CapacityCurve:
     """Return the capacity curve d* = d Γ*, a* = α/(e* F_C): the confidence factor divides once, here.
 
-    Raises ValueError naming the argument.
+    `confidence_source`: the paragraph that F_C follows from. Raises ValueError naming the argument.
     """
     require(0.0 < e_star <= 1.0 + 1e-9, "e_star", e_star, "above 0 and at most 1")
     require(0.0 < gamma_star < np.inf, "gamma_star", gamma_star, "positive")
     require(
         1.0 <= confidence_factor < np.inf, "confidence_factor", confidence_factor, "1 or more (1.35, 1.20, 1)"
     )
-    return CapacityCurve(fit, e_star, gamma_star, confidence_factor)
+    return CapacityCurve(fit, e_star, gamma_star, confidence_factor, confidence_source)

@@ -13,6 +13,7 @@ from itertools import pairwise
 from math import log
 
 from assessment.ntc.calculation import Trace, datum, step
+from assessment.ntc.capacity import CONFIDENCE_FACTOR
 from assessment.ntc.demand.hazard import EXCEEDANCE, USE_COEFFICIENT
 
 CLASSES = ("A+", "A", "B", "C", "D", "E", "F", "G")
@@ -166,7 +167,7 @@ COMPONENTS = {  # F_Ck that may be chosen, from limited to exhaustive knowledge 
 def confidence_factor(level: str | None, components: Mapping[str, float]) -> Knowledge:
     """Return F_C of a level of knowledge, or 1 + Σ F_Ck of the four components where no level is given."""
     if level is not None:
-        source = f"Circolare 7/2019, C8.5.4, {level}"
+        source = f"{CONFIDENCE_FACTOR}, {level}"
         return Knowledge(LEVELS[level], (datum("F_C", LEVELS[level], "", source),))
     named = {f"F_C{k}": components[name] for k, name in enumerate(COMPONENTS, 1)}
     factor = 1.0 + sum(named.values())

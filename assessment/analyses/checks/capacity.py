@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from assessment.analyses.checks.check_result import check_of, curve_of
 from assessment.analyses.checks.chosen_mechanism import Control, MechanismError, compared, evaluate
 from assessment.analyses.checks.demand import Demands, demand_return_periods, ground_of, site_acceleration
+from assessment.analyses.checks.indices import confidence_source
 from assessment.analyses.static.local_loss import loss_told
 from assessment.analyses.static.states import PAST_PEAK
 from assessment.ntc.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
@@ -99,7 +100,9 @@ def _assessed(
     branch = None if elastic is None else along_push(elastic.curve, direction)
     fit = fit_curve(assessment.model, rigid_branch(rigid, direction), branch)
     fit = replace(fit, elastic_end=_elastic_end(elastic) if assessment.model != "none" else None)
-    capacity = capacity_curve(fit, part.e_star, part.gamma_star, assessment.confidence_factor)
+    capacity = capacity_curve(
+        fit, part.e_star, part.gamma_star, assessment.confidence_factor, confidence_source(assessment)
+    )
     method = with_loss(method_of(project, demands.hazard), rigid.local_loss)
     warnings += [f"{direction}: {note}" for note in _beyond_loss(assessment, rigid.local_loss)]
     checks = verify(capacity, demands.spectra, method)
@@ -297,6 +300,7 @@ def assess_chosen(
     """Return the mechanisms that the user chose, each in its state's configuration; a refused one has its reason."""
     found = []
     factor = project.assessment.confidence_factor if project.assessment else 1.0
+    source = confidence_source(project.assessment)
     method = method_of(project, demands.hazard) if project.assessment else Method()
     for chosen in chosen_mechanisms(project, model):
         state = states[chosen.state]
@@ -305,7 +309,7 @@ def assess_chosen(
             if chosen.state != ORIGINAL and not any(map(any, state.configuration)):
                 raise MechanismError("its state was not reached")
             controls = _controls(project, model, positions)
-            answer = evaluate(model, positions, chosen, factor, demands.spectra, method, controls)
+            answer = evaluate(model, positions, chosen, factor, demands.spectra, method, controls, source)
             pushed = state.pushover.get(known(answer.direction))
             rigid = pushed.rigid if pushed else None
             answer = compared(answer, rigid.alpha_0 if rigid else None, rigid.alpha_onset if rigid else None)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from assessment.analyses.checks.check_result import check_of, curve_of
 from assessment.analyses.checks.kinematics import Closed, KinematicsError, finite_motion, hinges_of
 from assessment.analyses.checks.virtual_work import VirtualWork, virtual_displacements, virtual_work
-from assessment.ntc.capacity import CapacityCurve, capacity_curve
+from assessment.ntc.capacity import CONFIDENCE_FACTOR, CapacityCurve, capacity_curve
 from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
 from assessment.ntc.verification import Method, verify
 from assessment.results.faces import Met
@@ -121,12 +121,13 @@ def evaluate(
     demands: Mapping[str, Spectrum],
     method: Method,
     controls: Mapping[str, Control] | None = None,
+    confidence_source: str = CONFIDENCE_FACTOR,
 ) -> parts.GivenMechanism:
     """Return α0 of a chosen mechanism at `positions` (b, 3), its direction, its checks and their steps.
 
-    `controls`: control point of each direction. If it takes no part in the mechanism, the block that moves farthest
-    has the control point. Raises MechanismError if blocks penetrate, if no weight moves horizontally, or if the weights
-    alone drive the motion.
+    `confidence_source`: the paragraph that F_C follows from. `controls`: control point of each direction. If it takes
+    no part in the mechanism, the block that moves farthest has the control point. Raises MechanismError if blocks
+    penetrate, if no weight moves horizontally, or if the weights alone drive the motion.
     """
     delta = virtual_displacements(model, positions, chosen)
     motion = joint_motion(model, positions, delta)
@@ -150,7 +151,7 @@ def evaluate(
         except (KinematicsError, CapacityError) as refusal:
             notes.append(f"no nonlinear check: {refusal}")
     *others, participation = work.participation_steps(control.delta_x)
-    capacity = capacity_curve(fit, work.e_star, participation.result, confidence_factor)
+    capacity = capacity_curve(fit, work.e_star, participation.result, confidence_factor, confidence_source)
 
     by_hand = [*work.steps, *work.result_steps(), *others, participation]
     steps = [*by_hand, *(line for line in capacity.steps() if line.symbol in CURVE)]

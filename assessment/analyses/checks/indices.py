@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from assessment.analyses.checks.demand import demand_return_periods
+from assessment.ntc.capacity import CONFIDENCE_FACTOR
 from assessment.ntc.indices import confidence_factor, heritage_and_risk_indices, required_zeta
 from assessment.results.lines import lines
 from assessment.results.schema.checks import Capacity, Check, Direction
@@ -14,7 +15,7 @@ from assessment.results.schema.part import known
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
-    from assessment.project.schema import KnowledgeTable
+    from assessment.project.schema import AssessmentTable, KnowledgeTable
 
 
 def state_indices(project: Project, capacities: Mapping[Direction, Capacity]) -> Indices | None:
@@ -73,6 +74,19 @@ def knowledge_of(knowledge: KnowledgeTable) -> Knowledge:
         origins=knowledge.origins,
         trace=lines(found.trace),
     )
+
+
+def confidence_source(assessment: AssessmentTable | None) -> str:
+    """Return what F_C follows from: the paragraph of its components, or of the level of knowledge.
+
+    Without an assessment F_C is 1, and no paragraph says so.
+    """
+    if assessment is None:
+        return "no assessment asked for"
+    knowledge = assessment.knowledge
+    if knowledge is None:
+        return CONFIDENCE_FACTOR
+    return confidence_factor(knowledge.level, knowledge.components).trace[-1].paragraph
 
 
 class _Least(NamedTuple):

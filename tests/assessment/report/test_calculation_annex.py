@@ -9,6 +9,7 @@ from ezdxf.math import Matrix44
 
 from assessment.analyses.checks.capacity import assess, assess_chosen, capacities, governing
 from assessment.analyses.checks.demand import demand_parts, demand_spectra
+from assessment.analyses.checks.indices import confidence_source
 from assessment.cli.main import main
 from assessment.ntc.capacity_return_period import stated
 from assessment.ntc.demand.hazard import RETURN_PERIODS
@@ -47,6 +48,7 @@ period_s = 0.4
 higher_periods_s = [0.13]
 higher_participations = [-0.24]
 """
+KNOWLEDGE = "[assessment.knowledge]\ngeometry = 0.05\nconstruction = 0.12\nmechanical = 0.06\nground = 0.03\n"
 RECORD = (
     '[[history]]\nrecord = "wave.csv"\nwindow_s = [0.0, 0.02]\ncontacts = "rigid"\nstates = ["original"]\n'
 )
@@ -57,6 +59,10 @@ VARIANTS = {
     "site table, bilinear": '[assessment]\nmodel = "bilinear"\n' + SITE,
     "grid, rigid, along the return period": '[assessment]\nmodel = "none"\nmethod = "grid"\n' + GRID,
     "floor": "[assessment]\n" + TYPED + FLOOR,
+    "components of F_C": "[assessment]\nconfidence_factor = 1.26\n" + TYPED + KNOWLEDGE + MECHANISM,
+    "level of knowledge": "[assessment]\nconfidence_factor = 1.2\n"
+    + TYPED
+    + '[assessment.knowledge]\nlevel = "LC2"\n',
     "2009": "[assessment]\ncircular = 2009\n" + TYPED,
     "floor, 2009": "[assessment]\ncircular = 2009\n" + TYPED + FLOOR.partition("higher")[0],
     "record": '[assessment]\nspectrum = "record"\n' + RECORD,
@@ -204,6 +210,32 @@ def test_symbols_are_set_and_carry_the_unit_of_their_quantity(outcomes, name):
     periods = {head for head in heads if re.match(r"T(<sub>(?!R)| )", head)}
     assert periods and not [head for head in periods if not head.endswith("[s]")]
     assert all(head.endswith("[anni]") for head in heads if head.startswith("T<sub>R"))
+
+
+@pytest.mark.parametrize(
+    ("name", "source"),
+    [
+        ("floor", "Circolare 7/2019, C8.5.4"),
+        ("components of F_C", "D.P.C.M. 9/2/2011, §4.2"),
+        ("level of knowledge", "Circolare 7/2019, C8.5.4, LC2"),
+    ],
+)
+def test_the_source_of_the_confidence_factor_is_what_it_follows_from(outcomes, name, source):
+    """Of each check and of a chosen mechanism; C8.5.4 was printed where 1 + Σ F_Ck of the D.P.C.M. gives it."""
+    results = typed(outcomes[name])
+    told = {row["paragraph"] for row in trace(results).rows if row["symbol"] == "F_C"}
+    assert told == {source}
+    shown = {
+        str(row[-1])
+        for grid in traces(results, Words.of("en"))
+        for row in grid.rows
+        if row[0] == "F<sub>C</sub>"
+    }
+    assert shown == {source}
+
+
+def test_without_an_assessment_no_paragraph_gives_the_confidence_factor():
+    assert confidence_source(None) in Words.of("it").strings["source"]
 
 
 def test_the_demand_is_that_of_the_project(outcomes):
