@@ -121,10 +121,5 @@ def remember(folder: Path, outcome: Outcome, keys: Keys, parts: Collection[str],
     Store(folder / FOLDER).keep(ENTRY, json.dumps(asdict(left)))
 
 
-def forget(folder: Path) -> None:
-    """Remove the record, so that the next run writes every part again."""
-    (folder / FOLDER / ENTRY).unlink(missing_ok=True)
-
-
 def _digests(folder: Path, part: str) -> dict[str, str]:
     return {name: file_digest(folder / name) for name in files_of(folder, [part])}

@@ -19,7 +19,6 @@ from assessment.workflow.earlier import (
     NO_REPORT,
     REPORT,
     RESULTS,
-    forget,
     keys_of,
     keys_with,
     recall,
@@ -113,7 +112,8 @@ def print_again(project: Project, folder: Path) -> list[str]:
         edited = last is not None and not last.intact(folder, RESULTS)
         warnings = [EDITED] if edited else []
         try:
-            results["quality"]["warnings"] += warnings
+            told = results["quality"]["warnings"]
+            told += [text for text in warnings if text not in told]
             _retitle(results, project)
             warnings += write(typed(results), results, folder, jobs=0, attachments=project.attachments())
         except (OSError, KilledError):
@@ -124,9 +124,9 @@ def print_again(project: Project, folder: Path) -> list[str]:
             raise ValueError(
                 f"{stored}: damaged or edited, cannot be printed; run the project again"
             ) from error
-        if last is None or edited:
-            forget(folder)
-        else:
+        if (
+            last is not None and not edited
+        ):  # else the record stays: the results are not those of the run it is of
             keys = keys_with(last.results, project, results["inputs"].get(project.source))
             outcome = Outcome(results, last.complete, 0, last.analyses)
             remember(folder, outcome, keys, EVERYTHING, warnings)

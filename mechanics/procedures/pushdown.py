@@ -25,12 +25,14 @@ class PushdownTolerances:
 
     `onset`: movement at which the first reaction is taken, as a share of an increment and at most of the block size;
     `whole`: difference between the blocks' movement and the support's, as a share of it, up to which the structure
-    moves as a whole; `look_ahead`: contacts are looked for within so many times the expected displacement of a step.
+    moves as a whole; `look_ahead`: contacts are looked for within so many times the expected displacement of a step;
+    `points`: most points of a path that goes on to collapse.
     """
 
     onset: float = 1e-3
     whole: float = 1e-6
     look_ahead: float = 4.0
+    points: int = 20_000
 
 
 PUSHDOWN = PushdownTolerances()
@@ -88,6 +90,9 @@ def pushdown(
     final: State | None = None
     ultimate, end, bisection = None, "the whole movement is applied", Bisection(increment)
     while path.movement[-1] < limit * (1.0 - 1e-9):
+        if final is not None and len(path.steps) >= PUSHDOWN.points:
+            end = f"{PUSHDOWN.points} points"
+            break
         here, aim = path.movement[-1], full if final is None else limit
         by = min(bisection.length, aim - here)
         try:

@@ -13,6 +13,7 @@ from assessment.cli.main import main
 from assessment.project.catalogue.new_project import template_layout, write_drawing
 from assessment.runtime.cache import FOLDER
 from assessment.runtime.files.journal import NAME as JOURNAL
+from assessment.workflow.earlier import ENTRY
 from tests import ROOT
 
 
@@ -87,6 +88,11 @@ def read_results(folder: Path) -> dict[str, Any]:
 
 def _refuse(name: str) -> None:
     raise AssertionError(f"{name} is no JSON")
+
+
+def forget(output: Path) -> None:
+    """Remove the record of the last run from an output folder, so that the next one writes every part again."""
+    (output / FOLDER / ENTRY).unlink(missing_ok=True)
 
 
 def contents(folder: Path) -> dict[str, str]:

@@ -104,7 +104,8 @@ def settlement_problems(
             f"the movement takes {settlement.increments} increments; "
             f"write longer ones, for {_MOST_INCREMENTS} or fewer"
         )
-        yield Problem((*path, "increment_m"), text)
+        turns = abs(settlement.rotation_rad) / settlement.increment_rad > largest / settlement.increment_m
+        yield Problem((*path, "increment_rad" if turns else "increment_m"), text)
     if settlement.steps and not project.pushover:
         text = "there is no pushover whose capacity could be reviewed; add [pushover] or leave steps out"
         yield Problem((*path, "steps"), text)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -95,25 +96,33 @@ class Stage:
 
 
 def read_journal(folder: Path) -> list[Stage]:
-    """Return the stages of the journal in a folder; none where there is none. An incomplete line is left out."""
+    """Return the stages of the journal in a folder; none where there is none.
+
+    An incomplete line is left out, and so is one that tells of no event: the file is what a kill or a full disk left.
+    """
     try:
-        lines = (folder / NAME).read_text(encoding="utf-8").splitlines()
+        lines = (folder / NAME).read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
         return []
     stages: list[Stage] = []
     for line in lines:
-        try:
-            event = json.loads(line)
-        except ValueError:
-            continue
-        if event["event"] == "begin":
-            stages.append(Stage(event["stage"], event["total"], event["taken"], event["time"]))
-        stage = stages[-1]
-        stage.latest = event["time"]
-        if event["event"] == "done":
-            stage.done += 1
-        elif event["event"] == "fault":
-            stage.faults.append((event["title"], event["reasons"]))
-        elif event["event"] == "end":
-            stage.ended = True
+        with suppress(ValueError, TypeError, KeyError, IndexError, OverflowError, RecursionError):
+            _add(stages, json.loads(line))
     return stages
+
+
+def _add(stages: list[Stage], event: Mapping[str, Any]) -> None:
+    """Add an event to the stage that it is of, the last one; an event that is none raises and changes nothing."""
+    kind, moment = event["event"], float(event["time"])
+    if not math.isfinite(moment):
+        raise ValueError(f"time: {moment}")
+    if kind == "begin":
+        stages.append(Stage(str(event["stage"]), int(event["total"]), int(event["taken"]), moment))
+    stage = stages[-1]
+    if kind == "done":
+        stage.done += 1
+    elif kind == "fault":
+        stage.faults.append((str(event["title"]), [str(reason) for reason in event["reasons"]]))
+    elif kind == "end":
+        stage.ended = True
+    stage.latest = moment

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -12,7 +11,10 @@ from assessment.runtime.files.lock import holder
 
 
 def status(folder: Path) -> str:
-    """Return the stages of the run in a folder: done, failed, in flight, time left; failures with their reasons."""
+    """Return the stages of the run in a folder: done, failed, in flight, time left; failures with their reasons.
+
+    Of a run that has ended, what its results say. Raises ValueError, naming file and key, where they are damaged.
+    """
     stages, running = read_journal(folder), holder(folder)
     if not stages and not running:
         return "\n".join(_finished(folder))
@@ -41,11 +43,13 @@ def _line(stage: Stage, running: bool) -> str:
 
 
 def _finished(folder: Path) -> Iterator[str]:
-    try:
-        results = json.loads((folder / "results.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    from assessment.results.file import read_content  # late: a run under way is told of without it
+
+    stored = folder / "results.json"
+    if not stored.is_file():
         yield f"nothing has been run in {folder}"
         return
+    results = read_content(stored)
     failures = (results.get("campaign") or {}).get("failures") or []
     yield f"finished: {folder}, {results['quality']['solves']} solves, {len(failures)} failures of the campaign"
     yield from (f"  failed: {failure}" for failure in failures)

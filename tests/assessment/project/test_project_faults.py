@@ -242,6 +242,12 @@ WRONG = [  # old text, new text, key, what the message must hold
     ("[0.020, -0.020]", "[0, 0.0]", "settlements[1].displacement_m", "nothing moves"),
     ("increment_m = 0.001\nto", "increment_m = 0.05\nto", "settlements[1].increment_m", "write 0.02 or less"),
     ("increment_m = 0.001\nto", "increment_m = 1e-7\nto", "settlements[1].increment_m", "200000 increments"),
+    (
+        "rotation_rad = 0.0\n",
+        "increment_rad = 1e-7\nrotation_rad = 0.1\n",
+        "settlements[1].increment_rad",
+        "1000000 increments",
+    ),
     ("scale = 1.0", "scale = 0", "history[1].scale", "0 leaves no motion"),
     ("[15.0, 22.0]", "[22.0, 15.0]", "history[1].window_s", "0 ≤ first < last"),
     ("max_scale = 5.0", "window_s = [-1, 5]", "incremental.window_s", "0 ≤ first < last"),

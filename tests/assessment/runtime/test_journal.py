@@ -53,6 +53,47 @@ def test_a_line_that_a_kill_cut_short_is_left_out(tmp_path):
     ]
 
 
+BEGUN = '{"event": "begin", "stage": "campaign", "total": 3, "taken": 0, "time": 1.0}'
+DAMAGED = (
+    b"1",
+    b"[1]",
+    b'"x"',
+    b"null",
+    b"{}",
+    b'{"event": "done", "time": 1e400}',
+    b'{"event": "done", "time": "x"}',
+    b'{"event": "begin", "stage": "campaign", "total": "x", "taken": 0, "time": 1.0}',
+    b'{"event": "begin", "stage": "campaign", "total": 1e400, "taken": 0, "time": 1.0}',
+    b'{"event": "begin", "time": 1.0}',
+    b'{"event": "fault", "time": 1.0, "title": "wave", "reasons": 3}',
+    b"[" * 100_000,
+    b"\xff\xfe\x00",
+)
+
+
+@pytest.mark.parametrize("line", DAMAGED)
+def test_a_journal_that_is_damaged_is_read_as_far_as_it_tells_of_events(tmp_path, line):
+    """Each was a traceback of `assesto status`."""
+    done = b'{"event": "done", "time": 2.0}'
+    (tmp_path / NAME).write_bytes(b"\n".join((done, line, BEGUN.encode(), line, done, line)))
+    assert status(tmp_path).splitlines()[1] == "campaign: 1 of 3 done"
+    (tmp_path / NAME).write_bytes(line + b"\n" + done)
+    assert status(tmp_path).startswith("nothing has been run in")
+
+
+@pytest.mark.parametrize("content", ["", "[]", "{}", '{"assesto": "0.1.0"}', "[" * 10_000])
+def test_the_status_of_damaged_results_is_told_in_a_message(tmp_path, capsys, content):
+    """They were a traceback, or nothing was said to have been run."""
+    (tmp_path / "output").mkdir()
+    (tmp_path / "output" / "results.json").write_text(content, encoding="utf-8")
+    assert main(["status", str(tmp_path)]) == 2
+    said = capsys.readouterr().err
+    assert (
+        said.startswith(f"error: {tmp_path / 'output' / 'results.json'}: ")
+        and "run the project again" in said
+    )
+
+
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal")
 def test_a_run_that_is_killed_again_and_again_is_told_of_and_goes_on_with_equal_results(tmp_path, capsys):
     folder = write_campaign(tmp_path / "block", STRIPES, 1)

@@ -12,9 +12,8 @@ from assessment.project.project import load_project
 from assessment.report.figures import index as figures
 from assessment.runtime import fingerprint
 from assessment.runtime.cache import FOLDER, Store
-from assessment.workflow.earlier import forget
 from assessment.workflow.stages import run
-from tests.support.block_project import edit, timeless
+from tests.support.block_project import edit, forget, timeless
 from tests.support.every_stage import ALL, assesto, counts, entries, write_every_stage, write_wave
 
 

@@ -17,8 +17,8 @@ from assessment.report.judgement_file import NAME
 from assessment.runtime.cache import FOLDER, Store
 from assessment.workflow import output
 from assessment.workflow import stages as workflow
-from assessment.workflow.earlier import ENTRY, forget
-from tests.support.block_project import PROJECT, command, edit, read_results, timeless, write_block
+from assessment.workflow.earlier import ENTRY
+from tests.support.block_project import PROJECT, command, edit, forget, read_results, timeless, write_block
 from tests.support.every_stage import REPORT
 
 CLIENT = 'client = "Parish"\n'
@@ -237,6 +237,11 @@ def test_results_changed_by_hand_are_told_in_the_report(project, capsys):
     page = (project / "output" / "report.html").read_text(encoding="utf-8")
     assert "results.json è stato modificato" in page
     assert main(["report", str(project)]) == 0
+    assert "results.json was changed after the run that wrote it" in capsys.readouterr().err, "said once"
+    told = [
+        text for text in read_results(project / "output")["quality"]["warnings"] if "changed after" in text
+    ]
+    assert len(told) == 1
     assert "results.json è stato modificato" in (project / "output" / "report.html").read_text(
         encoding="utf-8"
     )

@@ -10,6 +10,7 @@ import pytest
 from assessment.project.catalogue.new_project import new_project
 from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover
 from mechanics.errors import CollapseError, RunawayError
+from mechanics.procedures.pushdown import PushdownTolerances
 from mechanics.procedures.pushover import PushoverTolerances
 from tests.support.drawn_projects import drawn, tables
 from tests.support.structures import arch_on_piers, block_on_base, rectangle
@@ -23,6 +24,14 @@ def test_a_structure_that_rides_with_its_support_has_no_ultimate_movement():
     assert path.ultimate is None
     assert path.end == "the structure moves with its support as a whole"
     assert len(path.movement) < 20
+
+
+def test_a_path_to_collapse_has_a_bound_on_its_points(monkeypatch):
+    """An increment of 1e-7 m after a small movement made a path of tens of millions of points."""
+    monkeypatch.setattr(MODULE["pushdown"], "PUSHDOWN", PushdownTolerances(points=12))
+    path = pushdown(block_on_base(), "base", rotation=-0.001, increment=1e-4, to_collapse=True)
+    assert len(path.movement) == 12 and path.end == "12 points"
+    assert path.ultimate is None and path.movement[-1] >= 0.001
 
 
 def test_a_turn_with_a_small_translation_is_as_good_as_one_without():

@@ -1,4 +1,4 @@
-"""Tries every hostile input and prints the counts: python -m tests.hostile [FACTOR]."""
+"""Tries every hostile input and prints the counts: python -m tests.support.hostile [FACTOR]."""
 
 from __future__ import annotations
 
