@@ -10,6 +10,9 @@ from scipy.optimize import linprog
 from mechanics.errors import ArgumentError
 from mechanics.program import LARGEST_MULTIPLIER, Program
 from mechanics.solvers.qp_piqp import Answer, StandardForm
+from mechanics.types import Mask
+
+FEASIBLE = 1e-10  # what HiGHS may leave of a row: the least that it takes
 
 
 def solve(program: Program, method: Literal["highs-ds", "highs-ipm"] = "highs-ds") -> Answer | None:
@@ -23,3 +26,25 @@ def solve(program: Program, method: Literal["highs-ds", "highs-ipm"] = "highs-ds
         return None
     # HiGHS gives the change of the optimum with b; the multiplier of Az − b has the other sign
     return form.recover(np.asarray(result.x), -np.asarray(result.eqlin.marginals))
+
+
+def least_residual(program: Program, closed: Mask) -> float:
+    """Return what the best forces at closed ends (j, 2) leave of the loads, per weight; infinite if there are none.
+
+    Decided by linear programming alone, so exact where the forces that balance the loads are unique, or at their bounds
+    (no friction, an arch of the least thickness): an interior point has no interior there.
+    """
+    form = StandardForm.of(program)
+    bounds: list[tuple[float | None, float | None]] = [
+        (0.0, None if bears else 0.0) for bears in np.repeat(closed.ravel(), 2)
+    ]
+    bounds += [(None, LARGEST_MULTIPLIER)] * (program.lateral is not None)
+    result = linprog(
+        np.zeros(len(bounds)), A_eq=form.a, b_eq=form.b, bounds=bounds, method="highs-ds",
+        options={"primal_feasibility_tolerance": FEASIBLE},
+    )  # fmt: skip
+    if result.status != 0:
+        return np.inf
+    forces = np.asarray(result.x)
+    forces[: form.rays] = forces[: form.rays].clip(0.0)
+    return float(abs(form.a @ forces - form.b).max())
