@@ -13,7 +13,7 @@ import numpy as np
 from assessment.benchmark.cases.dynamics import Case, peak, shaking
 from assessment.benchmark.cases.structures import assembly, running_bond, template
 from assessment.benchmark.measure import Row, history_programs, piqp
-from assessment.benchmark.table import number, pivoted
+from assessment.benchmark.table import number, percent, pivoted
 from mechanics import ConvergenceError, TimeHistory
 from mechanics.procedures import time_history as histories
 from mechanics.procedures.time_history import RESOLVED, Integrator
@@ -22,6 +22,9 @@ from mechanics.types import Array
 
 AMPLITUDES = np.linspace(0.99, 1.01, 9)
 QUICK = AMPLITUDES[::4]
+# two branches of motions: the median of nine members may be on either, that of these is known to some per cent
+MANY = np.linspace(0.99, 1.01, 45)
+CONFIDENCE = 0.95
 STEPS, QUICK_STEPS = (0.01, 0.005, 0.0025, 0.00125), (0.005,)  # s
 FINE = 0.0003125  # s: of the resolved ensemble
 DEFAULT_STEP = 0.005
@@ -52,7 +55,7 @@ def ensembles(quick: bool) -> Iterator[Row]:
     """A row for every case, way and time step: median, range, distance from the resolved median, and cost."""
     for case in cases(quick):
         factors = QUICK if quick else AMPLITUDES
-        resolved = float(np.median(peaks(case, members(case, DEFAULT, _finest(quick), factors))))
+        resolved = peaks(case, members(case, DEFAULT, _finest(quick), AMPLITUDES if quick else MANY))
         for way in QUICK_WAYS if quick else WAYS:
             for step in QUICK_STEPS if quick else STEPS:
                 yield measured(case, way, step, factors, resolved)
@@ -96,8 +99,25 @@ def scaled(case: Case, factor: float) -> Case:
     return replace(case, record=lambda times: factor * record(times))
 
 
-def measured(case: Case, way: Way, step: float, factors: Array, resolved: float) -> Row:
-    """A row of ensembles; `resolved` (m): the median of members at a time step that resolves the impacts."""
+def median_between(values: Array) -> tuple[float, float]:
+    """Two of the values (k,) between which the median of all that might be drawn lies, with 95 % CONFIDENCE.
+
+    Of k values so many are below it as of k tosses of a coin show heads. Raises ValueError for fewer than six values.
+    """
+    from scipy.stats import binom
+
+    count = len(values)
+    below = int(binom.ppf(0.5 * (1.0 - CONFIDENCE), count, 0.5))  # fewer of them are hardly ever below
+    if below < 1:
+        raise ValueError(f"the median of {count} values is not known with so much confidence")
+    ordered = np.sort(values)
+    return float(ordered[below - 1]), float(ordered[count - below])
+
+
+def measured(case: Case, way: Way, step: float, factors: Array, resolved: Array) -> Row:
+    """A row of ensembles; `resolved` (k,) m: peaks of members at a time step that resolves the impacts."""
+    low, high = median_between(resolved)
+    middle = float(np.median(resolved))
     row: Row = {
         "case": case.name,
         "parameter": "time step",
@@ -106,7 +126,10 @@ def measured(case: Case, way: Way, step: float, factors: Array, resolved: float)
         "integrator": way.integrator,
         "levels": way.levels,
         "default": step == DEFAULT_STEP and way == DEFAULT,
-        "resolved_m": resolved,
+        "resolved_m": middle,
+        "resolved_low_m": low,
+        "resolved_high_m": high,
+        "resolved_members": len(resolved),
     }
     began = time.process_time()
     motions = members(case, way, step, factors)
@@ -116,9 +139,9 @@ def measured(case: Case, way: Way, step: float, factors: Array, resolved: float)
         return row | {"failed": "most members are not solved"}
     found = peaks(case, motions)
     steps = sum(len(m.time) - 1 for m in motions)
-    middle = motions[len(motions) // 2]
+    some = motions[len(motions) // 2]
     programs = history_programs(
-        case.model, case.contacts, middle, case.acceleration(step), max(len(middle.time) // SAMPLES, 1)
+        case.model, case.contacts, some, case.acceleration(step), max(len(some.time) // SAMPLES, 1)
     )
     each = float(np.mean([min(piqp(program) for _ in range(3)) for program in programs]))
     median = float(np.median(found))
@@ -126,7 +149,7 @@ def measured(case: Case, way: Way, step: float, factors: Array, resolved: float)
         "least_m": float(found.min()),
         "median_m": median,
         "most_m": float(found.max()),
-        "error": abs(median / resolved - 1.0),
+        "error": abs(median / middle - 1.0),
         "collapsed": sum(m.collapsed for m in motions),
         "steps": steps,
         "seconds": seconds,
@@ -147,7 +170,7 @@ def halved(levels: int | None) -> Iterator[None]:
 
 
 def millimetres(rows: Sequence[Row]) -> str:
-    """A table of ensembles: least, median and largest displacement in mm, and ms a step."""
+    """A table of ensembles: least, median and largest displacement in mm, and ms a step; then the resolved medians."""
 
     def cell(row: Row) -> str:
         if "failed" in row:
@@ -158,4 +181,11 @@ def millimetres(rows: Sequence[Row]) -> str:
             text += f"; {row['not_solved']} not solved"
         return f"**{text}**" if row["default"] else text
 
-    return pivoted(rows, ["case", "way"], ["value"], lambda row: f"{1e3 * row['value']:g} ms", cell)
+    lines = [pivoted(rows, ["case", "way"], ["value"], lambda row: f"{1e3 * row['value']:g} ms", cell)]
+    for row in {row["case"]: row for row in rows}.values():
+        middle, low, high = (1e3 * row[key] for key in ("resolved_m", "resolved_low_m", "resolved_high_m"))
+        lines.append(
+            f"{row['case']}: resolved, the median is {middle:.1f} mm of {row['resolved_members']} members, with "
+            f"{percent(CONFIDENCE)} confidence between {low:.1f} and {high:.1f} mm."
+        )
+    return "\n\n".join(lines)

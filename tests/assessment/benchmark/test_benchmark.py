@@ -144,6 +144,9 @@ def test_the_stack_is_followed_until_it_lies():
     assert fallen == [False, True]
 
 
+RESOLVED_PEAKS = np.array([0.1, 0.18, 0.19, 0.2, 0.21, 0.22, 0.4])  # m
+
+
 def test_members_of_an_ensemble_are_scaled_and_halved(overturning, monkeypatch):
     seen = []
 
@@ -153,12 +156,28 @@ def test_members_of_an_ensemble_are_scaled_and_halved(overturning, monkeypatch):
 
     monkeypatch.setattr("assessment.benchmark.cases.dynamics.time_history", noted)
     way = ensembles.Way("moreau-jean", 2)
-    row = ensembles.measured(overturning, way, 0.01, np.array([0.5, 1.0, 1.2]), 0.2)
+    row = ensembles.measured(overturning, way, 0.01, np.array([0.5, 1.0, 1.2]), RESOLVED_PEAKS)
     assert [levels for _, levels in seen] == [2, 2, 2]
     assert [size for size, _ in seen] == pytest.approx([0.15, 0.3, 0.36])
     assert row["least_m"] <= row["median_m"] <= row["most_m"] and row["not_solved"] == 0
     assert row["error"] == pytest.approx(abs(row["median_m"] / 0.2 - 1.0))
     assert histories.RESOLVED.levels == ensembles.DEFAULT.levels
+
+
+def test_the_table_says_how_sure_the_resolved_median_is(overturning):
+    row = ensembles.measured(overturning, ensembles.DEFAULT, 0.01, np.array([0.5]), RESOLVED_PEAKS)
+    assert "the median is 200.0 mm of 7 members, with 95 % confidence between 100.0 and 400.0 mm" in (
+        ensembles.millimetres([row])
+    )
+
+
+def test_the_median_is_within_its_bounds_as_often_as_they_say():
+    rng = np.random.default_rng(19)
+    drawn = [ensembles.median_between(rng.exponential(size=21)) for _ in range(2000)]
+    held = np.mean([low <= np.log(2.0) <= high for low, high in drawn])
+    assert 0.94 < held < 0.99  # 97.3 % for 21 values
+    with pytest.raises(ValueError, match="median of 5 values"):
+        ensembles.median_between(np.arange(5.0))
 
 
 def test_an_ensemble_counts_members_that_are_not_solved(overturning, monkeypatch):
@@ -170,11 +189,11 @@ def test_an_ensemble_counts_members_that_are_not_solved(overturning, monkeypatch
     monkeypatch.setattr("assessment.benchmark.cases.dynamics.time_history", fails)
     factors = np.array([0.5, 0.6, 1.0])
     limit = 0.29
-    row = ensembles.measured(overturning, ensembles.DEFAULT, 0.01, factors, 0.2)
+    row = ensembles.measured(overturning, ensembles.DEFAULT, 0.01, factors, RESOLVED_PEAKS)
     assert (row["members"], row["not_solved"]) == (2, 1)
     assert "1 not solved" in ensembles.millimetres([row])
     limit = 0.17
-    row = ensembles.measured(overturning, ensembles.DEFAULT, 0.01, factors, 0.2)
+    row = ensembles.measured(overturning, ensembles.DEFAULT, 0.01, factors, RESOLVED_PEAKS)
     assert "fails" in ensembles.millimetres([row]) and "median_m" not in row
 
 

@@ -43,12 +43,18 @@ def sound(motion: TimeHistory) -> None:
     assert not any("energy balance" in note for note in motion.notes)
 
 
+@pytest.mark.parametrize(("stiffness", "falls"), [(1e7, 1.51), (1e8, 1.78)])
 @pytest.mark.parametrize("factor", [0.99, 1.0, 1.01])
-def test_collapse_on_stiff_joints_is_seen_at_the_usual_step(factor: float) -> None:
-    """k = 1e7 kN/m³, 0.12 g at 5 ms: falls at 1.48 to 1.51 s in steps of 0.3 and 0.075 ms, where nothing is halved."""
-    motion = time_history(buttressed_arch(1e7), factor * shaking(0.12, STEP, 3.0), STEP, "elastic")
+def test_collapse_on_stiff_joints_is_seen_at_the_usual_step(
+    factor: float, stiffness: float, falls: float
+) -> None:
+    """0.12 g at 5 ms. In steps of 0.3 ms, where little is halved, five members fall at 1.48 to 1.54 s on k = 1e7 kN/m³.
+
+    On 1e8 they fall at 1.76 to 1.79 s, and at 1.78 s in steps of 0.08 ms.
+    """
+    motion = time_history(buttressed_arch(stiffness), factor * shaking(0.12, STEP, 3.0), STEP, "elastic")
     sound(motion)
-    assert motion.collapsed and motion.time_of_collapse == pytest.approx(1.5, abs=0.1)
+    assert motion.collapsed and motion.time_of_collapse == pytest.approx(falls, abs=0.1)
     assert motion.halvings > 100
     assert any("the integrator itself took" in note for note in motion.notes)
 
@@ -70,6 +76,19 @@ def test_steps_are_halved_no_further_than_impacts_last() -> None:
         for k in (5e3, 5e7)
     )
     assert soft.halvings == 0 < stiff.halvings
+
+
+def test_an_ensemble_at_the_usual_step_has_the_resolved_median() -> None:
+    """Five members; 45 at 0.3 ms have 5.9 to 15.0 mm, median 13.7 mm (95 % confidence: 13.3 to 13.9 mm)."""
+    found = []
+    for factor in np.linspace(0.99, 1.01, 5):
+        motion = time_history(
+            drawn("buttressed_arch"), factor * shaking(0.12, STEP, 2.2), STEP, control=SPRINGING
+        )
+        assert motion.integrator == "moreau-jean" and motion.energy.imbalance <= 1e-4
+        found.append(float(abs(motion.displacement).max()))
+    assert np.median(found) == pytest.approx(0.0137, rel=0.2)
+    assert min(found) < 0.0137 < max(found)
 
 
 @pytest.fixture

@@ -1,0 +1,42 @@
+"""Two rigid blocks upon each other under one sine, against a scheme of its own (tests/support/corners_on_faces.py)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from assessment.benchmark.cases.dynamics import sine, stack
+from mechanics.types import GRAVITY
+from tests.support.corners_on_faces import time_of_fall
+
+FINE = 2e-4  # s; with 2e-5 it falls between 0.570 and 0.571 g, and between 0.2250 and 0.2255 g
+FALLS = {
+    0.5: (0.570, 0.572),
+    1.0: (0.2245, 0.2255),
+}  # g: stands the first, falls under the second, by period in s
+
+
+@pytest.mark.parametrize(("period", "levels"), FALLS.items())
+def test_the_reference_falls_between_these_levels(period: float, levels: tuple[float, float]) -> None:
+    middles = np.arange(0.5 * FINE, 6.0, FINE)
+    fell = [time_of_fall(0.5, 1.5, 0.7, GRAVITY * sine(level, period)(middles), FINE) for level in levels]
+    assert fell[0] == np.inf > fell[1]
+
+
+@pytest.mark.parametrize(("period", "levels"), FALLS.items())
+@pytest.mark.parametrize("integrator", ["auto", "moreau-jean"])
+def test_the_stack_falls_within_one_percent_at_the_usual_step(
+    integrator: str, period: float, levels: tuple[float, float]
+) -> None:
+    low, high = (
+        replace(stack(), record=sine(level, period)).run(0.005, integrator)
+        for level in (0.99 * levels[0], 1.01 * levels[1])
+    )
+    assert not low.collapsed and high.collapsed
+
+
+def test_implicit_euler_stands_what_the_others_do_not() -> None:
+    """At 5 ms it falls at 0.619 g only: a scheme that damps is on the unsafe side."""
+    assert not replace(stack(), record=sine(0.61)).run(0.005, "implicit-euler").collapsed
