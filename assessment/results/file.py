@@ -3,33 +3,24 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
+from assessment.results.plain import plain
 from assessment.results.schema import FORMAT, Results
-from assessment.results.schema.part import UndocumentedError, said
+from assessment.results.schema.part import said
 
 AGAIN = "run the project again"
 
 
-def typed(content: Mapping[str, Any]) -> Results:
-    """Return plain results by type. Raises UndocumentedError where a key is missing or not described."""
-    try:
-        return Results.model_validate(content)
-    except ValidationError as error:
-        raise UndocumentedError(f"results.json: {said(error)}") from None
+def as_bytes(results: Results) -> bytes:
+    """Return results as they are written, in the order of their schema."""
+    return json.dumps(plain(results), ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
 
 
-def as_bytes(content: Mapping[str, Any]) -> bytes:
-    """Return plain results as they are written, in their own order."""
-    return json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
-
-
-def read_content(path: Path) -> dict[str, Any]:
-    """Return plain results from their file, in the order in which they were written.
+def read_results(path: Path) -> Results:
+    """Return results from their file.
 
     Raises ValueError naming file and key for a file that holds none, that is of another version, or damaged.
     """
@@ -46,8 +37,6 @@ def read_content(path: Path) -> dict[str, Any]:
             f"{path}: format: {written}, this version reads {FORMAT}: written by another version of assesto; {AGAIN}"
         )
     try:
-        Results.model_validate(content)
+        return Results.model_validate(content)
     except ValidationError as error:
         raise ValueError(f"{path}: {said(error)}: damaged, or written by another version; {AGAIN}") from None
-    plain: dict[str, Any] = content
-    return plain

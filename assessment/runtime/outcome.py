@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from assessment.results.schema import Results
@@ -14,18 +13,11 @@ if TYPE_CHECKING:
 class Outcome:
     """The outcome of a run: its results, whether every analysis asked for was completed, and how many were computed.
 
-    `results`: in plain numbers, as results.json has them; `computed`: number of analyses of this run; `taken`:
-    number of stored results of earlier runs that were used, as their inputs have not changed.
+    `computed`: number of analyses of this run; `taken`: number of stored results of earlier runs that were used, as
+    their inputs have not changed.
     """
 
-    results: dict[str, Any]
+    results: Results
     complete: bool
     computed: int
     taken: int
-
-    @cached_property
-    def typed(self) -> Results:
-        """The typed results, validated against their schema at first use; `results` must not change afterwards."""
-        from assessment.results.file import typed  # late: see workflow/run.py
-
-        return typed(self.results)

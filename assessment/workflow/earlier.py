@@ -6,7 +6,7 @@ import json
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from assessment.report.pdf import printable
 from assessment.runtime import fingerprint
@@ -81,8 +81,9 @@ class Earlier:
 
     def outcome(self, folder: Path) -> Outcome:
         """Return the outcome stored in the folder; none of its analyses is computed again."""
-        content: dict[str, Any] = json.loads((folder / "results.json").read_text(encoding="utf-8"))
-        return Outcome(content, self.complete, 0, self.analyses)
+        from assessment.results.file import read_results  # late: see run.py
+
+        return Outcome(read_results(folder / "results.json"), self.complete, 0, self.analyses)
 
     def intact(self, folder: Path, part: str) -> bool:
         """Return whether the files of a part are unchanged since they were written, none missing and none added."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from concurrent.futures import Future
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -43,7 +43,6 @@ def prepare(report: bool) -> None:
 
 def write(
     results: Results,
-    content: Mapping[str, Any],
     folder: Path,
     parts: Collection[str] = EVERYTHING,
     kept: Collection[str] = (),
@@ -52,7 +51,6 @@ def write(
 ) -> list[str]:
     """Write parts of what is made of results into `folder`, all at once; each set appears whole or not at all.
 
-    `content`: the same results in plain numbers, as results.json has them.
     Parts `kept` stay unchanged; all other files of earlier results are removed. A judgement.md that was edited
     is kept and printed. Return warnings (a PDF that could not be made). `jobs`: processes, 0: one per core;
     `attachments`: pictures that end the report. Raises
@@ -65,7 +63,7 @@ def write(
         try:
             for name in files_of(folder, kept):  # the report is made with them
                 _linked(folder / name, new / name)
-            warnings = _make(results, content, folder, new, parts, jobs, attachments)
+            warnings = _make(results, folder, new, parts, jobs, attachments)
             gone = files_of(folder, EVERYTHING - {*kept}) if ours else []
             put_in_place(new, folder, files_of(new, parts), gone)
         except KilledError as error:
@@ -77,7 +75,6 @@ def write(
 
 def _make(
     results: Results,
-    content: Mapping[str, Any],
     folder: Path,
     new: Path,
     parts: Collection[str],
@@ -118,7 +115,7 @@ def _make(
         if REPORT in parts:  # its figures are the images
             begun.append(pool.apply(write_docx, new, opinion.edited))
         if RESULTS in parts:
-            write_atomically(new / "results.json", as_bytes(content))
+            write_atomically(new / "results.json", as_bytes(results))
         for work in begun:
             result_of(work)
         return [*opinion.warnings, *(result_of(printed) if printed else [])]

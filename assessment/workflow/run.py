@@ -5,9 +5,10 @@ Imports are late: a run in which nothing has changed needs neither the analyses 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from assessment.runtime.files.journal import journal
 from assessment.runtime.files.lock import locked
@@ -27,9 +28,9 @@ from assessment.workflow.earlier import (
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
+    from assessment.results.schema import Results
     from assessment.runtime.tasks import Show
 
-Results = dict[str, Any]
 EDITED = (
     "results.json was changed after the run that wrote it: numbers printed from it may not be computed ones"
 )
@@ -59,9 +60,7 @@ def carry_out(
         clear(folder)
         last = None if fresh else recall(folder)
         if last and last.results == keys.results and last.intact(folder, RESULTS):
-            outcome = last.outcome(folder)
-            _retitle(outcome.results, project)
-            outcome.results["inputs"][project.source] = project.digests()[project.source]
+            outcome = _retitled(last.outcome(folder), project)
         else:
             with journal(folder, show) as told:
                 outcome = _analysed(project, folder, jobs, fresh, report, told, scheduler)
@@ -69,9 +68,7 @@ def carry_out(
         show.begin("report" if report else "figures and tables", 1, 0)
         from assessment.workflow.output import write
 
-        warnings = write(
-            outcome.typed, outcome.results, folder, parts - standing, standing, jobs, project.attachments()
-        )
+        warnings = write(outcome.results, folder, parts - standing, standing, jobs, project.attachments())
         if last and REPORT in standing:
             warnings = [*last.warnings, *warnings]
         remember(folder, outcome, keys, parts | standing, warnings)
@@ -100,7 +97,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
     Title page and language are those of the project. Return warnings. Raises ValueError for results that are missing
     or cannot be printed (damaged, edited, of another version), BusyError as `carry_out`.
     """
-    from assessment.results.file import read_content, typed
+    from assessment.results.file import read_results
     from assessment.workflow.output import write
 
     stored = folder / "results.json"
@@ -108,14 +105,16 @@ def print_again(project: Project, folder: Path) -> list[str]:
         raise ValueError(f"{stored}: no stored results; run the project first (assesto run {project.folder})")
     with locked(folder):
         clear(folder)
-        results, last = read_content(stored), recall(folder)
+        results, last = read_results(stored), recall(folder)
         edited = last is not None and not last.intact(folder, RESULTS)
         warnings = [EDITED] if edited else []
         try:
-            told = results["quality"]["warnings"]
-            told += [text for text in warnings if text not in told]
-            _retitle(results, project)
-            warnings += write(typed(results), results, folder, jobs=0, attachments=project.attachments())
+            known = results.quality.warnings
+            quality = results.quality.replace(
+                warnings=[*known, *(text for text in warnings if text not in known)]
+            )
+            results = _titled(results, project).replace(quality=quality)
+            warnings += write(results, folder, jobs=0, attachments=project.attachments())
         except (OSError, KilledError):
             raise
         except Exception as error:
@@ -124,17 +123,23 @@ def print_again(project: Project, folder: Path) -> list[str]:
             raise ValueError(
                 f"{stored}: damaged or edited, cannot be printed; run the project again"
             ) from error
-        if (
-            last is not None and not edited
-        ):  # else the record stays: the results are not those of the run it is of
-            keys = keys_with(last.results, project, results["inputs"].get(project.source))
+        # else the record stays: the results are not those of the run it is of
+        if last is not None and not edited:
+            keys = keys_with(last.results, project, results.inputs.get(project.source))
             outcome = Outcome(results, last.complete, 0, last.analyses)
             remember(folder, outcome, keys, EVERYTHING, warnings)
     return warnings
 
 
-def _retitle(results: Results, project: Project) -> None:
-    """Put the project's title page and language into results."""
+def _titled(results: Results, project: Project) -> Results:
+    """Return results with the project's title page and language."""
     page = project.content()
-    results["title"] = results["echo"]["title"] = page["title"]
-    results["echo"]["report"] = page["report"]
+    echo = results.echo.replace(title=page["title"], report=page["report"])
+    return results.replace(title=page["title"], echo=echo)
+
+
+def _retitled(outcome: Outcome, project: Project) -> Outcome:
+    """Return an earlier outcome with the project's title page and language, and the digest of its file."""
+    results, source = _titled(outcome.results, project), project.source
+    digests = results.inputs | {source: project.digests()[source]}
+    return replace(outcome, results=results.replace(inputs=digests))

@@ -23,7 +23,6 @@ from assessment.analyses.static.paths import stand
 from assessment.analyses.static.second_solver import second_solver
 from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
 from assessment.project.plausibility import implausible_hazard
-from assessment.results.plain import plain
 from assessment.results.schema.part import known, present
 from assessment.runtime.outcome import Outcome
 from assessment.runtime.tasks import SILENCE, Show, Workers, large
@@ -75,7 +74,7 @@ def run(
         results, complete = _stages(project, model, workers)
     if store:
         store.prune()
-    return Outcome(plain(results), complete, workers.computed, workers.taken)
+    return Outcome(results, complete, workers.computed, workers.taken)
 
 
 def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, bool]:

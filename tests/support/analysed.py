@@ -13,6 +13,7 @@ import numpy as np
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.results.plain import plain
 from assessment.workflow.stages import run
 
 SETTLED = "right support 60 mm"
@@ -88,8 +89,8 @@ def _analysed() -> str:
     with tempfile.TemporaryDirectory() as folder:
         project = arch(Path(folder) / "arch")
         outcome = run(load_project(project), build_model(load_project(project)), jobs=1)
-        assert outcome.complete, outcome.results["quality"]["warnings"]
-        return json.dumps(outcome.results, allow_nan=False)
+        assert outcome.complete, outcome.results.quality.warnings
+        return json.dumps(plain(outcome.results), allow_nan=False)
 
 
 def arch(folder: Path, language: str = "en") -> Path:

@@ -120,13 +120,14 @@ def all_skips() -> list[Skip]:
 def stages(only: tuple[str, ...] | None, store: Store | None = None) -> tuple[Array, int]:
     """Multiplier and displacement capacity of the block template as drawn, from some of its stages or all."""
     from assessment.project.model import build_model
+    from assessment.results.schema.part import known
     from assessment.workflow.selection import select
     from assessment.workflow.stages import run
 
     project = select(_with_history(template("block")), only)
     outcome = run(project, build_model(project), 1, store)
-    pushed = outcome.results["states"]["original"]["pushover"]
-    return np.array([[p["rigid"]["alpha_0"], p["rigid"]["d_0_m"]] for p in pushed.values()]), outcome.computed
+    pushed = [known(curves.rigid) for curves in outcome.results.states["original"].pushover.values()]
+    return np.array([[rigid.alpha_0, rigid.d_0_m] for rigid in pushed]), outcome.computed
 
 
 def _with_history(project: Project) -> Project:

@@ -15,10 +15,6 @@ Configuration = list[list[float]]
 """Of each block: displacement x, z (m) and rotation (rad) from the drawing."""
 
 
-class UndocumentedError(RuntimeError):
-    """Results that are not as the schema says: a fault of the program."""
-
-
 class Part(BaseModel):
     """A table of results.json. A missing optional key was not asked for; null was asked for and not reached.
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from assessment.ntc.limit_states import INDEXED
 from assessment.results.echo import turns
+from assessment.results.plain import plain
 from assessment.results.schema import Results
 from assessment.results.table import quoted_limit_state
 
@@ -126,7 +127,7 @@ def told(warnings: Iterable[str]) -> list[str]:
 
 def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
     """Return a summary of the run: a table by state and direction, then the warnings."""
-    results = outcome.typed
+    results = outcome.results
     lines = [model_summary(results), *_table(capacities(results))]
     turned = turns(results.echo)
     lines += [
@@ -152,18 +153,18 @@ def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
 
 def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
     """Return the summary as one JSON object; null for what was not asked for or not reached."""
-    results, plain = outcome.typed, outcome.results
+    results = outcome.results
     content = {
         "assesto": results.assesto,
         "title": results.title,
         "output": str(folder),
         "complete": outcome.complete,
         "analyses": {"computed": outcome.computed, "taken_over": outcome.taken},
-        "model": {key: value for key, value in plain["model"].items() if key != "warnings"},
+        "model": {key: value for key, value in plain(results.model).items() if key != "warnings"},
         "capacities": capacities(results),
         "ultimate_movements": _ultimates(results),
-        "worst_scenario": plain["scenarios"]["worst"] if results.scenarios else None,
-        "comparison": plain["comparison"],
+        "worst_scenario": plain(results.scenarios.worst) if results.scenarios else None,
+        "comparison": plain(results.comparison),
         "warnings": _warnings(results, warnings),
         "timing_s": results.timing_s,
     }

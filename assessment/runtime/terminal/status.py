@@ -43,15 +43,15 @@ def _line(stage: Stage, running: bool) -> str:
 
 
 def _finished(folder: Path) -> Iterator[str]:
-    from assessment.results.file import read_content  # late: a run under way is told of without it
+    from assessment.results.file import read_results  # late: a run under way is told of without it
 
     stored = folder / "results.json"
     if not stored.is_file():
         yield f"nothing has been run in {folder}"
         return
-    results = read_content(stored)
-    failures = (results.get("campaign") or {}).get("failures") or []
-    yield f"finished: {folder}, {results['quality']['solves']} solves, {len(failures)} failures of the campaign"
+    results = read_results(stored)
+    failures = (results.campaign and results.campaign.failures) or []
+    yield f"finished: {folder}, {results.quality.solves} solves, {len(failures)} failures of the campaign"
     yield from (f"  failed: {failure}" for failure in failures)
 
 

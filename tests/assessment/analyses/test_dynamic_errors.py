@@ -19,6 +19,7 @@ from assessment.analyses.dynamic.time_history import Shaking, StageResult
 from assessment.project.model import build_model
 from assessment.project.motions import incremental_motions
 from assessment.project.project import load_project
+from assessment.results.plain import plain
 from assessment.results.schema.dynamic import Search
 from assessment.runtime.cache import Store
 from assessment.runtime.tasks import Workers
@@ -87,7 +88,7 @@ def test_no_collapse_is_tried_once_more_at_the_largest_level():
 
 def test_the_error_of_the_pga_at_collapse_bounds_the_distance_from_finer_analyses(project):
     """An eighth of the time step, and no bracket to speak of."""
-    results = run(project, build_model(project), jobs=1).results
+    results = plain(run(project, build_model(project), jobs=1).results)
     [row] = results["convergence"]["incremental"]
     model, motions = build_model(project).assembly, incremental_motions(project)
     motion = motions[0].at_half_step().at_half_step().at_half_step()
@@ -155,4 +156,4 @@ def test_what_errors_cost_is_kept_for_the_next_run(project, tmp_path):
     first, second = (run(project, build_model(project), 1, Store(tmp_path / "store")) for _ in range(2))
     # self-weight, the search, and two again
     assert (first.computed, first.taken) == (4, 0) and (second.computed, second.taken) == (0, 4)
-    assert second.results["convergence"] == first.results["convergence"]
+    assert second.results.convergence == first.results.convergence

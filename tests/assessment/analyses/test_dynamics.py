@@ -24,6 +24,7 @@ from assessment.report.figures.animation import write_animations
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.tables.index import tables
 from assessment.report.text.language import words_of
+from assessment.results.plain import plain
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.processes.pool import Pool
 from assessment.workflow.dynamic import read_motions
@@ -105,7 +106,7 @@ def test_incremental_analysis_tells_its_progress_and_is_the_same_on_several_proc
     found, told = [], []
     for jobs in (1, 2):
         show = Told()
-        states = run(project, build_model(project), jobs, show=show).results["states"]
+        states = plain(run(project, build_model(project), jobs, show=show).results)["states"]
         found.append([states[name]["incremental"] for name in project.states])
         told.append(show.lines[show.lines.index(("begin", "incremental", 4, 0)) :])
     for state in (state for states in found for state in states):
@@ -122,9 +123,9 @@ def test_incremental_analysis_tells_its_progress_and_is_the_same_on_several_proc
 
 def test_histories_of_both_states_and_records(outcome):
     assert outcome.complete
-    assert list(outcome.results["states"]) == ["original", "base ruotata 20 mrad"]
+    assert list(outcome.results.states) == ["original", "base ruotata 20 mrad"]
     peak = 0.5 * abs(WAVE).max()
-    for state in outcome.results["states"].values():
+    for state in plain(outcome.results)["states"].values():
         weak, strong = state["history"]
         assert weak["record"] == "wave × 0.58"
         assert weak["pga_g"] == pytest.approx(0.58 * peak, rel=1e-6)
@@ -143,15 +144,15 @@ def test_histories_of_both_states_and_records(outcome):
 
 def test_displacements_start_from_the_states_own_rest(outcome):
     """The settled block leans: its control point is moved, and the history does not count that."""
-    settled = outcome.results["states"]["base ruotata 20 mrad"]
+    settled = plain(outcome.results)["states"]["base ruotata 20 mrad"]
     assert settled["configuration"][1][0] > 0.02
     assert settled["history"][0]["curve"]["displacement_m"][0] == 0.0
 
 
 def test_energy_balance_closes(outcome):
     """What is left over is little, and the weights gained what they were lifted by, from the shapes alone."""
-    weights = np.array([block["weight_kN"] for block in outcome.results["geometry"]["blocks"]])
-    for state in outcome.results["states"].values():
+    weights = np.array([block.weight_kN for block in outcome.results.geometry.blocks])
+    for state in plain(outcome.results)["states"].values():
         for entry in state["history"]:
             energy = entry["energy"]
             assert abs(energy["residual_kNm"]) < 0.01 * energy["input_kNm"]
@@ -162,12 +163,12 @@ def test_energy_balance_closes(outcome):
 
 
 def test_incremental_analysis_and_comparison(outcome):
-    found = {name: state["incremental"] for name, state in outcome.results["states"].items()}
+    found = {name: state["incremental"] for name, state in plain(outcome.results)["states"].items()}
     for each in found.values():
         (record,) = each["records"]
         assert 0.0 < record["pga_collapse_g"] - record["pga_safe_g"] <= 0.1
         assert each["pga_collapse_g"] == each["mean_pga_collapse_g"] == record["pga_collapse_g"]
-    (row,) = outcome.results["comparison"]
+    (row,) = plain(outcome.results)["comparison"]
     before, after = found["original"]["pga_collapse_g"], found["base ruotata 20 mrad"]["pga_collapse_g"]
     assert row["dynamic_pga_g"] == after
     assert row["dynamic_reduction"] == pytest.approx(1.0 - after / before)
@@ -176,22 +177,22 @@ def test_incremental_analysis_and_comparison(outcome):
 
 def test_a_history_at_the_bracket_agrees_with_the_search(outcome):
     """The strong history is far above the PGA at collapse, the weak one below."""
-    weak, strong = outcome.results["states"]["original"]["history"]
-    found = outcome.results["states"]["original"]["incremental"]
+    weak, strong = plain(outcome.results)["states"]["original"]["history"]
+    found = plain(outcome.results)["states"]["original"]["incremental"]
     assert weak["pga_g"] < found["pga_collapse_g"] < strong["pga_g"]
 
 
 def test_results_are_json_and_every_solve_counts(outcome):
-    json.dumps(outcome.results, allow_nan=False)
-    stages = {row["stage"] for row in outcome.results["quality"]["by_stage"]}
+    json.dumps(plain(outcome.results), allow_nan=False)
+    stages = {row.stage for row in outcome.results.quality.by_stage}
     assert {"history, wave × 0.58", "incremental, wave"} <= stages
-    assert outcome.results["quality"]["worst_equilibrium_residual"] < 1e-6
-    assert "wave.csv" in outcome.results["inputs"]
+    assert outcome.results.quality.worst_equilibrium_residual < 1e-6
+    assert "wave.csv" in outcome.results.inputs
 
 
 @pytest.mark.parametrize("language", ["it", "en"])
 def test_figures_tables_and_report(outcome, tmp_path, language):
-    results = json.loads(json.dumps(outcome.results))
+    results = json.loads(json.dumps(plain(outcome.results)))
     results["echo"]["report"]["language"] = language
     names = {picture.name for picture in pictures(typed(results))}
     assert {"record_1", "history_1", "history_2", "incremental"} <= names
@@ -211,10 +212,10 @@ def test_without_dynamic_tables_nothing_changes(tmp_path):
     project = _project(tmp_path / "block")
     outcome = run(project, build_model(project), jobs=1)
     assert outcome.complete
-    assert "motions" not in outcome.results
-    assert list(outcome.results["states"]) == ["base ruotata 20 mrad"]
-    assert outcome.results["timing_s"].keys() == {"pushdown"}
-    assert {picture.section for picture in pictures(typed(outcome.results))} == {
+    assert outcome.results.motions is None
+    assert list(outcome.results.states) == ["base ruotata 20 mrad"]
+    assert outcome.results.timing_s.keys() == {"pushdown"}
+    assert {picture.section for picture in pictures(outcome.results)} == {
         "model",
         "settlements",
         "pushdown",
@@ -228,13 +229,13 @@ def test_a_state_that_collapses_under_its_settlement(tmp_path):
     outcome = run(project, build_model(project), jobs=1)
     assert not outcome.complete
     name = project.states[1]
-    state = outcome.results["states"][name]
+    state = plain(outcome.results)["states"][name]
     (entry,) = state["history"]
     assert entry["peak_displacement_m"] is entry["collapsed"] is entry["time_of_collapse_s"] is None
     assert entry["reason"]
     assert state["incremental"]["pga_collapse_g"] is None
-    assert any(name in warning and "history" in warning for warning in outcome.results["quality"]["warnings"])
-    assert outcome.results["states"]["original"]["history"][0]["peak_displacement_m"] > 0.0
+    assert any(name in warning and "history" in warning for warning in outcome.results.quality.warnings)
+    assert outcome.results.states["original"].history[0].peak_displacement_m > 0.0
 
 
 def test_the_window_scale_and_step_of_a_motion(tmp_path):
@@ -314,7 +315,7 @@ def test_an_animation_is_written_where_it_is_asked_for(tmp_path, language, monke
         tmp_path / "block", TAIL.format(scale=0.58), TAIL.format(scale=0.5), "animation = true\n"
     )
     project = project.model_copy(update={"report": project.report.model_copy(update={"language": language})})
-    results = run(project, build_model(project), jobs=1).results
+    results = plain(run(project, build_model(project), jobs=1).results)
     weak, strong = results["states"]["original"]["history"]
     assert "frames" not in weak
     times, configurations = strong["frames"]["time_s"], strong["frames"]["configuration"]
@@ -375,7 +376,7 @@ def test_the_records_own_spectrum_as_demand(tmp_path):
     """a_g,NC = PGA · S_e(T_NC)/S_e,record(T_NC) with S_e(T) = 4π²d/T² (paper §7.1), at the damping of SLC (10 %)."""
     project = _project(tmp_path / "block", TAIL.format(scale=1.0), assessment=PUSHOVER)
     outcome = run(project, build_model(project), jobs=1)
-    check = outcome.results["states"]["original"]["capacity"]["+x"]["SLC"]
+    check = plain(outcome.results)["states"]["original"]["capacity"]["+x"]["SLC"]
     record = read_record(tmp_path / "block" / "wave.csv")
     spectrum = RecordSpectrum(record.acceleration, record.time_step, 0.10)
     assert check["demand_a_g_g"] == pytest.approx(record.pga)
@@ -384,7 +385,7 @@ def test_the_records_own_spectrum_as_demand(tmp_path):
         record.pga * needed / spectrum.acceleration(check["T_s"]), rel=1e-9
     )
     assert check["zeta_E"] == pytest.approx(check["a_g_g"] / record.pga)
-    assert outcome.results["spectra"]["SLC"]["damping"] == 0.10
+    assert outcome.results.spectra["SLC"].damping == 0.10
     assert any("the maximum over [T_0, T]" in note for note in check["notes"])
 
 
@@ -409,9 +410,9 @@ def test_a_failed_history_makes_the_run_incomplete_and_keeps_the_rest(tmp_path, 
     project = _project(tmp_path / "block", TAIL.format(scale=1.0), INCREMENTAL)
     outcome = run(project, build_model(project), jobs=1)
     assert not outcome.complete
-    assert outcome.results["states"]["original"]["history"][0]["reason"] == "step 3: no solution"
-    assert outcome.results["states"]["original"]["incremental"]["pga_collapse_g"] is None
-    assert outcome.results["states"][project.states[1]]["pushdown"]["rigid"]["movement_m"]
+    assert outcome.results.states["original"].history[0].reason == "step 3: no solution"
+    assert outcome.results.states["original"].incremental.pga_collapse_g is None
+    assert outcome.results.states[project.states[1]].pushdown["rigid"].movement_m
 
 
 def test_a_record_is_not_followed_along_the_grid(tmp_path):

@@ -16,6 +16,7 @@ from assessment.report.document import _local_limit, write_page
 from assessment.report.figures.index import write_figures
 from assessment.report.text.language import Words
 from assessment.report.text.messages import translated
+from assessment.results.plain import plain
 from assessment.results.schema.static import LocalLoss
 from assessment.runtime.processes.pool import Pool
 from assessment.workflow.stages import run
@@ -73,7 +74,7 @@ def test_the_check_is_made_with_it(tmp_path):
     """The block's own curve, α = 1/7 to 0 over 0.6 m, with a loss at 0.1 m: d_SLV = 0.1 Γ*, and the report says why."""
     project = load_project(write_block(tmp_path / "block", PROJECT + ASSESSMENT))
     model = build_model(project)
-    results = run(project, model, jobs=1).results
+    results = plain(run(project, model, jobs=1).results)
     state = typed(results).states["original"]
     pushed = state.pushover["+x"]
     demands = demand_spectra(project)
@@ -138,7 +139,7 @@ def test_a_beam_that_unseats_is_followed_from_the_drawing_to_the_report(tmp_path
     write_drawing(tmp_path / "geometry.dxf", beam_on_piers(0.4))
     (tmp_path / "project.toml").write_text(BEAM + ASSESSMENT, encoding="utf-8")
     project = load_project(tmp_path)
-    results = run(project, build_model(project), jobs=1).results
+    results = plain(run(project, build_model(project), jobs=1).results)
     rigid = results["states"]["original"]["pushover"]["+x"]["rigid"]
     loss = rigid["local_loss"]
     assert loss["displacement_m"] == pytest.approx(0.04994, rel=5e-3)

@@ -12,6 +12,7 @@ from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.text.language import Words
 from assessment.report.text.messages import translated
+from assessment.results.plain import plain
 from assessment.workflow.stages import run
 from mechanics.procedures import limit_in
 from tests.support.analysed import SETTLED, analysed
@@ -38,7 +39,7 @@ def test_with_coulomb_friction_the_associative_multiplier_is_compared(tmp_path):
     """A block that slides: the law of the run is kept apart, and what is compared is named in the results."""
     text = PROJECT.replace("[material]", '[contacts]\nsliding = "coulomb"\n\n[material]')
     project = load_project(write_block(tmp_path / "block", text))
-    results = run(project, build_model(project), jobs=1).results
+    results = plain(run(project, build_model(project), jobs=1).results)
     rigid = results["states"]["original"]["pushover"]["+x"]["rigid"]
     assert rigid["sliding"] == "coulomb"
     assert rigid["second_solver"]["alpha_linear_program"] == pytest.approx(1.0 / 7.0, rel=1e-9)

@@ -19,6 +19,7 @@ from assessment.ntc.demand.floor_spectrum import (
 from assessment.ntc.demand.spectrum import ElasticSpectrum
 from assessment.ntc.methods import Method
 from assessment.ntc.verification import verify
+from assessment.results.plain import plain
 from assessment.workflow.stages import run
 from tests.support.block_project import HAZARD, PUSHED, block, write_block
 from tests.support.trace_check import recomputed
@@ -138,7 +139,7 @@ def test_a_height_of_zero_means_the_ground(tmp_path, circular):
     found = []
     for name, text in (("ground", tables + site), ("floor", tables + floor + site)):
         project = load_project(write_block(tmp_path / name, block() + PUSHED + text))
-        results = run(project, build_model(project), jobs=1).results
+        results = plain(run(project, build_model(project), jobs=1).results)
         found.append(results["states"]["original"]["capacity"]["+x"])
         assert {content["kind"] for content in results["spectra"].values()} == {"ground"}
     assert found[0] == found[1]

@@ -9,7 +9,6 @@ from assessment.results.echo import printed
 from assessment.runtime.errors import ProjectError
 from assessment.workflow.stages import run
 from tests.support.block_project import PROJECT, write_block
-from tests.support.typed import typed
 
 
 def project(folder, period="", use_class="II"):
@@ -34,7 +33,7 @@ def test_one_that_contradicts_them_is_refused(tmp_path):
 @pytest.mark.parametrize(("period", "known"), [("", False), (", return_period_years = 475", True)])
 def test_without_one_they_are_not_printed_and_no_index_rests_on_them(tmp_path, period, known):
     content = project(tmp_path, period)
-    results = typed(run(content, build_model(content), jobs=1).results)
+    results = run(content, build_model(content), jobs=1).results
     site = printed(results.echo)["assessment"]["site"]
     assert {"nominal_life_years", "use_class"} <= site.keys() if known else "use_class" not in site
     indices = results.states["original"].indices

@@ -96,7 +96,7 @@ def outcomes(tmp_path_factory):
     hazard_files(folder)
     (folder / "project.toml").write_text(PROJECT, encoding="utf-8")
     project = load_project(folder)
-    pushed = run(project, build_model(project), jobs=1).typed
+    pushed = run(project, build_model(project), jobs=1).results
     found = {}
     for name, text in VARIANTS.items():
         (folder / "project.toml").write_text(PROJECT + text, encoding="utf-8")
@@ -300,7 +300,7 @@ def test_zeta_does_not_know_the_unit_of_the_drawing(tmp_path):
             text + '[assessment]\nmodel = "none"\n' + TYPED, encoding="utf-8"
         )
         project = load_project(folder)
-        found[unit] = run(project, build_model(project), jobs=1).results
+        found[unit] = plain(run(project, build_model(project), jobs=1).results)
     rows = [verification(typed(found[unit])).rows for unit in ("m", "mm")]
     assert len(rows[0]) == 16
     for one, other in zip(*rows, strict=True):

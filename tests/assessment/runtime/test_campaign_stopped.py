@@ -23,6 +23,7 @@ from assessment.cli.main import main
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.figures import index as figures
+from assessment.results.plain import plain
 from assessment.runtime import tasks
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.files.journal import Stage, read_journal
@@ -46,7 +47,7 @@ def drawn(tmp_path_factory):
 def whole(drawn):
     """Results of a run that nothing disturbs, in one process, without a store."""
     project = load_project(drawn)
-    return timeless(run(project, build_model(project), jobs=1).results)["campaign"]
+    return timeless(plain(run(project, build_model(project), jobs=1).results))["campaign"]
 
 
 @pytest.fixture

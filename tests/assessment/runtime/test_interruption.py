@@ -20,6 +20,7 @@ from assessment.cli.main import main
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.figures import index as figures
+from assessment.results.plain import plain
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.files.journal import NAME as JOURNAL
 from assessment.workflow.stages import run
@@ -42,7 +43,9 @@ def project(tmp_path):
 def whole(tmp_path_factory):
     """States of a run that nothing disturbs."""
     folder = write_every_stage(tmp_path_factory.mktemp("whole") / "block")
-    return timeless(run(load_project(folder), build_model(load_project(folder)), jobs=1).results)["states"]
+    return timeless(plain(run(load_project(folder), build_model(load_project(folder)), jobs=1).results))[
+        "states"
+    ]
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="the child has what was put into the program here")

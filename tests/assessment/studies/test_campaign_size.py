@@ -18,6 +18,7 @@ from assessment.analyses.dynamic.response import Response
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.results.file import as_bytes
+from assessment.results.plain import plain
 from assessment.runtime import tasks
 from assessment.runtime.cache import FOLDER, Store
 from assessment.workflow.stages import run
@@ -77,7 +78,7 @@ def test_of_ten_thousand_histories_numbers_are_left_and_no_curves(project, tmp_p
     outcome = run(project, build_model(project), jobs=1, store=store)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    campaign = outcome.results["campaign"]
+    campaign = plain(outcome.results)["campaign"]
     assert made.count >= 10_000 and made.count == sum(row["runs"] for row in campaign["combinations"])
     assert len(campaign["combinations"]) == campaign["computed"] == 10 * RECORDS
     assert all(row["pga_collapse_g"] for row in campaign["combinations"])

@@ -20,6 +20,7 @@ from assessment.project.schema import PushoverTable, SettlementTable
 from assessment.report.document import render_html
 from assessment.report.figures.index import write_figures
 from assessment.report.text.language import words_of
+from assessment.results.plain import plain
 from assessment.results.schema.static import Pushovers, RigidPush
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.processes.pool import Pool
@@ -48,7 +49,7 @@ def block(tmp_path):
 
 
 def results_of(project) -> dict:
-    return run(project, build_model(project), jobs=1).results
+    return plain(run(project, build_model(project), jobs=1).results)
 
 
 # The estimate

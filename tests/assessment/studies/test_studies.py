@@ -12,6 +12,7 @@ from assessment.cli.main import main
 from assessment.project.catalogue.new_project import template_layout, write_drawing
 from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.results.plain import plain
 from assessment.results.schema.studies import ScenarioPoint, Sensitivity, SensitivityRun
 from assessment.studies.scenarios import part, worst
 from assessment.studies.sensitivity import scatter, with_factor, without_effect
@@ -81,7 +82,7 @@ def project(tmp_path: Path):
 
 def results_of(project, jobs: int = 1) -> dict:
     outcome = run(project, build_model(project), jobs)
-    return outcome.results | {"complete": outcome.complete}
+    return plain(outcome.results) | {"complete": outcome.complete}
 
 
 def test_a_sweep_follows_the_closed_form(project):
