@@ -450,7 +450,8 @@ def march(
                     kinetic += 0.5 * mass[i, e] * blocks[1, i, e] ** 2
                     load[i, e] = dead[i, e] - mass[i, e] * ((1.0 - at) * base[k, e] + at * base[k + 1, e])
             kept_blocks, kept_joints, kept_energy = blocks.copy(), joints.copy(), energy.copy()
-            span = max(STANDARD_GRAVITY * step * step, fastest * step)
+            # what is accepted of a program is a share of the way, and of a long step's of the block
+            span = min(max(STANDARD_GRAVITY * step * step, fastest * step), size)
             found, taken, turned = False, np.inf, 0.0
             for start in range(2):
                 counts[3] += start
