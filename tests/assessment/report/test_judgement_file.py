@@ -120,12 +120,12 @@ def test_a_run_prints_the_edited_judgement_and_leaves_the_file(results, tmp_path
     monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
     monkeypatch.setattr("assessment.report.deformed_dxf.write_deformed", lambda *_: None)
     write_figures(Pool(0, typed(results)), tmp_path / "figures")
-    write(typed(results), results, tmp_path, NO_REPORT - {RESULTS})
+    write(typed(results), tmp_path, NO_REPORT - {RESULTS})
     path = tmp_path / NAME
     path.write_text(path.read_text(encoding="utf-8") + "\nStrut the right pier.\n", encoding="utf-8")
     before = path.read_bytes()
     monkeypatch.setitem(__import__("sys").modules, "weasyprint", _Printer)
-    write(typed(results), results, tmp_path, EVERYTHING - {RESULTS})
+    write(typed(results), tmp_path, EVERYTHING - {RESULTS})
     assert path.read_bytes() == before
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "<p>Strut the right pier.</p>" in page

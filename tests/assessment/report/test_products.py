@@ -25,7 +25,7 @@ from tests.validation.test_printed_table import CASES
 def products(tmp_path_factory):
     pytest.importorskip("weasyprint", exc_type=OSError)
     folder = tmp_path_factory.mktemp("products")
-    assert write(typed(analysed("it")), analysed("it"), folder) == []
+    assert write(typed(analysed("it")), folder) == []
     return folder
 
 
@@ -130,7 +130,7 @@ def test_long_tables_are_files(products):
 
 
 def test_the_same_results_leave_the_same_bytes(products, tmp_path):
-    write(typed(analysed("it")), analysed("it"), tmp_path, jobs=2)  # in two processes what was made in one
+    write(typed(analysed("it")), tmp_path, jobs=2)  # in two processes what was made in one
     before, after = (
         {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
         for folder in (products, tmp_path)
