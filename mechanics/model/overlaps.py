@@ -87,9 +87,11 @@ def _overlapping(blocks: Sequence[Block], polygons: Polygons, tolerance: float) 
     for first in range(0, len(blocks), CHUNK):
         chosen = slice(first, first + CHUNK)
         i, j = core_tree.query(cores[chosen], predicate="intersects")
-        k, v = vertex_tree.query(polygons[chosen], predicate="contains")
-        k += first
-        deep = (owner[v] != k) & ~shapely.dwithin(rims[k], vertices[v], tolerance)
+        k, v = vertex_tree.query(polygons[chosen])
+        k, v = (k + first)[owner[v] != k + first], v[owner[v] != k + first]
+        # the rim first: whether a point lies inside takes all edges at its height, of rough edges as many as there are
+        deep = ~shapely.dwithin(rims[k], vertices[v], tolerance)
+        deep[deep] = shapely.contains(polygons[k[deep]], vertices[v[deep]])
         near = np.concatenate([np.stack([i + first, j], 1), np.stack([owner[v], k], 1)[deep]])
         near = np.sort(near[near[:, 0] != near[:, 1]], axis=1)
         found = np.unique(np.concatenate([found, near]), axis=0) if len(near) else found

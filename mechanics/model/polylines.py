@@ -24,6 +24,7 @@ SMALLEST = 1e-6  # m: the width or height of an outline
 MOST_BULGE = 1e4  # an arc that is a full circle but for a ten-thousandth of its radius
 MOST_CHORDS = 10_000  # of one arc
 MOST_POINTS = 1_000_000  # of all outlines
+MOST_VERTICES = 20_000  # of one outline: where they all are at one height the work grows with their square
 NOWHERE = Vec3(math.nan, math.nan, math.nan)
 
 
@@ -103,8 +104,11 @@ def placed_outline(source: Placed, scale: float, sagitta: float | None) -> Place
             f"has an arc of {counts.max():.3g} chords, at most {MOST_CHORDS}, with sagitta_m = {sagitta:g}; "
             "write a larger one"
         )
-    if counts.sum() > MOST_POINTS:
-        return broken(f"has {counts.sum():.3g} vertices with its arcs, at most {MOST_POINTS:g}; simplify it")
+    if counts.sum() > MOST_VERTICES:
+        return broken(
+            f"has {counts.sum():.6g} vertices with its arcs, at most {MOST_VERTICES}; "
+            "simplify it, or freeze its layer if it is no block"
+        )
     points = _chords(vertices, counts.astype(np.intp)) @ to_model[:3, :3] + to_model[3, :3]
     same = SAME_POINT * float(np.ptp(points, axis=0).max())
     closed = closed or (len(points) > 2 and bool(np.linalg.norm(points[0] - points[-1]) <= same))

@@ -189,6 +189,7 @@ REFUSALS: dict[str, Case] = {
         definition("B0", TRIANGLE)
         + "".join(definition(f"B{k}", insert(f"B{k - 1}")) for k in range(1, 61)),
     ),
+    "a polyline of 100 000 vertices": _drawn(rectangle(-4, -1, 4, 0, "BASE") + polyline(_half_circle(100_000))),
     "a bulge of 1e300": _drawn(BLOCKS + polyline([(0, 2, "1e300"), (1, 2, 0), (1, 3, 0)])),
     "a drawing of nothing but ENTITIES": _checked(WALL, geometry__dxf="SECTION\n" + "  2\nENTITIES\n" * 100_000),
     "sagitta_m = 1e-12": _checked(PROJECT.replace("[material]", "sagitta_m = 1e-12\n[material]")),
