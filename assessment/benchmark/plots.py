@@ -8,7 +8,7 @@ from itertools import cycle
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import NullFormatter, StrMethodFormatter
 
 from assessment.benchmark.measure import Row
 from assessment.report.figures.style import DASHES, MM, WIDTH_MM
@@ -48,6 +48,7 @@ def _panel(axes: Axes, case: str, rows: Sequence[Row], series: str) -> None:
         xlim=_decades([row["seconds"] for row in rows]), ylim=_decades([max(r["error"], EXACT) for r in rows])
     )
     for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))  # powers as formulas are not typeset in figures
         axis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("processor time, s")
     axes.set_ylabel("relative error")

@@ -1,8 +1,11 @@
-"""Random structures shaken so that many rock and slide: steps are solved, energy is kept, blocks stay apart."""
+"""Fifty random structures, rigid and elastic, shaken so that many rock and slide.
+
+Steps are solved, energy is kept, blocks stay apart.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 import numpy as np
@@ -14,7 +17,8 @@ from mechanics.types import Array
 from tests.stress.corpus import assemblies
 from tests.stress.harness import Case, sound
 
-COUNT, SHORT = 50, 8
+COUNT, TOGETHER = 50, 10
+CONTACTS: tuple[Behaviour, ...] = ("rigid", "elastic")
 STEP, DURATION = 0.005, 1.0  # s
 BALANCE = 1e-4  # of the energy turned over
 INSIDE = 0.02  # of the smallest block's size: how far blocks may lie in each other
@@ -60,8 +64,20 @@ def shaken(number: int, model: Assembly, contacts: Behaviour) -> None:
     assert into <= INSIDE * model.block_size.min(), f"blocks lie {into:.2e} m in each other"
 
 
+def all_shaken(some: Sequence[tuple[int, Assembly]], contacts: Behaviour) -> None:
+    """Several structures, one after the other; which of them failed is told."""
+    for number, model in some:
+        try:
+            shaken(number, model, contacts)
+        except Exception as error:
+            which = f"structure {number}, {len(model.blocks)} blocks, {contacts}"
+            raise AssertionError(f"{which}: {type(error).__name__}: {error}") from error
+
+
 def cases() -> Iterator[Case]:
-    for number, model in assemblies(COUNT, seed=19):
-        contacts: Behaviour = ("rigid", "elastic")[number // 4 % 2]
-        name = f"structure {number}, {len(model.blocks)} blocks, {contacts}"
-        yield Case("shaken", name, partial(shaken, number, model, contacts), long=number >= SHORT)
+    models = list(assemblies(COUNT, seed=19))
+    for first in range(0, COUNT, TOGETHER):
+        some = models[first : first + TOGETHER]
+        for contacts in CONTACTS:
+            name = f"structures {first} to {first + TOGETHER - 1}, {contacts}"
+            yield Case("shaken", name, partial(all_shaken, some, contacts))

@@ -156,6 +156,8 @@ def test_energy_balance_closes(outcome):
         for entry in state["history"]:
             energy = entry["energy"]
             assert abs(energy["residual_kNm"]) < 0.01 * energy["input_kNm"]
+            taken = sum(energy[f"{name}_kNm"] for name in ("friction", "impact", "viscous", "integrator"))
+            assert entry["integrator_share"] == pytest.approx(abs(energy["integrator_kNm"]) / taken)
             start, end = (
                 np.array(each)[:, 1] for each in (state["configuration"], entry["final_configuration"])
             )
@@ -201,6 +203,7 @@ def test_figures_tables_and_report(outcome, tmp_path, language):
     write_figures(Pool(0, typed(results)), tmp_path)
     filled = {table.name: table for table in tables(typed(results)) if table.rows}
     assert len(filled["history"].rows) == 4
+    assert {"integrator", "integrator_share"} <= set(filled["history_ranges"].columns)
     assert {"history_energy", "history_curves", "record_spectra"} <= filled.keys()
     assert {"incremental", "incremental_states", "incremental_curves", "static_dynamic"} <= filled.keys()
     html = render_html(typed(results), tmp_path, words_of(typed(results)))

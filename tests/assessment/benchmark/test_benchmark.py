@@ -275,6 +275,8 @@ def test_tables_plots_and_summary_are_written(measured, tmp_path, capsys):
     }
     with (tmp_path / "out" / "made.csv").open(encoding="utf-8") as file:
         assert [float(row["error"]) for row in csv.DictReader(file)] == [row["error"] for row in measured]
+    plot = (tmp_path / "out" / "made-increment.svg").read_text(encoding="utf-8")
+    assert ">0.001<" in plot and "$" not in plot  # decades of the errors in plain figures
     summary = (tmp_path / "out" / "summary.md").read_text(encoding="utf-8")
     assert "| arch, elastic | α | 0.20 %; 2.0 | 0.10 %; 2.0 | 0.050 %; 2.0 |" in summary
     assert "| case | quantity | × 2 | **× 1** | × 0.5 |" in summary

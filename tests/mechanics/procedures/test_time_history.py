@@ -45,6 +45,22 @@ def two_blocks(scale: float = 1.0, shift: tuple[float, float] = (0.0, 0.0), turn
     return Assembly(blocks[::-1] if turned else blocks)
 
 
+@pytest.mark.parametrize(
+    ("blocks", "contacts", "integrator", "why"),
+    [
+        (3, "rigid", "second-order", "3 movable blocks: every impact is located"),
+        (4, "rigid", "moreau-jean", "4 movable blocks: many impacts, resolved where they take energy"),
+        (4, "elastic", "second-order", "elastic joints: steps are halved where closing joints take energy"),
+    ],
+)
+def test_the_integrator_that_is_chosen_and_why(blocks: int, contacts: str, integrator: str, why: str) -> None:
+    stone = Material(18.0, 0.6, 1e6)
+    base = Block(rectangle(-0.1, -0.2, 0.8, 0.0), 1.0, stone, support="base")
+    row = [Block(rectangle(0.2 * k, 0.0, 0.2 * k + 0.1, 0.2), 1.0, stone) for k in range(blocks)]
+    motion = time_history(Assembly([base, *row]), np.zeros(3), STEP, contacts)
+    assert (motion.integrator, motion.chosen) == (integrator, why)
+
+
 @pytest.mark.parametrize(("contacts", "integrator"), SCHEMES)
 def test_no_motion_without_a_record(contacts: str, integrator: str) -> None:
     for model in (arch_on_piers(voussoirs=9, courses=3), two_blocks()):
