@@ -39,6 +39,7 @@ from tests.support.contract_project import CONTRACT, MINIMAL, write_named_files
 from tests.support.hostile import dxf_text
 from tests.support.hostile.judge import commanded, judged
 from tests.support.hostile.strategies import damaged_bytes, damaged_lines, names, numbers, values
+from tests.support.results_example import results_example
 from tests.support.typed import typed
 
 Try = Callable[[Any], str]
@@ -257,9 +258,7 @@ _SHEETS = to_xlsx(SHEETS)
 _TABLE = "T_R;a_g [g];F0;T_C*\n" + "\n".join(
     f"{T_R:g};{0.05 * k:.2f};2.4;0.3" for k, T_R in enumerate(RETURN_PERIODS, 1)
 )
-_RESULTS = json.dumps(
-    {"echo": {"report": {}}, "title": "Block", "model": {}, "geometry": {}, "states": {}, "quality": {}}
-)
+_RESULTS = json.dumps(results_example())
 _TEXTS = st.sampled_from([str(text) for text in records.FORMATS.values()])
 _STEPS = st.sampled_from((None, 0.005, 1e-6, 10.0))
 
