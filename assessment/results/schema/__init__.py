@@ -1,4 +1,4 @@
-"""results.json: every key with its type, unit and meaning; what is written and read is held against it."""
+"""results.json: every key with its type, unit and meaning; held against it where made, and when read."""
 
 from __future__ import annotations
 
