@@ -11,7 +11,7 @@ from mechanics.model import Direction
 from mechanics.procedures import limit_in, static_theorem
 
 AGREE = 1e-6  # relative difference of the two multipliers from which a warning says so
-LEAST = 1e-6  # a multiplier below which differences are not relative to it
+LEAST = 1e-2  # a multiplier below which differences are relative to this: solvers know α to 1e-9, not its digits at 0
 
 
 def second_solver(

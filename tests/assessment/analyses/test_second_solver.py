@@ -74,6 +74,14 @@ def test_a_difference_above_one_in_a_million_is_warned_of(monkeypatch, share, wa
         assert "moved" in italian and "scarto relativo" in italian and "written apart" not in italian
 
 
+def test_a_multiplier_of_zero_by_both_is_no_difference():
+    """Without friction: α = 0 by one, 1e-9 by the other."""
+    model = block_on_base(friction=0.0)
+    part = second_solver(model, "original", "+x", model.initial, 0.0)
+    assert part.found.alpha_linear_program == pytest.approx(0.0, abs=1e-8)
+    assert not part.warnings
+
+
 def test_an_optimum_that_highs_does_not_find_is_warned_of(monkeypatch):
     monkeypatch.setattr(module, "static_theorem", lambda *_: None)
     model = block_on_base()
