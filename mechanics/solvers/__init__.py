@@ -83,8 +83,8 @@ def imbalance(program: Program, layout: Elimination) -> float:
 
     Joints count as rigid, and as closed if they may close within the program's step. This auxiliary program always has
     a solution; it is zero if the loads can be balanced (with a lateral load, for some multiplier). Its objective is the
-    square of the acceleration: of one so small that it might be none a linear program decides. Raises ConvergenceError
-    if neither is solved.
+    square of the acceleration, so a small acceleration may be none: a linear program decides that. Raises
+    ConvergenceError if the auxiliary program is not solved.
     """
     places, law = program.places.copy(), program.law.copy()
     closed = end_gaps(places) <= OPEN * program.step
@@ -105,7 +105,10 @@ def imbalance(program: Program, layout: Elimination) -> float:
 
 
 def _least_acceleration(gauss: Program, layout: Elimination) -> float:
-    """Return the largest acceleration, per gravity, of the auxiliary program."""
+    """Return the largest acceleration, per gravity, in the solution of the auxiliary program.
+
+    Raises ConvergenceError if it is not solved.
+    """
 
     def least(acceleration: np.ndarray) -> float:
         return float(abs(acceleration.reshape(-1, 3) * (1.0, 1.0, gauss.size)).max()) / GRAVITY

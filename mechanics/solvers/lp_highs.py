@@ -29,10 +29,10 @@ def solve(program: Program, method: Literal["highs-ds", "highs-ipm"] = "highs-ds
 
 
 def least_residual(program: Program, closed: Mask) -> float:
-    """Return what the best forces at closed ends (j, 2) leave of the loads, per weight; infinite if there are none.
+    """Return the unbalanced force, per weight, of forces at closed ends (j, 2) that balance the loads.
 
-    Decided by linear programming alone, so exact where the forces that balance the loads are unique, or at their bounds
-    (no friction, an arch of the least thickness): an interior point has no interior there.
+    It is infinite if HiGHS finds no such forces. The simplex method needs no interior: it decides also where the forces
+    are unique or at their bounds, as without friction or in an arch of the least thickness.
     """
     form = StandardForm.of(program)
     bounds: list[tuple[float | None, float | None]] = [

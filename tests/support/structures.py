@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
-from assessment.benchmark.cases.structures import block_on_base, rectangle, running_bond
+from assessment.benchmark.cases.structures import block_on_base, in_frame, rectangle, running_bond
 from mechanics import Assembly, Block, Material
 
 __all__ = [
@@ -91,17 +90,3 @@ def column(
     base = Block(rectangle(-width, -0.2, 2.0 * width, 0.0), 1.0, stone, support="base")
     stacked = [Block(rectangle(0.0, low, width, high), 1.0, stone) for low, high in pairwise(levels)]
     return Assembly([base, *stacked], segments)
-
-
-def in_frame(model: Assembly, length: float, origin: tuple[float, float], weight: float) -> Assembly:
-    """The model in other units of length and force, and moved."""
-    return Assembly(
-        [
-            replace(
-                b,
-                vertices=length * b.polygon + np.array(origin),
-                material=replace(b.material, unit_weight=weight * b.material.unit_weight),
-            )
-            for b in model.blocks
-        ]
-    )

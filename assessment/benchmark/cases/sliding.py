@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from assessment.analyses.static.ensemble import INCREMENTS, shaken_corners
-from assessment.benchmark.cases.structures import assembly, running_bond, template
+from assessment.benchmark.cases.structures import assembly, in_frame, running_bond, template
 from assessment.benchmark.measure import FAILURES, Row, seconds_of
 from mechanics import Assembly, limit_analysis, pushover
 from mechanics.procedures.pushover import Pushover
@@ -68,17 +68,12 @@ def variants(case: Case) -> list[tuple[float, Case]]:
     x, z = case.control
 
     def framed(length: float, origin: tuple[float, float], weight: float) -> tuple[float, Case]:
-        blocks = [
-            replace(
-                block,
-                vertices=length * block.polygon + np.array(origin),
-                material=replace(block.material, unit_weight=weight * block.material.unit_weight),
-            )
-            for block in case.model.blocks
-        ]
         control = (length * x + origin[0], length * z + origin[1])
         return length, replace(
-            case, model=Assembly(blocks), control=control, increment=length * case.increment
+            case,
+            model=in_frame(case.model, length, origin, weight),
+            control=control,
+            increment=length * case.increment,
         )
 
     return [

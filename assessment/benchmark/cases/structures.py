@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -61,6 +62,20 @@ def running_bond(
             Block(rectangle(a, j * height, b, (j + 1) * height), 0.1, stone) for a, b in pairwise(edges)
         ]
     return Assembly(blocks)
+
+
+def in_frame(model: Assembly, length: float, origin: tuple[float, float], weight: float) -> Assembly:
+    """Return the model with lengths and unit weights multiplied, and then moved to an origin (m)."""
+    return Assembly(
+        [
+            replace(
+                block,
+                vertices=length * block.polygon + np.array(origin),
+                material=replace(block.material, unit_weight=weight * block.material.unit_weight),
+            )
+            for block in model.blocks
+        ]
+    )
 
 
 def arch_on_piers(voussoirs: int = 27, courses: int = 19, stiffness: float = 1e6) -> Assembly:
