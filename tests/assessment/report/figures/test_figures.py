@@ -11,7 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.patches import Rectangle
 
+from assessment.project.model import build_model
+from assessment.project.project import load_project
 from assessment.report.figures.curves import draw_pushdown, draw_pushover
+from assessment.report.figures.drawings.deformed import draw_settlement
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.figures.style import (
     BAND_MM,
@@ -29,6 +32,9 @@ from assessment.report.figures.style import (
 from assessment.report.text.language import slug, words_of
 from assessment.results.outlines import Outlines, outlines
 from assessment.runtime.processes.pool import Pool
+from assessment.workflow.stages import run
+from tests.support.block_project import TURNED, write_block
+from tests.support.block_project import block as tables_of_block
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
 
@@ -131,6 +137,48 @@ def test_a_constant_reaction_is_a_level_line():
     level, rising = draw_pushdown(typed(results), words_of(typed(results)), SETTLED).axes
     assert np.ptp(level.get_ylim()) > 1.0
     assert np.ptp(rising.get_ylim()) < 1.2 * count
+
+
+def turned(folder, rotation):
+    """Results of a block whose base turns about its centre, without a displacement."""
+    text = tables_of_block() + TURNED.replace("-0.02", str(rotation)).replace("0.01", "0.004")
+    project = load_project(write_block(folder / "block", text))
+    return run(project, build_model(project), jobs=1).results
+
+
+def base_of(results):
+    return next(each for each in results.geometry.blocks if each.support == "base")
+
+
+@pytest.mark.parametrize("rotation", [-0.02, 0.02])
+def test_a_pure_rotation_has_its_movement_line_at_the_end_of_the_path(tmp_path, rotation):
+    """The arc at the base's farthest corner; as the largest displacement, 0, the line was left out."""
+    results = turned(tmp_path, rotation)
+    corners = np.array(base_of(results).vertices_m)
+    radius = np.hypot(*(corners - corners.mean(axis=0)).T).max()  # a rectangle
+    figure = draw_pushdown(results, words_of(results), "base turned")
+    for axes in figure.axes:
+        [line] = [each for each in axes.lines if "cedimento assegnato" in each.get_label()]
+        [curve] = [each for each in axes.lines if each.get_label() == "contatti rigidi"]
+        asked = 1000.0 * abs(rotation) * radius
+        assert line.get_xdata() == pytest.approx([asked, asked])
+        assert curve.get_xdata()[[0, -1]] == pytest.approx([0.0, asked])
+        assert axes.get_xlim()[1] > asked
+
+
+@pytest.mark.parametrize("rotation", [-0.02, 0.02])
+def test_a_pure_rotation_has_an_arc_over_its_support_in_its_sense(tmp_path, rotation):
+    results = turned(tmp_path, rotation)
+    figure = draw_settlement(results, words_of(results), "base turned")
+    [arrow] = figure.axes[0].texts
+    centre, tail, head = base_of(results).centroid_m, arrow.xyann, arrow.xy
+    assert (np.array(tail) + head) / 2.0 == pytest.approx(centre)
+    assert math.copysign(1.0, tail[0] - head[0]) == math.copysign(
+        1.0, rotation
+    )  # anticlockwise: from the right
+    figure.draw_without_rendering()
+    begun, over, *_ = arrow.arrow_patch.get_path().vertices
+    assert over[1] > begun[1]
 
 
 def test_panels_stay_on_the_page():
