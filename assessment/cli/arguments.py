@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 
 from assessment.cli import commands
 from assessment.cli.commands import TEMPLATES
-from assessment.cli.exit_codes import EXIT_CODES
-from assessment.runtime.terminal.console import visible
+from assessment.cli.exit_codes import EXIT_CODES, WRONG_INPUT
+from assessment.runtime.terminal.console import say, tell
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from typing import Any, NoReturn
+
+    from _typeshed import SupportsWrite
 
     Parsers = argparse._SubParsersAction["_Parser"]
 
@@ -76,9 +78,14 @@ def _nearest(name: str, valid: Sequence[str]) -> str:
 class _Parser(argparse.ArgumentParser):
     """A parser that shows arguments as they are and does nothing else with them."""
 
+    def print_help(self, file: SupportsWrite[str] | None = None) -> None:
+        """Print the help as every other text; argparse's own way tells nobody that it could not be written."""
+        say(self.format_help(), end="")
+
     def error(self, message: str) -> NoReturn:
         """Say what is missing or wrong as every other message does, and where to look it up."""
-        self.exit(2, f"error: {self.prog}: {visible(message)}; see {self.prog} --help\n")
+        tell(f"error: {self.prog}: {message}; see {self.prog} --help")
+        self.exit(WRONG_INPUT)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -185,7 +192,7 @@ class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
         from importlib.metadata import version
 
-        print(f"{parser.prog} {version('assesto')}")
+        say(f"{parser.prog} {version('assesto')}")
         parser.exit()
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from opcode import opmap
 
-from assessment.runtime.terminal.console import tell
+from assessment.runtime.terminal.console import tell, unwritten
 
 DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
 EXIT_CODES = f"""exit codes:
   {DONE}  done
   {WRONG_INPUT}  the input is wrong: nothing was overwritten
-  {INCOMPLETE}  an analysis could not be completed, or the run was interrupted: what is finished is kept"""
+  {INCOMPLETE}  an analysis or the output was not completed, or the run was interrupted: what is finished is kept"""
 RAISE = opmap["RAISE_VARARGS"]  # the instruction of a raise statement
 
 
@@ -32,10 +32,12 @@ def is_input_error(error: ValueError | OSError) -> bool:
     A plain ValueError names it where a `raise` of our own code made it; one out of a library, or out of Python itself
     (int of a NaN), is a bug of ours.
     """
+    if isinstance(error, OSError):
+        return True
     from assessment.runtime.errors import ProjectError
     from mechanics import ArgumentError, DrawingError, RecordError
 
-    if isinstance(error, ProjectError | DrawingError | RecordError | ArgumentError | OSError):
+    if isinstance(error, ProjectError | DrawingError | RecordError | ArgumentError):
         return True
     last = error.__traceback__
     while last and last.tb_next:
@@ -47,10 +49,11 @@ def is_input_error(error: ValueError | OSError) -> bool:
     return ours and last.tb_frame.f_code.co_code[last.tb_lasti] == RAISE
 
 
-def tell_error(error: ValueError | OSError) -> None:
-    """Print the message of an error, each of its lines as one."""
+def tell_error(error: ValueError | OSError) -> int:
+    """Print the message of an error, each of its lines as one; return its exit code."""
     for line in _message(error).split("\n"):
         tell(f"error: {line}")
+    return INCOMPLETE if unwritten(error) else WRONG_INPUT
 
 
 def _message(error: ValueError | OSError) -> str:

@@ -28,8 +28,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         options = options_of(sys.argv[1:] if arguments is None else arguments)
     except ValueError as error:
-        tell(f"error: {error}")
+        tell(f"error: {error}")  # a name that has lines is no message of several
         return WRONG_INPUT
+    except OSError as error:
+        return tell_error(error)
     kept = "; finished analyses are kept: run again to go on" if options.command is commands.run else ""
     unchanged = f"nothing of an earlier result was changed{kept}"
     if whole:
@@ -41,10 +43,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (ValueError, OSError) as error:
         if not is_input_error(error):
             raise
-        tell_error(error)
+        code = tell_error(error)
         if options.command is commands.run and getattr(error, "outlines", None):
             tell("assesto check draws model.svg with the faults marked")
-        return WRONG_INPUT
     except (RuntimeError, MemoryError) as error:
         if (cause := incomplete(error, unchanged)) is None:
             raise

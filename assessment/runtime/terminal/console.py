@@ -8,9 +8,11 @@ import errno
 import os
 import sys
 import unicodedata
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from typing import TextIO
 
+OUTPUT = "standard output"  # as a message names it
 SPELT = {
     "−": "-",
     "–": "-",
@@ -46,12 +48,13 @@ def say(text: str = "", end: str = "\n") -> None:
 
     Raises OSError that names standard output where it cannot be written for another reason.
     """
-    try:
+    with _written():
         print("\n".join(map(visible, text.split("\n"))), end=end, flush=True)
-    except OSError as error:
-        sys.stdout = _nowhere()
-        if not isinstance(error, BrokenPipeError) and error.errno != errno.EINVAL:  # as Windows calls it
-            raise OSError(error.errno, error.strerror, "standard output") from None
+
+
+def unwritten(error: BaseException) -> bool:
+    """Return whether an error is that standard output could not be written."""
+    return isinstance(error, OSError) and error.filename == OUTPUT
 
 
 def tell(line: str) -> None:
@@ -68,10 +71,21 @@ def visible(line: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in line)
 
 
-def _finish() -> None:
-    """Print what is left, of --help too, whose reader may also have seen enough."""
+@contextmanager
+def _written() -> Iterator[None]:
     try:
-        say(end="")
+        yield
+    except OSError as error:
+        sys.stdout = _nowhere()
+        if not isinstance(error, BrokenPipeError) and error.errno != errno.EINVAL:  # as Windows calls it
+            raise OSError(error.errno, error.strerror, OUTPUT) from None
+
+
+def _finish() -> None:
+    """Print what libraries have left, whose reader may also have seen enough."""
+    try:
+        with _written():
+            sys.stdout.flush()
     except OSError as error:
         tell(f"error: {error.filename}: {error.strerror}")
 

@@ -16,6 +16,17 @@ TITLE = 'title = "Block"'
 GREEK = 'title = "Tuff, −5 µm … Ξ, città"'
 
 
+ALL = ["help", "help of a command", "version", "schema", "templates", "run", "status"]
+
+
+def arguments(command: str, project) -> list[object]:
+    given = {
+        "help": ["--help"], "help of a command": ["run", "--help"], "version": ["--version"],
+        "templates": ["new", "--list"], "schema": ["schema"], "run": ["run", project, "--no-report"],
+    }  # fmt: skip
+    return given.get(command) or [command, project]
+
+
 @pytest.fixture(scope="module")
 def project(tmp_path_factory):
     """A project that was run: to run it again takes no time, and says the same."""
@@ -91,11 +102,10 @@ def gone() -> int:
     return writing
 
 
-@pytest.mark.parametrize("command", [("run", "--no-report"), ("--help",)])
+@pytest.mark.parametrize("command", ALL)
 def test_a_reader_that_has_seen_enough_is_no_error(project, command):
-    where = [project] if command[0] == "run" else []
     writing = gone()
-    done = start(*command, *where, stdout=writing)
+    done = start(*arguments(command, project), stdout=writing)
     os.close(writing)
     assert (done.returncode, done.stderr) == (0, b"")
 
@@ -110,9 +120,21 @@ def test_the_code_tells_of_the_run_whoever_reads(tmp_path):
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device of Linux")  # noqa: PTH110
-def test_a_full_disk_behind_standard_output_is_told():
+@pytest.mark.parametrize(("command", "buffered"), [*((each, True) for each in ALL), ("help", False)])
+def test_a_full_disk_behind_standard_output_is_told(project, command, buffered, monkeypatch):
+    """A --help that nobody got ended with 0: argparse passes over what it cannot write."""
+    monkeypatch.setenv("PYTHONUNBUFFERED", "" if buffered else "1")
     with open("/dev/full", "wb") as full:  # noqa: PTH123
-        done = start("schema", stdout=full)
-    assert done.returncode == 2
+        done = start(*arguments(command, project), stdout=full)
+    assert done.returncode == 3
     assert done.stderr.startswith(b"error: standard output: No space left on device")
     assert done.stderr.count(b"\n") == 1
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device of Linux")  # noqa: PTH110
+def test_a_wrong_argument_is_told_once_whatever_is_behind_standard_output(monkeypatch):
+    monkeypatch.setenv("PYTHONUNBUFFERED", "1")
+    with open("/dev/full", "wb") as full:  # noqa: PTH123
+        done = start("run", stdout=full)
+    assert (done.returncode, done.stderr.count(b"\n")) == (2, 1)
+    assert done.stderr.startswith(b"error: assesto run: the following arguments are required: PROJECT; see")
