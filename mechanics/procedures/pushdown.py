@@ -91,7 +91,8 @@ def pushdown(
     ultimate, end, bisection = None, "the whole movement is applied", Bisection(increment)
     while path.movement[-1] < limit * (1.0 - 1e-9):
         if final is not None and len(path.steps) >= PUSHDOWN.points:
-            end = f"{PUSHDOWN.points} points"
+            key = "increment_m" if target.any() else "increment_rad"
+            end = f"a path has {PUSHDOWN.points} points at most; write a larger {key}"
             break
         here, aim = path.movement[-1], full if final is None else limit
         by = min(bisection.length, aim - here)

@@ -315,7 +315,7 @@ class _Curve:
         ):
             self.end = f"α has come down to {self.push.until:g} of its peak"
         if len(self.states) == self.tolerances.points and not self.end:
-            self.end = f"{self.tolerances.points} points"
+            self.end = f"a curve has {self.tolerances.points} points at most; write a larger increment_m"
 
     def locate_peak(self) -> None:
         """Add the points just behind joints that close, in the steps in which α may be largest."""

@@ -13,6 +13,7 @@ from assessment.analyses.static import lateral
 from assessment.cli.main import main
 from assessment.project.catalogue.new_project import write_drawing
 from mechanics import ConvergenceError, pushover
+from mechanics.procedures.pushdown import PushdownTolerances
 from mechanics.procedures.pushover import PushoverTolerances
 from tests.support.block_project import ASSESSMENT, PROJECT, edit, read_results, run
 from tests.support.structures import rectangle
@@ -81,9 +82,25 @@ def test_a_path_cut_short_has_no_capacity(project, monkeypatch):
     monkeypatch.setattr(lateral, "pushover", partial(pushover, tolerances=few))
     (project / "project.toml").write_text(PROJECT + ASSESSMENT, encoding="utf-8")
     run(project)
-    found = read_results(project / "output")["states"]["original"]
+    results = read_results(project / "output")
+    found = results["states"]["original"]
     assert found["pushover"]["+x"]["rigid"]["d_0_m"] is None
     assert found["capacity"]["+x"]["SLV"]["verified"] is None
+    assert any(
+        text.startswith("original, pushover +x, rigid contacts: ends at d = ")
+        and text.endswith(": a curve has 3 points at most; write a larger increment_m")
+        for text in results["quality"]["warnings"]
+    )
+
+
+def test_a_settlement_cut_short_says_what_to_write(project, monkeypatch):
+    procedure = importlib.import_module("mechanics.procedures.pushdown")
+    monkeypatch.setattr(procedure, "PUSHDOWN", PushdownTolerances(points=5))
+    edit(project, "rotation_rad = -0.02\n", "rotation_rad = -0.02\nto_collapse = true\n")
+    assert run(project, "--jobs", "1") == 0
+    [text] = [each for each in read_results(project / "output")["quality"]["warnings"] if "points" in each]
+    assert text.startswith("base turned, rigid contacts: no ultimate movement up to ")
+    assert text.endswith(" m (a path has 5 points at most; write a larger increment_rad)")
 
 
 def test_what_a_path_had_reached_is_kept_where_no_solver_goes_on(project, monkeypatch):

@@ -30,8 +30,12 @@ def test_a_path_to_collapse_has_a_bound_on_its_points(monkeypatch):
     """An increment of 1e-7 m after a small movement made a path of tens of millions of points."""
     monkeypatch.setattr(MODULE["pushdown"], "PUSHDOWN", PushdownTolerances(points=12))
     path = pushdown(block_on_base(), "base", rotation=-0.001, increment=1e-4, to_collapse=True)
-    assert len(path.movement) == 12 and path.end == "12 points"
+    assert len(path.movement) == 12 and path.end == (
+        "a path has 12 points at most; write a larger increment_rad"
+    )
     assert path.ultimate is None and path.movement[-1] >= 0.001
+    path = pushdown(block_on_base(), "base", (1e-3, 0.0), -0.001, increment=1e-4, to_collapse=True)
+    assert path.end.endswith("write a larger increment_m")
 
 
 def test_a_turn_with_a_small_translation_is_as_good_as_one_without():
@@ -98,7 +102,7 @@ def test_an_arch_that_falls_does_so_at_the_same_displacement(increment):
 def test_a_path_cut_short_is_neither():
     few = PushoverTolerances(points=5)
     cut = pushover(block_on_base(friction=0.1), (0.2, 1.0), increment=0.001, tolerances=few)
-    assert cut.end == "5 points"
+    assert cut.end == "a curve has 5 points at most; write a larger increment_m"
     assert not cut.reached_zero and not cut.lost
 
 
