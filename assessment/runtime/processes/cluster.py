@@ -7,8 +7,11 @@ scheduler gives it to another one.
 from __future__ import annotations
 
 import platform
+import threading
+import time
 from collections.abc import Callable
-from concurrent.futures import Future
+from concurrent.futures import Future, InvalidStateError
+from contextlib import suppress
 from typing import Any, TypeVar, TypeVarTuple
 
 from assessment.runtime.errors import ProjectError
@@ -18,8 +21,14 @@ from assessment.runtime.processes.pool import KilledError
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
 PATIENCE = 10  # s that a scheduler has to answer
+WORKERLESS = 300.0  # s in which work waits and no worker is there: a scheduler would wait for ever
+LOOKED = 2.0  # s between two looks at the workers
 GONE = ("closing", "closed")  # status of a client without its scheduler
 LOST = "the Dask scheduler or its workers were lost; start them and run again: finished analyses are kept"
+NONE_LEFT = (
+    "the Dask scheduler has had no worker for {seconds:g} s; start one (dask worker) and run again: "
+    "finished analyses are kept"
+)
 
 
 class Cluster:
@@ -44,10 +53,15 @@ class Cluster:
                 f"--scheduler: {address}: no Dask scheduler answers there ({type(error).__name__}); start one "
                 "(dask scheduler) with its workers (dask worker), or correct the address"
             ) from None
+        self._open: set[Future[Any]] = set()
+        self._closed = threading.Event()
+        threading.Thread(target=self._watch, daemon=True).start()
 
     def submit(self, function: Callable[[*Arguments], Result], *arguments: *Arguments) -> Future[Result]:
         """Begin function(*arguments); result or error are the future's, KilledError where the cluster is lost."""
         done: Future[Result] = Future()
+        self._open.add(done)
+        done.add_done_callback(self._open.discard)
         try:
             begun = self._client.submit(_checked, program(), function, arguments, pure=False)
         except Exception as error:
@@ -61,7 +75,22 @@ class Cluster:
 
     def close(self, at_once: bool) -> None:
         """Leave the cluster; what it is at for this process is given up."""
+        self._closed.set()
         self._client.close()
+
+    def _watch(self) -> None:
+        """Have all that waits fail once there has been no worker for WORKERLESS."""
+        seen = time.monotonic()
+        while not self._closed.wait(LOOKED):
+            try:
+                workers = self._client.nthreads()
+            except Exception:  # the scheduler is lost: the client tells every future itself
+                continue
+            if workers or not self._open:  # one that adapts has none while there is nothing to do
+                seen = time.monotonic()
+            elif time.monotonic() - seen > WORKERLESS:
+                for done in tuple(self._open):
+                    _fail(done, KilledError(NONE_LEFT.format(seconds=WORKERLESS)))
 
 
 def _checked(expected: str, function: Callable[..., Result], arguments: tuple[Any, ...]) -> Result:
@@ -80,9 +109,15 @@ def _hand_over(ended: Any, client: Any, done: Future[Any]) -> None:
         result = ended.result()
     except BaseException as error:
         own = ended.status == "error" and not _is_of_cluster(error)
-        done.set_exception(error if own or not _is_loss(error, client) else KilledError(LOST))
+        _fail(done, error if own or not _is_loss(error, client) else KilledError(LOST))
     else:
-        done.set_result(result)
+        with suppress(InvalidStateError):  # it had failed, for want of a worker
+            done.set_result(result)
+
+
+def _fail(done: Future[Any], error: BaseException) -> None:
+    with suppress(InvalidStateError):  # it was told before
+        done.set_exception(error)
 
 
 def _is_loss(error: BaseException, client: Any) -> bool:

@@ -112,6 +112,25 @@ def test_a_lost_cluster_is_told_apart_from_an_error_of_the_analysis(error, ended
     assert str(found) == cluster.LOST if lost else found is error
 
 
+def test_work_for_which_no_worker_is_left_is_not_waited_for_without_end(monkeypatch):
+    """The scheduler keeps what the last worker was at until another one comes: the run hung."""
+    monkeypatch.setattr(cluster, "LOOKED", 0.01)
+    monkeypatch.setattr(cluster, "WORKERLESS", 0.1)
+    with distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=":0") as found:
+        engine = Cluster(found.scheduler_address)
+        assert engine.submit(pow, 2, 3).result(timeout=LONG) == 8
+        found.scale(0)
+        found.sync(found._correct_state)
+        with pytest.raises(
+            KilledError, match=r"no worker for 0.1 s; start one \(dask worker\) and run again"
+        ):
+            engine.submit(pow, 2, 3).result(timeout=LONG)
+        found.scale(1)
+        found.sync(found._correct_state)
+        assert engine.submit(pow, 2, 4).result(timeout=LONG) == 16  # the wait begins anew
+        engine.close(at_once=False)
+
+
 def test_no_scheduler_at_the_address_is_told(monkeypatch):
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
     for address in ("tcp://127.0.0.1:1", "nowhere"):
