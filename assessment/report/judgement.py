@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from markupsafe import Markup
@@ -62,7 +62,7 @@ def _governing(results: Results, words: Words) -> Iterator[Markup]:
         **_where(worst, words),
         capacity=worst.get("a_g_g"),
         demand=worst.get("demand_a_g_g"),
-        reference=words.plain(f"value.on_{reference_of(results)}"),
+        reference=_reference(results, words),
         ratio=worst["zeta_E"],
         outcome=words.plain("value.verified" if worst.get("verified") else "value.not_verified"),
     )
@@ -111,21 +111,37 @@ def _chosen(results: Results, words: Words) -> Iterator[Markup]:
 
 
 def _losses(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield, for each limit state, what costs most of the a_g borne; without any a_g, what costs most of α0."""
+    """Yield what costs most of the a_g borne at each limit state; without any a_g, what costs most of α0."""
     rows = [row for row in summary(results).rows if row["quantity"] == "a_g_g"]
     lost: dict[tuple[str, str], list[str]] = {}
+    losses: list[Markup] = []
+    none: list[Markup] = []
+    reference = _reference(results, words)
     for check in CHECKS:
         of_check = [row for row in rows if row["limit_state"] == check]
         unknown = list(_not_found(results, of_check))
-        for place in unknown:
-            lost.setdefault(place, []).append(check)
-        yield from _loss(_reductions(results, of_check), check, bool(unknown), words)
+        for each in unknown:
+            lost.setdefault(each, []).append(check)
+        found = _reductions(results, of_check)
+        largest, state, direction = max(found, key=lambda each: each[0], default=(0.0, "", ""))
+        if not state:
+            continue
+        place = _where({"state": state, "direction": direction, "limit_state": check}, words)
+        if largest > ROUNDING:
+            losses.append(_loss(results, state, direction, check, largest, words))
+        elif not unknown:
+            increase = max(0.0, -100.0 * largest)
+            none.append(words("judgement.no_reduction", **place, increase=increase, reference=reference))
+    if losses:
+        yield words("judgement.reduction", losses=Markup("; ").join(losses), reference=reference)
+    yield from none
     for (state, direction), checks in lost.items():
         yield words(
             "judgement.lost",
             state=words.state(state),
             direction=direction_name(direction),
             limits=", ".join(check_name(check, words) for check in checks),
+            reference=reference,
         )
     if not rows:
         yield from _multiplier_loss(results, words)
@@ -149,17 +165,23 @@ def _not_found(results: Results, rows: Iterable[Row]) -> Iterator[tuple[str, str
                 yield state, row["direction"]
 
 
-def _loss(
-    losses: Sequence[tuple[float, str, str]], check: str, unknown: bool, words: Words
-) -> Iterator[Markup]:
-    if not losses:
-        return
-    largest, state, direction = max(losses, key=lambda each: each[0])
+def _loss(results: Results, state: str, direction: str, check: str, loss: float, words: Words) -> Markup:
+    """Return a reduction of a_g with its check and place, and between which values ranges of both states let it lie."""
+    found = {"reduction": 100.0 * loss}
+    low, high = (_range(results, name, direction, check) for name in (state, "original"))
+    if low and high and (low[0] < low[1] or high[0] < high[1]):
+        found |= {"least": 100.0 * (1.0 - low[1] / high[0]), "most": 100.0 * (1.0 - low[0] / high[1])}
     place = _where({"state": state, "direction": direction, "limit_state": check}, words)
-    if largest > ROUNDING:
-        yield words("judgement.reduction", **place, reduction=100.0 * largest)
-    elif not unknown:
-        yield words("judgement.no_reduction", **place, increase=max(0.0, -100.0 * largest))
+    return words(f"judgement.reduction_{'range' if 'least' in found else 'of'}", **place, **found)
+
+
+def _range(results: Results, state: str, direction: str, check: str) -> tuple[float, float] | None:
+    """Return the least and the largest a_g of a check, twice the same where it has no range; None if either is open."""
+    found = next(
+        each.checks[check] for name, way, each in capacities(results) if (name, way) == (state, direction)
+    )
+    low, high = found.a_g_g_range or (found.a_g_g, found.a_g_g)
+    return None if low is None or high is None or low <= 0.0 else (low, high)
 
 
 def _multiplier_loss(results: Results, words: Words) -> Iterator[Markup]:
@@ -179,6 +201,11 @@ def _dynamic(results: Results, words: Words) -> Iterator[Markup]:
                 dynamic=each.dynamic_pga_g,
                 static=each.static_surface_pga_g,
             )
+
+
+def _reference(results: Results, words: Words) -> str:
+    """Return what the accelerations of the checks refer to."""
+    return words.plain(f"value.stated_on_{reference_of(results)}")
 
 
 def _where(place: Row, words: Words) -> dict[str, str]:
@@ -201,6 +228,7 @@ def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
             direction=direction_name(worst.direction),
             capacity=compared(worst, found.quantity),
             limit=found.limit_state,
+            reference=_reference(results, words),
         )
         if not worst.collapses and worst.reduction is not None:
             sentence += Markup(" ") + words("judgement.worst_reduction", reduction=100.0 * worst.reduction)
@@ -222,6 +250,7 @@ def _sensitive(results: Results, words: Words) -> Iterator[Markup]:
             high=float(widest["high_factor"]),
             least=min(span),
             most=max(span),
+            reference=_reference(results, words),
         )
     without = dict.fromkeys(row["property"] for row in rows if row["swing_g"] is None)
     if without:

@@ -48,7 +48,7 @@ class Words:
             return self.plain("value.yes" if value else "value.no")
         if isinstance(value, float):
             return self.number(value)
-        return str(value)
+        return value if isinstance(value, str) else str(value)  # Markup stays Markup
 
     def number(self, value: float, significant: int = 3) -> str:
         """Write a number with so many significant digits; never fewer digits than its whole part has."""

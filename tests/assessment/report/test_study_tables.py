@@ -142,14 +142,14 @@ def test_chapters_name_the_worst_case_and_show_tables_and_figures(language, fall
         text = html[start : html.index("<h2", start + 4)]
         assert text.count("<figure>") == 1 and text.count("<caption>") == 1
         assert words(f"section.{chapter}") in text
-    key = "collapses" if fallen else "a_g_g"
+    key, rock = "collapses" if fallen else "a_g_g", words.plain("value.stated_on_rock")
     sentence = words(f"judgement.worst_{key}", state=SETTLED, movement=words.millimetres(0.02), direction="−x",
-                     capacity=0.6, limit="SLC")  # fmt: skip
+                     capacity=0.6, limit="SLC", reference=rock)  # fmt: skip
     if not fallen:
         sentence += Markup(" ") + words("judgement.worst_reduction", reduction=25.0)
     assert sentence in html and sentence in draft_judgement(typed(results), words)
     widest = words("judgement.sensitive", property=words.plain("value.stiffness"), state=words.state("original"),
-                   low=0.5, high=2.0, least=0.7, most=1.2, limit="SLC")  # fmt: skip
+                   low=0.5, high=2.0, least=0.7, most=1.2, limit="SLC", reference=rock)  # fmt: skip
     assert widest in draft_judgement(typed(results), words)
 
 
