@@ -11,6 +11,7 @@ from pathlib import Path
 import jinja2
 from markupsafe import Markup
 
+from assessment.ntc.limit_states import QUOTED
 from assessment.report.attachments import caption, stored
 from assessment.report.calculation_annex import traces
 from assessment.report.cracks import PRINTED as CRACKS_PRINTED
@@ -152,6 +153,7 @@ def render_html(
         missing=list(_missing(results, words)),
         onsets=list(_onsets(results, words)),
         judgement=draft_judgement(results, words),
+        farthest=_farthest(results),
         worst=list(worst_scenario(results, words)),
         edited=edited,
         macro_blocks=list(_macro_blocks(results, words)),
@@ -357,6 +359,12 @@ def _losses(results: Results, words: Words) -> Iterator[Markup]:
                 overlap=1000.0 * loss.overlap_m,
                 limit=1000.0 * loss.displacement_m,
             )
+
+
+def _farthest(results: Results) -> str:
+    """Return the farthest limit state that was asked for, of which losses are told; empty where none was."""
+    asked = (results.echo.assessment or {}).get("limit_states", [])
+    return next((limit for limit in QUOTED if limit in asked), "")
 
 
 def _contacts(results: Results) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from itertools import cycle
 from typing import Any
@@ -15,7 +16,7 @@ from matplotlib.patches import Patch
 from assessment.ntc.limit_states import SURFACE
 from assessment.report.figures.style import DASHES, chart
 from assessment.report.text.language import Words
-from assessment.report.text.table_format import referenced
+from assessment.report.text.table_format import COARSE, referenced
 from assessment.results.schema import Results
 from assessment.results.schema.campaign import (
     Campaign,
@@ -51,7 +52,7 @@ def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Fig
     rows = [row for row in combinations if row.settlement == settlement]
     shares = list(dict.fromkeys(row.share for row in rows))
     columns = min(2, len(shares))
-    figure, panels = chart(words, columns=columns, rows=-(-len(shares) // columns), height_mm=62.0)
+    figure, panels = chart(words, columns=columns, rows=-(-len(shares) // columns), height_mm=54.0)
     points = [point for row in rows for point in _points(row, runs)]
     bounds = [bound for row in rows for bound in (row.pga_collapse_g, row.pga_safe_g)]
     peaks = [1000.0 * p.peak_displacement_m for p in points if p.peak_displacement_m is not None]
@@ -96,18 +97,24 @@ def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> 
 
     found, campaign = fragile_shares(results, settlement), known(results.campaign)
     figure, (axes,) = chart(words, height_mm=75.0, foot_mm=8.0 + 4.0 * len(found))
+    seen = {row.share: _seen(campaign, settlement, row.share) for row in found}
     top = max(known(row.median_g) * np.exp(2.0 * known(row.beta)) for row in found)
-    level = np.linspace(1e-3 * top, top, 300)
+    low = min(known(row.median_g) * np.exp(-3.0 * known(row.beta)) for row in found)
+    low = min([low, *(level for levels, _ in seen.values() for level in levels)])
+    start = 0.1 * math.floor(9.5 * low)  # below it nothing collapses
+    level = np.linspace(max(start, 1e-3 * top), top, 300)
+    handles: list[Line2D] = []
     for dashes, row, shade in zip(cycle(DASHES), found, np.linspace(1.0, 0.0, len(found)), strict=False):
         curve = ndtr(np.log(level / known(row.median_g)) / known(row.beta))
-        axes.plot(level, curve, color="0.0", linestyle=dashes, label=_curve_label(row, words))
-        seen, share = _seen(campaign, settlement, row.share)
-        mark: dict[str, Any] = {"marker": "o", "markersize": 3.0, "markeredgewidth": 0.5}
-        axes.plot(seen, share, color="0.0", linestyle="none", markerfacecolor=str(shade), **mark)
+        mark: dict[str, Any] = {"marker": "o", "markersize": 3.0, "markeredgewidth": 0.5, "color": "0.0"}
+        mark["markerfacecolor"] = str(shade)
+        axes.plot(level, curve, color="0.0", linestyle=dashes)
+        axes.plot(*seen[row.share], linestyle="none", **mark)
+        handles.append(Line2D([], [], linestyle=dashes, label=_curve_label(row, words), **mark))
     measure = "figure.pga" if campaign.measure == "PGA" else "figure.sa"
     label = referenced(words.plain(measure, period=campaign.period_s), words, SURFACE)
-    axes.set(xlabel=label, ylabel=words.plain("figure.probability"), xlim=(0.0, top), ylim=(0.0, 1.0))
-    figure.legend(loc="lower center", ncols=1)
+    axes.set(xlabel=label, ylabel=words.plain("figure.probability"), xlim=(start, top), ylim=(0.0, 1.0))
+    figure.legend(handles=handles, loc="lower center", ncols=1, handlelength=4.0)
     return figure
 
 
@@ -116,6 +123,14 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
     names, campaign = moved(results), known(results.campaign)
     columns = min(2, len(names))
     figure, panels = chart(words, columns=columns, rows=-(-len(names) // columns), height_mm=70.0)
+    told = [
+        loss
+        for row in campaign.loss
+        for loss in (row.dynamic, row.static, *row.dynamic_range)
+        if loss is not None
+    ]
+    least, most = min([0.0, *told]), max([0.01, *told])
+    room = 5.0 * (most - least)  # per cent
     for axes, name in zip(panels, names, strict=False):
         own = [row for row in campaign.loss if row.settlement == name]
         band = [row for row in own if None not in row.dynamic_range]
@@ -135,6 +150,7 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
             )  # fmt: skip
         axes.set(xlabel=words.plain("figure.movement"), ylabel=words.plain("figure.loss"), title=name)
         axes.set_xlim(left=0.0)
+        axes.set_ylim(100.0 * least - room, 100.0 * most + room)  # the same in all: movements are compared
     for axes in panels[len(names) :]:
         axes.set_axis_off()
     line: dict[str, Any] = {"color": "0.0", "marker": "o", "markersize": 3.5}
@@ -177,9 +193,11 @@ def _curve_label(row: CampaignFragility, words: Words) -> str:
         "figure.fragility",
         state=_share(row.share, words),
         median=row.median_g,
-        dispersion=row.beta,
+        dispersion=words.number(known(row.beta), COARSE),
     )
 
 
 def _share(share: float, words: Words) -> str:
+    if share == 0.0:
+        return words.state("original")
     return words.plain("figure.share", share=f"{100.0 * share:g}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -20,6 +20,7 @@ from assessment.results.schema.studies import Scenarios
 from assessment.results.table import Row, compared, reference_of
 
 MARKS = {"+x": (">", "0.0"), "-x": ("<", "1.0")}  # of the directions: full to the right, empty to the left
+LABEL_PT = 8.0  # height of a number beside a point
 BARS: dict[str, dict[str, Any]] = {  # of the factors: light and hatched below, dark above
     "low": {"facecolor": "0.9", "hatch": "////", "edgecolor": "0.0", "linewidth": 0.5},
     "high": {"facecolor": "0.55", "edgecolor": "0.0", "linewidth": 0.5},
@@ -34,6 +35,7 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
     found = known(results.scenarios)
     names = list(dict.fromkeys(point.state for point in found.points if point.movement_m > 0.0))
     figure, (axes,) = chart(words, height_mm=95.0, foot_mm=9.0 + 5.0 * len(names))
+    labels: list[tuple[str, float, float]] = []
     for number, name in enumerate(names, 1):
         style = state_style(number - 1)
         for direction, (marker, face) in MARKS.items():
@@ -54,17 +56,18 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
                 **style,
             )
             if own and own[-1][0].state == name:
-                _label(axes, str(number), x[-1], y[-1])
+                labels.append((str(number), x[-1], y[-1]))
         ultimate = _ultimate(results, name)
         if ultimate is not None:
             axes.plot(1000.0 * ultimate, 0.0, color="0.0", marker="x", markersize=6.0, clip_on=False)
-            _label(axes, str(number), 1000.0 * ultimate, 0.0)
+            labels.append((str(number), 1000.0 * ultimate, 0.0))
     _ring(axes, found)
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
     label = words.plain(f"figure.capacity_{found.quantity}", limit=found.limit_state)
     label = referenced(label, words, reference_of(results))
     axes.set(xlabel=words.plain("figure.movement"), ylabel=label)
+    _label(axes, labels)
     figure.legend(handles=_scenario_legend(results, names, words), loc="lower center", ncols=2)
     return figure
 
@@ -140,8 +143,16 @@ def _ultimate(results: Results, name: str) -> float | None:
     return min((value for value in found if value is not None), default=None)
 
 
-def _label(axes: Axes, text: str, x: float, y: float) -> None:
-    axes.annotate(text, (x, y), (6, 2), textcoords="offset points", annotation_clip=False)
+def _label(axes: Axes, labels: Iterable[tuple[str, float, float]]) -> None:
+    """Write labels to the right of their points, each clear of those beside it."""
+    pixel = 72.0 / axes.figure.dpi
+    taken: list[tuple[float, float]] = []  # points
+    for text, x, y in sorted(labels, key=lambda each: each[2]):
+        across, at = pixel * axes.transData.transform((x, y))
+        beside = [height for place, height in taken if abs(place - across) < LABEL_PT]
+        height = max([at, *(each + LABEL_PT for each in beside)])
+        taken.append((across, height))
+        axes.annotate(text, (x, y), (7, height - at - 2), textcoords="offset points", annotation_clip=False)
 
 
 def _ring(axes: Axes, found: Scenarios) -> None:

@@ -74,7 +74,7 @@ def reported_campaign(results: Results) -> list[Table]:
     """Return the tables of the report."""
     single = not results.campaign or results.campaign.members == 1
     gone = OF_ENSEMBLES if single else ()
-    return [records(results), _short(fragilities(results), gone), _short(losses(results))]
+    return [records(results), _short(fragilities(results), gone), _short(losses(results), ["share"])]
 
 
 def records(results: Results) -> Table:

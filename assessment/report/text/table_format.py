@@ -44,6 +44,14 @@ MILLIMETRES = {
 PERCENT = {"PAM", "damping", "reduction", "static_reduction", "dynamic_reduction"}
 PERCENT |= {"dynamic_loss", "dynamic_loss_low", "dynamic_loss_high", "static_loss"}
 PERCENT |= {"deviation", "hand_deviation", "relative_error", "relative_scatter", "integrator_share"}
+COARSE = 2  # digits of what a few records tell no better
+ROUGH = {
+    "dynamic_loss",
+    "dynamic_loss_low",
+    "dynamic_loss_high",
+    "static_loss",
+}  # beside a loss known to 10 %
+ROUGH |= {"beta", "beta_low", "beta_high", "beta_record", "beta_ensemble"}
 TEXT = {"state", "direction", "limit_state", "layer", "support", "stage", "quantity"}
 TEXT |= {
     "use_class",
@@ -179,7 +187,10 @@ def cell(column: str, row: Row, words: Words, significant: int = 3) -> Markup:
         return Markup.escape(_bounded(float(value), words))
     if value == "inf" and column not in TEXT:  # an input: results have no infinity
         return Markup("∞")
+    if isinstance(value, float) and column == "share":
+        return Markup.escape(words.comma(f"{100.0 * value:g}"))
     if isinstance(value, float):
+        significant = min(significant, COARSE) if column in ROUGH else significant
         factor = 1000.0 if column in MILLIMETRES else 100.0 if column in PERCENT else 1.0
         return Markup.escape(words.number(factor * value, significant))
     return Markup.escape(_name(column, value, words))

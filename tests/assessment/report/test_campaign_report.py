@@ -18,8 +18,9 @@ from assessment.report.figures.campaign import (
     moved,
 )
 from assessment.report.figures.index import pictures, write_figures
-from assessment.report.tables.campaign import campaign_tables, reported_campaign
+from assessment.report.tables.campaign import LOSS, campaign_tables, reported_campaign
 from assessment.report.text.language import LANGUAGES, words_of
+from assessment.report.text.table_format import grid
 from assessment.results.plain import plain
 from assessment.results.schema import Campaign
 from assessment.runtime.processes.pool import Pool
@@ -92,7 +93,7 @@ def test_curves_end_at_the_highest_level_withstood_and_a_cross_marks_the_collaps
     panels = [axes for axes in figure.axes if axes.axison]
     assert len(panels) == len(SHARES)
     for axes, share in zip(panels, SHARES, strict=True):
-        assert f"{100.0 * share:g}" in axes.get_title()
+        assert axes.get_title() == (f"{100.0 * share:g} % del cedimento" if share else "originale")
         own = [row for row in results["campaign"]["combinations"] if row["share"] == share]
         curves = [line for line in lines_of(axes) if len(line[0]) > 1]
         crosses = [line for line in lines_of(axes) if len(line[0]) == 1]
@@ -153,6 +154,55 @@ def test_losses_are_drawn_over_the_movement_in_per_cent_a_panel_each():
         assert static[1] == pytest.approx([0.0, 10.0, 20.0])
         [band] = axes.collections
         assert band.get_datalim(axes.transData).ymax == pytest.approx(30.0)
+
+
+def test_losses_of_two_movements_are_drawn_to_one_scale():
+    results = results_with_campaign(settlements=(SETTLED, OTHER))
+    for row in results["campaign"]["loss"]:
+        if row["settlement"] == OTHER:
+            row |= {
+                "dynamic": 0.3 * row["dynamic"],
+                "static": 0.3 * row["static"],
+                "dynamic_range": [0.0, 0.1],
+            }
+    low, high = {
+        axes.get_ylim() for axes in draw_campaign_loss(typed(results), words_of(typed(results))).axes
+    }.pop()
+    assert low < 0.0 and high > 30.0
+    limits = {axes.get_ylim() for axes in draw_campaign_loss(typed(results), words_of(typed(results))).axes}
+    assert limits == {(low, high)}
+
+
+def test_the_legend_of_the_fragility_has_the_circles_of_its_curves():
+    """White, grey and black circles stood in no legend; the axis began at 0, far below all of them."""
+    results = results_with_campaign()
+    figure = draw_campaign_fragility(typed(results), words_of(typed(results)), SETTLED)
+    [legend], [axes] = figure.legends, figure.axes
+    drawn = [line for line in axes.lines if line.get_marker() == "o"]
+    told = legend.get_lines()
+    assert [line.get_markerfacecolor() for line in told] == [line.get_markerfacecolor() for line in drawn]
+    assert [line.get_linestyle() for line in told] == [line.get_linestyle() for line in axes.lines[::2]]
+    assert [text.get_text().partition(":")[0] for text in legend.get_texts()] == [
+        "originale", "50 % del cedimento", "100 % del cedimento"
+    ]  # fmt: skip
+    least = min(min(line.get_xdata()) for line in drawn)
+    assert 0.1 <= axes.get_xlim()[0] < least
+
+
+def test_columns_say_what_they_are_and_have_no_more_digits_than_are_known():
+    results = results_with_campaign()
+    words = words_of(typed(results))
+    _, fits, lost = (
+        grid(table, words, words("section.campaign")) for table in reported_campaign(typed(results))
+    )
+    assert "estremo inferiore, 95\u00a0% [g]" in fits.head[4] and "share" not in "".join(lost.head)
+    assert lost.head[-4:] == [words(f"column.{key}") for key in LOSS[-5:] if key != "left_out"]
+    assert [row[1] for row in fits.rows] == ["0", "50", "100"]
+    assert [row[-1] for row in lost.rows] == ["0", "10", "20"] and [row[4] for row in lost.rows] == [
+        "0",
+        "15",
+        "30",
+    ]
 
 
 def test_what_is_not_known_is_not_drawn():
@@ -217,6 +267,7 @@ def test_the_chapter_shows_tables_figures_and_what_was_not_completed(language, m
     assert words("section.campaign") in text and words("text.campaign_failures", count=1) in text
     assert words(f"text.campaign_loss_{method}") in text
     assert ("§7.3.5" in text) == (method == "incremental")
+    assert words("text.campaign_static_a_g_g", limit="SLC") in text and words("text.campaign_pga") in text
 
 
 def test_of_single_runs_nothing_is_said_of_ensembles(tmp_path):
