@@ -17,6 +17,7 @@ from assessment.results.schema import Results
 from assessment.runtime.errors import ProjectError
 
 NAME = "judgement.md"
+MOST_BYTES = 1_000_000  # of the file: five hundred pages
 MARK = re.compile(r"<!-- draft ([0-9a-f]{16})")
 TAGS = dict.fromkeys(("h1", "h2", "h4", "h5", "h6"), "h3") | {"strong": "b", "em": "i"}  # those of the report
 
@@ -54,8 +55,12 @@ def judgement(results: Results, words: Words, folder: Path) -> Judgement:
 def read_judgement(path: Path) -> str:
     """Return the text of the file: UTF-8, or what editors on Windows write, UTF-16 and the code page of the West.
 
-    Raises ProjectError where it is none of them.
+    Raises ProjectError where it is none of them, or longer than anybody writes.
     """
+    if path.stat().st_size > MOST_BYTES:
+        raise ProjectError(
+            f"{path}: more than {MOST_BYTES} bytes; shorten it, or delete it to have a new draft"
+        )
     content = path.read_bytes()
     wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     for encoding in ("utf-16",) if wide else ("utf-8-sig", "cp1252"):

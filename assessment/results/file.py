@@ -12,6 +12,9 @@ from assessment.results.schema import FORMAT, Results
 from assessment.results.schema.part import said
 
 AGAIN = "run the project again"
+MOST_BYTES = (
+    1_000_000_000  # of a file: a campaign of ten thousand combinations with all its curves has a fifteenth
+)
 
 
 def as_bytes(results: Results) -> bytes:
@@ -24,6 +27,8 @@ def read_results(path: Path) -> Results:
 
     Raises ValueError naming file and key for a file that holds none, that is of another version, or damaged.
     """
+    if path.stat().st_size > MOST_BYTES:
+        raise ValueError(f"{path}: more than {MOST_BYTES} bytes: not readable as results; {AGAIN}")
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
         found = content.get("format") if "assesto" in content else None

@@ -50,8 +50,11 @@ class Store:
 
     def read(self, key: str) -> str | None:
         """Return the same without recording that it was used: nothing is written."""
+        path = self.folder / key
         try:
-            digest, _, text = (self.folder / key).read_text(encoding="utf-8").partition("\n")
+            if path.stat().st_size > MOST_BYTES:
+                return None
+            digest, _, text = path.read_text(encoding="utf-8").partition("\n")
         except (OSError, UnicodeDecodeError):
             return None
         return text if digest == _digest(key, text) else None

@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from assessment.runtime.errors import ProjectError
 from assessment.runtime.files.journal import journal
 from assessment.runtime.files.lock import locked
 from assessment.runtime.files.swap import clear
@@ -115,7 +116,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
             )
             results = _titled(results, project).replace(quality=quality)
             warnings += write(results, folder, jobs=0, attachments=project.attachments())
-        except (OSError, KilledError):
+        except (OSError, KilledError, ProjectError):  # that name another file
             raise
         except Exception as error:
             if last is not None and not edited and last.results == keys_of(project).results:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from assessment.runtime.tasks import Show
 
+MOST_BYTES = 100_000_000  # that are read: half a million analyses
 NAME = ".assesto.journal"  # in the output folder, while a run is at work there and after one that was killed
 
 
@@ -101,7 +102,8 @@ def read_journal(folder: Path) -> list[Stage]:
     An incomplete line is left out, and so is one that tells of no event: the file is what a kill or a full disk left.
     """
     try:
-        lines = (folder / NAME).read_text(encoding="utf-8", errors="replace").splitlines()
+        with (folder / NAME).open("rb") as file:
+            lines = file.read(MOST_BYTES).decode(errors="replace").splitlines()
     except OSError:
         return []
     stages: list[Stage] = []

@@ -13,6 +13,7 @@ from assessment.report.text.language import words_of
 from assessment.runtime.processes.pool import Pool
 from assessment.workflow.earlier import EVERYTHING, NO_REPORT, RESULTS
 from assessment.workflow.output import write
+from tests.support.block_project import edit, run
 from tests.support.results_example import results_example
 from tests.support.typed import typed
 
@@ -88,6 +89,19 @@ def test_what_is_no_text_is_told_before_any_analysis(project, capsys, monkeypatc
         f"error: {path}: not readable as text; save it as UTF-8, or delete it to have a new draft\n"
     )
     assert path.read_bytes() == content
+
+
+def test_what_is_no_text_is_told_where_the_report_is_printed_again(project, capsys, quick):
+    """With a project file changed since the run, results.json was called damaged in its place."""
+    assert run(project) == 0
+    edit(project, "friction = 0.7", "friction = 0.6")
+    path = project / "output" / NAME
+    path.write_bytes(b"PK\x03\x04\x00\x00")
+    capsys.readouterr()
+    assert main(["report", str(project)]) == 2
+    assert capsys.readouterr().err == (
+        f"error: {path}: not readable as text; save it as UTF-8, or delete it to have a new draft\n"
+    )
 
 
 @pytest.mark.parametrize(
