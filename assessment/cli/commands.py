@@ -53,6 +53,7 @@ def check(options: argparse.Namespace) -> int:
     from assessment.report.figures.drawings.faults import draw_faults
     from assessment.report.figures.drawings.model import draw_model
     from assessment.report.figures.style import save_svg
+    from assessment.report.judgement_file import refuse_unreadable
     from assessment.report.text.language import Words, words_of
     from assessment.runtime.terminal.progress import model_summary, told
     from assessment.workflow.dynamic import read_motions
@@ -61,6 +62,7 @@ def check(options: argparse.Namespace) -> int:
 
     project = load_project(options.project)
     folder = _writable(options.out or project.folder / "output")
+    refuse_unreadable(folder)
     drawing = folder / "model.svg"
     try:
         model = build_model(project)

@@ -71,6 +71,12 @@ def read_judgement(path: Path) -> str:
     raise ProjectError(f"{path}: not readable as text; save it as UTF-8, or delete it to have a new draft")
 
 
+def refuse_unreadable(folder: Path) -> None:
+    """Raise ProjectError, before any analysis, where the file of an output folder is there and cannot be read."""
+    if (folder / NAME).is_file():
+        read_judgement(folder / NAME)
+
+
 def to_html(markdown: str) -> Markup:
     """Return paragraphs, headings, lists, **bold** and *italic* text as HTML; everything else is plain text."""
     from markdown_it import MarkdownIt

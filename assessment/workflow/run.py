@@ -81,13 +81,12 @@ def _analysed(
     project: Project, folder: Path, jobs: int, fresh: bool, report: bool, show: Show, scheduler: str | None
 ) -> Outcome:
     from assessment.project.model import build_model
-    from assessment.report.judgement_file import NAME, read_judgement
+    from assessment.report.judgement_file import refuse_unreadable
     from assessment.runtime.cache import FOLDER, Store
     from assessment.workflow.output import prepare
     from assessment.workflow.stages import run
 
-    if (folder / NAME).is_file():
-        read_judgement(folder / NAME)  # a file that cannot be read is refused before any analysis
+    refuse_unreadable(folder)
     model = build_model(project)
     return run(project, model, jobs, Store(folder / FOLDER), fresh, show, partial(prepare, report), scheduler)
 

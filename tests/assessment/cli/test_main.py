@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 
+import numpy as np
 import pytest
 
 from assessment.cli.main import main
@@ -121,6 +122,30 @@ def test_results_are_right_for_a_block(project):
         assert rigid["alpha_0"] == pytest.approx(angle, rel=0.01)
         assert rigid["d_0_m"] == pytest.approx(4.2 * angle, rel=0.01)
         assert rigid["curve"]["multiplier"][-1] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_displacements_are_along_the_axes_of_the_model(project):
+    """Towards −x those of curves were mirrored: they are the x of the control point where the curve ends."""
+    edit(project, '["+x"]', '["+x", "-x"]')
+    edit(project, 'contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]')
+    assert run(project) == 0
+    found = read_results(project / "output")
+    points = {point["name"]: np.array(point["point_m"]) for point in found["geometry"]["controls"]}
+    centroid = np.array(found["geometry"]["blocks"][1]["centroid_m"])
+
+    def along_x(configuration, point):
+        x, _, turn = configuration[1]
+        return x + (np.cos(turn) - 1.0) * (point - centroid)[0] - np.sin(turn) * (point - centroid)[1]
+
+    for sign, direction in ((1.0, "+x"), (-1.0, "-x")):
+        pushed = found["states"]["original"]["pushover"][direction]
+        rigid, elastic, point = pushed["rigid"], pushed["elastic"], points[pushed["control"]]
+        end, moved = rigid["curve"]["displacement_m"][-1], rigid["mechanism"]["displacements"][1]
+        assert sign * end > 0.1 and sign * moved[0] > 0.0
+        assert end == pytest.approx(along_x(rigid["final_configuration"], point))
+        rest, peak = (along_x(elastic[f"{name}_configuration"], point) for name in ("rest", "peak"))
+        assert elastic["curve"]["displacement_m"][elastic["peak"]] == pytest.approx(peak - rest)
+        assert sign * (peak - rest) > 0.0
 
 
 def test_the_same_project_gives_the_same_numbers(project):
