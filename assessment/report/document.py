@@ -19,6 +19,7 @@ from assessment.report.cracks import SEEN, reported_cracks
 from assessment.report.figures.index import pictures
 from assessment.report.joints import assumptions, pressures_told, reported_pressures
 from assessment.report.judgement import all_warnings, draft_judgement, worst_scenario
+from assessment.report.page_fill import pdf_of
 from assessment.report.pdf import command, load_weasyprint
 from assessment.report.second_solver import reported_second_solver, told
 from assessment.report.tables import capacity as capacity_tables
@@ -98,7 +99,7 @@ def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> l
         reason = str(error).partition("\n")[0]
         return [words.plain("warning.no_pdf", reason=reason, command=command())]
     page = render_html(results, folder / "figures", words, edited)
-    write_atomically(folder / "report.pdf", weasyprint.HTML(string=page).write_pdf())
+    write_atomically(folder / "report.pdf", pdf_of(page, weasyprint))
     return []
 
 

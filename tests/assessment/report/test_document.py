@@ -121,6 +121,13 @@ def test_no_page_is_empty_and_nothing_is_left_unfilled(report):
     )
 
 
+def test_no_page_between_contents_and_the_last_is_blank_by_more_than_a_quarter(report):
+    from tests.assessment.report.test_page_fill import blanks  # needs WeasyPrint, as the report does
+
+    _, _, made, _ = report
+    assert max(blanks((made / "report.pdf").read_bytes())[2:]) < 0.25
+
+
 @pytest.mark.parametrize("report", LANGUAGES[:1], indirect=True, scope="module")
 def test_same_inputs_same_bytes(report, tmp_path):
     language, _, made, _ = report
