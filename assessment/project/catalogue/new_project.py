@@ -10,10 +10,11 @@ from typing import Any
 
 from assessment.ntc.demand.spectrum import ElasticSpectrum
 from assessment.project.catalogue.geometry import Layout
-from assessment.project.catalogue.record import write_artificial_record
+from assessment.project.catalogue.record import RECORD, write_artificial_record
 from assessment.project.catalogue.templates import DRAWING, NUMBER, TEMPLATES, Option, Template
 from assessment.project.formats.convert import TOML, source_bytes
 from assessment.runtime.errors import ProjectError, nearest
+from assessment.runtime.files.atomic_files import naming
 
 SIZES = (1e-3, 1e3)  # m
 MOST_BLOCKS = 100  # of each kind, in a row
@@ -50,17 +51,22 @@ def new_project(folder: Path, template: str, options: Mapping[str, float], sourc
 def write_project(folder: Path, layout: Layout, content: Mapping[str, Any], source: str = TOML) -> None:
     """Write drawing, record and commented project file into a new folder, whole or not at all.
 
-    Raises ProjectError if the folder exists and is not empty, OSError if it cannot be written.
+    Raises ProjectError if the folder exists and is not empty, OSError, with the name of the file, if it cannot be
+    written.
     """
     if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
         raise ProjectError(f"{folder}: folder: exists and is not empty; give the name of a new one")
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
+    with naming(folder):
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
     try:
         temporary.chmod(0o755)
-        write_drawing(temporary / DRAWING, layout)
-        (temporary / source).write_bytes(source_bytes(source, content))
-        write_artificial_record(temporary, _spectrum(content["assessment"]["site"]))
+        with naming(folder / DRAWING):
+            write_drawing(temporary / DRAWING, layout)
+        with naming(folder / source):
+            (temporary / source).write_bytes(source_bytes(source, content))
+        with naming(folder / RECORD):
+            write_artificial_record(temporary, _spectrum(content["assessment"]["site"]))
         if folder.is_dir():
             folder.rmdir()  # Windows renames nothing over a folder, not even over an empty one
         temporary.replace(folder)

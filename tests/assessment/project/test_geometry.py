@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import re
 import tomllib
 from pathlib import Path
@@ -13,6 +15,7 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
+from assessment.cli.main import main
 from assessment.project.catalogue import new_project as module
 from assessment.project.catalogue.geometry import THINNEST, Layout, Ring
 from assessment.project.catalogue.new_project import new_project, template_layout, template_options
@@ -248,6 +251,26 @@ def test_a_failure_while_writing_leaves_nothing(tmp_path: Path, monkeypatch: pyt
     with pytest.raises(OSError, match="disk full"):
         new_project(tmp_path / "new", "block", {})
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("failing", "name"),
+    [
+        ("write_drawing", "geometry.dxf"),
+        ("source_bytes", "project.toml"),
+        ("write_artificial_record", "records/artificial.csv"),
+    ],
+)
+def test_a_full_disk_is_told_with_the_name_of_the_file(tmp_path, monkeypatch, capsys, failing, name) -> None:
+    """That of the drawing had none, that of the record was in a folder that is gone by then."""
+
+    def fail(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(tmp_path / ".new.x" / "file"))
+
+    monkeypatch.setattr(module, failing, fail)
+    assert main(["new", str(tmp_path / "new"), "--template", "block"]) == 2
+    told = f"error: {tmp_path / 'new' / name}: No space left on device; change it or choose another place\n"
+    assert capsys.readouterr().err == told
 
 
 @pytest.mark.parametrize(
