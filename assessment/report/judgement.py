@@ -170,7 +170,9 @@ def _loss(results: Results, state: str, direction: str, check: str, loss: float,
     found = {"reduction": 100.0 * loss}
     low, high = (_range(results, name, direction, check) for name in (state, "original"))
     if low and high and (low[0] < low[1] or high[0] < high[1]):
-        found |= {"least": 100.0 * (1.0 - low[1] / high[0]), "most": 100.0 * (1.0 - low[0] / high[1])}
+        ends = {"least": 100.0 * (1.0 - low[1] / high[0]), "most": 100.0 * (1.0 - low[0] / high[1])}
+        if words.number(ends["least"]) != words.number(ends["most"]):
+            found |= ends
     place = _where({"state": state, "direction": direction, "limit_state": check}, words)
     return words(f"judgement.reduction_{'range' if 'least' in found else 'of'}", **place, **found)
 

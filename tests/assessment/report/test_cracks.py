@@ -3,10 +3,12 @@
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.text import Text
 
 from assessment.report.cracks import SEEN, cracks
-from assessment.report.figures.drawings.cracks import LARGEST_PT, draw_cracks, room
-from assessment.report.figures.drawings.labels import Labels
+from assessment.report.figures.drawings.cracks import LARGEST_PT, NUMBER, draw_cracks, room
+from assessment.report.figures.drawings.labels import POINT_MM, Labels
 from assessment.report.figures.style import STYLE, sheet
 from assessment.report.text.language import words_of
 from tests.support.results_example import SETTLED, results_example
@@ -80,6 +82,19 @@ def test_labels_stay_inside_and_off_one_another():
         others = boxes[number + 1 :]
         apart = (others[:, 0] >= box[2]) | (others[:, 2] <= box[0])
         assert (apart | (others[:, 1] >= box[3]) | (others[:, 3] <= box[1])).all()
+
+
+def test_bold_numbers_of_joints_are_as_wide_as_they_are_taken_for():
+    """G888 and G887 side by side: a bold letter is wider than 0.65 of its size, and they ran into each other."""
+    page = sheet((0.0, 0.0, 10.0, 10.0))
+    first = np.array([5.0, 5.0])
+    beside = first + np.array([page.paper(4 * 0.70 * NUMBER["fontsize"] * POINT_MM), 0.0])
+    with mpl.rc_context(STYLE):
+        labels = Labels(page, page.panels[0])
+        assert labels.write("G888", [first], **NUMBER) and labels.write("G887", [beside], **NUMBER)
+        FigureCanvasAgg(page.figure).draw()
+        one, other = (Text.get_window_extent(text) for text in page.panels[0].texts)
+    assert not one.overlaps(other)
 
 
 def test_the_number_of_a_block_stays_within_it():

@@ -657,10 +657,10 @@ def test_reductions_are_one_sentence_with_the_ranges_that_results_have():
         capacity_of(results, state, "-x", "SLC", 0.2)
     said = [each for each in sentences(results) if each.startswith("Largest reduction")]
     assert len(said) == 1 and "SLV: " in said[0]
-    place = f"(state “{SETTLED}”, direction +x)"
-    assert f"; SLC: 50.0 %, with the ranges of both states 40.0 to 60.0 % {place}" in said[0]
+    place = f"state “{SETTLED}”, direction +x)"
+    assert f"; SLC: 50.0 % (40.0 to 60.0 % with the ranges of both states; {place}" in said[0]
     results["states"][SETTLED]["capacity"]["+x"]["SLC"]["a_g_g_range"] = [0.1, None]
-    assert f"; SLC: 50.0 % {place}" in " ".join(sentences(results))
+    assert f"; SLC: 50.0 % ({place}" in " ".join(sentences(results))
 
 
 def test_a_settled_state_without_a_result_is_no_state_without_loss():

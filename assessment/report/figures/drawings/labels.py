@@ -12,7 +12,11 @@ from assessment.report.figures.style import Sheet
 from assessment.results.outlines import Array
 
 POINT_MM = 25.4 / 72.0
-LETTER, LINE = 0.65, 1.2  # of the size of a font: the width of a digit and the height of a line
+LETTER, BOLD, LINE = (
+    0.65,
+    0.75,
+    1.2,
+)  # of the size of a font: the width of a digit, of a bold letter or digit, and the height of a line
 RINGS_MM = (
     3.0,
     5.0,
@@ -59,7 +63,8 @@ class Labels:
 
     def _size(self, text: str, points: float, style: Mapping[str, Any]) -> Array:
         pad = 2.0 * float((style.get("bbox") or {}).get("pad", 0.0))
-        width = (LETTER * points * len(text) + pad) * POINT_MM
+        letter = BOLD if style.get("fontweight") == "bold" else LETTER
+        width = (letter * points * len(text) + pad) * POINT_MM
         return np.array([self.page.paper(width), self.page.paper((LINE * points + pad) * POINT_MM)])
 
     def _around(self, place: Array) -> Iterator[Array]:
