@@ -12,11 +12,8 @@ from assessment.report.figures.style import Sheet
 from assessment.results.outlines import Array
 
 POINT_MM = 25.4 / 72.0
-LETTER, BOLD, LINE = (
-    0.65,
-    0.75,
-    1.2,
-)  # of the size of a font: the width of a digit, of a bold letter or digit, and the height of a line
+LETTER, LINE = 0.65, 1.2  # of the size of a font: the width of a digit and the height of a line
+BOLD = 0.75  # likewise the width of a bold letter or digit
 RINGS_MM = (
     3.0,
     5.0,
