@@ -114,7 +114,7 @@ def solve_displacement(
     if highest > 1.001 * S_De:
         notes += (
             f"{limit_state}: S_De of the demand is larger at {at:.3g} s than at T = {T:.3g} s: the maximum over "
-            f"[T_0, T] of the circular would give a_g = {base.ag * d / highest:.3g} g",
+            f"[T_0, T] of the circular would give a_g = {base.ag * d / highest:.3g} g in place of {a_g:.3g} g",
         )
     lines += [
         _curve_step(capacity, f"a_{name}", d_secant, a),

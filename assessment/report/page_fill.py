@@ -33,6 +33,7 @@ WIDOWS = 9.0 * MM  # of a text, the least that goes on on the next page
 SHIFT = 3  # blocks that a figure may move past
 SIZES = (1.0, 0.92, 0.85)  # of a chart
 MOVED, SHRUNK = 0.004, 0.006  # cost of a block passed, of a size down; beside the square of what is blank
+PARTED = 0.02  # cost of a figure between a text and the table that it is about
 MUCH = 0.1  # cost of a page of which more than BLANK is blank
 KEPT = 12  # ways to fill pages that are followed at a time
 TO_SCALE = {
@@ -223,12 +224,19 @@ def _ways(ways: list[Filled], blocks: Sequence[Block], chapter: range) -> list[F
                 reached.setdefault((i + 1, j), []).extend(way.with_block(others[i], block) for way in here)
             if j < len(figures) and _may_stand(blocks, others, i, places[j]):
                 block, passed = blocks[figures[j]], abs(i - places[j])
+                moved = MOVED * passed + (PARTED if passed and _parts(blocks, others, i) else 0.0)
                 reached.setdefault((i, j + 1), []).extend(
-                    way.with_block(figures[j], block, size, MOVED * passed + SHRUNK * level)
+                    way.with_block(figures[j], block, size, moved + SHRUNK * level)
                     for way in here
                     for level, size in enumerate(block.sizes)
                 )
     return reached[len(others), len(figures)]
+
+
+def _parts(blocks: Sequence[Block], others: Sequence[int], before: int) -> bool:
+    """Return whether what is set behind so many of the others stands between a text and its table."""
+    around = [blocks[number].kind for number in others[max(0, before - 1) : before + 1]]
+    return around == ["p", "table"]
 
 
 def _may_stand(blocks: Sequence[Block], others: Sequence[int], before: int, place: int) -> bool:

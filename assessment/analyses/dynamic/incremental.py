@@ -50,14 +50,15 @@ def search(shaking: Shaking, scatter: Scatter, max_scale: float, tolerance: floa
     lowest, safe = result.numbers.pga_collapse_g, result.numbers.pga_safe_g
     if lowest is None and safe is not None:
         result.warnings.append(
-            f"{title}: no collapse up to {safe:.3g} g, max_scale = {max_scale:g}; raise it to find one"
+            f"{title}: no collapse up to a PGA of {safe:.3g} g at the surface, max_scale = {max_scale:g}; "
+            "raise it to find one"
         )
     _, upper = result.numbers.pga_collapse_g_range or (None, None)
     if lowest is not None and scatter.members > 1 and upper != lowest:
         result.warnings.append(_spread(title, lowest, upper, max_scale * pga))
     if resurrections := result.numbers.resurrections_g:
         result.warnings.append(
-            f"{title}: collapse at {lowest:.3g} g, but stands at "
+            f"{title}: collapse at a PGA of {lowest:.3g} g at the surface, but stands at "
             f"{', '.join(f'{level:.3g}' for level in resurrections)} g; the lowest collapse counts"
         )
     return result
@@ -66,11 +67,13 @@ def search(shaking: Shaking, scatter: Scatter, max_scale: float, tolerance: floa
 def _spread(title: str, lowest: float, upper: float | None, largest: float) -> str:
     if upper is None:
         return (
-            f"{title}: members of the ensemble collapse from {lowest:.3g} g on, not all of them up to {largest:.3g} g; "
+            f"{title}: members of the ensemble collapse from a PGA of {lowest:.3g} g at the surface on, "
+            f"not all of them up to {largest:.3g} g; "
             "the lowest counts"
         )
     return (
-        f"{title}: members of the ensemble collapse from {lowest:.3g} g on, all of them from {upper:.3g} g on; "
+        f"{title}: members of the ensemble collapse from a PGA of {lowest:.3g} g at the surface on, "
+        f"all of them from {upper:.3g} g on; "
         "the lowest counts"
     )
 

@@ -1,6 +1,8 @@
 """No message of the analyses stands in English in an Italian report: every one that the code can make is known."""
 
 import ast
+import re
+import tomllib
 
 import pytest
 
@@ -167,3 +169,12 @@ def test_the_warnings_of_a_run_are_known():
     words = ITALIAN
     for warning in all_warnings(typed(analysed("it"))):
         assert _translated(warning, words, _entries("it")) is not None, warning
+
+
+def test_a_message_with_an_acceleration_says_which_it_is():
+    """ "Collapse at 0.31 g" did not say of what: PGA, a_g, or the acceleration that is left of a block."""
+    named = re.compile(r"PGA|a_g|accelera|\{ag\}")
+    entries = tomllib.loads((ROOT / "templates/messages_it.toml").read_text(encoding="utf-8"))
+    found = [both for both in entries.items() if re.search(r"\} g\b", both[1])]
+    assert len(found) > 8
+    assert [both for both in found if not all(map(named.search, both))] == []

@@ -8,7 +8,7 @@ from importlib.resources import files
 import pypdf
 import pytest
 
-from assessment.report.page_fill import MM, PAGE, Block, Filled, pdf_of
+from assessment.report.page_fill import MM, PAGE, Block, Filled, _parts, pdf_of
 
 weasyprint = pytest.importorskip("weasyprint", exc_type=OSError)
 STYLE = (files("templates") / "report.css").read_text(encoding="utf-8")
@@ -121,3 +121,8 @@ def test_a_heading_goes_with_what_follows():
     after = full.with_block(2, Block("figure", "", 40.0 * MM))
     assert after.used == pytest.approx((10.0 + 3.0 + 40.0) * MM)
     assert after.worst == pytest.approx((21.0 * MM + 10.0 * MM) / PAGE)
+
+
+def test_a_text_and_its_table_are_parted_at_a_cost():
+    blocks = [Block(kind, "") for kind in ("h2", "p", "table", "p", "figure")]
+    assert [_parts(blocks, [0, 1, 2, 3], before) for before in range(5)] == [False, False, True, False, False]
