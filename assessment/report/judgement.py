@@ -114,7 +114,7 @@ def _losses(results: Results, words: Words) -> Iterator[Markup]:
     """Yield what costs most of the a_g borne at each limit state; without any a_g, what costs most of α0."""
     rows = [row for row in summary(results).rows if row["quantity"] == "a_g_g"]
     lost: dict[tuple[str, str], list[str]] = {}
-    losses: list[Markup] = []
+    losses: dict[tuple[str, str], list[Markup]] = {}
     none: list[Markup] = []
     reference = _reference(results, words)
     for check in CHECKS:
@@ -128,12 +128,22 @@ def _losses(results: Results, words: Words) -> Iterator[Markup]:
             continue
         place = _where({"state": state, "direction": direction, "limit_state": check}, words)
         if largest > ROUNDING:
-            losses.append(_loss(results, state, direction, check, largest, words))
+            loss = _loss(results, state, direction, check, largest, words)
+            losses.setdefault((state, direction), []).append(loss)
         elif not unknown:
             increase = max(0.0, -100.0 * largest)
             none.append(words("judgement.no_reduction", **place, increase=increase, reference=reference))
     if losses:
-        yield words("judgement.reduction", losses=Markup("; ").join(losses), reference=reference)
+        told = [
+            words(
+                "judgement.reduction_at",
+                state=words.state(state),
+                direction=direction_name(direction),
+                losses=Markup(", ").join(found),
+            )
+            for (state, direction), found in losses.items()
+        ]
+        yield words("judgement.reduction", losses=Markup("; ").join(told), reference=reference)
     yield from none
     for (state, direction), checks in lost.items():
         yield words(
@@ -166,15 +176,15 @@ def _not_found(results: Results, rows: Iterable[Row]) -> Iterator[tuple[str, str
 
 
 def _loss(results: Results, state: str, direction: str, check: str, loss: float, words: Words) -> Markup:
-    """Return a reduction of a_g with its check and place, and between which values ranges of both states let it lie."""
+    """Return a reduction of a_g with its check, and between which values ranges of both states let it lie."""
     found = {"reduction": 100.0 * loss}
     low, high = (_range(results, name, direction, check) for name in (state, "original"))
     if low and high and (low[0] < low[1] or high[0] < high[1]):
         ends = {"least": 100.0 * (1.0 - low[1] / high[0]), "most": 100.0 * (1.0 - low[0] / high[1])}
         if words.number(ends["least"]) != words.number(ends["most"]):
             found |= ends
-    place = _where({"state": state, "direction": direction, "limit_state": check}, words)
-    return words(f"judgement.reduction_{'range' if 'least' in found else 'of'}", **place, **found)
+    kind = "range" if "least" in found else "of"
+    return words(f"judgement.reduction_{kind}", limit=check_name(check, words), **found)
 
 
 def _range(results: Results, state: str, direction: str, check: str) -> tuple[float, float] | None:

@@ -179,17 +179,20 @@ def _place(said: Fields) -> tuple[str, str]:
 
 
 def _reduction(said: Fields, read: Read) -> None:
-    """One sentence for all checks, each with its own place, and with its range where it has one."""
-    for part in re.split("; (?=SL)", said["losses"]):
-        found = PART_PATTERNS["reduction_range"].fullmatch(part) or PART_PATTERNS["reduction_of"].fullmatch(
-            part
-        )
-        assert found is not None, part
-        loss = found.groupdict()
-        changes = read.changes(CHECK_OF.get(loss["limit"], loss["limit"]))
-        largest = max(change for change in changes.values() if change is not None)
-        assert changes[_place(loss)] == pytest.approx(largest, abs=1e-12) and largest > 0.0
-        assert loss["reduction"] == show(100.0 * largest)
+    """One sentence for all checks, those of a state and direction together, each with its range where it has one."""
+    told = []
+    for group in re.split("; (?=state “)", said["losses"]):
+        at = PART_PATTERNS["reduction_at"].fullmatch(group)
+        assert at is not None, group
+        for part in re.split(r", (?=[\d.]+ %)", at["losses"]):
+            patterns = (PART_PATTERNS[key] for key in ("reduction_range", "reduction_of"))
+            loss = next(match for each in patterns if (match := each.fullmatch(part)))
+            changes = read.changes(CHECK_OF.get(loss["limit"], loss["limit"]))
+            largest = max(change for change in changes.values() if change is not None)
+            assert changes[_place(at.groupdict())] == pytest.approx(largest, abs=1e-12) and largest > 0.0
+            assert loss["reduction"] == show(100.0 * largest)
+            told.append(loss["limit"])
+    assert len(told) == len(set(told)) > 0
 
 
 def _no_reduction(said: Fields, read: Read) -> None:
@@ -387,7 +390,7 @@ CLAIMS: dict[str, Callable[[Fields, Read], None]] = {
     "unbalanced": _balance(False),
     "warnings": _warnings,
 }
-REDUCTIONS = ("reduction_of", "reduction_range")
+REDUCTIONS = ("reduction_at", "reduction_of", "reduction_range")
 PARTS = {"worst_reduction", *REDUCTIONS, *RESIDUALS, "file"}  # of sentences, or of the file
 
 
@@ -618,7 +621,7 @@ def test_a_loss_at_another_limit_state_than_the_farthest_is_told():
     before = results["states"]["original"]["capacity"]["-x"]["SLV"]["a_g_g"]
     capacity_of(results, SETTLED, "-x", "SLV", (1.0 - 0.037) * before)
     text = text_of(results)
-    assert f"whole movement: SLV: 3.70 % (state “{SETTLED}”, direction −x)." in text
+    assert f"whole movement: state “{SETTLED}”, direction −x: 3.70 % (SLV)." in text
     assert " at SLV: none" not in text
     assert all(f"borne, {REFERENCES[False]}, at {check}: none" in text for check in ("SLC", "SLD"))
 
@@ -656,11 +659,10 @@ def test_reductions_are_one_sentence_with_the_ranges_that_results_have():
         results["states"][state]["capacity"]["+x"]["SLC"]["a_g_g_range"] = [a_g, highest]
         capacity_of(results, state, "-x", "SLC", 0.2)
     said = [each for each in sentences(results) if each.startswith("Largest reduction")]
-    assert len(said) == 1 and "SLV: " in said[0]
-    place = f"state “{SETTLED}”, direction +x)"
-    assert f"; SLC: 50.0 % (40.0 to 60.0 % with the ranges of both states; {place}" in said[0]
+    assert len(said) == 1 and said[0].count("state “") == 1 and "% (SLV)" in said[0]
+    assert "50.0 % (SLC; 40.0 to 60.0 % with the ranges of both states)" in said[0]
     results["states"][SETTLED]["capacity"]["+x"]["SLC"]["a_g_g_range"] = [0.1, None]
-    assert f"; SLC: 50.0 % ({place}" in " ".join(sentences(results))
+    assert "50.0 % (SLC)" in " ".join(sentences(results))
 
 
 def test_a_settled_state_without_a_result_is_no_state_without_loss():
