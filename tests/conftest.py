@@ -51,5 +51,6 @@ def quick(monkeypatch, request):
     if "drawn" not in request.fixturenames:
         monkeypatch.setattr(figures, "write_figures", blank)
         monkeypatch.setattr(figures, "write_images", lambda *_: [])
-    printed = SimpleNamespace(write_pdf=lambda: b"%PDF-")
+    empty = SimpleNamespace(pages=[])  # heights of blocks cannot be told: figures stay where they are
+    printed = SimpleNamespace(write_pdf=lambda: b"%PDF-", render=lambda: empty)
     monkeypatch.setitem(sys.modules, "weasyprint", SimpleNamespace(HTML=lambda string: printed))
