@@ -327,14 +327,14 @@ def iterate(
     """Iterate on x (m,), α, f (j, 3): N₁, N₂, T, and y (j, 4): y₁, y₂, λ₊, λ₋, in one geometry and in place.
 
     `places` (j, PLACE), `law` (j, LAW); `lateral`, `mass` (m,) and `curved` (j, 7: joint.curvature) may be empty;
-    `scale`: weight, size and step, and what is accepted of unbalanced forces per weight, of products per weight and
-    step, and of gaps, WIDE times as much, per step; `which` (j,): their places among the joints of the pattern, that of
+    `scale`: weight, size and step; what is accepted of unbalanced forces per weight and of gaps, WIDE times as much,
+    per step; and of products per weight and step. `which` (j,): their places among the joints of the pattern, that of
     `packed`. Returns the number of iterations, negative if no iteration leads on (with curvature: if equilibrium is not
     stable), α, and the residuals of forces, gaps and products, scaled likewise.
     """
     # many arguments and lines: arrays one by one, and a loop whose stages share a dozen arrays, see mechanics.kernels
     pattern = unpacked(packed)
-    weight, size, step, accepted = scale
+    weight, size, step, accepted, closed = scale
     count, c, unit = len(x), len(row), step / weight
     joints = Joints(row, places, law, curved, which)
     direction = Direction(np.zeros((c, KNOWN)), np.empty((c, 6)), np.empty((c, 3)), np.empty((c, 11)))
@@ -361,7 +361,7 @@ def iterate(
         off = max(force, gap)
         if not off < np.inf:
             return -1, alpha, np.inf, np.inf, np.inf
-        if max(force, WIDE * gap, product) <= accepted:
+        if max(force, WIDE * gap) <= accepted and product <= closed:
             return iteration, alpha, force, gap, product
         since += 1
         if max(off, product) < 0.5 * best:

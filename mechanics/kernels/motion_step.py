@@ -32,15 +32,17 @@ from mechanics.types import Array
 compiled = compiler("contract", "reassoc")
 
 # where the energy of a motion is (energy, 6): stored in springs; taken by friction, impacts, dashpots and the
-# stepping; put in
-ELASTIC, RUBBED, IMPACT, VISCOUS, STEPPING, INPUT = range(6)
-ENERGIES = 6
+# stepping; put in; and the largest kinetic energy so far, by which what steps take is measured
+ELASTIC, RUBBED, IMPACT, VISCOUS, STEPPING, INPUT, LARGEST = range(7)
+ENERGIES = 7
 # columns of the state of a joint (joints, j × 11): N₁, N₂, T and y₁, y₂, λ₊, λ₋ of the last program; force of the
 # spring in shear, kN; speed of the slide, m/s, and its acceleration; gap of the blocks less that of the bed, m
 N1, GAPS, SPRING, SPEED, RATE, SUNK = 0, 3, 7, 8, 9, 10
 JOINT = 11
 STANDARD_GRAVITY = 9.80665  # m/s²
 ROUGHLY = 1e-4  # missed per weight and span: the joints that slide are known
+CENTRAL = 0.1  # per weight and span: products of forces and gaps near an earlier solution
+WITHIN = 0.98  # of the bound of friction: the most of a force there
 COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a cold start
 MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
 PRESSED = 1e-6  # of the weight of a block: a force that is one
@@ -176,26 +178,35 @@ def posed(
 
 
 @compiled
-def _begin_inside(
-    at: Array, laws: Array, weight: float, span: float, stops: float, cold: bool, f: Array, y: Array
-) -> None:
-    """Bring forces and gaps within their bounds, where the interior point begins.
+def _begin_cold(at: Array, span: float, stops: float, f: Array, y: Array) -> None:
+    """Forces and gaps where nothing is known of them but the gaps that are there, and a force that stops blocks."""
+    for k in range(len(f)):
+        for e in range(2):
+            gap = at[k, U] + (2 * e - 1) * at[k, H] * at[k, PHI]
+            y[k, e] = COLD * span + max(gap, 0.0)
+            f[k, e] = stops * COLD * span / y[k, e]
+        f[k, 2], y[k, 2], y[k, 3] = 0.0, COLD * span, COLD * span
 
-    `cold`: nothing is known of them but the gaps that are there, and the force `stops` that stops blocks.
+
+@compiled
+def _begin_near(laws: Array, weight: float, span: float, f: Array, y: Array) -> None:
+    """Bring forces and gaps of an earlier solution within their bounds, all products alike.
+
+    Of an end that carries the gap becomes small, of one that is open the force: their difference, scaled, remains.
     """
     for k in range(len(f)):
-        if cold:
-            for e in range(2):
-                gap = at[k, U] + (2 * e - 1) * at[k, H] * at[k, PHI]
-                y[k, e] = COLD * span + max(gap, 0.0)
-                f[k, e] = stops * COLD * span / y[k, e]
-            f[k, 2], y[k, 2], y[k, 3] = 0.0, COLD * span, COLD * span
-        f[k, 0], f[k, 1] = max(f[k, 0], 1e-2 * weight), max(f[k, 1], 1e-2 * weight)
-        bound = 0.98 * laws[k, FRICTION] * (f[k, 0] + f[k, 1])
-        f[k, 2] = min(max(f[k, 2], -bound), bound)
-        for e in range(4):
-            least = 1e-2 * span / (max(laws[k, FRICTION], 1.0) if e > 1 else 1.0)
-            y[k, e] = max(y[k, e], least)
+        for e in range(2):
+            carries = 0.5 * (f[k, e] / weight - y[k, e] / span)
+            large = abs(carries) + np.sqrt(carries * carries + CENTRAL)
+            small = CENTRAL / large
+            f[k, e], y[k, e] = weight * small, span * large
+            if carries > 0.0:
+                f[k, e], y[k, e] = weight * large, span * small
+        bound = laws[k, FRICTION] * (f[k, 0] + f[k, 1])
+        f[k, 2] = min(max(f[k, 2], -WITHIN * bound), WITHIN * bound)
+        for e in range(2):
+            least = CENTRAL * weight * span / (bound + (1 - 2 * e) * f[k, 2])
+            y[k, 2 + e] = max(y[k, 2 + e], min(least, span))
 
 
 @compiled
@@ -210,29 +221,32 @@ def _solve(
     the dx, f and y given.
     """
     # many arguments: arrays one by one, see mechanics.kernels
-    weight, size, span, accepted = scale
+    weight, size, span, accepted, _ = scale
     done, none = 0, np.empty(0)
     if elastic and not cold:
         moved = np.zeros(len(dx))
         more, force, gap = newton(
-            rows, at, laws, load, mass, moved, f, y, scale, stored_matrix, packed, chosen
+            rows, at, laws, load, mass, moved, f, y, scale[:4], stored_matrix, packed, chosen
         )
         done += more
         if force <= accepted:
             dx[:] = moved
             return done, force, gap, 0.0
-    _begin_inside(at, laws, weight, span, stops, cold, f, y)
+    if cold:
+        _begin_cold(at, span, stops, f, y)
+    else:
+        _begin_near(laws, weight, span, f, y)
     if elastic:
         more, _, force, gap, product = iterate(
             rows, at, laws, load, none, 0.0, mass, np.empty((0, 7)), dx, 0.0, f, y,
-            (weight, size, span, ROUGHLY), MOST_ITERATIONS, stored_matrix, packed, chosen,
+            (weight, size, span, ROUGHLY, ROUGHLY), MOST_ITERATIONS, stored_matrix, packed, chosen,
         )  # fmt: skip
         done += abs(more)
         if not max(force, product) <= ROUGHLY:
             return done, force, gap, product
         moved = dx.copy()
         more, force, gap = newton(
-            rows, at, laws, load, mass, moved, f, y, scale, stored_matrix, packed, chosen
+            rows, at, laws, load, mass, moved, f, y, scale[:4], stored_matrix, packed, chosen
         )
         done += more
         if force <= accepted:
@@ -279,12 +293,13 @@ def attempt(
     """A step of length h from the state of blocks (3, b, 3), joints (j, JOINT) and energy, changed in place if solved.
 
     `load` (b, 3) kN at the share θ; `restitution` of velocities at which rigid ends meet; `scale`: weight, size and
-    span of the step, and the accepted residual; `resultants` (j, 3): N, P and T found; `cold`: the program begins from
-    the gaps alone. Returns the number of iterations, negative if no solution was found, the energy that the step took,
-    the part of it that slides which turn back leave uncertain, and the residuals of force and product.
+    span of the step, and the accepted residuals of force and product; `resultants` (j, 3): N, P and T found; `cold`:
+    the program begins from the gaps alone. Returns the number of iterations, negative if no solution was found, the
+    energy that the step took, the part of it that slides which turn back leave uncertain, and the residuals of force
+    and product.
     """
     # many arguments and lines: arrays one by one, shared by the stages of a step, see mechanics.kernels
-    weight, size, span, accepted = scale
+    weight, size, span, accepted, closed = scale
     c, n, m = len(a), blocks.shape[1], 0
     x, v, past = blocks[0], blocks[1], blocks[2]
     for i in range(n):
@@ -310,7 +325,7 @@ def attempt(
         row[chosen], at, laws, pushed, scaled, dx, f, y, scale, cold, elastic,
         COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen,
     )  # fmt: skip
-    if max(force, product) > accepted:
+    if force > accepted or product > closed:
         return -done, 0.0, 0.0, force, product
     moved, speed, jerked, work = np.zeros((n, 3)), np.zeros((n, 3)), 0.0, 0.0
     for i in range(n):
@@ -423,15 +438,17 @@ def march(
     """Steps of length h under base accelerations (k + 1, 3), m/s², linear in between, recorded in xs, vs, fs and es.
 
     `sizes`: weight, size of a block and what is accepted of a solution; `halving`: levels down to which a step is
-    halved where it takes, or leaves unsure, more than a share of the kinetic energy, that share, and levels where it is
-    not solved: a part is as long as the one before unless that took little; `margin` (m): how far a corner may go from
+    halved where it takes, or leaves unsure, more than a share of the largest kinetic energy so far, that share, levels
+    where it is not solved, and the share of its kinetic energy by which its velocities may be wrong, 0: as little as at
+    rest; a part is as long as the one before unless that took little; `margin` (m): how far a corner may go from
     where it has `begun` (b, 3) before contacts are looked for anew, `radius` (b,) of blocks; `counts` (6,): programs,
-    iterations, halvings, cold starts, and the worst residuals. Returns the number of steps done and why the march ends:
+    iterations, halvings, cold starts, the worst residual of force, per weight, and the largest energy (kNm) that errors
+    of velocities may have. Returns the number of steps done and why the march ends:
     0: all steps are done, 1: a corner has moved by the margin, 2: a program is not solved (the motion is as before it).
     """
     # many arguments and lines: arrays one by one, in one loop over steps, see mechanics.kernels
     weight, size, accepted = sizes
-    levels, share, most = halving
+    levels, share, most, unsure = halving
     n, c, steps = blocks.shape[1], len(a), len(base) - 1
     rigid = basic[0, BED] == np.inf
     load, resultants = np.empty((n, 3)), np.empty((c, 3))
@@ -449,26 +466,34 @@ def march(
                 for e in range(3):
                     kinetic += 0.5 * mass[i, e] * blocks[1, i, e] ** 2
                     load[i, e] = dead[i, e] - mass[i, e] * ((1.0 - at) * base[k, e] + at * base[k + 1, e])
+            energy[LARGEST] = max(energy[LARGEST], kinetic)
             kept_blocks, kept_joints, kept_energy = blocks.copy(), joints.copy(), energy.copy()
             # what is accepted of a program is a share of the way, and of a long step's of the block
             span = min(max(STANDARD_GRAVITY * step * step, fastest * step), size)
             found, taken, turned = False, np.inf, 0.0
+            small = share * (energy[LARGEST] + 0.5 * weight * STANDARD_GRAVITY * step**2)
+            # the error of velocities has at most the energy of all products: the program is strongly convex
+            products = 4.0 * max(c, 1) * weight * span
+            most_product = max(accepted, unsure * kinetic / products)
             for start in range(2):
                 counts[3] += start
                 done, taken, turned, force, product = attempt(
                     a, b, faces, basic, row, first, mass, load, blocks, joints, energy, step, theta, beta,
-                    restitution, (weight, size, span, accepted), resultants, stored_matrix, packed, start > 0,
+                    restitution, (weight, size, span, accepted, most_product), resultants, stored_matrix, packed,
+                    start > 0,
                 )  # fmt: skip
                 counts[0] += 1
                 counts[1] += abs(done)
-                found = max(force, product) <= accepted
+                found = force <= accepted and product <= most_product
                 if found:
-                    counts[4], counts[5] = max(counts[4], force), max(counts[5], product)
+                    counts[4] = max(counts[4], force)
+                    counts[5] = max(counts[5], product * products)
                     break
-            small = share * (kinetic + 0.5 * weight / STANDARD_GRAVITY * (STANDARD_GRAVITY * step) ** 2)
             over = (abs(taken) + turned) / small
             if (deep < most and not found) or (deep < levels and over > 1.0 and once):
-                blocks[:], joints[:], energy[:] = kept_blocks, kept_joints, kept_energy
+                # but the forces and gaps found: the parts begin near them
+                blocks[:], energy[:] = kept_blocks, kept_energy
+                joints[:, SPRING:] = kept_joints[:, SPRING:]
                 counts[2] += 1
                 deep += 1
                 continue

@@ -33,8 +33,8 @@ Integrator = Literal["auto", "moreau-jean", "second-order", "implicit-euler"]
 
 FEW = 3  # most movable blocks for which every impact is located
 LOCATED = Halving(10, 1e-4)  # second order, rigid: steps down to 1/1024 at impacts
-RESOLVED = Halving(6, 1e-2)  # Moreau-Jean: steps down to 1/64 where impacts take energy
-CLOSING = Halving(4, 0.05)  # second order, elastic: steps down to 1/16, but not shorter than an impact lasts
+RESOLVED = Halving(6, 4e-3, unsure=1e-4)  # Moreau-Jean: steps down to 1/64 where impacts take energy
+CLOSING = Halving(4, 0.02)  # second order, elastic: steps down to 1/16, but not shorter than an impact lasts
 UNSOLVED = Halving(0, np.inf)  # implicit Euler: only steps that are not solved are halved
 CHUNK = 200  # steps after which collapse is looked for
 BALANCED = 1e-4  # imbalance, as a share of the energy turned over, that needs no warning
@@ -53,7 +53,8 @@ class TimeHistory:
     arrays end there. `energy`: the balance at each time.
 
     `integrator`: the one used; `chosen`: why. Numbers of `programs` solved, of their `iterations`, of `halvings` of
-    steps and of `cold` starts; `worst`: largest relative residual of a program. `notes`: warnings about the motion.
+    steps and of `cold` starts; `worst`: largest unbalanced force, per weight of a block; `unsure`: largest energy that
+    errors of velocities may have, as a share of what was turned over. `notes`: warnings about the motion.
     """
 
     time: Array
@@ -74,6 +75,7 @@ class TimeHistory:
     halvings: int
     cold: int
     worst: float
+    unsure: float
     notes: tuple[str, ...]
 
 
@@ -93,9 +95,9 @@ def time_history(
     """Integrate the motion under base accelerations (k,) in g, sampled at `time_step` (s) and linear in between.
 
     `integrator`: "second-order" is the midpoint rule. It locates impacts of rigid joints in steps down to 1/1024; with
-    elastic joints a step in which impacts take more than 5 % of the kinetic energy is halved down to 1/16 or √(m/k).
-    "moreau-jean" is the same rule with steps down to 1/64, halved where impacts take more than 1 % of the kinetic
-    energy. "implicit-euler" is the paper's. "auto" is "moreau-jean" for rigid joints of more than three movable blocks,
+    elastic joints a step in which impacts take more than 2 % of the largest kinetic energy so far is halved down to
+    1/16 or √(m/k). "moreau-jean" is the same rule with steps down to 1/64, halved where impacts take more than 0.4 %.
+    "implicit-euler" is the paper's. "auto" is "moreau-jean" for rigid joints of more than three movable blocks,
     otherwise "second-order".
 
     `state` (default: as drawn): a state at rest that can stand first settles on its elastic joints; any other, tilted
@@ -258,7 +260,8 @@ def _history(
         iterations=iterations,
         halvings=halvings,
         cold=cold,
-        worst=float(system.counts[4:].max()),
+        worst=float(system.counts[4]),
+        unsure=float(system.counts[5]) / max(energy.turnover, NOTHING * model.weight * model.size),
         notes=_notes(model, x[-1], energy),
     )
 

@@ -98,7 +98,7 @@ def run(program: Program, layout: Elimination, start: Iterate, accepted: float) 
         start.alpha,
         forces,
         gaps,
-        (p.weight, p.size, p.step, accepted),
+        (p.weight, p.size, p.step, accepted, accepted),
         MOST_ITERATIONS,
         layout.work_space,
         layout.packed,

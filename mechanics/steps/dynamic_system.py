@@ -68,20 +68,22 @@ class Recorded:
 
 @dataclass(frozen=True, slots=True)
 class Halving:
-    """How often a step is halved.
+    """How often a step is halved, and how exactly its program is solved.
 
-    At most `levels` times while impacts take more than a `share` of the kinetic energy; at most `unsolved` times while
-    its program is not solved.
+    At most `levels` times while impacts take more than a `share` of the largest kinetic energy so far; at most
+    `unsolved` times while its program is not solved. `unsure`: share of the kinetic energy that errors of velocities
+    may have; 0: no more than at rest.
     """
 
     levels: int
     share: float
     unsolved: int = 6
+    unsure: float = 0.0
 
     @property
-    def limits(self) -> tuple[int, float, int]:
-        """Levels, share and unsolved levels, in the order of kernels.motion_step.march."""
-        return self.levels, self.share, max(self.levels, self.unsolved)
+    def limits(self) -> tuple[int, float, int, float]:
+        """Levels, share, unsolved levels and unsure share, in the order of kernels.motion_step.march."""
+        return self.levels, self.share, max(self.levels, self.unsolved), self.unsure
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +92,8 @@ class DynamicSystem:
 
     `theta`: share of a step at which the equations of motion hold; `damping` (s): viscous contact force over the
     stiffness and the rate of the gap; `restitution`: of normal velocities at impacts; `halving`: of steps. `counts`
-    (6,): programs, iterations, halvings, cold starts, and the worst residuals of force and product.
+    (6,): programs, iterations, halvings, cold starts, the worst residual of force, per weight, and the largest energy
+    (kNm) that errors of velocities may have.
     """
 
     system: StaticSystem
