@@ -41,6 +41,13 @@ def drawn():
 
 
 @pytest.fixture
+def no_figures(monkeypatch):
+    """No picture is drawn, and there is no drawing of shapes: they take longer than the analyses of a block."""
+    monkeypatch.setattr(figures, "write_figures", lambda _, folder: folder.mkdir())
+    monkeypatch.setattr(figures, "write_images", lambda *_: [])
+
+
+@pytest.fixture
 def quick(monkeypatch, request):
     """One empty figure, and a PDF that only looks like one (the real ones: see test_figures, test_report)."""
 

@@ -311,13 +311,11 @@ def test_a_step_that_is_not_solved_is_a_failure(setting, monkeypatch):
     assert result.numbers.collapsed is None
 
 
-@pytest.mark.parametrize("language", ["it", "en"])
-def test_an_animation_is_written_where_it_is_asked_for(tmp_path, language, monkeypatch):
+def test_an_animation_is_written_where_it_is_asked_for(tmp_path):
     """A GIF per state, of at most FRAMES frames in real time, the same bytes at every writing; none else."""
     project = _project(
         tmp_path / "block", TAIL.format(scale=0.58), TAIL.format(scale=0.5), "animation = true\n"
     )
-    project = project.model_copy(update={"report": project.report.model_copy(update={"language": language})})
     results = plain(run(project, build_model(project), jobs=1).results)
     weak, strong = results["states"]["original"]["history"]
     assert "frames" not in weak

@@ -13,7 +13,6 @@ from assessment.analyses.static import ensemble
 from assessment.analyses.static.ensemble import NOISE, in_increments, members, shaken_corners
 from assessment.analyses.static.paths import turns_on_rounding
 from assessment.analyses.static.states import Request, analyse_states
-from assessment.cli.main import main
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.results.schema import State
@@ -22,7 +21,7 @@ from assessment.results.schema.model import Line
 from assessment.results.schema.static import PushdownPath, Pushovers, RigidPush
 from assessment.runtime.tasks import Workers
 from mechanics import pushover
-from tests.support.block_project import block, read_results, write_block
+from tests.support.block_project import block, read_results, run, write_block
 from tests.support.structures import block_on_base, running_bond
 from tests.support.typed import filled, made
 
@@ -140,11 +139,12 @@ def test_the_least_member_is_used_and_its_range_told():
     assert symbols(capacity.SLC.trace) == ["c"] and symbols(capacity.SLV.trace) == ["α0 = 0.1", "v"]
 
 
+@pytest.mark.usefixtures("no_figures")
 @pytest.mark.parametrize("sliding", ["coulomb", "associative"])
 def test_every_curve_says_how_joints_slide(tmp_path, sliding):
     text = block().replace("friction = 0.7", "friction = 0.1") + PUSHOVER
     project = write_block(tmp_path, text + f'[contacts]\nsliding = "{sliding}"\n')
-    assert main(["run", str(project)]) == 0
+    assert run(project) == 0
     results = read_results(project / "output")
     rigid = results["states"]["original"]["pushover"]["+x"]["rigid"]
     assert rigid["sliding"] == sliding and rigid["alpha_0"] == pytest.approx(0.1, rel=1e-5)

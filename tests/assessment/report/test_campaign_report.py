@@ -17,14 +17,14 @@ from assessment.report.figures.campaign import (
     fragile_shares,
     moved,
 )
-from assessment.report.figures.index import pictures, write_figures
+from assessment.report.figures.index import pictures
 from assessment.report.tables.campaign import LOSS, campaign_tables, reported_campaign
 from assessment.report.text.language import LANGUAGES, words_of
 from assessment.report.text.table_format import grid
 from assessment.results.plain import plain
 from assessment.results.schema import Campaign
-from assessment.runtime.processes.pool import Pool
 from assessment.studies.campaign.summary import Observed, Place, fragility, loss
+from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
 
@@ -259,7 +259,7 @@ def test_the_chapter_shows_tables_figures_and_what_was_not_completed(language, m
         for row in campaign["fragility"]:
             row |= {"rule": None, "pga_collapse_g": None}
     words = words_of(typed(results))
-    write_figures(Pool(0, typed(results)), tmp_path)
+    draw_sections(typed(results), tmp_path, "campaign")
     html = render_html(typed(results), tmp_path, words)
     start = html.index('<h2 id="campaign"')
     text = html[start : html.index("<h2", start + 4)]
@@ -275,7 +275,7 @@ def test_of_single_runs_nothing_is_said_of_ensembles(tmp_path):
     words = words_of(typed(results))
     for members in (5, 1):
         results["campaign"]["members"] = members
-        write_figures(Pool(0, typed(results)), tmp_path)
+        draw_sections(typed(results), tmp_path, "campaign")
         html = render_html(typed(results), tmp_path, words)
         start = html.index('<h2 id="campaign"')
         text = html[start : html.index("<h2", start + 4)]

@@ -11,12 +11,12 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from assessment.report.document import render_html
-from assessment.report.figures.index import pictures, write_figures
+from assessment.report.figures.index import pictures
 from assessment.report.figures.studies import LABEL_PT, _label
 from assessment.report.judgement import draft_judgement
 from assessment.report.tables.studies import reported_studies, scenarios, sensitivity, tornado
 from assessment.report.text.language import LANGUAGES, words_of
-from assessment.runtime.processes.pool import Pool
+from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
 
@@ -138,7 +138,7 @@ def test_chapters_name_the_worst_case_and_show_tables_and_figures(language, fall
         last = results["scenarios"]["points"][-1]
         last |= {"collapses": True, "alpha_0": None, "a_g_g": None, "zeta_E": None, "reduction": None}
     words = words_of(typed(results))
-    write_figures(Pool(0, typed(results)), tmp_path)
+    draw_sections(typed(results), tmp_path, "scenarios", "sensitivity")
     html = render_html(typed(results), tmp_path, words)
     for chapter in ("scenarios", "sensitivity"):
         start = html.index(f'<h2 id="{chapter}"')
@@ -173,7 +173,7 @@ def texts(path) -> list[str]:
 
 
 def test_the_plots_name_scenarios_worst_case_and_factors(tmp_path):
-    write_figures(Pool(0, typed(results_with_studies("en"))), tmp_path)
+    draw_sections(typed(results_with_studies("en")), tmp_path, "scenarios", "sensitivity")
     shown = texts(tmp_path / "scenarios.svg")
     assert f"1  {SETTLED}" in shown and f"worst: {SETTLED}, 20.0 mm, −x" in shown
     assert "ultimate movement (the smaller)" in shown

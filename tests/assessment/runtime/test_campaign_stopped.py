@@ -24,7 +24,6 @@ import pytest
 from assessment.cli.main import main
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.report.figures import index as figures
 from assessment.results.plain import plain
 from assessment.runtime import tasks
 from assessment.runtime.cache import FOLDER, Store
@@ -34,7 +33,10 @@ from tests import ROOT
 from tests.support.block_project import read_results, timeless
 from tests.support.campaign_project import STRIPES, write_campaign
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals")
+pytestmark = [
+    pytest.mark.skipif(os.name != "posix", reason="signals"),
+    pytest.mark.usefixtures("no_figures"),
+]
 COMBINATIONS = 8  # two records, both signs, two shares
 STATIC = 6  # self-weight, a pushdown, two pushovers and the linear programs of their multipliers
 ALL = STATIC + COMBINATIONS
@@ -57,12 +59,6 @@ def whole(drawn):
 @pytest.fixture
 def project(drawn, tmp_path):
     return Path(shutil.copytree(drawn, tmp_path / "block"))
-
-
-@pytest.fixture(autouse=True)
-def _no_figures(monkeypatch):
-    monkeypatch.setattr(figures, "write_figures", lambda _, folder: folder.mkdir())
-    monkeypatch.setattr(figures, "write_images", lambda *_: [])
 
 
 def begin(folder: Path, *options: str) -> subprocess.Popen[str]:

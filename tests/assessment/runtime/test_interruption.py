@@ -28,10 +28,8 @@ from tests import ROOT
 from tests.support.block_project import command, contents, edit, read_results, timeless
 from tests.support.every_stage import ALL, assesto, counts, entries, write_every_stage
 
-
-@pytest.fixture(autouse=True)
-def _no_figures(monkeypatch):
-    monkeypatch.setattr(figures, "write_figures", lambda _, folder: folder.mkdir())
+pytestmark = pytest.mark.usefixtures("no_figures")
+IMAGES = figures.write_images
 
 
 @pytest.fixture
@@ -153,6 +151,7 @@ def test_a_killed_process_is_told_and_costs_nothing_that_is_finished(project, ca
     capsys.readouterr()
     with monkeypatch.context() as patch:
         patch.setattr(figures, "write_figures", as_good_as_empty)
+        patch.setattr(figures, "write_images", IMAGES)  # the report asks for them
         killed = (
             "assessment.analyses.static.states.push"
             if what == "pushover"

@@ -95,6 +95,7 @@ def test_the_status_of_damaged_results_is_told_in_a_message(tmp_path, capsys, co
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal")
+@pytest.mark.usefixtures("no_figures")
 def test_a_run_that_is_killed_again_and_again_is_told_of_and_goes_on_with_equal_results(tmp_path, capsys):
     folder = write_campaign(tmp_path / "block", STRIPES, 1)
     arguments = ["run", str(folder), "--no-report"]

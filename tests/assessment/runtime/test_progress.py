@@ -10,17 +10,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from assessment.report.figures import index as figures
 from assessment.runtime.terminal import progress as terminal
 from assessment.runtime.terminal.progress import Bars, _table, capacities
 from tests.support.block_project import edit, read_results
 from tests.support.every_stage import assesto, write_every_stage
 from tests.support.typed import typed
 
-
-@pytest.fixture(autouse=True)
-def _no_figures(monkeypatch):
-    monkeypatch.setattr(figures, "write_figures", lambda _, folder: folder.mkdir())
+pytestmark = pytest.mark.usefixtures("no_figures")
 
 
 @pytest.fixture

@@ -194,7 +194,7 @@ def noise(seed, peak=0.3, count=1000):
 
 
 @pytest.fixture
-def block(tmp_path):
+def block(tmp_path, no_figures):
     return write_campaign(tmp_path / "block", SEARCHES, 3)
 
 
@@ -237,8 +237,12 @@ def test_the_static_capacity_is_taken_to_the_surface_by_the_soil_factor_at_itsel
     assert weaker.S > spectrum.S
 
 
-def test_a_small_campaign(block):
+def test_a_small_campaign(tmp_path, request):
+    """Its first run draws figures, the second does not."""
+    block = write_campaign(tmp_path / "block", SEARCHES, 3)
     assert run(block) == 0
+    assert (block / "output" / "figures" / "campaign_loss.svg").is_file()
+    request.getfixturevalue("no_figures")
     found = read_results(block / "output")["campaign"]
     rows = found["combinations"]
     assert [(row["record"], row["share"], row["sign"]) for row in rows] == [

@@ -18,17 +18,16 @@ from assessment.project.model import build_model
 from assessment.project.project import Project, load_project
 from assessment.project.schema import PushoverTable, SettlementTable
 from assessment.report.document import render_html
-from assessment.report.figures.index import write_figures
 from assessment.report.text.language import words_of
 from assessment.results.plain import plain
 from assessment.results.schema.static import Pushovers, RigidPush
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.processes.pool import Pool
 from assessment.runtime.tasks import Workers
 from assessment.studies.convergence import Levels, converge, estimated_error
 from assessment.studies.increments import refined
 from assessment.workflow.stages import run
 from tests.assessment.studies.test_studies import ASSESSMENT, BLOCK, HEIGHT, PUSHOVER, SLENDERNESS, TURNS
+from tests.support.pictured import draw_sections
 from tests.support.results_example import results_example
 from tests.support.typed import made, typed
 
@@ -163,23 +162,38 @@ def test_the_error_of_a_block_is_bounded_by_the_estimate(block):
         assert row["met"] and row["relative_error"] <= 0.001
 
 
-@pytest.fixture(scope="module")
-def arch(tmp_path_factory):
-    """A semicircular arch of 21 voussoirs, of which a part moves by itself at 25.7 mm of the 46 mm of its d_0."""
-    folder = tmp_path_factory.mktemp("convergence") / "arch"
-    new_project(folder, "arch", {})
+def written_arch(folder, voussoirs: int) -> Project:
+    """A semicircular arch that is pushed over, its joints rigid; nothing else."""
+    new_project(folder, "arch", {"voussoirs": voussoirs})
     project = load_project(folder)
     assert project.pushover is not None
     rigid = project.pushover.model_copy(update={"contacts": ("rigid",)})
     return project.model_copy(update={"pushover": rigid, "settlements": (), "assessment": None})
 
 
-def test_the_error_of_an_arch_is_within_the_tolerance(arch):
-    assembly = build_model(arch).assembly
+@pytest.fixture(scope="module")
+def arch(tmp_path_factory):
+    """Of 21 voussoirs: a part moves by itself at 25.7 mm of the 46 mm of its d_0."""
+    return written_arch(tmp_path_factory.mktemp("convergence") / "arch", 21)
+
+
+@pytest.fixture(scope="module")
+def fine(arch):
+    """The rigid push of the arch towards +x by a thirty-second of its increment."""
+    one_way = arch.model_copy(update={"pushover": arch.pushover.model_copy(update={"directions": ("+x",)})})
+    request = Request(refined(one_way, 5), build_model(arch).assembly, None, "rigid")
     with Workers(1) as workers:
-        [stage] = analyse_states([Request(refined(arch, 5), assembly, None, "rigid")], workers)
-    fine = stage.pushover["+x"].rigid
-    found = results_of(arch.model_copy(update={"accuracy": 0.01}))
+        [stage] = analyse_states([request], workers)
+    return stage.pushover["+x"].rigid
+
+
+@pytest.fixture(scope="module")
+def within_a_hundredth(arch):
+    return results_of(arch.model_copy(update={"accuracy": 0.01}))
+
+
+def test_the_error_of_an_arch_is_within_the_tolerance(fine, within_a_hundredth):
+    found = within_a_hundredth
     right, left = found["convergence"]["rows"]
     values = right["levels"]["d_0_m"]
     assert max(values) < 1.02 * min(values)  # small increments reach across that part too
@@ -191,18 +205,15 @@ def test_the_error_of_an_arch_is_within_the_tolerance(arch):
     assert left["levels"]["d_0_m"] == pytest.approx(values, rel=1e-6)  # the mirror image
 
 
-def test_the_error_of_an_arch_is_bounded_by_the_estimate(arch):
+def test_the_error_of_an_arch_is_bounded_by_the_estimate(fine, within_a_hundredth):
     """Its d_0 is 46.12 and 46.13 mm by the first two increments, 46.04 by the third, 46.08 by smaller ones."""
-    with Workers(1) as workers:
-        [stage] = analyse_states(
-            [Request(refined(arch, 5), build_model(arch).assembly, None, "rigid")], workers
-        )
-    right, _ = results_of(arch.model_copy(update={"accuracy": 0.01}))["convergence"]["rows"]
-    error = abs(right["levels"]["d_0_m"][-1] - stage.pushover["+x"].rigid.d_0_m)
+    right, _ = within_a_hundredth["convergence"]["rows"]
+    error = abs(right["levels"]["d_0_m"][-1] - fine.d_0_m)
     assert error <= right["d_0_error_m"]
 
 
-def test_where_the_tolerance_is_not_met_a_warning_says_so(arch):
+def test_where_the_tolerance_is_not_met_a_warning_says_so(tmp_path):
+    arch = written_arch(tmp_path / "arch", 9)
     found = results_of(arch.model_copy(update={"accuracy": 1e-7}))
     rows = found["convergence"]["rows"]
     assert [row["halvings"] for row in rows] == [4, 4]
@@ -301,7 +312,7 @@ def test_what_is_no_accuracy_is_told(block, written):
 @pytest.mark.parametrize("language", ["it", "en"])
 def test_the_report_states_the_error_or_that_there_is_no_estimate(language, tmp_path):
     results = results_example(language)
-    write_figures(Pool(0, typed(results)), tmp_path)
+    draw_sections(typed(results), tmp_path)
     words = words_of(typed(results))
 
     def chapter(content: dict) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -17,16 +18,29 @@ from assessment.workflow.stages import run
 from tests.support.block_project import edit, forget, timeless
 from tests.support.every_stage import ALL, assesto, counts, entries, write_every_stage, write_wave
 
-
-@pytest.fixture(autouse=True)
-def _no_figures(monkeypatch):
-    monkeypatch.setattr(figures, "write_figures", lambda _, folder: folder.mkdir())
-    monkeypatch.setattr(figures, "write_images", lambda *_: [])
+pytestmark = pytest.mark.usefixtures("no_figures")
 
 
 @pytest.fixture
 def project(tmp_path):
     return write_every_stage(tmp_path / "block")
+
+
+@pytest.fixture(scope="module")
+def first(tmp_path_factory):
+    """The project, run once."""
+    folder = write_every_stage(tmp_path_factory.mktemp("first") / "block")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(figures, "write_figures", lambda _, path: path.mkdir())
+        patch.setattr(figures, "write_images", lambda *_: [])
+        assert assesto(folder) == 0
+    return folder
+
+
+@pytest.fixture
+def done(first, tmp_path):
+    """A copy of it with its output."""
+    return Path(shutil.copytree(first, tmp_path / "block"))
 
 
 def output(folder: Path) -> dict[str, bytes]:
@@ -84,42 +98,37 @@ EDITS = {
 
 
 @pytest.mark.parametrize("what", EDITS)
-def test_only_what_depends_on_an_edit_is_computed_again(project, capsys, what):
+def test_only_what_depends_on_an_edit_is_computed_again(done, capsys, what):
     old, new, computed = EDITS[what]
-    assert assesto(project) == 0
-    edit(project, old, new)
-    assert counts(project, capsys)[0] == computed
-    resumed = output(project)
-    assert counts(project, capsys, "--fresh")[1] == 0
-    fresh = output(project)
+    edit(done, old, new)
+    assert counts(done, capsys)[0] == computed
+    resumed = output(done)
+    assert counts(done, capsys, "--fresh")[1] == 0
+    fresh = output(done)
     assert resumed.keys() == fresh.keys()
     old, new = (json.loads(each["output/results.json"]) for each in (resumed, fresh))
     assert timeless(old) == timeless(new)
 
 
-def test_a_record_that_changed_is_seen(project, capsys):
-    assert assesto(project) == 0
-    write_wave(project / "wave.csv", 0.11)
-    assert counts(project, capsys) == (6, 6)
+def test_a_record_that_changed_is_seen(done, capsys):
+    write_wave(done / "wave.csv", 0.11)
+    assert counts(done, capsys) == (6, 6)
 
 
-def test_another_record_leaves_the_first_as_it_is(project, capsys):
-    assert assesto(project) == 0
-    write_wave(project / "wave2.csv", 0.15)
-    assert counts(project, capsys) == (2, ALL)
+def test_another_record_leaves_the_first_as_it_is(done, capsys):
+    write_wave(done / "wave2.csv", 0.15)
+    assert counts(done, capsys) == (2, ALL)
 
 
-def test_another_version_of_the_program_takes_over_nothing(project, capsys, monkeypatch):
-    assert assesto(project) == 0
+def test_another_version_of_the_program_takes_over_nothing(done, capsys, monkeypatch):
     monkeypatch.setattr(fingerprint, "program", lambda: "of tomorrow")
-    assert counts(project, capsys) == (ALL, 0)
+    assert counts(done, capsys) == (ALL, 0)
 
 
 @pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "of another", "a folder", "not text"])
-def test_a_damaged_entry_counts_as_absent(project, capsys, damage):
-    assert assesto(project) == 0
-    before, (first, second, *_) = output(project), entries(project)
-    forget(project / "output")
+def test_a_damaged_entry_counts_as_absent(done, capsys, damage):
+    before, (first, second, *_) = output(done), entries(done)
+    forget(done / "output")
     content = bytearray(first.read_bytes())
     if damage == "a folder":
         first.unlink()
@@ -134,8 +143,8 @@ def test_a_damaged_entry_counts_as_absent(project, capsys, damage):
             "not text": b"\xff\xfe",
         }
         first.write_bytes(broken[damage])
-    assert counts(project, capsys) == (1, ALL - 1)
-    found = [timeless(json.loads(each["output/results.json"])) for each in (before, output(project))]
+    assert counts(done, capsys) == (1, ALL - 1)
+    found = [timeless(json.loads(each["output/results.json"])) for each in (before, output(done))]
     assert found[0] == found[1]
 
 

@@ -318,7 +318,7 @@ def test_energy_balance_of_impacts_by_the_dozen() -> None:
 
 def test_friction_takes_the_energy_of_a_sliding_wall() -> None:
     """Joints that slide to and fro: impacts, of slides that change, take little."""
-    motion = time_history(running_bond(3, 4), burst(0.8, 100, 4.0), STEP, "rigid", integrator="second-order")
+    motion = time_history(running_bond(3, 3), burst(0.8, 70, 4.0), STEP, "rigid", integrator="second-order")
     assert abs(motion.energy.impact).max() < 0.05 * motion.energy.turnover
     assert motion.energy.friction[-1] > 0.9 * motion.energy.dissipated[-1]
 

@@ -1,0 +1,21 @@
+"""Figures for tests that read the page: real ones of the chapters that they look at, empty ones of the others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from assessment.report.figures.index import pictures
+from assessment.report.figures.style import save_svg
+from assessment.results.schema import Results
+
+EMPTY = '<svg xmlns="http://www.w3.org/2000/svg" width="9pt" height="9pt" viewBox="0 0 9 9"/>'
+
+
+def draw_sections(results: Results, folder: Path, *sections: str) -> None:
+    """Write every figure of the results into the folder, those of other sections without content."""
+    for picture in pictures(results):
+        path = folder / f"{picture.name}.svg"
+        if picture.section in sections:
+            save_svg(picture.draw, path)
+        else:
+            path.write_text(EMPTY, encoding="utf-8")
