@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
+from operator import itemgetter
+from typing import NamedTuple
 
 import numpy as np
 from markupsafe import Markup
 
 from assessment.ntc.limit_states import CHECKS
 from assessment.report.second_solver import agreement
-from assessment.report.tables.capacity import capacities, chosen_checks, summary, verification
-from assessment.report.tables.convergence import convergence_tables
-from assessment.report.tables.index import mechanisms
-from assessment.report.tables.studies import tornado
+from assessment.report.tables.capacity import capacities, directions
+from assessment.report.tables.studies import bars
 from assessment.report.text.language import Words, direction_name
 from assessment.report.text.table_format import ROUNDING, check_name
-from assessment.results.hand_check import hand_check
-from assessment.results.reactions import balance
+from assessment.results.hand_check import hand_checks, mechanisms
+from assessment.results.reactions import balances
 from assessment.results.schema import Results
-from assessment.results.schema.part import present
-from assessment.results.table import Row, cells, compared, indices, reference_of
+from assessment.results.schema.checks import Direction
+from assessment.results.schema.part import known, present
+from assessment.results.table import compared, indices, reduction, reference_of
 
 RESIDUALS = {  # of the solutions, relative to the weight: what needs no word
     "equilibrium_residual": 1e-6,
@@ -28,12 +30,30 @@ RESIDUALS = {  # of the solutions, relative to the weight: what needs no word
 }
 BALANCED = 1e-3  # reactions less loads, relative to the weight
 AGREEMENT = 0.01  # of the virtual-work multiplier, as in the paper
+ORIGINAL = "original"  # the state as drawn
+Loss = tuple[float, str, Direction]  # 1 − settled/original, state, direction
+
+
+class Place(NamedTuple):
+    """Where a check is made."""
+
+    state: str
+    direction: Direction
+    limit_state: str
+
+    def worded(self, words: Words) -> dict[str, str]:
+        """Return it in the report's words, as fields of a sentence."""
+        return {
+            "state": words.state(self.state),
+            "direction": direction_name(self.direction),
+            "limit": check_name(self.limit_state, words),
+        }
 
 
 def draft_judgement(results: Results, words: Words) -> list[Markup]:
     """Return sentences: governing condition, losses due to the movement, margins, trust in the numbers.
 
-    Each is drawn from a table that is printed, all rows of it compared: none may claim what a table contradicts.
+    All that a printed table has of a quantity is compared: no sentence may claim what a table contradicts.
     """
     if not results.model.self_weight_stable:
         return [words("judgement.unstable")]
@@ -51,86 +71,89 @@ def draft_judgement(results: Results, words: Words) -> list[Markup]:
 
 def _governing(results: Results, words: Words) -> Iterator[Markup]:
     """Yield the least ratio of all checks, the index at SLV, how many are satisfied; without checks the least α0."""
-    rows = verification(results).rows
-    made = [row for row in rows if row.get("zeta_E") is not None]
+    checks = [
+        (Place(name, direction, limit), check)
+        for name, direction, capacity in capacities(results)
+        for limit, check in capacity.checks.items()
+    ]
+    made = [(check.zeta_E, place, check) for place, check in checks if check.zeta_E is not None]
     if not made:
         yield from _least_multiplier(results, words)
         return
-    worst = min(made, key=lambda row: row["zeta_E"])
+    ratio, place, worst = min(made, key=itemgetter(0))
     yield words(
         "judgement.governing",
-        **_where(worst, words),
-        capacity=worst.get("a_g_g"),
-        demand=worst.get("demand_a_g_g"),
+        **place.worded(words),
+        capacity=worst.a_g_g,
+        demand=worst.demand_a_g_g,
         reference=_reference(results, words),
-        ratio=worst["zeta_E"],
-        outcome=words.plain("value.verified" if worst.get("verified") else "value.not_verified"),
+        ratio=ratio,
+        outcome=words.plain("value.verified" if worst.verified else "value.not_verified"),
     )
     found = [
-        (zeta, {"state": name, "direction": direction, "limit_state": limit})
+        (zeta, Place(name, direction, limit))
         for name, direction, capacity in capacities(results)
         for limit, zeta in indices(capacity.ratios).items()
     ]
-    at_life = [each for each in found if each[1]["limit_state"].startswith("SLV")]
+    at_life = [(zeta, place) for zeta, place in found if place.limit_state.startswith("SLV")]
     if found:
-        zeta, place = min(at_life or found, key=lambda each: each[0])
-        yield words("judgement.zeta", **_where(place, words), zeta=zeta)
-        least, place = min(found, key=lambda each: each[0])
+        zeta, place = min(at_life or found, key=itemgetter(0))
+        yield words("judgement.zeta", **place.worded(words), zeta=zeta)
+        least, place = min(found, key=itemgetter(0))
         if least < zeta:
-            yield words("judgement.zeta_SLC", **_where(place, words), zeta=least)
-    passed = sum(bool(row.get("verified")) for row in made)
-    yield words("judgement.checks", passed=passed, total=len(rows))
-    if len(made) < len(rows):
-        yield words("judgement.open_checks", count=len(rows) - len(made))
+            yield words("judgement.zeta_SLC", **place.worded(words), zeta=least)
+    passed = sum(bool(check.verified) for _, _, check in made)
+    yield words("judgement.checks", passed=passed, total=len(checks))
+    if len(made) < len(checks):
+        yield words("judgement.open_checks", count=len(checks) - len(made))
 
 
 def _least_multiplier(results: Results, words: Words) -> Iterator[Markup]:
-    found = {
-        (row["state"], row["direction"]): row["alpha_0"]
-        for row in mechanisms(results).rows
-        if row["alpha_0"] is not None
-    }
+    found = [(rigid.alpha_0, state, direction) for state, direction, rigid in mechanisms(results)]
     if found:
-        state, direction = min(found, key=lambda place: found[place])
+        alpha, state, direction = min(found, key=itemgetter(0))
         place = {"state": words.state(state), "direction": direction_name(direction)}
-        yield words("judgement.governing_alpha", alpha=found[state, direction], **place)
+        yield words("judgement.governing_alpha", alpha=alpha, **place)
 
 
 def _chosen(results: Results, words: Words) -> Iterator[Markup]:
     """Yield the least ratio of the mechanisms that the engineer chose."""
-    rows = [row for row in chosen_checks(results).rows if row.get("zeta_E") is not None]
-    if rows:
-        worst = min(rows, key=lambda row: row["zeta_E"])
+    made = [
+        (check.zeta_E, given, limit)
+        for given in results.mechanisms or []
+        for limit, check in given.checks.items()
+        if check.zeta_E is not None
+    ]
+    if made:
+        ratio, given, limit = min(made, key=itemgetter(0))
         yield words(
             "judgement.chosen",
-            mechanism=worst["mechanism"],
-            state=words.state(worst["state"]),
-            limit=check_name(worst["limit_state"], words),
-            ratio=worst["zeta_E"],
+            mechanism=given.name,
+            state=words.state(given.state),
+            limit=check_name(limit, words),
+            ratio=ratio,
         )
 
 
 def _losses(results: Results, words: Words) -> Iterator[Markup]:
     """Yield what costs most of the a_g borne at each limit state; without any a_g, what costs most of α0."""
-    rows = [row for row in summary(results).rows if row["quantity"] == "a_g_g"]
-    lost: dict[tuple[str, str], list[str]] = {}
-    losses: dict[tuple[str, str], list[Markup]] = {}
+    lost: dict[tuple[str, Direction], list[str]] = {}
+    losses: dict[tuple[str, Direction], list[Markup]] = {}
     none: list[Markup] = []
     reference = _reference(results, words)
     for check in CHECKS:
-        of_check = [row for row in rows if row["limit_state"] == check]
-        unknown = list(_not_found(results, of_check))
+        unknown = list(_not_found(results, check))
         for each in unknown:
             lost.setdefault(each, []).append(check)
-        found = _reductions(results, of_check)
-        largest, state, direction = max(found, key=lambda each: each[0], default=(0.0, "", ""))
-        if not state:
+        found = _reductions(results, partial(_borne, results, check))
+        if not found:
             continue
-        place = _where({"state": state, "direction": direction, "limit_state": check}, words)
+        largest, state, direction = max(found, key=itemgetter(0))
         if largest > ROUNDING:
             loss = _loss(results, state, direction, check, largest, words)
             losses.setdefault((state, direction), []).append(loss)
         elif not unknown:
+            place = Place(state, direction, check).worded(words)
             increase = max(0.0, -100.0 * largest)
             none.append(words("judgement.no_reduction", **place, increase=increase, reference=reference))
     if losses:
@@ -153,32 +176,46 @@ def _losses(results: Results, words: Words) -> Iterator[Markup]:
             limits=", ".join(check_name(check, words) for check in checks),
             reference=reference,
         )
-    if not rows:
+    if not any(each.checks for _, _, each in capacities(results)):
         yield from _multiplier_loss(results, words)
 
 
-def _reductions(results: Results, rows: Iterable[Row]) -> list[tuple[float, str, str]]:
-    """Return the reductions of a quantity, each with its state and direction."""
+def _reductions(results: Results, value: Callable[[str, Direction], float | None]) -> list[Loss]:
+    """Return the reductions of a quantity, which `value` gives of a state and direction, each with where it is."""
     return [
-        (loss, state, row["direction"])
-        for row in rows
-        for state in results.states
-        if (loss := row.get(f"reduction: {state}")) is not None
+        (loss, state, direction)
+        for direction in directions(results)
+        for state in _settled(results)
+        if (loss := reduction(value(ORIGINAL, direction), value(state, direction))) is not None
     ]
 
 
-def _not_found(results: Results, rows: Iterable[Row]) -> Iterator[tuple[str, str]]:
-    """Yield the settled states and directions without a value that the original state has."""
-    for row in rows:
-        for state in results.states:
-            if state != "original" and row.get("original") is not None and row.get(state) is None:
-                yield state, row["direction"]
+def _not_found(results: Results, check: str) -> Iterator[tuple[str, Direction]]:
+    """Yield the settled states and directions without an a_g at a check, which the original state has."""
+    for direction in directions(results):
+        for state in _settled(results):
+            before, after = (_borne(results, check, name, direction) for name in (ORIGINAL, state))
+            if before is not None and after is None:
+                yield state, direction
 
 
-def _loss(results: Results, state: str, direction: str, check: str, loss: float, words: Words) -> Markup:
+def _settled(results: Results) -> list[str]:
+    return [state for state in results.states if state != ORIGINAL]
+
+
+def _borne(results: Results, check: str, state: str, direction: Direction) -> float | None:
+    """Return the a_g borne at a check, g; None where there is none."""
+    capacity = results.states[state].capacity.get(direction) if state in results.states else None
+    found = capacity.checks.get(check) if capacity else None
+    return found.a_g_g if found else None
+
+
+def _loss(
+    results: Results, state: str, direction: Direction, check: str, loss: float, words: Words
+) -> Markup:
     """Return a reduction of a_g with its check, and between which values ranges of both states let it lie."""
     found = {"reduction": 100.0 * loss}
-    low, high = (_range(results, name, direction, check) for name in (state, "original"))
+    low, high = (_range(results, name, direction, check) for name in (state, ORIGINAL))
     if low and high and (low[0] < low[1] or high[0] < high[1]):
         ends = {"least": 100.0 * (1.0 - low[1] / high[0]), "most": 100.0 * (1.0 - low[0] / high[1])}
         if words.number(ends["least"]) != words.number(ends["most"]):
@@ -197,8 +234,11 @@ def _range(results: Results, state: str, direction: str, check: str) -> tuple[fl
 
 
 def _multiplier_loss(results: Results, words: Words) -> Iterator[Markup]:
-    rows = [row for row in summary(results).rows if row["quantity"] == "alpha_0"]
-    largest, state, direction = max(_reductions(results, rows), default=(0.0, "", ""))
+    alpha = {(state, direction): rigid.alpha_0 for state, direction, rigid in mechanisms(results)}
+    found = _reductions(results, lambda state, direction: alpha.get((state, direction)))
+    if not found:
+        return
+    largest, state, direction = max(found, key=itemgetter(0))
     if largest > ROUNDING:
         place = {"state": words.state(state), "direction": direction_name(direction)}
         yield words("judgement.alpha_reduction", **place, reduction=100.0 * largest)
@@ -209,7 +249,7 @@ def _dynamic(results: Results, words: Words) -> Iterator[Markup]:
         if each.dynamic_pga_g is not None and each.static_surface_pga_g is not None:
             yield words(
                 "judgement.dynamic",
-                **_where(cells(each, ("state", "direction", "limit_state")), words),
+                **Place(each.state, known(each.direction), known(each.limit_state)).worded(words),
                 dynamic=each.dynamic_pga_g,
                 static=each.static_surface_pga_g,
             )
@@ -218,15 +258,6 @@ def _dynamic(results: Results, words: Words) -> Iterator[Markup]:
 def _reference(results: Results, words: Words) -> str:
     """Return what the accelerations of the checks refer to."""
     return words.plain(f"value.stated_on_{reference_of(results)}")
-
-
-def _where(place: Row, words: Words) -> dict[str, str]:
-    """Return state, direction and limit state of a row in the report's words."""
-    return {
-        "state": words.state(place["state"]),
-        "direction": direction_name(place["direction"]),
-        "limit": check_name(place["limit_state"], words),
-    }
 
 
 def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
@@ -248,23 +279,22 @@ def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
 
 
 def _sensitive(results: Results, words: Words) -> Iterator[Markup]:
-    rows, found = tornado(results).rows, results.sensitivity
-    bars = [bar for bar in rows if bar["swing_g"]]
-    if found and bars:
-        widest = max(bars, key=lambda row: row["swing_g"])
-        span = [widest[key] for key in ("a_g_low_g", "a_g_base_g", "a_g_high_g")]
+    every, found = bars(results), results.sensitivity
+    wide = [(bar.swing_g, bar) for bar in every if bar.swing_g]
+    if found and wide:
+        _, widest = max(wide, key=itemgetter(0))
         yield words(
             "judgement.sensitive",
             limit=found.limit_state,
-            property=words.plain(f"value.{widest['property']}"),
-            state=words.state(widest["state"]),
-            low=float(widest["low_factor"]),
-            high=float(widest["high_factor"]),
-            least=min(span),
-            most=max(span),
+            property=words.plain(f"value.{widest.property}"),
+            state=words.state(widest.state),
+            low=widest.low_factor,
+            high=widest.high_factor,
+            least=min(widest.capacities()),
+            most=max(widest.capacities()),
             reference=_reference(results, words),
         )
-    without = dict.fromkeys(row["property"] for row in rows if row["swing_g"] is None)
+    without = dict.fromkeys(bar.property for bar in every if bar.swing_g is None)
     if without:
         names = ", ".join(words.plain(f"value.{name}") for name in without)
         yield words("judgement.sensitive_open", properties=names)
@@ -287,27 +317,27 @@ def _margins(results: Results, words: Words) -> Iterator[Markup]:
 
 def _trust(results: Results, words: Words) -> Iterator[Markup]:
     quality = results.quality
-    known = present(
+    residuals = present(
         {
             "equilibrium_residual": quality.worst_equilibrium_residual,
             "cone_violation": quality.worst_cone_violation,
             "complementarity": quality.worst_complementarity,
         }
     )
-    poor = [name for name, residual in known.items() if residual > RESIDUALS[name]]
+    poor = [name for name, residual in residuals.items() if residual > RESIDUALS[name]]
     for name in poor:
-        yield words("judgement.poor_certificates", what=words(f"judgement.{name}"), residual=known[name])
-    if len(known) == len(RESIDUALS) and not poor:
-        yield words("judgement.certificates", **known)
+        yield words("judgement.poor_certificates", what=words(f"judgement.{name}"), residual=residuals[name])
+    if len(residuals) == len(RESIDUALS) and not poor:
+        yield words("judgement.certificates", **residuals)
     yield from _converged(results, words)
     yield from agreement(results, words)
     deviations = [
-        abs(row[key]) for row in hand_check(results).rows for key in ("deviation", "hand_deviation")
+        abs(deviation) for each in hand_checks(results) for deviation in (each.deviation, each.hand_deviation)
     ]
     if deviations:
         key = "hand_agrees" if max(deviations) <= AGREEMENT else "hand_differs"
         yield words(f"judgement.{key}", deviation=100.0 * max(deviations))
-    unbalanced = [row["unbalanced"] for row in balance(results).rows]
+    unbalanced = [each.unbalanced for each in balances(results)]
     if unbalanced:
         worst = float(np.max(unbalanced))  # NaN if any is
         yield words(f"judgement.{'balanced' if worst <= BALANCED else 'unbalanced'}", unbalanced=worst)
@@ -322,13 +352,13 @@ def _converged(results: Results, words: Words) -> Iterator[Markup]:
     if not tolerance:
         yield words("judgement.no_convergence")
         return
-    rows = [row for table in convergence_tables(results) for row in table.rows]
-    found = [row.get("relative_error") for row in rows]
-    known = [float(error) for error in found if error is not None]
-    if known:
-        good = max(known) <= tolerance and len(known) == len(found)
+    rows = [*results.convergence.rows, *(results.convergence.incremental or [])]
+    found = [row.relative_error for row in rows]
+    errors = [error for error in found if error is not None]
+    if errors:
+        good = max(errors) <= tolerance and len(errors) == len(found)
         key = "judgement.converged" if good else "judgement.not_converged"
-        yield words(key, error=100.0 * max(known), tolerance=100.0 * tolerance)
+        yield words(key, error=100.0 * max(errors), tolerance=100.0 * tolerance)
 
 
 def all_warnings(results: Results) -> list[str]:

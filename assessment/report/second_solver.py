@@ -35,13 +35,13 @@ def reported_second_solver(results: Results, words: Words) -> Table:
 
 def agreement(results: Results, words: Words) -> Iterator[Markup]:
     """Yield how far the two programs are apart at most, and where one of them found nothing."""
-    rows = second_solver(results).rows
-    known = [abs(row["relative_difference"]) for row in rows if row["relative_difference"] is not None]
+    found = [each.second_solver for _, _, each in mechanisms(results) if each.second_solver]
+    known = [abs(each.relative_difference) for each in found if each.relative_difference is not None]
     if known:
         agree = max(known) <= AGREEMENT
         yield words(f"judgement.second_{'agrees' if agree else 'differs'}", difference=max(known))
-    if len(known) < len(rows):
-        yield words("judgement.second_missing", count=len(rows) - len(known))
+    if len(known) < len(found):
+        yield words("judgement.second_missing", count=len(found) - len(known))
 
 
 def _shown(row: Row, columns: tuple[str, ...], words: Words) -> Row:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,23 @@ COLUMNS = (
     "delta_x",
     "delta_z",
 )
+
+
+@dataclass(frozen=True)
+class HandCheck:
+    """Multipliers of a mechanism: of the program, by virtual work over all blocks and over macro-blocks as printed.
+
+    Deviations are relative to the program's.
+    """
+
+    state: str
+    direction: Direction
+    macro_blocks: int
+    alpha_mechanism: float
+    virtual_work_alpha: float
+    deviation: float
+    hand_alpha: float
+    hand_deviation: float
 
 
 @dataclass(frozen=True)
@@ -101,26 +118,28 @@ def macro_block_table(results: Results) -> Table:
     return Table("macro_blocks", rows, COLUMNS)
 
 
-def hand_check(results: Results) -> Table:
-    """Compare the program's multiplier with virtual work over all its blocks and over the macro-blocks as printed."""
-    rows = []
+def hand_checks(results: Results) -> Iterator[HandCheck]:
+    """Yield the hand check of every mechanism whose multiplier by virtual work is known."""
     for name, direction, rigid in mechanisms(results):
         if rigid.virtual_work_alpha is not None and rigid.alpha_0:
             computed, by_blocks = rigid.mechanism.alpha, rigid.virtual_work_alpha
             figures = figures_of(results, name, direction)
             by_hand = multiplier(figures)
-            rows.append(
-                {
-                    "state": name,
-                    "direction": direction,
-                    "macro_blocks": len(figures) - 1,
-                    "alpha_mechanism": computed,
-                    "virtual_work_alpha": by_blocks,
-                    "deviation": by_blocks / computed - 1.0,
-                    "hand_alpha": by_hand,
-                    "hand_deviation": by_hand / computed - 1.0,
-                }
+            yield HandCheck(
+                state=name,
+                direction=direction,
+                macro_blocks=len(figures) - 1,
+                alpha_mechanism=computed,
+                virtual_work_alpha=by_blocks,
+                deviation=by_blocks / computed - 1.0,
+                hand_alpha=by_hand,
+                hand_deviation=by_hand / computed - 1.0,
             )
+
+
+def hand_check(results: Results) -> Table:
+    """Compare the program's multiplier with virtual work over all its blocks and over the macro-blocks as printed."""
+    rows = [asdict(each) for each in hand_checks(results)]
     return Table("hand_check", rows, tuple(rows[0]) if rows else ("state", "direction"))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -36,6 +37,21 @@ JOINTS = (
 )
 
 
+@dataclass(frozen=True)
+class Balance:
+    """Sum of the reactions and of the loads (2,) kN in a situation, and the weight of the blocks that move, kN."""
+
+    situation: Situation
+    reaction: Array
+    load: Array
+    weight: float
+
+    @property
+    def unbalanced(self) -> float:
+        """The larger component of what is left over, per weight."""
+        return float(abs(self.reaction + self.load).max() / self.weight)
+
+
 def reactions(results: Results) -> Table:
     """List the force of each support on the structure in every situation whose joint forces are known."""
     rows = [
@@ -51,20 +67,24 @@ def balance(results: Results) -> Table:
 
     `unbalanced` is the larger component of what is left over, per weight.
     """
+    rows = [
+        _where(each.situation)
+        | _components("reaction", each.reaction, each.weight)
+        | _components("load", each.load, each.weight)
+        | {"unbalanced": each.unbalanced}
+        for each in balances(results)
+    ]
+    return Table("balance", rows, BALANCE)
+
+
+def balances(results: Results) -> Iterator[Balance]:
+    """Yield the balance of every situation whose joint forces are known."""
     movable = np.array([block.support is None for block in results.geometry.blocks])
     dead, seismic = (float(each[movable].sum()) for each in weights(results))
-    rows = []
     for each in situations(results):
         total = sum((force for _, force in _forces(results, each)), np.zeros(2))
         along = each.alpha * seismic * sense(each.direction or "+x")
-        load = np.array([along, -dead])
-        rows.append(
-            _where(each)
-            | _components("reaction", total, dead)
-            | _components("load", load, dead)
-            | {"unbalanced": float(abs(total + load).max() / dead)}
-        )
-    return Table("balance", rows, BALANCE)
+        yield Balance(each, total, np.array([along, -dead]), dead)
 
 
 def joint_table(results: Results) -> Table:

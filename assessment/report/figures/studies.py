@@ -11,13 +11,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from assessment.report.figures.style import chart, state_style
-from assessment.report.tables.studies import ROUNDING, tornado
+from assessment.report.tables.studies import ROUNDING, Bar, bars
 from assessment.report.text.language import Words, direction_name
 from assessment.report.text.table_format import referenced
 from assessment.results.schema import Results
 from assessment.results.schema.part import known
 from assessment.results.schema.studies import Scenarios
-from assessment.results.table import Row, compared, reference_of
+from assessment.results.table import compared, reference_of
 
 MARKS = {"+x": (">", "0.0"), "-x": ("<", "1.0")}  # of the directions: full to the right, empty to the left
 LABEL_PT = 8.0  # height of a number beside a point
@@ -74,25 +74,25 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
 
 def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figure:
     """Draw per state a bar for each property from its low to its high factor, the widest on top."""
-    rows = tornado(results).rows
-    tallest = max(sum(row["state"] == state for row in rows) for state in states)
+    of_state = {state: [bar for bar in bars(results) if bar.state == state][::-1] for state in states}
+    tallest = max(map(len, of_state.values()))
     figure, panels = chart(
         words, rows=len(states), height_mm=22.0 + 9.0 * tallest, foot_mm=10.0, left_mm=30.0
     )
-    shown = [value for row in rows if row["state"] in states for value in _capacities(row)]
-    for axes, state in zip(panels, states, strict=True):
-        own = [row for row in rows if row["state"] == state][::-1]
-        for place, row in enumerate(own):
+    shown = [capacity for own in of_state.values() for bar in own for capacity in bar.capacities()]
+    for axes, (state, own) in zip(panels, of_state.items(), strict=True):
+        base = known(own[0].a_g_base_g)
+        for place, bar in enumerate(own):
             for side in ("low", "high"):
-                _draw_bar(axes, place, row, side, words)
-        axes.axvline(own[0]["a_g_base_g"], color="0.0", linewidth=0.9)
-        axes.set_yticks(range(len(own)), [words.plain(f"value.{row['property']}") for row in own])
+                _draw_bar(axes, place, bar, side, base, words)
+        axes.axvline(base, color="0.0", linewidth=0.9)
+        axes.set_yticks(range(len(own)), [words.plain(f"value.{bar.property}") for bar in own])
         axes.set_ylim(-0.7, len(own) - 0.3)
         margin = 0.18 * (max(shown) - min(shown)) or 0.05 * max(shown)
         axes.set_xlim(min(shown) - margin, max(shown) + margin)
         axes.grid(visible=False, axis="y")
-        base = words.show(own[0]["a_g_base_g"])
-        axes.set_title(words.plain("figure.tornado_base", state=words.state(state), capacity=base))
+        title = words.plain("figure.tornado_base", state=words.state(state), capacity=words.show(base))
+        axes.set_title(title)
     limit = known(results.sensitivity).limit_state
     panels[-1].set_xlabel(
         referenced(words.plain("figure.capacity_a_g_g", limit=limit), words, reference_of(results))
@@ -104,20 +104,19 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
 
 def varied(results: Results) -> list[str]:
     """Return the states whose tornado can be drawn: the capacity that the bars start from is known."""
-    rows = tornado(results).rows
-    return list(dict.fromkeys(row["state"] for row in rows if row["a_g_base_g"] is not None))
+    return list(dict.fromkeys(bar.state for bar in bars(results) if bar.a_g_base_g is not None))
 
 
-def _draw_bar(axes: Axes, place: int, row: Row, side: str, words: Words) -> None:
+def _draw_bar(axes: Axes, place: int, bar: Bar, side: str, base: float, words: Words) -> None:
     """Draw one half of a bar with its factor at the end, where there is room if the half has no length."""
-    base = row["a_g_base_g"]
-    end, other = (_snapped(row[f"a_g_{each}_g"], base) for each in (side, "high" if side == "low" else "low"))
+    at, other_side = bar.ends()[side], bar.ends()["high" if side == "low" else "low"]
+    end, other = (_snapped(capacity, base) for _, capacity in (at, other_side))
     moved, other_moved = (base if value is None else value for value in (end, other))
     both = (moved - base) * (other_moved - base) > 0.0  # to one side: one half above the other
     height = place + ((0.2 if side == "low" else -0.2) if both else 0.0)
     axes.barh(height, moved - base, left=base, height=0.36 if both else 0.6, **BARS[side])
     rightward = moved - base or base - other_moved or (1.0 if side == "high" else -1.0)
-    factor = f"×{words.comma(format(row[f'{side}_factor'], 'g'))}"
+    factor = f"×{words.comma(format(at[0], 'g'))}"
     axes.annotate(
         factor if end is not None else f"{factor}: {words.show(None)}",
         (moved, height),
@@ -132,10 +131,6 @@ def _draw_bar(axes: Axes, place: int, row: Row, side: str, words: Words) -> None
 def _snapped(value: float | None, base: float) -> float | None:
     """Return the capacity, the project's own where nothing but rounding tells them apart."""
     return base if value is not None and abs(value - base) <= ROUNDING * base else value
-
-
-def _capacities(row: Row) -> list[float]:
-    return [row[key] for key in ("a_g_low_g", "a_g_base_g", "a_g_high_g") if row[key] is not None]
 
 
 def _ultimate(results: Results, name: str) -> float | None:

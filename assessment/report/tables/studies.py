@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, fields
 
 from assessment.results.echo import taken_to_collapse
 from assessment.results.schema import Results
@@ -15,18 +16,35 @@ SCENARIOS = (
     *("reduction", "ultimate_rigid_m", "ultimate_elastic_m", "worst"),
 )
 SENSITIVITY = ("state", "property", "factor", "direction", *CAPACITY)
-TORNADO = (
-    "state",
-    "property",
-    "low_factor",
-    "high_factor",
-    "a_g_low_g",
-    "a_g_base_g",
-    "a_g_high_g",
-    "swing_g",
-)
-
 ROUNDING = 1e-6  # of a capacity: what the solver may leave of a difference that is none
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A state's capacity a_g with a property lower, as in the project and higher; None: not known.
+
+    `swing_g` spans the three, None where one of them is not known.
+    """
+
+    state: str
+    property: str
+    low_factor: float
+    high_factor: float
+    a_g_low_g: float | None
+    a_g_base_g: float | None
+    a_g_high_g: float | None
+    swing_g: float | None
+
+    def capacities(self) -> list[float]:
+        """Those of the three capacities that are known, g."""
+        return [a_g for a_g in (self.a_g_low_g, self.a_g_base_g, self.a_g_high_g) if a_g is not None]
+
+    def ends(self) -> dict[str, tuple[float, float | None]]:
+        """Factor and capacity (g) at the "low" and the "high" end."""
+        return {"low": (self.low_factor, self.a_g_low_g), "high": (self.high_factor, self.a_g_high_g)}
+
+
+TORNADO = tuple(field.name for field in fields(Bar))
 
 
 def study_tables(results: Results) -> list[Table]:
@@ -68,38 +86,34 @@ def sensitivity(results: Results) -> Table:
 
 
 def tornado(results: Results) -> Table:
+    """Set the bars of the tornado in a table."""
+    return Table("tornado", [asdict(each) for each in bars(results)], TORNADO)
+
+
+def bars(results: Results) -> list[Bar]:
     """Set the capacity a_g of each state with a property lower and higher beside that of the project.
 
     The capacity of a state is that of its weaker direction, in each run anew; None where one of them is not known.
     `swing_g` spans the three capacities. The properties of a state stand in the order of their swing.
     """
     runs = results.sensitivity.runs if results.sensitivity else []
-    rows: list[Row] = []
+    found: list[Bar] = []
     for state in dict.fromkeys(run.state for run in runs):
         own = [run for run in runs if run.state == state]
         directions = dict.fromkeys(run.direction for run in own)
         capacities = results.states[state].capacity
         base = _weaker(static_pga(capacities.get(direction)) for direction in directions)
-        bars = [_bar(state, name, own, base) for name in dict.fromkeys(run.property for run in own)]
-        rows += sorted(bars, key=lambda bar: -float("inf") if bar["swing_g"] is None else -bar["swing_g"])
-    return Table("tornado", rows, TORNADO)
+        of_state = [_bar(state, name, own, base) for name in dict.fromkeys(run.property for run in own)]
+        found += sorted(of_state, key=lambda bar: -float("inf") if bar.swing_g is None else -bar.swing_g)
+    return found
 
 
-def _bar(state: str, name: str, runs: Iterable[SensitivityRun], base: float | None) -> Row:
+def _bar(state: str, name: str, runs: Iterable[SensitivityRun], base: float | None) -> Bar:
     of_property = [run for run in runs if run.property == name]
     low, high = sorted({run.factor for run in of_property})
     at = {factor: _weaker(run.a_g_g for run in of_property if run.factor == factor) for factor in (low, high)}
     known = [value for value in (at[low], base, at[high]) if value is not None]
-    return {
-        "state": state,
-        "property": name,
-        "low_factor": low,
-        "high_factor": high,
-        "a_g_low_g": at[low],
-        "a_g_base_g": base,
-        "a_g_high_g": at[high],
-        "swing_g": _swing(known) if len(known) == 3 else None,
-    }
+    return Bar(state, name, low, high, at[low], base, at[high], _swing(known) if len(known) == 3 else None)
 
 
 def _swing(capacities: list[float]) -> float:
