@@ -1,0 +1,404 @@
+"""What each sentence of the draft judgement claims: it is read back and held against the tables."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import pytest
+from markupsafe import Markup
+
+from assessment.report.judgement import RESIDUALS, all_warnings, draft_judgement
+from assessment.report.tables import capacity as capacity_tables
+from assessment.report.tables import index as tables
+from assessment.report.tables import studies as study_tables
+from assessment.report.tables.convergence import convergence_tables
+from assessment.report.text.language import direction_name, words_of
+from assessment.report.text.table_format import check_name
+from assessment.results.hand_check import hand_check
+from assessment.results.reactions import balance
+from assessment.results.table import reference_of
+from tests.support.results_example import results_example
+from tests.support.typed import typed
+
+Results = dict[str, Any]
+Fields = Mapping[str, str]
+LIMITS = ("SLO", "SLD", "SLV", "SLC")
+WORDS = words_of(typed(results_example("en")))
+SMALLEST = 1e-9  # a reduction no larger is none
+
+
+class Read:
+    """The tables of a set of results, and what a sentence of the judgement says of them."""
+
+    def __init__(self, results: Results) -> None:
+        self.results, found = results, typed(results)
+        self.at_surface = reference_of(found) == "surface"
+        made = [*(make(found) for make in TABLES), *convergence_tables(found)]
+        self.rows = {table.name: table.rows for table in made} | {"comparison": results["comparison"]}
+
+    def made(self, table: str = "verification") -> list[Mapping[str, Any]]:
+        return [row for row in self.rows[table] if row.get("zeta_E") is not None]
+
+    def row(self, table: str, said: Fields, *keys: str) -> Mapping[str, Any]:
+        """The one row of a table that a sentence names."""
+        [found] = [
+            row
+            for row in self.rows[table]
+            if all(WORDS_OF[key](row[COLUMN.get(key, key)]) == said[key] for key in keys)
+        ]
+        return found
+
+    def changes(self, check: str) -> dict[tuple[str, str], float | None]:
+        """Reduction of a_g by settled state and direction, from the table of the verifications."""
+        a_g = {
+            (row["state"], row["direction"]): row.get("a_g_g")
+            for row in self.rows["verification"]
+            if row["limit_state"] == check
+        }
+        found: dict[tuple[str, str], float | None] = {}
+        for direction in ("+x", "-x"):
+            before = a_g.get(("original", direction))
+            for state in self.results["states"]:
+                if state != "original" and before is not None:
+                    after = a_g.get((state, direction))
+                    found[state, direction] = None if after is None else 1.0 - after / before
+        return found
+
+
+TABLES = (
+    capacity_tables.verification,
+    capacity_tables.chosen_checks,
+    tables.mechanisms,
+    tables.settlements,
+    tables.quality,
+    tables.second_solver,
+    study_tables.scenarios,
+    study_tables.tornado,
+    hand_check,
+    balance,
+)
+CONVERGENCE = ("convergence", "history_convergence", "incremental_convergence")
+COLUMN = {"limit": "limit_state"}
+WORDS_OF: dict[str, Callable[[Any], str]] = {
+    "state": WORDS.state,
+    "direction": direction_name,
+    "limit": lambda check: check_name(check, WORDS),
+    "mechanism": str,
+    "contacts": lambda kind: WORDS.plain(f"value.{kind}"),
+}
+CHECK_OF = {"SLV, linear": "SLV linear", "SLD, elastic branch": "SLD elastic"}
+show = WORDS.show
+
+
+def _governing(said: Fields, read: Read) -> None:
+    row = read.row("verification", said, "state", "direction", "limit")
+    assert row["zeta_E"] == min(each["zeta_E"] for each in read.made())
+    assert (said["capacity"], said["demand"]) == (show(row["a_g_g"]), show(row["demand_a_g_g"]))
+    assert said["ratio"] == show(row["zeta_E"])
+    assert said["outcome"] == ("verified" if row["verified"] else "not verified")
+
+
+def _zeta(said: Fields, read: Read) -> None:
+    """§8.3: at SLV, at SLC where no SLV has a number; the linear check only where the nonlinear one has none."""
+    counted = _indices(read)
+    at_life = [row for row in counted if row["limit_state"].startswith("SLV")]
+    row = read.row("verification", said, "state", "direction", "limit")
+    assert row in counted and row["zeta_E"] == min(each["zeta_E"] for each in at_life or counted)
+    assert said["zeta"] == show(row["zeta_E"])
+
+
+def _zeta_SLC(said: Fields, read: Read) -> None:
+    """Said where SLC has less than the index at SLV, which all SLV rows have more than."""
+    counted = _indices(read)
+    row = read.row("verification", {**said, "limit": "SLC"}, "state", "direction", "limit")
+    assert row["zeta_E"] == min(each["zeta_E"] for each in counted) and said["zeta"] == show(row["zeta_E"])
+    at_life = [each["zeta_E"] for each in counted if each["limit_state"].startswith("SLV")]
+    assert at_life and row["zeta_E"] < min(at_life)
+
+
+def _indices(read: Read) -> list[Mapping[str, Any]]:
+    nonlinear = {(row["state"], row["direction"]) for row in read.made() if row["limit_state"] == "SLV"}
+    return [
+        row
+        for row in read.made()
+        if row["limit_state"] in {"SLV", "SLC"}
+        or (row["limit_state"] == "SLV linear" and (row["state"], row["direction"]) not in nonlinear)
+    ]
+
+
+def _checks(said: Fields, read: Read) -> None:
+    rows = read.rows["verification"]
+    assert int(said["total"]) == len(rows)
+    assert int(said["passed"]) == sum(row.get("verified") is True for row in rows)
+
+
+def _open_checks(said: Fields, read: Read) -> None:
+    assert int(said["count"]) == sum(row.get("verified") is None for row in read.rows["verification"])
+
+
+def _governing_alpha(said: Fields, read: Read) -> None:
+    assert not read.made()
+    row = read.row("mechanisms", said, "state", "direction")
+    assert row["alpha_0"] == min(each["alpha_0"] for each in read.rows["mechanisms"])
+    assert said["alpha"] == show(row["alpha_0"])
+
+
+def _chosen(said: Fields, read: Read) -> None:
+    row = read.row("chosen_checks", said, "mechanism", "state", "limit")
+    assert row["zeta_E"] == min(each["zeta_E"] for each in read.made("chosen_checks"))
+    assert said["ratio"] == show(row["zeta_E"])
+
+
+def _place(said: Fields) -> tuple[str, str]:
+    return said["state"], said["direction"].replace("−", "-")
+
+
+def _reduction(said: Fields, read: Read) -> None:
+    """One sentence for all checks, those of a state and direction together, each with its range where it has one."""
+    told = []
+    for group in re.split("; (?=state “)", said["losses"]):
+        at = PART_PATTERNS["reduction_at"].fullmatch(group)
+        assert at is not None, group
+        for part in re.split(r", (?=[\d.]+ %)", at["losses"]):
+            patterns = (PART_PATTERNS[key] for key in ("reduction_range", "reduction_of"))
+            loss = next(match for each in patterns if (match := each.fullmatch(part)))
+            changes = read.changes(CHECK_OF.get(loss["limit"], loss["limit"]))
+            largest = max(change for change in changes.values() if change is not None)
+            assert changes[_place(at.groupdict())] == pytest.approx(largest, abs=1e-12) and largest > 0.0
+            assert loss["reduction"] == show(100.0 * largest)
+            told.append(loss["limit"])
+    assert len(told) == len(set(told)) > 0
+
+
+def _no_reduction(said: Fields, read: Read) -> None:
+    changes = read.changes(CHECK_OF.get(said["limit"], said["limit"]))
+    assert changes and None not in changes.values()
+    assert all(change is not None and change <= SMALLEST for change in changes.values())
+    least = changes[_place(said)]
+    assert least is not None and least == max(change for change in changes.values() if change is not None)
+    assert said["increase"] == show(max(0.0, -100.0 * least))
+
+
+def _lost(said: Fields, read: Read) -> None:
+    for limit in re.split(", (?=SL)", said["limits"]):
+        assert read.changes(CHECK_OF.get(limit, limit))[_place(said)] is None
+
+
+def _alpha_reduction(said: Fields, read: Read) -> None:
+    alpha = {(row["state"], row["direction"]): row["alpha_0"] for row in read.rows["mechanisms"]}
+    losses = {
+        (state, direction): 1.0 - value / alpha["original", direction]
+        for (state, direction), value in alpha.items()
+        if state != "original" and ("original", direction) in alpha
+    }
+    assert losses[_place(said)] == max(losses.values())
+    assert said["reduction"] == show(100.0 * max(losses.values()))
+
+
+def _dynamic(said: Fields, read: Read) -> None:
+    row = read.row("comparison", said, "state", "direction", "limit")
+    assert (said["dynamic"], said["static"]) == (
+        show(row["dynamic_pga_g"]),
+        show(row["static_surface_pga_g"]),
+    )
+    checked = read.row("verification", said, "state", "direction", "limit")
+    assert checked["a_g_g"] == row["static_pga_g"]
+
+
+def _worst(quantity: str | None) -> Callable[[Fields, Read], None]:
+    def check(said: Fields, read: Read) -> None:
+        settled = [row for row in read.rows["scenarios"] if row["state"] != "original"]
+        [row] = [row for row in settled if row["worst"]]
+        assert (said["state"], said["movement"]) == (row["state"], WORDS.millimetres(row["movement_m"]))
+        if quantity is None:
+            fallen = [each["movement_m"] for each in settled if each["collapses"]]
+            assert row["collapses"] and row["movement_m"] == min(fallen)
+            return
+        assert not any(each["collapses"] for each in settled)
+        assert row[quantity] == min(each[quantity] for each in settled if each[quantity] is not None)
+        assert said["capacity"] == show(row[quantity]) and said["direction"] == direction_name(
+            row["direction"]
+        )
+        if quantity == "a_g_g":
+            assert said["limit"] == row["limit_state"]
+        if "reduction" in said:
+            assert said["reduction"] == show(100.0 * row["reduction"])
+
+    return check
+
+
+def _sensitive(said: Fields, read: Read) -> None:
+    rows = [row for row in read.rows["tornado"] if row["swing_g"] is not None]
+    widest = max(row["swing_g"] for row in rows)
+    [row] = [
+        row
+        for row in rows
+        if (row["state"], WORDS.plain(f"value.{row['property']}")) == (said["state"], said["property"])
+    ]
+    assert row["swing_g"] == widest > 0.0
+    span = [row[key] for key in ("a_g_low_g", "a_g_base_g", "a_g_high_g")]
+    assert (said["least"], said["most"]) == (show(min(span)), show(max(span)))
+    assert (said["low"], said["high"]) == (show(row["low_factor"]), show(row["high_factor"]))
+    assert said["limit"] == read.results["sensitivity"]["limit_state"]
+
+
+def _sensitive_open(said: Fields, read: Read) -> None:
+    expected = {
+        WORDS.plain(f"value.{row['property']}") for row in read.rows["tornado"] if row["swing_g"] is None
+    }
+    assert set(said["properties"].split(", ")) == expected
+
+
+def _margin(collapses: bool) -> Callable[[Fields, Read], None]:
+    def check(said: Fields, read: Read) -> None:
+        [row] = [row for row in read.rows["settlements"] if row["state"] == said["state"]]
+        contacts = "rigid" if said["contacts"] == "rigid contacts" else "elastic"
+        ultimate = row[f"ultimate_{contacts}_m"]
+        applied = read.results["states"][said["state"]]["pushdown"][contacts]["applied_movement_m"]
+        assert said["ultimate"] == show(1000.0 * ultimate) and said["applied"] == show(1000.0 * applied)
+        assert said["share"] == show(100.0 * applied / ultimate)
+        assert (applied >= ultimate) == collapses
+
+    return check
+
+
+def _certificates(said: Fields, read: Read) -> None:
+    for name, allowed in RESIDUALS.items():
+        worst = max(row.get(f"worst_{name}", 0.0) for row in read.rows["quality"])
+        assert said[name] == show(worst) and worst <= allowed
+
+
+def _poor(said: Fields, read: Read) -> None:
+    [name] = [name for name in RESIDUALS if WORDS.plain(f"judgement.{name}") == said["what"]]
+    worst = max(row.get(f"worst_{name}", 0.0) for row in read.rows["quality"])
+    assert said["residual"] == show(worst) and worst > RESIDUALS[name]
+
+
+def _converged(good: bool) -> Callable[[Fields, Read], None]:
+    def check(said: Fields, read: Read) -> None:
+        errors = [row["relative_error"] for table in CONVERGENCE for row in read.rows[table]]
+        known = [error for error in errors if error is not None]
+        tolerance = read.results["convergence"]["tolerance"]
+        assert said["error"] == show(100.0 * max(known)) and said["tolerance"] == show(100.0 * tolerance)
+        assert (max(known) <= tolerance and None not in errors) == good
+
+    return check
+
+
+def _no_convergence(_: Fields, read: Read) -> None:
+    assert not any(read.rows[table] for table in CONVERGENCE)
+
+
+def _second(agrees: bool) -> Callable[[Fields, Read], None]:
+    def check(said: Fields, read: Read) -> None:
+        found = [row["relative_difference"] for row in read.rows["second_solver"]]
+        worst = max(abs(each) for each in found if each is not None)
+        assert said["difference"] == show(worst) and (worst <= 1e-6) == agrees
+
+    return check
+
+
+def _second_missing(said: Fields, read: Read) -> None:
+    found = [row["relative_difference"] for row in read.rows["second_solver"]]
+    assert int(said["count"]) == found.count(None) > 0
+
+
+def _hand(agrees: bool) -> Callable[[Fields, Read], None]:
+    def check(said: Fields, read: Read) -> None:
+        worst = max(
+            abs(row[key]) for row in read.rows["hand_check"] for key in ("deviation", "hand_deviation")
+        )
+        assert said["deviation"] == show(100.0 * worst) and (worst <= 0.01) == agrees
+
+    return check
+
+
+def _balance(good: bool) -> Callable[[Fields, Read], None]:
+    def check(said: Fields, read: Read) -> None:
+        worst = max(row["unbalanced"] for row in read.rows["balance"])
+        assert said["unbalanced"] == show(worst) and (worst <= 1e-3) == good
+
+    return check
+
+
+def _warnings(said: Fields, read: Read) -> None:
+    assert int(said["count"]) == len(all_warnings(typed(read.results)))
+
+
+def _unstable(_: Fields, read: Read) -> None:
+    assert not read.results["model"]["self_weight_stable"]
+
+
+CLAIMS: dict[str, Callable[[Fields, Read], None]] = {
+    "unstable": _unstable,
+    "governing": _governing,
+    "zeta": _zeta,
+    "zeta_SLC": _zeta_SLC,
+    "checks": _checks,
+    "open_checks": _open_checks,
+    "governing_alpha": _governing_alpha,
+    "chosen": _chosen,
+    "reduction": _reduction,
+    "no_reduction": _no_reduction,
+    "lost": _lost,
+    "alpha_reduction": _alpha_reduction,
+    "dynamic": _dynamic,
+    "worst_a_g_g": _worst("a_g_g"),
+    "worst_alpha_0": _worst("alpha_0"),
+    "worst_alpha_u": _worst("alpha_u"),
+    "worst_collapses": _worst(None),
+    "sensitive": _sensitive,
+    "sensitive_open": _sensitive_open,
+    "margin": _margin(False),
+    "no_margin": _margin(True),
+    "certificates": _certificates,
+    "poor_certificates": _poor,
+    "converged": _converged(True),
+    "not_converged": _converged(False),
+    "no_convergence": _no_convergence,
+    "second_agrees": _second(True),
+    "second_differs": _second(False),
+    "second_missing": _second_missing,
+    "hand_agrees": _hand(True),
+    "hand_differs": _hand(False),
+    "balanced": _balance(True),
+    "unbalanced": _balance(False),
+    "warnings": _warnings,
+}
+REDUCTIONS = ("reduction_at", "reduction_of", "reduction_range")
+PARTS = {"worst_reduction", *REDUCTIONS, *RESIDUALS, "file"}  # of sentences, or of the file
+
+
+def pattern(key: str) -> re.Pattern[str]:
+    """What a sentence of the judgement looks like; its fields as named groups."""
+
+    def fields(text: str) -> str:
+        return re.sub(r"\\\{(\w+)\\\}", r"(?P<\1>.+?)", re.escape(text))
+
+    texts = WORDS.strings["judgement"]
+    more = f"( {fields(texts['worst_reduction'])})?" if key.startswith("worst_") else ""
+    return re.compile(fields(texts[key]) + more)
+
+
+PATTERNS = {key: pattern(key) for key in CLAIMS}
+PART_PATTERNS = {key: pattern(key) for key in REDUCTIONS}
+REFERENCES = {False: "on rock (ground type A), without S", True: "at the surface, as the peak of the record"}
+
+
+def hold(results: Results) -> list[str]:
+    """Read every sentence of the draft back and hold it against the tables; return their keys."""
+    results["echo"]["report"]["language"] = "en"
+    read, keys = Read(results), []
+    for sentence in draft_judgement(typed(results), words_of(typed(results))):
+        text = Markup(sentence).unescape()
+        found = {key: match for key, each in PATTERNS.items() if (match := each.fullmatch(text))}
+        assert len(found) == 1, text
+        [(key, match)] = found.items()
+        said = {name: value for name, value in match.groupdict().items() if value is not None}
+        CLAIMS[key](said, read)
+        assert "ζ" not in text or said["limit"].startswith(("SLV", "SLC"))
+        assert said.get("reference", REFERENCES[read.at_surface]) == REFERENCES[read.at_surface]
+        keys.append(key)
+    return keys
