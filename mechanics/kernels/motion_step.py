@@ -41,7 +41,9 @@ N1, GAPS, SPRING, SPEED, RATE, SUNK = 0, 3, 7, 8, 9, 10
 JOINT = 11
 STANDARD_GRAVITY = 9.80665  # m/s²
 ROUGHLY = 1e-4  # missed per weight and span: the joints that slide are known
-CENTRAL = 0.1  # per weight and span: products of forces and gaps near an earlier solution
+# per weight and span: products of forces and gaps near an earlier solution, of rigid and of elastic joints, with which
+# the interior point is asked only where many have changed
+CENTRAL_RIGID, CENTRAL_ELASTIC = 0.1, 1.0
 WITHIN = 0.98  # of the bound of friction: the most of a force there
 COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a cold start
 MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
@@ -189,23 +191,23 @@ def _begin_cold(at: Array, span: float, stops: float, f: Array, y: Array) -> Non
 
 
 @compiled
-def _begin_near(laws: Array, weight: float, span: float, f: Array, y: Array) -> None:
-    """Bring forces and gaps of an earlier solution within their bounds, all products alike.
+def _begin_near(laws: Array, weight: float, span: float, central: float, f: Array, y: Array) -> None:
+    """Bring forces and gaps of an earlier solution within their bounds, all products `central`, per weight and span.
 
     Of an end that carries the gap becomes small, of one that is open the force: their difference, scaled, remains.
     """
     for k in range(len(f)):
         for e in range(2):
             carries = 0.5 * (f[k, e] / weight - y[k, e] / span)
-            large = abs(carries) + np.sqrt(carries * carries + CENTRAL)
-            small = CENTRAL / large
+            large = abs(carries) + np.sqrt(carries * carries + central)
+            small = central / large
             f[k, e], y[k, e] = weight * small, span * large
             if carries > 0.0:
                 f[k, e], y[k, e] = weight * large, span * small
         bound = laws[k, FRICTION] * (f[k, 0] + f[k, 1])
         f[k, 2] = min(max(f[k, 2], -WITHIN * bound), WITHIN * bound)
         for e in range(2):
-            least = CENTRAL * weight * span / (bound + (1 - 2 * e) * f[k, 2])
+            least = central * weight * span / (bound + (1 - 2 * e) * f[k, 2])
             y[k, 2 + e] = max(y[k, 2 + e], min(least, span))
 
 
@@ -235,7 +237,7 @@ def _solve(
     if cold:
         _begin_cold(at, span, stops, f, y)
     else:
-        _begin_near(laws, weight, span, f, y)
+        _begin_near(laws, weight, span, CENTRAL_ELASTIC if elastic else CENTRAL_RIGID, f, y)
     if elastic:
         more, _, force, gap, product = iterate(
             rows, at, laws, load, none, 0.0, mass, np.empty((0, 7)), dx, 0.0, f, y,
