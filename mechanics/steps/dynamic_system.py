@@ -16,8 +16,9 @@ from mechanics.errors import ConvergenceError
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import BED, SHEAR
 from mechanics.kernels.linalg.cholesky import factorise, substitute
+from mechanics.kernels.march import march
 from mechanics.kernels.matrix import diagonal, stiffen
-from mechanics.kernels.motion_step import ELASTIC, ENERGIES, JOINT, SPRING, SUNK, march, strain_energy
+from mechanics.kernels.motion import ELASTIC, ENERGIES, JOINT, SPRING, SUNK, strain_energy
 from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.program import end_forces
@@ -36,7 +37,7 @@ class Motion:
     """Blocks in motion, changed step by step.
 
     `blocks` (3, b, 3): positions, velocities and mean accelerations of the last step, 0 after an impact; `joints`
-    (j, JOINT) and `energy` (ENERGIES,) kNm: see kernels.motion_step.
+    (j, JOINT) and `energy` (ENERGIES,) kNm: see kernels.motion.
     """
 
     blocks: Array
@@ -82,7 +83,7 @@ class Halving:
 
     @property
     def limits(self) -> tuple[int, float, int, float]:
-        """Levels, share, unsolved levels and unsure share, in the order of kernels.motion_step.march."""
+        """Levels, share, unsolved levels and unsure share, in the order of kernels.march."""
         return self.levels, self.share, max(self.levels, self.unsolved), self.unsure
 
 

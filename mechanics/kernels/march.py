@@ -1,0 +1,108 @@
+"""Time steps one after another, halved where impacts take energy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mechanics.kernels.jit import compiler
+from mechanics.kernels.law import BED
+from mechanics.kernels.motion import LARGEST, SPRING, STANDARD_GRAVITY
+from mechanics.kernels.motion_step import attempt
+from mechanics.types import Array
+
+compiled = compiler("contract", "reassoc")
+
+
+@compiled
+def march(
+    a: Any, b: Any, faces: Array, basic: Array, row: Any, first: Any, mass: Array, dead: Array,
+    base: Array, blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float,
+    sizes: Any, halving: Any, margin: float, radius: Array, begun: Array, xs: Array, vs: Array, fs: Array, es: Array,
+    counts: Any, stored_matrix: Array, packed: Any,
+) -> tuple[int, int]:  # fmt: skip
+    """Steps of length h under base accelerations (k + 1, 3), m/s², linear in between, recorded in xs, vs, fs and es.
+
+    `sizes`: weight, size of a block and what is accepted of a solution; `halving`: levels down to which a step is
+    halved where it takes, or leaves unsure, more than a share of the largest kinetic energy so far, that share, levels
+    where it is not solved, and the share of its kinetic energy by which its velocities may be wrong, 0: as little as at
+    rest; a part is as long as the one before unless that took little; `margin` (m): how far a corner may go from
+    where it has `begun` (b, 3) before contacts are looked for anew, `radius` (b,) of blocks; `counts` (6,): programs,
+    iterations, halvings, cold starts, the worst residual of force, per weight, and the largest energy (kNm) that errors
+    of velocities may have. Returns the number of steps done and why the march ends:
+    0: all steps are done, 1: a corner has moved by the margin, 2: a program is not solved (the motion is as before it).
+    """
+    # many arguments and lines: arrays one by one, in one loop over steps, see mechanics.kernels
+    weight, size, accepted = sizes
+    levels, share, most, unsure = halving
+    n, c, steps = blocks.shape[1], len(a), len(base) - 1
+    rigid = basic[0, BED] == np.inf
+    load, resultants = np.empty((n, 3)), np.empty((c, 3))
+    whole, deep = 1 << most, 0  # so many of the shortest steps are one; how often the next one is halved
+    for k in range(steps):
+        first_blocks, first_joints, first_energy = blocks.copy(), joints.copy(), energy.copy()
+        gone, once, deep = 0, True, max(deep - 1, 0)
+        while gone < whole:
+            while gone % (whole >> deep) > 0:
+                deep += 1
+            step, at = h / (1 << deep), gone / whole + theta / (1 << deep)
+            kinetic, fastest = 0.0, 0.0
+            for i in range(n):
+                fastest = max(fastest, abs(blocks[1, i, 0]), abs(blocks[1, i, 1]))
+                for e in range(3):
+                    kinetic += 0.5 * mass[i, e] * blocks[1, i, e] ** 2
+                    load[i, e] = dead[i, e] - mass[i, e] * ((1.0 - at) * base[k, e] + at * base[k + 1, e])
+            energy[LARGEST] = max(energy[LARGEST], kinetic)
+            kept_blocks, kept_joints, kept_energy = blocks.copy(), joints.copy(), energy.copy()
+            # what is accepted of a program is a share of the way, and of a long step's of the block
+            span = min(max(STANDARD_GRAVITY * step * step, fastest * step), size)
+            found, taken, turned = False, np.inf, 0.0
+            small = share * (energy[LARGEST] + 0.5 * weight * STANDARD_GRAVITY * step**2)
+            # the error of velocities has at most the energy of all products: the program is strongly convex
+            products = 4.0 * max(c, 1) * weight * span
+            most_product = max(accepted, unsure * kinetic / products)
+            for start in range(2):
+                counts[3] += start
+                done, taken, turned, force, product = attempt(
+                    a, b, faces, basic, row, first, mass, load, blocks, joints, energy, step, theta, beta,
+                    restitution, (weight, size, span, accepted, most_product), resultants, stored_matrix, packed,
+                    start > 0,
+                )  # fmt: skip
+                counts[0] += 1
+                counts[1] += abs(done)
+                found = force <= accepted and product <= most_product
+                if found:
+                    counts[4] = max(counts[4], force)
+                    counts[5] = max(counts[5], product * products)
+                    break
+            over = (abs(taken) + turned) / small
+            if (deep < most and not found) or (deep < levels and over > 1.0 and once):
+                # but the forces and gaps found: the parts begin near them
+                blocks[:], energy[:] = kept_blocks, kept_energy
+                joints[:, SPRING:] = kept_joints[:, SPRING:]
+                counts[2] += 1
+                deep += 1
+                continue
+            if not found:
+                blocks[:], joints[:], energy[:] = first_blocks, first_joints, first_energy
+                if not once:
+                    return k, 2
+                # once more, halved only where it is not solved
+                gone, once, deep = 0, False, 0
+                continue
+            if over > 1.0 and rigid:
+                blocks[2] = 0.0  # an impact is no acceleration
+            gone += whole >> deep
+            # longer again as far as that is expected to take no more than the share; at the latest in the next step
+            while deep > 0 and over <= 0.5:
+                deep, over = deep - 1, 2.0 * over
+        xs[k + 1], vs[k + 1], es[k + 1] = blocks[0], blocks[1], energy
+        fs[k + 1] = resultants
+        far = 0.0
+        for i in range(n):
+            way = np.hypot(blocks[0, i, 0] - begun[i, 0], blocks[0, i, 1] - begun[i, 1])
+            far = max(far, way + radius[i] * abs(blocks[0, i, 2] - begun[i, 2]))
+        if far > margin:
+            return k + 1, 1
+    return steps, 0

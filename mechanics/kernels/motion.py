@@ -1,0 +1,47 @@
+"""The state of a motion as the compiled loops keep it, and what follows from it."""
+
+from __future__ import annotations
+
+from mechanics.kernels.bed import stored
+from mechanics.kernels.jit import compiler
+from mechanics.kernels.joint import MPHI, MU, MV, NX, NZ, PHI, H, U
+from mechanics.kernels.law import BED, SHEAR
+from mechanics.types import Array
+
+compiled = compiler("contract", "reassoc")
+
+# where the energy of a motion is (energy, 6): stored in springs; taken by friction, impacts, dashpots and the
+# stepping; put in; and the largest kinetic energy so far, by which what steps take is measured
+ELASTIC, RUBBED, IMPACT, VISCOUS, STEPPING, INPUT, LARGEST = range(7)
+ENERGIES = 7
+# columns of the state of a joint (joints, j × 11): N₁, N₂, T and y₁, y₂, λ₊, λ₋ of the last program; force of the
+# spring in shear, kN; speed of the slide, m/s, and its acceleration; gap of the blocks less that of the bed, m
+N1, GAPS, SPRING, SPEED, RATE, SUNK = 0, 3, 7, 8, 9, 10
+JOINT = 11
+STANDARD_GRAVITY = 9.80665  # m/s²
+GONE = 1e-9  # of the block size: an overlap that is none
+
+
+@compiled
+def relative(p: Array, a: int, b: int, moved: Array) -> tuple[float, float, float]:
+    """Changes of u, φ and v of a joint at p (PLACE,) under displacements (b, 3), with the lever of its place."""
+    lx, lz = p[5], p[6]
+    dx = moved[a, 0] - (moved[b, 0] - lz * moved[b, 2])
+    dz = moved[a, 1] - (moved[b, 1] + lx * moved[b, 2])
+    turn = moved[a, 2] - moved[b, 2]
+    return (
+        p[NX] * dx + p[NZ] * dz + p[MU] * turn,
+        p[MPHI] * turn,
+        p[NZ] * dx - p[NX] * dz + p[MV] * turn,
+    )
+
+
+@compiled
+def strain_energy(places: Array, law: Array, shear: Array, size: float) -> float:
+    """Energy (kNm) of the beds at places (j, PLACE) and of springs in shear with forces (j,)."""
+    total = 0.0
+    for k in range(len(places)):
+        if places[k, H] > GONE * size:
+            total += stored(places[k, U], places[k, PHI], places[k, H], law[k, BED])
+        total += 0.5 * law[k, SHEAR] * shear[k] ** 2
+    return total

@@ -1,0 +1,106 @@
+"""The program of a step: from where, and by which method, it is solved."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mechanics.kernels.interior_iteration import iterate
+from mechanics.kernels.jit import compiler
+from mechanics.kernels.joint import PHI, H, U
+from mechanics.kernels.law import FRICTION
+from mechanics.kernels.newton_iteration import newton
+from mechanics.types import Array
+
+compiled = compiler("contract", "reassoc")
+
+ROUGHLY = 1e-4  # missed per weight and span: the joints that slide are known
+# per weight and span: products of forces and gaps near an earlier solution, of rigid and of elastic joints, with which
+# the interior point is asked only where many have changed
+CENTRAL_RIGID, CENTRAL_ELASTIC = 0.1, 1.0
+WITHIN = 0.98  # of the bound of friction: the most of a force there
+COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a cold start
+MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
+
+
+@compiled
+def _begin_cold(at: Array, span: float, stops: float, f: Array, y: Array) -> None:
+    """Forces and gaps where nothing is known of them but the gaps that are there, and a force that stops blocks."""
+    for k in range(len(f)):
+        for e in range(2):
+            gap = at[k, U] + (2 * e - 1) * at[k, H] * at[k, PHI]
+            y[k, e] = COLD * span + max(gap, 0.0)
+            f[k, e] = stops * COLD * span / y[k, e]
+        f[k, 2], y[k, 2], y[k, 3] = 0.0, COLD * span, COLD * span
+
+
+@compiled
+def _begin_near(laws: Array, weight: float, span: float, central: float, f: Array, y: Array) -> None:
+    """Bring forces and gaps of an earlier solution within their bounds, all products `central`, per weight and span.
+
+    Of an end that carries the gap becomes small, of one that is open the force: their difference, scaled, remains.
+    """
+    for k in range(len(f)):
+        for e in range(2):
+            carries = 0.5 * (f[k, e] / weight - y[k, e] / span)
+            large = abs(carries) + np.sqrt(carries * carries + central)
+            small = central / large
+            f[k, e], y[k, e] = weight * small, span * large
+            if carries > 0.0:
+                f[k, e], y[k, e] = weight * large, span * small
+        bound = laws[k, FRICTION] * (f[k, 0] + f[k, 1])
+        f[k, 2] = min(max(f[k, 2], -WITHIN * bound), WITHIN * bound)
+        for e in range(2):
+            least = central * weight * span / (bound + (1 - 2 * e) * f[k, 2])
+            y[k, 2 + e] = max(y[k, 2 + e], min(least, span))
+
+
+@compiled
+def solve(
+    rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any, cold: bool,
+    elastic: bool, stops: float, stored_matrix: Array, packed: Any, chosen: Any,
+) -> tuple[int, float, float, float]:  # fmt: skip
+    """Solve for displacements dx (m,), forces f (j, 3) and gaps y (j, 4) of a step; return as `iterate` does, but no α.
+
+    With elastic joints Newton's method is tried from the start of the step; if it fails since many joints slide, from
+    a rough solution (ROUGHLY) of the interior point. Otherwise, and with rigid joints, the interior point begins near
+    the dx, f and y given.
+    """
+    # many arguments: arrays one by one, see mechanics.kernels
+    weight, size, span, accepted, _ = scale
+    done, none = 0, np.empty(0)
+    if elastic and not cold:
+        moved = np.zeros(len(dx))
+        more, force, gap = newton(
+            rows, at, laws, load, mass, moved, f, y, scale[:4], stored_matrix, packed, chosen
+        )
+        done += more
+        if force <= accepted:
+            dx[:] = moved
+            return done, force, gap, 0.0
+    if cold:
+        _begin_cold(at, span, stops, f, y)
+    else:
+        _begin_near(laws, weight, span, CENTRAL_ELASTIC if elastic else CENTRAL_RIGID, f, y)
+    if elastic:
+        more, _, force, gap, product = iterate(
+            rows, at, laws, load, none, 0.0, mass, np.empty((0, 7)), dx, 0.0, f, y,
+            (weight, size, span, ROUGHLY, ROUGHLY), MOST_ITERATIONS, stored_matrix, packed, chosen,
+        )  # fmt: skip
+        done += abs(more)
+        if not max(force, product) <= ROUGHLY:
+            return done, force, gap, product
+        moved = dx.copy()
+        more, force, gap = newton(
+            rows, at, laws, load, mass, moved, f, y, scale[:4], stored_matrix, packed, chosen
+        )
+        done += more
+        if force <= accepted:
+            dx[:] = moved
+            return done, force, gap, 0.0
+    more, _, force, gap, product = iterate(
+        rows, at, laws, load, none, 0.0, mass, np.empty((0, 7)), dx, 0.0, f, y, scale, MOST_ITERATIONS, stored_matrix,
+        packed, chosen,
+    )  # fmt: skip
+    return done + abs(more), force, gap, product
