@@ -17,7 +17,6 @@ from assessment.benchmark.table import number, percent, pivoted
 from mechanics import ConvergenceError, TimeHistory
 from mechanics.procedures import time_history as histories
 from mechanics.procedures.time_history import RESOLVED, Integrator
-from mechanics.steps.dynamic_system import Halving
 from mechanics.types import Array
 
 AMPLITUDES = np.linspace(0.99, 1.01, 9)
@@ -164,7 +163,7 @@ def measured(case: Case, way: Way, step: float, factors: Array, resolved: Array)
 @contextmanager
 def halved(levels: int | None) -> Iterator[None]:
     """Have Moreau and Jean's steps within halved down to so many levels; None: as the program does."""
-    chosen = RESOLVED if levels is None else Halving(levels, RESOLVED.share)
+    chosen = RESOLVED if levels is None else replace(RESOLVED, levels=levels)
     with patch.object(histories, "RESOLVED", chosen):
         yield
 
