@@ -59,7 +59,8 @@ def march(
             span = min(max(STANDARD_GRAVITY * step * step, fastest * step), size)
             found, taken, turned = False, np.inf, 0.0
             small = share * (energy[LARGEST] + 0.5 * weight * STANDARD_GRAVITY * step**2)
-            # the error of velocities has at most the energy of all products: the program is strongly convex
+            # the error of velocities has at most the energy of all products, for the program is strongly convex: where
+            # forces balance and gaps are met, Δxᵀ M̄ Δx ≤ Σ products, M̄ = M/(θh²), Δx = θhΔv (rigid: θ = 1 in both)
             products = 4.0 * max(c, 1) * weight * span
             most_product = max(accepted, unsure * kinetic / products)
             for start in range(2):

@@ -10,7 +10,7 @@ from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
 
-# where the energy of a motion is (energy, 6): stored in springs; taken by friction, impacts, dashpots and the
+# where the energy of a motion is (energy, 7): stored in springs; taken by friction, impacts, dashpots and the
 # stepping; put in; and the largest kinetic energy so far, by which what steps take is measured
 ELASTIC, RUBBED, IMPACT, VISCOUS, STEPPING, INPUT, LARGEST = range(7)
 ENERGIES = 7

@@ -37,9 +37,11 @@ def _begin_cold(at: Array, span: float, stops: float, f: Array, y: Array) -> Non
 
 @compiled
 def _begin_near(laws: Array, weight: float, span: float, central: float, f: Array, y: Array) -> None:
-    """Bring forces and gaps of an earlier solution within their bounds, all products `central`, per weight and span.
+    """Bring forces and gaps of an earlier solution within their bounds.
 
-    Of an end that carries the gap becomes small, of one that is open the force: their difference, scaled, remains.
+    The products of the ends become `central`, per weight and span: of an end that carries the gap becomes small, of one
+    that is open the force; their difference, scaled, remains. Slips are enlarged, up to the span, to the same product;
+    larger products stay.
     """
     for k in range(len(f)):
         for e in range(2):

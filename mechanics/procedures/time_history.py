@@ -34,9 +34,8 @@ Integrator = Literal["auto", "moreau-jean", "second-order", "implicit-euler"]
 FEW = 3  # most movable blocks for which every impact is located
 LOCATED = Halving(10, 1e-4)  # second order, rigid: steps down to 1/1024 at impacts
 RESOLVED = Halving(6, 4e-3, unsure=1e-4)  # Moreau-Jean: steps down to 1/64 where impacts take energy
-CLOSING = Halving(
-    4, 0.02, unsure=1e-4
-)  # second order, elastic: steps down to 1/16, but not shorter than an impact lasts
+# second order, elastic: steps down to 1/16, but not shorter than an impact lasts
+CLOSING = Halving(4, 0.02, unsure=1e-4)
 UNSOLVED = Halving(0, np.inf)  # implicit Euler: only steps that are not solved are halved
 CHUNK = 200  # steps after which collapse is looked for
 BALANCED = 1e-4  # imbalance, as a share of the energy turned over, that needs no warning
