@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.law import BED
-from mechanics.kernels.motion import LARGEST, SPRING, STANDARD_GRAVITY
+from mechanics.kernels.motion import LARGEST, SPRING, STANDARD_GRAVITY, elastic_beds
 from mechanics.kernels.motion_step import attempt
 from mechanics.types import Array
 
@@ -37,7 +36,7 @@ def march(
     weight, size, accepted = sizes
     levels, share, most, unsure = halving
     n, c, steps = blocks.shape[1], len(a), len(base) - 1
-    rigid = basic[0, BED] == np.inf
+    rigid = not elastic_beds(basic)
     load, resultants = np.empty((n, 3)), np.empty((c, 3))
     whole, deep = 1 << most, 0  # so many of the shortest steps are one; how often the next one is halved
     for k in range(steps):

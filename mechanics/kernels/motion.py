@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from mechanics.kernels.bed import stored
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import MPHI, MU, MV, NX, NZ, PHI, H, U
@@ -45,3 +47,9 @@ def strain_energy(places: Array, law: Array, shear: Array, size: float) -> float
             total += stored(places[k, U], places[k, PHI], places[k, H], law[k, BED])
         total += 0.5 * law[k, SHEAR] * shear[k] ** 2
     return total
+
+
+@compiled
+def elastic_beds(law: Array) -> bool:
+    """Whether joints of the `law` (j, LAW) are elastic; none are not."""
+    return len(law) > 0 and law[0, BED] < np.inf

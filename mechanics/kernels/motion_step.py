@@ -34,6 +34,7 @@ from mechanics.kernels.motion import (
     STEPPING,
     SUNK,
     VISCOUS,
+    elastic_beds,
     relative,
 )
 from mechanics.kernels.step_gaps import posed, sunk
@@ -66,7 +67,7 @@ def attempt(
     x, v, past = blocks[0], blocks[1], blocks[2]
     for i in range(n):
         m += 3 * (first[i] >= 0)
-    elastic = basic[0, BED] < np.inf
+    elastic = elastic_beds(basic)
     places, start, law, back = np.empty((c, PLACE)), np.empty((c, PLACE)), basic.copy(), np.zeros(c)
     place(a, b, faces, x, start)
     ahead = 0.5 * h if elastic else (1.0 - theta) * h
@@ -87,7 +88,7 @@ def attempt(
         row[chosen], at, laws, pushed, scaled, dx, f, y, scale, cold, elastic,
         COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen,
     )  # fmt: skip
-    if force > accepted or product > closed:
+    if not (force <= accepted and product <= closed):  # nor if they are no numbers
         return -done, 0.0, 0.0, force, product
     moved, speed, jerked, work = np.zeros((n, 3)), np.zeros((n, 3)), 0.0, 0.0
     for i in range(n):
@@ -146,7 +147,7 @@ def _worked(
     and `joints` (j, JOINT) the forces.
     """
     # many arguments: arrays one by one, see mechanics.kernels
-    elastic = basic[0, BED] < np.inf
+    elastic = elastic_beds(basic)
     stretch = theta + beta / h if elastic else 1.0
     contact, turned = 0.0, 0.0
     slid, shear = joints[:, SPEED].copy(), joints[:, SPRING].copy()

@@ -19,7 +19,7 @@ from mechanics.kernels.bed import pressed, stored
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID
-from mechanics.kernels.motion import GAPS, GONE, RATE, SPEED, SPRING, SUNK, relative
+from mechanics.kernels.motion import GAPS, GONE, RATE, SPEED, SPRING, SUNK, elastic_beds, relative
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -98,7 +98,7 @@ def posed(
     `law` (j, LAW) becomes that of the step; `back` (j,) m: the lift of slides that is subtracted.
     """
     # many arguments: arrays one by one, see mechanics.kernels
-    elastic, count = basic[0, BED] < np.inf, 0
+    elastic, count = elastic_beds(basic), 0
     stretch = theta + beta / h if elastic else 1.0
     active = np.empty(len(a), np.intp)
     for k in range(len(a)):

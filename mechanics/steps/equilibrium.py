@@ -104,8 +104,11 @@ def rest(
 
 
 def rest_size(model: Assembly, behaviour: Behaviour) -> float:
-    """Return a displacement (m) on the scale of the joints' compression under gravity; rigid: 1/1000 of a block."""
-    if behaviour == "rigid":
+    """Return a displacement (m) on the scale of the joints' compression under gravity.
+
+    Rigid, or without joints: 1/1000 of a block.
+    """
+    if behaviour == "rigid" or len(model.contacts) == 0:
         return 1e-3 * model.size
     contacts = model.contacts
     length = 2.0 * contacts.places(model.initial.positions)[:, H]

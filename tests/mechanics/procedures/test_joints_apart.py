@@ -49,3 +49,14 @@ def test_a_small_arch_that_breaks_apart_is_solved_to_its_collapse(tmp_path):
     model = build_model(project).assembly
     found = respond(model, motion, setting, model.initial)
     assert found.collapsed and found.worst <= 1e-7
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_blocks_without_any_joint_fall(contacts):
+    """Free fall from 0.5 m above the base for 0.2 s: g t²/2, as trapezes have it exactly."""
+    base = Block(rectangle(-0.3, -0.2, 0.3, 0.0), 1.0, STONE, support="base")
+    apart = Assembly([base, Block(rectangle(0.0, 0.5, 0.2, 1.0), 1.0, STONE)])
+    assert len(apart.contacts) == 0
+    motion = time_history(apart, np.zeros(41), 0.005, contacts)
+    fallen = motion.positions[0] - motion.positions[-1]
+    assert fallen[1] == pytest.approx([0.0, 0.5 * 9.80665 * 0.2**2, 0.0], abs=1e-9)
