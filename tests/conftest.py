@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import signal
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -27,6 +28,9 @@ def pytest_addoption(parser):
 def pytest_configure(config):
     if start := config.getoption("--start"):
         multiprocessing.set_start_method(start, force=True)
+    # in the background of a script SIGINT is ignored, and processes hand that on to those that tests interrupt
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture
