@@ -25,8 +25,9 @@ def march(
 
     `sizes`: weight, size of a block and what is accepted of a solution; `halving`: levels down to which a step is
     halved where it takes, or leaves unsure, more than a share of the largest kinetic energy so far, that share, levels
-    where it is not solved, and the share of its kinetic energy by which its velocities may be wrong, 0: as little as at
-    rest; a part is as long as the one before unless that took little; `margin` (m): how far a corner may go from
+    where it is not solved, the share of its kinetic energy by which its velocities may be wrong, 0: as little as at
+    rest, and whether the first share is of the kinetic energy of the moment; a part is as long as the one before unless
+    that took little; `margin` (m): how far a corner may go from
     where it has `begun` (b, 3) before contacts are looked for anew, `radius` (b,) of blocks; `counts` (6,): programs,
     iterations, halvings, cold starts, the worst residual of force, per weight, and the largest energy (kNm) that errors
     of velocities may have. Returns the number of steps done and why the march ends:
@@ -34,7 +35,7 @@ def march(
     """
     # many arguments and lines: arrays one by one, in one loop over steps, see mechanics.kernels
     weight, size, accepted = sizes
-    levels, share, most, unsure = halving
+    levels, share, most, unsure, of_moment = halving
     n, c, steps = blocks.shape[1], len(a), len(base) - 1
     rigid = not elastic_beds(basic)
     load, resultants = np.empty((n, 3)), np.empty((c, 3))
@@ -57,7 +58,8 @@ def march(
             # what is accepted of a program is a share of the way, and of a long step's of the block
             span = min(max(STANDARD_GRAVITY * step * step, fastest * step), size)
             found, taken, turned = False, np.inf, 0.0
-            small = share * (energy[LARGEST] + 0.5 * weight * STANDARD_GRAVITY * step**2)
+            counted = kinetic if of_moment else energy[LARGEST]
+            small = share * (counted + 0.5 * weight * STANDARD_GRAVITY * step**2)
             # the error of velocities has at most the energy of all products, for the program is strongly convex: where
             # forces balance and gaps are met, Δxᵀ M̄ Δx ≤ Σ products, M̄ = M/(θh²), Δx = θhΔv (rigid: θ = 1 in both)
             products = 4.0 * max(c, 1) * weight * span

@@ -32,7 +32,7 @@ from mechanics.types import GRAVITY, Array
 Integrator = Literal["auto", "moreau-jean", "second-order", "implicit-euler"]
 
 FEW = 3  # most movable blocks for which every impact is located
-LOCATED = Halving(10, 1e-4)  # second order, rigid: steps down to 1/1024 at impacts
+LOCATED = Halving(10, 1e-4, of_moment=True)  # second order, rigid: steps down to 1/1024 at impacts
 RESOLVED = Halving(6, 4e-3, unsure=1e-4)  # Moreau-Jean: steps down to 1/64 where impacts take energy
 # second order, elastic: steps down to 1/16, but not shorter than an impact lasts
 CLOSING = Halving(4, 0.02, unsure=1e-4)

@@ -73,18 +73,19 @@ class Halving:
 
     At most `levels` times while impacts take more than a `share` of the largest kinetic energy so far; at most
     `unsolved` times while its program is not solved. `unsure`: share of the kinetic energy that errors of velocities
-    may have; 0: no more than at rest.
+    may have; 0: no more than at rest. `of_moment`: the share is of the kinetic energy of the moment.
     """
 
     levels: int
     share: float
     unsolved: int = 6
     unsure: float = 0.0
+    of_moment: bool = False
 
     @property
-    def limits(self) -> tuple[int, float, int, float]:
-        """Levels, share, unsolved levels and unsure share, in the order of kernels.march."""
-        return self.levels, self.share, max(self.levels, self.unsolved), self.unsure
+    def limits(self) -> tuple[int, float, int, float, bool]:
+        """Levels, share, unsolved levels, unsure share and of_moment, in the order of kernels.march."""
+        return self.levels, self.share, max(self.levels, self.unsolved), self.unsure, self.of_moment
 
 
 @dataclass(frozen=True, eq=False)
