@@ -50,10 +50,10 @@ def check(options: argparse.Namespace) -> int:
     from assessment.project.model import build_model
     from assessment.project.plausibility import implausible_hazard
     from assessment.project.project import load_project
+    from assessment.report.chapters.judgement_file import refuse_unreadable
     from assessment.report.figures.drawings.faults import draw_faults
     from assessment.report.figures.drawings.model import draw_model
     from assessment.report.figures.style import save_svg
-    from assessment.report.judgement_file import refuse_unreadable
     from assessment.report.text.language import Words, words_of
     from assessment.runtime.terminal.progress import model_summary, told
     from assessment.workflow.dynamic import read_motions

@@ -12,20 +12,21 @@ import jinja2
 from markupsafe import Markup
 
 from assessment.ntc.limit_states import QUOTED
-from assessment.report.attachments import caption, stored
-from assessment.report.calculation_annex import traces
-from assessment.report.cracks import PRINTED as CRACKS_PRINTED
-from assessment.report.cracks import SEEN, reported_cracks
+from assessment.report.chapters.calculation_annex import traces
+from assessment.report.chapters.joints import assumptions, pressures_told, reported_pressures
+from assessment.report.chapters.judgement import all_warnings, draft_judgement, worst_scenario
+from assessment.report.chapters.second_solver import reported_second_solver, told
 from assessment.report.figures.index import pictures
-from assessment.report.joints import assumptions, pressures_told, reported_pressures
-from assessment.report.judgement import all_warnings, draft_judgement, worst_scenario
-from assessment.report.page_fill import pdf_of
-from assessment.report.pdf import command, load_weasyprint
-from assessment.report.second_solver import reported_second_solver, told
+from assessment.report.formats.attachments import caption, stored
+from assessment.report.formats.page_fill import pdf_of
+from assessment.report.formats.pdf import command, load_weasyprint
+from assessment.report.formats.viewer import Viewer, viewer
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import index as tables
 from assessment.report.tables.campaign import reported_campaign
 from assessment.report.tables.convergence import convergence_tables, reported
+from assessment.report.tables.cracks import PRINTED as CRACKS_PRINTED
+from assessment.report.tables.cracks import SEEN, reported_cracks
 from assessment.report.tables.dynamic import (
     energy,
     histories,
@@ -42,7 +43,6 @@ from assessment.report.text.input_table import echoed
 from assessment.report.text.language import Words, direction_name, words_of
 from assessment.report.text.messages import sentence, translated
 from assessment.report.text.table_format import Grid, grid, ranges_grid, summary_grids
-from assessment.report.viewer import Viewer, viewer
 from assessment.results.echo import local_limit, printed
 from assessment.results.hand_check import BY_HAND, figures_of, governing_mechanisms, hand_check, mechanisms
 from assessment.results.reactions import balance, reactions
@@ -105,7 +105,7 @@ def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> l
 
 def write_docx(results: Results, folder: Path, edited: Markup | None = None) -> None:
     """Write report.docx into `folder` as `write_page` does report.html; its figures are the PNG files."""
-    from assessment.report.docx import to_docx  # late: only reports need it
+    from assessment.report.formats.docx import to_docx  # late: only reports need it
 
     page = render_html(results, folder / "figures", words_of(results), edited)
     write_atomically(folder / "report.docx", to_docx(page, folder))

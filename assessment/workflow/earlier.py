@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from assessment.report.pdf import printable
+from assessment.report.formats.pdf import printable
 from assessment.runtime import fingerprint
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.files.atomic_files import file_digest

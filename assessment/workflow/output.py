@@ -10,7 +10,7 @@ from concurrent.futures import Future
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from assessment.report.pdf import printable
+from assessment.report.formats.pdf import printable
 from assessment.runtime.files.atomic_files import write_atomically
 from assessment.runtime.files.swap import SCRATCH, put_in_place
 from assessment.runtime.processes.pool import KilledError, Pool, processes, result_of
@@ -82,11 +82,11 @@ def _make(
     attachments: Sequence[Path],
 ) -> list[str]:
     """Make the parts in the folder `new`; return warnings."""
-    from assessment.report.attachments import write_attachments
+    from assessment.report.chapters.judgement_file import NAME, judgement
     from assessment.report.document import write_docx, write_page, write_pdf
     from assessment.report.figures.animation import write_animations
     from assessment.report.figures.index import write_figures, write_images
-    from assessment.report.judgement_file import NAME, judgement
+    from assessment.report.formats.attachments import write_attachments
     from assessment.report.tables.index import write_tables
     from assessment.report.text.language import words_of
     from assessment.results.file import as_bytes

@@ -11,7 +11,6 @@ from typing import TypeVar
 
 from matplotlib.figure import Figure
 
-from assessment.report.cracks import cracks
 from assessment.report.figures.campaign import (
     draw_campaign_curves,
     draw_campaign_fragility,
@@ -41,6 +40,7 @@ from assessment.report.figures.dynamic import (
 from assessment.report.figures.spectra import draw_demand, draw_spectra
 from assessment.report.figures.studies import draw_scenarios, draw_tornado, varied
 from assessment.report.figures.style import save_png, save_svg
+from assessment.report.tables.cracks import cracks
 from assessment.report.text.language import Words, direction_name, slug, words_of
 from assessment.results.joint_states import situations
 from assessment.results.schema import Results, State
@@ -92,7 +92,9 @@ def _write_raster(results: Results, folder: Path, number: int) -> None:
 
 
 def _write_drawing(results: Results, path: Path) -> None:
-    from assessment.report.deformed_dxf import write_deformed  # late: ezdxf is needed for nothing else here
+    from assessment.report.figures.drawings.deformed_dxf import (
+        write_deformed,  # late: ezdxf is needed for nothing else here
+    )
 
     write_deformed(results, path)
 

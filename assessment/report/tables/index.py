@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from assessment.report.cracks import cracks
-from assessment.report.joints import edge_pressures
+from assessment.report.chapters.joints import edge_pressures
 from assessment.report.tables.campaign import campaign_tables
 from assessment.report.tables.capacity import (
     action,
@@ -22,6 +21,7 @@ from assessment.report.tables.capacity import (
     verification,
 )
 from assessment.report.tables.convergence import convergence_tables
+from assessment.report.tables.cracks import cracks
 from assessment.report.tables.dynamic import dynamic_tables
 from assessment.report.tables.indices import index_tables
 from assessment.report.tables.loads import loads, vertical

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from assessment.report.chapters.joints import joint_law
 from assessment.report.document import CHAPTERS, render_html, write_page, write_pdf
 from assessment.report.figures.index import write_figures
-from assessment.report.joints import joint_law
-from assessment.report.pdf import APT_COMMAND, COMMANDS
+from assessment.report.formats.pdf import APT_COMMAND, COMMANDS
 from assessment.report.text.language import LANGUAGES, words_of
 from assessment.runtime.processes.pool import Pool
 from tests.support.pictured import draw_sections
@@ -124,7 +124,7 @@ def test_no_page_is_empty_and_nothing_is_left_unfilled(report):
 
 
 def test_no_page_between_contents_and_the_last_is_blank_by_more_than_a_quarter(report):
-    from tests.assessment.report.test_page_fill import blanks  # needs WeasyPrint, as the report does
+    from tests.assessment.report.formats.test_page_fill import blanks  # needs WeasyPrint, as the report does
 
     _, _, made, _ = report
     assert max(blanks((made / "report.pdf").read_bytes())[2:]) < 0.25

@@ -7,8 +7,8 @@ import pytest
 from markupsafe import Markup
 from PIL import Image
 
+from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.figures.style import PNG_DPI
-from assessment.report.judgement import draft_judgement
 from assessment.report.tables.capacity import summary
 from assessment.report.tables.indices import indices
 from assessment.report.text.language import words_of

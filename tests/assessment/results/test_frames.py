@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.report.joints import edge_pressures, joint_law, pressures_told, reported_pressures
+from assessment.report.chapters.joints import edge_pressures, joint_law, pressures_told, reported_pressures
 from assessment.report.text.language import words_of
 from assessment.results.faces import Met, described, faces_of
 from assessment.results.frames import MOST, chosen, pushdown_frames, pushover_frames, snapshots

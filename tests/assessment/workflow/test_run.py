@@ -12,8 +12,8 @@ from types import SimpleNamespace
 import pytest
 
 from assessment.cli.main import main
+from assessment.report.chapters.judgement_file import NAME
 from assessment.report.figures import index as figures
-from assessment.report.judgement_file import NAME
 from assessment.runtime.cache import FOLDER, Store
 from assessment.workflow import output
 from assessment.workflow import stages as workflow

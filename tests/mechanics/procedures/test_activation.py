@@ -14,10 +14,10 @@ from assessment.ntc.capacity import participation
 from assessment.project.schema import ControlTable
 from assessment.report.figures.curves import draw_pushover
 from assessment.report.figures.drawings.deformed import found_mechanism
+from assessment.report.formats.viewer import viewer
 from assessment.report.tables.index import mechanisms, pushover_curves
 from assessment.report.text.language import words_of
 from assessment.report.text.messages import translated
-from assessment.report.viewer import viewer
 from assessment.results.hand_check import hand_check, weights
 from assessment.results.joint_states import situations
 from assessment.results.outlines import field, outlines, place

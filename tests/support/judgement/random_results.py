@@ -8,7 +8,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from assessment.analyses.checks.capacity import governing, safety_index
-from assessment.report.judgement import RESIDUALS
+from assessment.report.chapters.judgement import RESIDUALS
 from assessment.report.tables import index as tables
 from assessment.results.plain import plain
 from assessment.results.quality import quality_of

@@ -12,8 +12,8 @@ from docx.oxml.ns import qn
 from lxml import html
 
 from assessment.report.document import CHAPTERS, write_docx, write_page
-from assessment.report.docx import to_docx
 from assessment.report.figures.index import write_figures, write_images
+from assessment.report.formats.docx import to_docx
 from assessment.report.text.language import LANGUAGES, words_of
 from assessment.runtime.processes.pool import Pool, result_of
 from tests.support.results_example import results_example

@@ -5,7 +5,7 @@ import pytest
 from ezdxf.entitydb import EntityDB
 from ezdxf.filemanagement import readfile
 
-from assessment.report.deformed_dxf import shapes, write_deformed
+from assessment.report.figures.drawings.deformed_dxf import shapes, write_deformed
 from assessment.results.outlines import outlines
 from tests.support.analysed import analysed
 from tests.support.typed import typed

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from assessment.report.second_solver import agreement, reported_second_solver, told
+from assessment.report.chapters.second_solver import agreement, reported_second_solver, told
 from assessment.report.tables.index import second_solver
 from assessment.report.text.language import words_of
 from tests.support.results_example import results_example

@@ -11,7 +11,7 @@ import numpy as np
 from markupsafe import Markup
 
 from assessment.ntc.limit_states import CHECKS
-from assessment.report.second_solver import agreement
+from assessment.report.chapters.second_solver import agreement
 from assessment.report.tables.capacity import capacities, directions
 from assessment.report.tables.studies import bars
 from assessment.report.text.language import Words, direction_name

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from assessment.report.judgement import draft_judgement
+from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.text.language import Words
 from assessment.results.schema import Results
 from assessment.runtime.errors import ProjectError

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 
-from tests.assessment.report.test_study_tables import results_with_studies
+from tests.assessment.report.tables.test_study_tables import results_with_studies
 from tests.support.analysed import analysed
 from tests.support.judgement.claims import CLAIMS, PARTS, WORDS, hold
 from tests.support.judgement.random_results import random_results

@@ -10,10 +10,10 @@ import pytest
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
+from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.document import render_html
 from assessment.report.figures.index import pictures
 from assessment.report.figures.studies import LABEL_PT, _label
-from assessment.report.judgement import draft_judgement
 from assessment.report.tables.studies import reported_studies, scenarios, sensitivity, tornado
 from assessment.report.text.language import LANGUAGES, words_of
 from tests.support.pictured import draw_sections

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assessment.cli.main import main
+from assessment.report.chapters.judgement_file import NAME, judgement, to_html, without_comments
 from assessment.report.figures.index import write_figures
-from assessment.report.judgement_file import NAME, judgement, to_html, without_comments
 from assessment.report.text.language import words_of
 from assessment.runtime.processes.pool import Pool
 from assessment.workflow.earlier import EVERYTHING, NO_REPORT, RESULTS
@@ -133,7 +133,7 @@ def test_markdown_of_a_judgement(text, html):
 def test_a_run_prints_the_edited_judgement_and_leaves_the_file(results, tmp_path, monkeypatch):
     monkeypatch.setattr("assessment.report.figures.index.pictures", lambda _: [])
     monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
-    monkeypatch.setattr("assessment.report.deformed_dxf.write_deformed", lambda *_: None)
+    monkeypatch.setattr("assessment.report.figures.drawings.deformed_dxf.write_deformed", lambda *_: None)
     write_figures(Pool(0, typed(results)), tmp_path / "figures")
     write(typed(results), tmp_path, NO_REPORT - {RESULTS})
     path = tmp_path / NAME

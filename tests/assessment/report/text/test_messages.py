@@ -6,7 +6,7 @@ import tomllib
 
 import pytest
 
-from assessment.report.judgement import all_warnings
+from assessment.report.chapters.judgement import all_warnings
 from assessment.report.text.language import Words
 from assessment.report.text.messages import _entries, _translated, sentence, translated
 from tests import ROOT

@@ -6,11 +6,11 @@ import re
 
 from markupsafe import Markup
 
+from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.figures.curves import draw_pushdown
 from assessment.report.figures.drawings.deformed import draw_settlement
-from assessment.report.judgement import draft_judgement
 from assessment.report.text.language import words_of
-from tests.assessment.report.test_study_tables import results_with_studies
+from tests.assessment.report.tables.test_study_tables import results_with_studies
 from tests.support.analysed import analysed
 from tests.support.judgement.claims import REFERENCES, Results, hold
 from tests.support.judgement.random_results import summed_up

@@ -18,7 +18,7 @@ from docx.shared import Emu, Mm
 from docx.text.paragraph import Paragraph
 from lxml import html
 
-from assessment.report import docx_styles as styles
+from assessment.report.formats import docx_styles as styles
 
 Element = Any  # of lxml, which has no types
 HEADINGS = {"h2": "Heading 1", "h3": "Heading 2"}

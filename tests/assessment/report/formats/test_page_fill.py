@@ -8,7 +8,7 @@ from importlib.resources import files
 import pypdf
 import pytest
 
-from assessment.report.page_fill import MM, PAGE, Block, Filled, _parts, pdf_of
+from assessment.report.formats.page_fill import MM, PAGE, Block, Filled, _parts, pdf_of
 
 weasyprint = pytest.importorskip("weasyprint", exc_type=OSError)
 STYLE = (files("templates") / "report.css").read_text(encoding="utf-8")

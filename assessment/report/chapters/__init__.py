@@ -1,0 +1,1 @@
+"""What single chapters of the report say: sentences that follow from the results."""
