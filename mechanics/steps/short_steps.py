@@ -51,7 +51,7 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
         posed[fixed] = begun[fixed] + (k + 1.0) / count * (guess - begun)[fixed]
         program, index = short.pose(posed, None)
         near: Iterate | None = iterate and taken(iterate, index).warm(program, STEP.begin)
-        found, more = solve_program(program, system.layout.take(index), near, STEP.rigid[-1])
+        found, more = solve_program(program, system.layout.take(index), near, STEP.solved)
         solves += more
         at = displaced(model, posed, found.displacement)
         check_motion(short, at)

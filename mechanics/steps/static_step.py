@@ -161,13 +161,13 @@ def solve_program(
             continue
         found, outcome = interior.run(tried, layout, start, accepted)
         solves += 1
-        if outcome.accepted:
-            return found, solves
-        unstable = unstable or outcome.unstable
         if abs(found.alpha) > 0.99 * LARGEST_MULTIPLIER:
             raise NoEquilibriumError(
                 "no mechanism: the load only wedges the blocks, the multiplier has no bound"
             )
+        if outcome.accepted or max(outcome.force, outcome.product) <= STEP.solved:
+            return found, solves
+        unstable = unstable or outcome.unstable
     if unstable:
         raise NoEquilibriumError("loss of stability: the stiffness of the structure is no longer positive")
     if not (
@@ -210,7 +210,7 @@ def balanced(problem: StepProblem, at: Array, solves: int = 0) -> Equilibrium:
     """
     system = problem.system
     program, index = problem.pose(at, None)
-    found, more = solve_program(program, system.layout.take(index), None, STEP.rigid[-1])
+    found, more = solve_program(program, system.layout.take(index), None, STEP.solved)
     solution, count = interior.solution(program, found), len(system.contacts)
     forces, places = spread(solution.forces, index, count), system.contacts.places(at)
     return Equilibrium(

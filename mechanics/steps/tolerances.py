@@ -12,8 +12,10 @@ class StepTolerances:
     """Tolerances of the search for an equilibrium in its own displaced geometry.
 
     Programs. `rigid`, `elastic`: residuals, per weight and step, to which the first programs are solved before the
-    geometry is updated (rigid joints yield nothing in a wrong geometry); a program with the last residual is repeated
-    at most `rigid_rounds` or `elastic_rounds` times. `begin`: distance from the bounds, per weight and step, at which
+    geometry is updated (rigid joints yield nothing in a wrong geometry; gaps of blocks that carry little are known to
+    the root of the residual, and they are the next geometry); a program with the last residual is repeated at most
+    `rigid_rounds` or `elastic_rounds` times; `solved`: the residual with which a program counts as solved where
+    rounding keeps it from a smaller one. `begin`: distance from the bounds, per weight and step, at which
     the first program begins near an earlier solution; `go_on`: the same for the next ones, over the residual of the
     last. `slip_rounds`: number of programs in which Coulomb slips are updated; `slip_gap`: gap left by a change of the
     slips that is accepted, as a share of a step.
@@ -32,10 +34,11 @@ class StepTolerances:
     inertia, as a share of the weight, from which a structure falls.
     """
 
-    rigid: tuple[float, ...] = (1e-5, 1e-8)
+    rigid: tuple[float, ...] = (1e-5, 1e-8, 1e-10)
     elastic: tuple[float, ...] = (1e-2, 1e-4, 1e-6, 1e-8)
     rigid_rounds: int = 8
     elastic_rounds: int = 12
+    solved: float = 1e-8
     begin: float = 0.3
     go_on: float = 0.1
     slip_rounds: int = 6
