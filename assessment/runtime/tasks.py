@@ -7,14 +7,16 @@ as soon as it is finished, even if others fail.
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Iterator, Sequence
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar, TypeVarTuple
 
 from assessment.runtime.cache import Store, packed, unpacked
 from assessment.runtime.fingerprint import fingerprint
-from assessment.runtime.processes.pool import KilledError, Pool, finished, processes
+from assessment.runtime.processes.pool import LOOK, KilledError, Pool, finished, processes, tell
 
 if TYPE_CHECKING:
     from mechanics import Assembly
@@ -27,14 +29,17 @@ Result = TypeVar("Result")
 class Show(Protocol):
     """Receives the progress of the analyses."""
 
-    def begin(self, stage: str, total: int, taken: int) -> None:
-        """Tell that of `total` analyses of a stage all but `taken` are to be computed."""
+    def begin(self, stage: str, total: int, taken: int, work: float) -> None:
+        """Tell that of `total` analyses of a stage all but `taken` are to be computed, `work` in all."""
 
     def under_way(self, title: str) -> None:
         """Tell which analysis is being computed."""
 
-    def advance(self) -> None:
-        """Tell that one more analysis of the stage is finished."""
+    def reached(self, done: float) -> None:
+        """Tell how much of the work is done, of analyses at work too."""
+
+    def advance(self, done: float) -> None:
+        """Tell that one more analysis of the stage is finished, and how much of the work is done."""
 
     def fault(self, title: str, reasons: Sequence[str]) -> None:
         """Tell why an analysis, computed or taken over, could not be completed."""
@@ -49,6 +54,9 @@ class Engine(Protocol):
     def submit(self, function: Callable[[*Arguments], Result], *arguments: *Arguments) -> Future[Result]:
         """Start function(*arguments); its future raises KilledError if the process was ended from outside."""
 
+    def shares(self) -> Mapping[int, float]:
+        """Return the share that is done of the analyses at work, by their numbers, as far as they tell it."""
+
     def close(self, at_once: bool) -> None:
         """End it; `at_once`: without finishing its work, after an error."""
 
@@ -56,13 +64,16 @@ class Engine(Protocol):
 class Silence:
     """A Show that ignores all progress."""
 
-    def begin(self, stage: str, total: int, taken: int) -> None:
+    def begin(self, stage: str, total: int, taken: int, work: float) -> None:
         """See Show."""
 
     def under_way(self, title: str) -> None:
         """See Show."""
 
-    def advance(self) -> None:
+    def reached(self, done: float) -> None:
+        """See Show."""
+
+    def advance(self, done: float) -> None:
         """See Show."""
 
     def fault(self, title: str, reasons: Sequence[str]) -> None:
@@ -73,6 +84,42 @@ class Silence:
 
 
 SILENCE = Silence()
+
+
+@dataclass
+class _Work:
+    """What is to be computed in a stage: the weight of each analysis by its number; how much is done, for `show`."""
+
+    weights: dict[int, float]
+    show: Show
+    done: float = 0.0
+    shares: dict[int, float] = field(default_factory=dict)
+    looked: float = field(default_factory=time.monotonic)
+
+    def __post_init__(self) -> None:
+        self.total = sum(self.weights.values())
+
+    def finish(self, number: int) -> None:
+        """Tell that an analysis is finished."""
+        self.done += self.weights.pop(number)
+        self.show.advance(self._reached())
+
+    def hear(self, number: int, share: float | None) -> None:
+        """Take note of the share that is done of an analysis in this process; told when LOOK has passed."""
+        if share is not None and time.monotonic() - self.looked >= LOOK:
+            self.looked = time.monotonic()
+            self.look({number: share})
+
+    def look(self, shares: Mapping[int, float]) -> None:
+        """Tell the shares that are done of the analyses at work."""
+        self.shares = dict(shares)
+        if (reached := self._reached()) > 0.0:
+            self.show.reached(reached)
+
+    def _reached(self) -> float:
+        """Work that is done; an analysis that has just ended counts as a whole, and once."""
+        at_work = (self.weights.get(number, 0.0) * share for number, share in self.shares.items())
+        return self.done + sum(at_work)
 
 
 @dataclass
@@ -102,8 +149,9 @@ class Workers:
         tasks: Sequence[tuple[*Arguments]],
         titles: Sequence[str],
         worthwhile: bool,
+        weights: Sequence[float] = (),
     ) -> list[Result]:
-        """Return function(*task) for every task, in their order.
+        """Return function(*task) for every task, in their order; `weights`: about how long each takes, in any unit.
 
         Computed results pass through JSON as stored ones do, so that both are equal to the last bit.
         Raises KilledError where a process was ended from outside.
@@ -115,16 +163,17 @@ class Workers:
         self.taken += len(known)
         if not tasks:
             return []
-        self.show.begin(stage, len(tasks), len(known))
+        work = _Work({number: weights[number] if weights else 1.0 for number in unknown}, self.show)
+        self.show.begin(stage, len(tasks), len(known), work.total)
         for number, result in known.items():
             self._tell(titles[number], result)
         try:
-            for number, text in self._compute(function, tasks, titles, unknown, worthwhile):
+            for number, text in self._compute(function, tasks, titles, unknown, worthwhile, work):
                 if self.store:
                     self.store.keep(keys[number], text)
                 known[number] = unpacked(text)  # now, while other processes compute
                 self.computed += 1
-                self.show.advance()
+                work.finish(number)
                 self._tell(titles[number], known[number])
         except KilledError as error:
             raise KilledError(f"{stage}: {error}") from None
@@ -146,6 +195,7 @@ class Workers:
         titles: Sequence[str],
         numbers: Sequence[int],
         worthwhile: bool,
+        work: _Work,
     ) -> Iterator[tuple[int, str]]:
         """Yield the number of each task and its packed result, as they are finished.
 
@@ -155,14 +205,17 @@ class Workers:
         if not numbers or not (worthwhile or several):
             for number in numbers:
                 self.show.under_way(titles[number])
-                yield number, _packed(function, tasks[number])
+                yield number, _packed(function, tasks[number], partial(work.hear, number))
             return
         engine = self._engine()
-        begun = {engine.submit(_packed, function, tasks[number]): number for number in numbers}
+        begun = {
+            engine.submit(_packed, function, tasks[number], partial(tell, number)): number
+            for number in numbers
+        }
         if self.meanwhile is not None:
             self.meanwhile()
             self.meanwhile = None
-        yield from finished(begun)
+        yield from finished(begun, lambda: work.look(engine.shares()))
 
     def _engine(self) -> Engine:
         """Return the processes, or the cluster; started at first use and kept for later stages."""
@@ -193,5 +246,12 @@ def large(*models: Assembly) -> bool:
     return sum(len(model.contacts) for model in models) > SMALL
 
 
-def _packed(function: Callable[..., Any], task: tuple[Any, ...]) -> str:
-    return packed(function(*task))
+def _packed(function: Callable[..., Any], task: tuple[Any, ...], told: Callable[[float | None], None]) -> str:
+    """Compute a task; `told`: is given the share that is done, in the end None."""
+    from mechanics.progress import listening  # late: a run in which nothing has changed needs no mechanics
+
+    try:
+        with listening(told):
+            return packed(function(*task))
+    finally:
+        told(None)

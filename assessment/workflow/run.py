@@ -66,7 +66,7 @@ def carry_out(
             with journal(folder, show) as told:
                 outcome = _analysed(project, folder, jobs, fresh, report, told, scheduler)
         standing = last.standing(folder, keys) if last else frozenset()
-        show.begin("report" if report else "figures and tables", 1, 0)
+        show.begin("report" if report else "figures and tables", 1, 0, 1.0)
         from assessment.workflow.output import write
 
         warnings = write(outcome.results, folder, parts - standing, standing, jobs, project.attachments())

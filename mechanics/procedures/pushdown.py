@@ -11,6 +11,7 @@ from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.procedures.step_control import Bisection, reach
 from mechanics.program import Certificate
+from mechanics.progress import tell
 from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
 from mechanics.steps.rest import lifted, motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
@@ -107,6 +108,8 @@ def pushdown(
             ultimate, end = here if collapses else None, str(stop)
             break
         bisection.longer(path.jumped)
+        share = min(path.movement[-1] / full, 1.0)
+        tell(0.5 * share if to_collapse else share)  # how far collapse is is what is sought: as much again
         if final is None and path.applied:
             try:
                 final = path.settle()

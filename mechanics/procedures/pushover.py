@@ -27,6 +27,7 @@ from mechanics.procedures.path_start import (
 )
 from mechanics.procedures.step_control import HALVINGS, Bisection, reach
 from mechanics.program import Certificate
+from mechanics.progress import tell
 from mechanics.steps.contact_values import moved_over
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
@@ -137,6 +138,7 @@ def pushover(
                 curve.end, curve.lost = str(stop), isinstance(stop, RunawayError)
             continue
         bisection.longer(len(curve.crossed) > jumps)
+        tell(curve.share)
     if curve.system.rigid:
         curve.locate_peak()
     return curve.finished()
@@ -316,6 +318,13 @@ class _Curve:
             self.end = f"α has come down to {self.push.until:g} of its peak"
         if len(self.states) == self.tolerances.points and not self.end:
             self.end = f"a curve has {self.tolerances.points} points at most; write a larger increment_m"
+
+    @property
+    def share(self) -> float:
+        """Share that is done, about: of the way from the peak down to the end, or of the slide that ends it."""
+        now, alpha, largest = self.displacement[-1], self.multiplier[-1], max(self.multiplier)
+        fallen = (1.0 - alpha / largest) / (1.0 - self.push.until) if largest > 0.0 else 0.0
+        return max(fallen, (now - self.plateau[0]) / self.model.size)
 
     def locate_peak(self) -> None:
         """Add the points just behind joints that close, in the steps in which α may be largest."""

@@ -13,6 +13,7 @@ from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import end_gaps
 from mechanics.procedures.collapse import ControlPoint, collapse, passing_through
 from mechanics.procedures.energy import Energy
+from mechanics.progress import tell
 from mechanics.steps.contact_values import carried, with_springs
 from mechanics.steps.dynamic_system import (
     DynamicSystem,
@@ -136,6 +137,7 @@ def time_history(
                 break
         parts.append(part)
         done += len(part.x) - 1
+        tell(done / (len(base) - 1))
     return _history(system, start, motion, parts, time_step, point, reason, used, chosen)
 
 

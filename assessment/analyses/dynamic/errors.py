@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from assessment.analyses.accuracy import NOISE, accuracy_of
 from assessment.analyses.dynamic.bracket import Bracket
 from assessment.analyses.dynamic.ensemble import scatter_of
-from assessment.analyses.dynamic.incremental import search_again, search_title
+from assessment.analyses.dynamic.incremental import AGAIN, search_again, search_title
 from assessment.analyses.dynamic.refinement import Refinement
 from assessment.results.schema.part import known
 
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from assessment.results.schema.dynamic import Search
     from assessment.results.schema.studies import ConvergenceRow
 
-AGAIN = 20  # motions that a repeated search takes, about, at two to eight levels
 PGA = "pga_collapse_g"
 
 

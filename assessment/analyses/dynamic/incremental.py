@@ -17,6 +17,7 @@ from assessment.analyses.dynamic.response import Setting, respond
 from assessment.analyses.dynamic.time_history import Shaking, StageResult, quality_row
 from assessment.results.schema.dynamic import Fragility, Incremental, Level, Search
 from mechanics import Assembly, ConvergenceError, State
+from mechanics.progress import stretch
 
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
@@ -25,6 +26,7 @@ Kind = TypeVar("Kind", bound=Level)
 
 MEAN_FROM, ENOUGH = 7, 3  # records: NTC 2018 §7.3.5
 RUNS = 30  # motions of a search, about
+AGAIN = 20  # of one that is repeated near its result, about, at two to eight levels
 
 
 def searches(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult[Search]]:
@@ -83,7 +85,9 @@ def search_again(
 ) -> StageResult[Search]:
     """Return the PGA (g) at incipient collapse, searched near the bracket that another time step gave."""
     largest = max_scale * shaking.motion.pga
-    return _searched(shaking, scatter, lambda levels: collapse_near(levels.some, near, largest, tolerance))
+    return _searched(
+        shaking, scatter, lambda levels: collapse_near(levels.some, near, largest, tolerance), AGAIN
+    )
 
 
 def search_title(shaking: Shaking) -> str:
@@ -92,9 +96,9 @@ def search_title(shaking: Shaking) -> str:
 
 
 def _searched(
-    shaking: Shaking, scatter: Scatter, bracketing: Callable[[Levels], Bracket]
+    shaking: Shaking, scatter: Scatter, bracketing: Callable[[Levels], Bracket], expected: int = RUNS
 ) -> StageResult[Search]:
-    """Return the numbers of the bracket that `bracketing` finds with the levels (g)."""
+    """Return the numbers of the bracket that `bracketing` finds with the levels (g), in `expected` motions about."""
     title, motion, start = search_title(shaking), shaking.motion, shaking.start
     nothing = Search(
         record=motion.name,
@@ -109,7 +113,7 @@ def _searched(
     if isinstance(start, str):
         unanswered = nothing.replace(reason=start)
         return StageResult(shaking.state, "incremental", unanswered, warnings=[f"{title}: {start}"])
-    levels = Levels(shaking.model, motion, shaking.setting, start, scatter)
+    levels = Levels(shaking.model, motion, shaking.setting, start, scatter, expected)
     failures = []
     began = time.perf_counter()
     try:
@@ -147,13 +151,17 @@ class Member(Course):
 
 @dataclass
 class Levels:
-    """The ensembles of a search, by level (g): as many members of each as its question needs."""
+    """The ensembles of a search, by level (g): as many members of each as its question needs.
+
+    `expected`: motions of all of them, about.
+    """
 
     model: Assembly
     motion: BaseMotion
     setting: Setting
     start: State
     scatter: Scatter
+    expected: int = RUNS
     members: dict[float, list[Member]] = field(default_factory=dict)
 
     def some(self, pga: float) -> bool:
@@ -172,7 +180,10 @@ class Levels:
 
     def _run(self, pga: float, number: int) -> Member:
         factor = self.scatter.strongest_first[number] * pga / self.motion.pga
-        response = respond(self.model, self.motion, self.setting, self.start, factor)
+        done = sum(map(len, self.members.values()))
+        expected = max(self.expected, done + 1)
+        with stretch(done / expected, (done + 1) / expected):
+            response = respond(self.model, self.motion, self.setting, self.start, factor)
         return Member(
             response.time,
             response.displacement,

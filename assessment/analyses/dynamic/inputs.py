@@ -61,13 +61,14 @@ class Campaign:
         *more: object,
     ) -> list[StageResult[Found]]:
         """Return function(*task, *more) for every task, in order; `runs`: motions of one task, about."""
-        samples = sum(shaking.motion.record.acceleration.size for shaking, *_ in tasks)
+        samples = [shaking.motion.record.acceleration.size for shaking, *_ in tasks]
         return self.workers.each(
             stage,
             function,
             [(*task, *more) for task in tasks],
             [f"{shaking.state}, {shaking.motion.name}" for shaking, *_ in tasks],
-            runs * len(self.model.contacts) * samples > WORTHWHILE,
+            runs * len(self.model.contacts) * sum(samples) > WORTHWHILE,
+            samples,
         )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from assessment.results.schema.dynamic import Energy
 from mechanics import Assembly, State, TimeHistory, time_history
+from mechanics.progress import stretch
 from mechanics.types import GRAVITY, Array
 
 if TYPE_CHECKING:
@@ -106,10 +107,14 @@ def respond(
         )  # fmt: skip
 
     vertical = None if motion.vertical is None else factor * motion.vertical
-    parts = [run(factor * motion.record.acceleration, vertical, start, setting.ultimate)]
+    free = np.zeros(round(TAIL / step) + 2)
+    record = motion.record.acceleration.size / (motion.record.acceleration.size + free.size)
+    with stretch(0.0, record):
+        parts = [run(factor * motion.record.acceleration, vertical, start, setting.ultimate)]
     still = STILL * np.sqrt(GRAVITY * model.size)
     while _goes_on(parts, still):
-        parts.append(run(np.zeros(round(TAIL / step) + 2), None, parts[-1].final, None))
+        with stretch(record if len(parts) == 1 else 1.0, 1.0):
+            parts.append(run(free, None, parts[-1].final, None))
     return _joined(parts)
 
 

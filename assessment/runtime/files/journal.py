@@ -12,10 +12,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from assessment.runtime.pace import Pace
+
 if TYPE_CHECKING:
     from assessment.runtime.tasks import Show
 
 MOST_BYTES = 100_000_000  # that are read: half a million analyses
+SELDOM = 0.01  # of the time of a stage: how often it is written what is reached, 1 s at least
 NAME = ".assesto.journal"  # in the output folder, while a run is at work there and after one that was killed
 
 
@@ -31,26 +34,35 @@ def journal(folder: Path, show: Show) -> Iterator[Show]:
     path.unlink(missing_ok=True)
 
 
-@dataclass(frozen=True)
+@dataclass
 class Journal:
     """Writes each event as a line of JSON, so that a kill leaves all lines before it; tells `show` as well."""
 
     path: Path
     show: Show
+    began: float = 0.0
+    latest: float = 0.0
 
-    def begin(self, stage: str, total: int, taken: int) -> None:
+    def begin(self, stage: str, total: int, taken: int, work: float) -> None:
         """See Show."""
-        self._write(event="begin", stage=stage, total=total, taken=taken)
-        self.show.begin(stage, total, taken)
+        self._write(event="begin", stage=stage, total=total, taken=taken, work=work)
+        self.began = self.latest
+        self.show.begin(stage, total, taken, work)
 
     def under_way(self, title: str) -> None:
         """See Show."""
         self.show.under_way(title)
 
-    def advance(self) -> None:
+    def reached(self, done: float) -> None:
         """See Show."""
-        self._write(event="done")
-        self.show.advance()
+        if time.time() - self.latest >= max(1.0, SELDOM * (time.time() - self.began)):
+            self._write(event="reached", work=done)
+        self.show.reached(done)
+
+    def advance(self, done: float) -> None:
+        """See Show."""
+        self._write(event="done", work=done)
+        self.show.advance(done)
 
     def fault(self, title: str, reasons: Sequence[str]) -> None:
         """See Show."""
@@ -64,10 +76,11 @@ class Journal:
 
     def _write(self, **event: Any) -> None:
         """Append a line; if it cannot be written, the run goes on without it."""
+        self.latest = time.time()
         with suppress(OSError):
             descriptor = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
             try:
-                os.write(descriptor, (json.dumps({"time": time.time()} | event) + "\n").encode())
+                os.write(descriptor, (json.dumps({"time": self.latest} | event) + "\n").encode())
             finally:
                 os.close(descriptor)
 
@@ -79,9 +92,8 @@ class Stage:
     name: str
     total: int
     taken: int
-    began: float
+    pace: Pace
     done: int = 0
-    latest: float = 0.0
     ended: bool = False
     faults: list[tuple[str, list[str]]] = field(default_factory=list)
 
@@ -89,11 +101,6 @@ class Stage:
     def open(self) -> int:
         """Analyses that are not finished."""
         return self.total - self.taken - self.done
-
-    @property
-    def left(self) -> float | None:
-        """Time left, s, at the pace so far; None where nothing is finished yet."""
-        return (self.latest - self.began) / self.done * self.open if self.done else None
 
 
 def read_journal(folder: Path) -> list[Stage]:
@@ -116,15 +123,17 @@ def read_journal(folder: Path) -> list[Stage]:
 def _add(stages: list[Stage], event: Mapping[str, Any]) -> None:
     """Add an event to the stage that it is of, the last one; an event that is none raises and changes nothing."""
     kind, moment = event["event"], float(event["time"])
-    if not math.isfinite(moment):
-        raise ValueError(f"time: {moment}")
+    work = float(event["work"]) if kind in {"begin", "reached", "done"} else 0.0
+    if not math.isfinite(moment) or not math.isfinite(work):
+        raise ValueError(f"time: {moment}, work: {work}")
     if kind == "begin":
-        stages.append(Stage(str(event["stage"]), int(event["total"]), int(event["taken"]), moment))
+        pace = Pace(work, moment)
+        stages.append(Stage(str(event["stage"]), int(event["total"]), int(event["taken"]), pace))
     stage = stages[-1]
-    if kind == "done":
-        stage.done += 1
+    if kind in {"reached", "done"}:
+        stage.pace.reached(work, moment)
+        stage.done += kind == "done"
     elif kind == "fault":
         stage.faults.append((str(event["title"]), [str(reason) for reason in event["reasons"]]))
     elif kind == "end":
         stage.ended = True
-    stage.latest = moment

@@ -9,7 +9,7 @@ from __future__ import annotations
 import platform
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future, InvalidStateError
 from contextlib import suppress
 from typing import Any, TypeVar, TypeVarTuple
@@ -72,6 +72,10 @@ class Cluster:
         begun.add_done_callback(lambda ended: _hand_over(ended, self._client, done))
         done.remote = begun  # type: ignore[attr-defined]  # released, it would be cancelled
         return done
+
+    def shares(self) -> Mapping[int, float]:
+        """Return nothing: what workers of a cluster are at is not told."""
+        return {}
 
     def close(self, at_once: bool) -> None:
         """Leave the cluster; what it is at for this process is given up."""

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import queue
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, Self, TypeVar, TypeVarTuple
 
@@ -18,7 +19,11 @@ Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
 Key = TypeVar("Key")
 MOST = 61  # processes that Windows lets one wait for
+LOOK = 0.25  # s between two looks at what the processes are at
+CELLS = 1024  # more than there are processes
+NOTHING = -1.0  # in a cell: no task is at work
 _held: list[Any] = []  # in a process of a pool: what all of them were given
+_board: list[Any] = []  # in a process of a pool: its cells, see Pool.shares
 
 
 class KilledError(RuntimeError):
@@ -44,8 +49,11 @@ class Pool:
 
     def __init__(self, processes: int, held: Any = None) -> None:
         self.held = held
+        self._board = _cells() if processes else None
         self._executor = (
-            ProcessPoolExecutor(processes, initializer=_begin, initargs=(held,)) if processes else None
+            ProcessPoolExecutor(processes, initializer=_begin, initargs=(held, self._board))
+            if processes
+            else None
         )
 
     def submit(self, function: Callable[[*Arguments], Result], *arguments: *Arguments) -> Future[Result]:
@@ -68,6 +76,11 @@ class Pool:
             return self.submit(function, self.held, *arguments)
         return self.submit(_apply, function, arguments)
 
+    def shares(self) -> Mapping[int, float]:
+        """Return the share that is done of the tasks at work, by the numbers with which they `tell` it."""
+        told = [value for value in self._board or () if value >= 0.0]
+        return {int(value): value % 1.0 for value in told}
+
     def __enter__(self) -> Self:
         return self
 
@@ -84,17 +97,38 @@ class Pool:
         self._executor.shutdown(cancel_futures=True)
 
 
-def finished(begun: Mapping[Future[Result], Key]) -> Iterator[tuple[Key, Result]]:
-    """Yield key and result of every future as it is finished.
+def tell(number: int, share: float | None) -> None:
+    """In a process of a pool: tell the share that is done of the task of a number, None: it has ended.
+
+    Number and share are one value, which is written at once. Elsewhere, on a cluster, nobody is told.
+    """
+    for board in _board:
+        board[number % CELLS] = NOTHING if share is None else number + min(share, 0.999)
+
+
+def finished(
+    begun: Mapping[Future[Result], Key], meanwhile: Callable[[], object] = lambda: None
+) -> Iterator[tuple[Key, Result]]:
+    """Yield key and result of every future as it is finished; `meanwhile`: done every LOOK in which none is.
 
     Of those that are finished at one time the failed ones come last: nothing that was computed is lost. Raises what
     they raised, KilledError where a process was ended from outside.
     """
-    pending = dict(begun)
-    while pending:
-        done = wait(pending, return_when=FIRST_COMPLETED).done
+    ended: queue.SimpleQueue[Future[Result]] = queue.SimpleQueue()
+    for future in begun:
+        future.add_done_callback(ended.put)
+    left = len(begun)
+    while left:
+        try:
+            done = [ended.get(timeout=LOOK)]
+        except queue.Empty:
+            meanwhile()
+            continue
+        while not ended.empty():
+            done.append(ended.get())
+        left -= len(done)
         for future in sorted(done, key=lambda each: each.exception() is not None):
-            yield pending.pop(future), result_of(future)
+            yield begun[future], result_of(future)
 
 
 def result_of(future: Future[Result]) -> Result:
@@ -120,9 +154,17 @@ def _apply(function: Callable[..., Result], arguments: tuple[Any, ...]) -> Resul
     return function(_held[0], *arguments)
 
 
-def _begin(held: Any) -> None:
+def _cells() -> Any:
+    """Return memory that is shared with the processes to come; None where the system gives none: nothing is told."""
+    try:
+        return multiprocessing.RawArray("d", [NOTHING] * CELLS)
+    except OSError:
+        return None
+
+
+def _begin(held: Any, board: Any) -> None:
     """Leave interruptions to the parent; end when it says so, and with it however it ends."""
-    _held[:] = [held]
+    _held[:], _board[:] = [held], [board] if board is not None else []
     signal.set_wakeup_fd(-1)  # the parent's own
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)

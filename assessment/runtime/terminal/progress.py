@@ -16,6 +16,7 @@ from assessment.results.echo import turns
 from assessment.results.plain import plain
 from assessment.results.schema import Results
 from assessment.results.table import quoted_limit_state
+from assessment.runtime.pace import Pace
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -38,12 +39,11 @@ class TimeLeft:
 
 
 class Bars:
-    """A progress bar for the current stage with the time left, and a line for each finished stage."""
+    """A progress bar for the work of the current stage with the time left, and a line for each finished stage."""
 
     def __init__(self, console: Console) -> None:
         from rich.progress import (
             BarColumn,
-            MofNCompleteColumn,
             Progress,
             TextColumn,
             TimeElapsedColumn,
@@ -52,29 +52,33 @@ class Bars:
         columns = (
             TextColumn("{task.description}", markup=False),
             BarColumn(),
-            MofNCompleteColumn(),
+            TextColumn("{task.fields[count]}", markup=False),
             TimeElapsedColumn(),
             TextColumn("left"),
             TextColumn("{task.fields[left]}", markup=False),
         )
         self.progress = Progress(*columns, console=console, transient=True)
-        self.stage, self.total, self.taken, self.began = "", 0, 0, 0.0
 
-    def begin(self, stage: str, total: int, taken: int) -> None:
+    def begin(self, stage: str, total: int, taken: int, work: float) -> None:
         """See Show."""
-        self.stage, self.total, self.taken, self.began = stage, total, taken, time.perf_counter()
-        self.task = self.progress.add_task(stage, total=total, completed=taken, left=TimeLeft())
+        self.stage, self.total, self.taken, self.finished = stage, total, taken, taken
+        self.pace = Pace(work, time.perf_counter())
+        self.task = self.progress.add_task(stage, total=work, count=f"{taken}/{total}", left=TimeLeft())
 
     def under_way(self, title: str) -> None:
         """See Show."""
         self.progress.update(self.task, description=f"{self.stage}: {title}")
 
-    def advance(self) -> None:
+    def reached(self, done: float) -> None:
         """See Show."""
-        [task] = self.progress.tasks
-        now, done = time.perf_counter(), int(task.completed) + 1
-        each = (now - self.began) / (done - self.taken)
-        self.progress.update(self.task, advance=1, left=TimeLeft(now + each * (self.total - done)))
+        self.pace.reached(done, time.perf_counter())
+        count = f"{self.finished}/{self.total}"
+        self.progress.update(self.task, completed=done, count=count, left=TimeLeft(self.pace.ends))
+
+    def advance(self, done: float) -> None:
+        """See Show."""
+        self.finished += 1
+        self.reached(done)
 
     def fault(self, title: str, reasons: Sequence[str]) -> None:
         """See Show."""
@@ -85,7 +89,7 @@ class Bars:
         """See Show."""
         self.progress.remove_task(self.task)
         kept = f", {self.taken} taken over, inputs unchanged" if self.taken else ""
-        seconds = time.perf_counter() - self.began
+        seconds = time.perf_counter() - self.pace.began
         self.progress.console.print(
             f"· {self.stage}: {self.total}{kept}, {seconds:.1f} s", highlight=False, markup=False
         )

@@ -35,11 +35,9 @@ def _line(stage: Stage, running: bool) -> str:
         text += f", {len(stage.faults)} failed"
     if stage.ended or not running:
         return text
-    gone = time.time() - stage.began
-    left = (
-        "not known yet" if stage.left is None else _clock(max(0.0, stage.left - (time.time() - stage.latest)))
-    )
-    return f"{text}, {stage.open} in flight or waiting; {_clock(gone)} gone, left: {left}"
+    now, ends = time.time(), stage.pace.ends
+    left = "not known yet" if ends is None else _clock(max(0.0, ends - now))
+    return f"{text}, {stage.open} in flight or waiting; {_clock(now - stage.pace.began)} gone, left: {left}"
 
 
 def _finished(folder: Path) -> Iterator[str]:

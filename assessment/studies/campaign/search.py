@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from assessment.analyses.dynamic.bracket import BELOW, find_collapse
-from assessment.analyses.dynamic.ensemble import Scatter
+from assessment.analyses.dynamic.ensemble import PAIR, Scatter
 from assessment.analyses.dynamic.incremental import Levels, Member, point
 from assessment.analyses.dynamic.response import Setting
 from assessment.analyses.dynamic.time_history import thinned
@@ -120,7 +120,8 @@ def run_stripes(
             every,
         )
 
-    return _completed(Levels(model, motion, setting, start, scatter), struck, curves)
+    expected = len(pgas) * min(PAIR, scatter.members)
+    return _completed(Levels(model, motion, setting, start, scatter, expected), struck, curves)
 
 
 def _completed(levels: Levels, run: Callable[[Levels], Judged], curves: tuple[int, ...]) -> Combination:

@@ -167,13 +167,14 @@ def _run(
             tasks.append((*common, tuple(level / each.ratio for level in table.levels_g), curves))
         else:
             tasks.append((*common, table.max_scale, table.tolerance, curves))
-    samples = sum(distinct[key].motion.record.acceleration.size for key in order)
+    samples = [distinct[key].motion.record.acceleration.size for key in order]
     found: list[Combination] = workers.each(
         "campaign",
         run_stripes if table.levels_g else search_collapse,
         tasks,
         [distinct[key].title for key in order],
-        RUNS * len(model.contacts) * samples > WORTHWHILE,
+        RUNS * len(model.contacts) * sum(samples) > WORTHWHILE,
+        samples,
     )
     return dict(zip(order, found, strict=True))
 

@@ -25,6 +25,7 @@ from assessment.report.figures.index import pictures, write_figures
 from assessment.report.tables.index import tables
 from assessment.report.text.language import words_of
 from assessment.results.plain import plain
+from assessment.runtime import tasks
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.processes.pool import Pool
 from assessment.workflow.dynamic import read_motions
@@ -87,13 +88,16 @@ class Told:
     def __init__(self):
         self.lines = []
 
-    def begin(self, stage, total, taken):
+    def begin(self, stage, total, taken, work):
         self.lines.append(("begin", stage, total, taken))
 
     def under_way(self, title):
         self.lines.append(("under way", title))
 
-    def advance(self):
+    def reached(self, done):
+        pass  # how often depends on the machine
+
+    def advance(self, done):
         self.lines.append(("advance",))
 
     def end(self):
@@ -119,6 +123,22 @@ def test_incremental_analysis_tells_its_progress_and_is_the_same_on_several_proc
     ]
     assert told[0] == [("begin", "incremental", 4, 0), *one_by_one, ("end",)]
     assert told[1] == [("begin", "incremental", 4, 0), *[("advance",)] * 4, ("end",)]
+
+
+def test_the_time_left_of_a_run_of_one_history_is_told_before_it_is_finished(tmp_path, monkeypatch):
+    """It was not known until the end. Of 501 steps 200 and 400 are reached, and the free motion after them counts."""
+    monkeypatch.setattr(tasks, "LOOK", 0.0)  # however fast the machine is
+    project = _project(tmp_path / "block", TAIL.format(scale=0.2), 'states = ["original"]\n')
+    long = np.column_stack([STEP * np.arange(501), 0.3 * np.resize(WAVE, 501)])
+    np.savetxt(project.folder / "wave.csv", long, delimiter=",", fmt="%.8f")
+    monkeypatch.setattr(Told, "reached", lambda told, done: told.lines.append(("reached", done)))
+    show = Told()
+    run(load_project(project.folder), build_model(project), jobs=1, show=show)
+    begun = show.lines.index(("begin", "history", 2, 0))  # a pair of members
+    first = show.lines[begun + 1 : show.lines.index(("advance",), begun)]
+    reached = [line[1] for line in first if line[0] == "reached"]
+    record = 501 / (501 + FREE / STEP + 2)
+    assert reached[:3] == pytest.approx([share * 501 * record for share in (0.4, 0.8, 1.0)])
 
 
 def test_histories_of_both_states_and_records(outcome):

@@ -42,10 +42,10 @@ class Murder(Silence):
     def __init__(self, local):
         self.local, self.stage, self.killed = local, "", 0
 
-    def begin(self, stage, total, taken):
+    def begin(self, stage, total, taken, work):
         self.stage = stage
 
-    def advance(self):
+    def advance(self, done):
         if self.stage == "campaign" and not self.killed:
             self.killed = next(iter(self.local.workers.values())).pid
             os.kill(self.killed, signal.SIGKILL)

@@ -7,14 +7,17 @@ import signal
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import pytest
 
 from assessment.cli.main import main
 from assessment.runtime.cache import FOLDER, Store
+from assessment.runtime.files import journal as journals
 from assessment.runtime.files.journal import NAME, journal, read_journal
 from assessment.runtime.files.lock import locked
 from assessment.runtime.tasks import Silence
+from assessment.runtime.terminal import status as statuses
 from assessment.runtime.terminal.status import status
 from tests import ROOT
 from tests.support.block_project import contents, read_results, timeless
@@ -23,14 +26,14 @@ from tests.support.campaign_project import STRIPES, write_campaign
 
 def test_stages_failures_and_the_time_left_are_told(tmp_path):
     with locked(tmp_path), journal(tmp_path, Silence()) as show:
-        show.begin("campaign", 10, 4)
+        show.begin("campaign", 10, 4, 600.0)
         show.fault("wave", ["a step was not solved"])
-        show.advance()
-        show.advance()
+        show.advance(100.0)
+        show.advance(200.0)
         told = status(tmp_path)
         [stage] = read_journal(tmp_path)
-        stage.began, stage.latest = 0.0, 20.0
-    assert stage.open == 4 and stage.left == pytest.approx(40.0)
+        stage.pace.began, stage.pace.latest = 0.0, 20.0
+    assert stage.open == 4 and stage.pace.ends == pytest.approx(60.0)
     assert told.startswith("at work: process ")
     assert "campaign: 6 of 10 done (4 taken over), 1 failed, 4 in flight or waiting" in told
     assert "  failed: wave: a step was not solved" in told
@@ -38,10 +41,32 @@ def test_stages_failures_and_the_time_left_are_told(tmp_path):
     assert status(tmp_path).startswith("nothing has been run in")
 
 
+def test_the_time_left_is_told_before_an_analysis_is_finished(tmp_path, monkeypatch):
+    """It was not known before; what is reached is written seldom, however often it is told."""
+    clock = SimpleNamespace(now=1000.0)
+    monkeypatch.setattr(journals, "time", SimpleNamespace(time=lambda: clock.now))
+    monkeypatch.setattr(statuses, "time", SimpleNamespace(time=lambda: clock.now))
+    with locked(tmp_path), journal(tmp_path, Silence()) as show:
+        show.begin("history", 1, 0, 500.0)
+        clock.now += 0.5
+        show.reached(10.0)
+        assert "left: not known yet" in status(tmp_path)
+        clock.now += 39.5
+        show.reached(100.0)
+        assert "history: 0 of 1 done, 1 in flight or waiting; 0:00:40 gone, left: 0:02:40" in status(tmp_path)
+        clock.now += 60.0
+        assert "0:01:40 gone, left: 0:01:40" in status(tmp_path)
+        lines = len((tmp_path / NAME).read_text().splitlines())
+        for number in range(100):
+            clock.now += 0.1
+            show.reached(200.0 + number)
+        assert 5 <= len((tmp_path / NAME).read_text().splitlines()) - lines <= 10
+
+
 def test_a_line_that_a_kill_cut_short_is_left_out(tmp_path):
     lines = [
-        {"event": "begin", "stage": "campaign", "total": 3, "taken": 0, "time": 1.0},
-        {"event": "done", "time": 2.0},
+        {"event": "begin", "stage": "campaign", "total": 3, "taken": 0, "work": 3.0, "time": 1.0},
+        {"event": "done", "work": 1.0, "time": 2.0},
     ]
     (tmp_path / NAME).write_text("\n".join(map(json.dumps, lines)) + '\n{"event": "do')
     [stage] = read_journal(tmp_path)
@@ -53,17 +78,20 @@ def test_a_line_that_a_kill_cut_short_is_left_out(tmp_path):
     ]
 
 
-BEGUN = '{"event": "begin", "stage": "campaign", "total": 3, "taken": 0, "time": 1.0}'
+BEGUN = '{"event": "begin", "stage": "campaign", "total": 3, "taken": 0, "work": 3.0, "time": 1.0}'
 DAMAGED = (
     b"1",
     b"[1]",
     b'"x"',
     b"null",
     b"{}",
-    b'{"event": "done", "time": 1e400}',
-    b'{"event": "done", "time": "x"}',
-    b'{"event": "begin", "stage": "campaign", "total": "x", "taken": 0, "time": 1.0}',
-    b'{"event": "begin", "stage": "campaign", "total": 1e400, "taken": 0, "time": 1.0}',
+    b'{"event": "done", "work": 1.0, "time": 1e400}',
+    b'{"event": "done", "work": 1.0, "time": "x"}',
+    b'{"event": "done", "work": 1e400, "time": 2.0}',
+    b'{"event": "reached", "time": 2.0}',
+    b'{"event": "reached", "work": NaN, "time": 2.0}',
+    b'{"event": "begin", "stage": "campaign", "total": "x", "taken": 0, "work": 3.0, "time": 1.0}',
+    b'{"event": "begin", "stage": "campaign", "total": 1e400, "taken": 0, "work": 3.0, "time": 1.0}',
     b'{"event": "begin", "time": 1.0}',
     b'{"event": "fault", "time": 1.0, "title": "wave", "reasons": 3}',
     b"[" * 100_000,
@@ -74,7 +102,7 @@ DAMAGED = (
 @pytest.mark.parametrize("line", DAMAGED)
 def test_a_journal_that_is_damaged_is_read_as_far_as_it_tells_of_events(tmp_path, line):
     """Each was a traceback of `assesto status`."""
-    done = b'{"event": "done", "time": 2.0}'
+    done = b'{"event": "done", "work": 1.0, "time": 2.0}'
     (tmp_path / NAME).write_bytes(b"\n".join((done, line, BEGUN.encode(), line, done, line)))
     assert status(tmp_path).splitlines()[1] == "campaign: 1 of 3 done"
     (tmp_path / NAME).write_bytes(line + b"\n" + done)

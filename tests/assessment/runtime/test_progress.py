@@ -69,18 +69,20 @@ def test_the_bar_moves_with_the_analyses():
     from rich.console import Console
 
     bars = Bars(Console(file=StringIO(), force_terminal=True))
-    bars.begin("history", 4, 1)
+    bars.begin("history", 4, 1, 900.0)
     bars.under_way("original, history of [wave]")
-    bars.advance()
+    bars.reached(150.0)
     [task] = bars.progress.tasks
-    assert (task.completed, task.total) == (2, 4)
+    assert (task.completed, task.total, task.fields["count"]) == (150.0, 900.0, "1/4")
+    bars.advance(300.0)
+    assert (task.completed, task.total, task.fields["count"]) == (300.0, 900.0, "2/4")
     assert task.description == "history: original, history of [wave]"
     bars.end()
     assert not bars.progress.tasks
 
 
-def test_the_time_left_is_known_once_one_analysis_is_finished(monkeypatch):
-    """Two of four were taken over; one has taken 90 s: as much is left, and counts down. It needed a second one."""
+def test_the_time_left_is_known_before_an_analysis_is_finished(monkeypatch):
+    """Two of four were taken over. A third of one takes 30 s, as do the other five thirds: 150 s are left."""
     from rich.console import Console
 
     clock = SimpleNamespace(now=1000.0)
@@ -92,14 +94,18 @@ def test_the_time_left_is_known_once_one_analysis_is_finished(monkeypatch):
             bars.progress.console.print(bars.progress.get_renderable())
         return capture.get()
 
-    bars.begin("pushover", 4, 2)
+    bars.begin("pushover", 4, 2, 2.0)
     assert "left -:--:--" in without_colours(shown())
-    clock.now += 90.0
-    bars.advance()
+    clock.now += 30.0
+    bars.reached(1.0 / 3.0)
+    assert "left 0:02:30" in without_colours(shown())
+    clock.now += 60.0
+    assert "left 0:01:30" in without_colours(shown())
+    bars.advance(1.0)
     assert "left 0:01:30" in without_colours(shown())
     clock.now += 30.0
     assert "left 0:01:00" in without_colours(shown())
-    bars.advance()
+    bars.advance(2.0)
     assert "left 0:00:00" in without_colours(shown())
 
 
