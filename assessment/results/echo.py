@@ -43,6 +43,11 @@ def turns(echo: Echo) -> set[str]:
     }
 
 
+def limit_states(echo: Echo) -> list[str]:
+    """Return the limit states that were asked for."""
+    return list((echo.assessment or {}).get("limit_states", []))
+
+
 def local_limit(echo: Echo) -> tuple[float | None, str]:
     """Return the displacement limit that was given (m; None: none was) and its reason."""
     assessment = echo.assessment or {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -15,7 +15,7 @@ from assessment.results.schema.checks import Direction
 from assessment.results.schema.model import Joint
 from assessment.results.schema.part import known
 from assessment.results.schema.static import RigidPush
-from assessment.results.table import Row, Table, sense
+from assessment.results.table import Row, Table, columns_of, sense
 
 TOGETHER = 0.01  # of the largest velocity: across a joint, what does not part two blocks
 BY_HAND = 15  # macro-blocks that are printed and numbered; more are no check by hand
@@ -23,21 +23,6 @@ STILL = 1e-3  # of the largest velocity: a block that does not take part
 NOTHING = 1e-9  # kN, m or rad: what rounding leaves of zero
 EQUAL = 1e-6  # multipliers that differ by less are one
 FIGURES = 4  # significant figures that the reader is given, and that the check is made with
-COLUMNS = (
-    "state",
-    "direction",
-    "macro_block",
-    "blocks",
-    "weight_kN",
-    "seismic_weight_kN",
-    "x_G_m",
-    "z_G_m",
-    "omega",
-    "x_C_m",
-    "z_C_m",
-    "delta_x",
-    "delta_z",
-)
 
 
 @dataclass(frozen=True)
@@ -71,12 +56,46 @@ class MacroBlock:
     motion: Array
 
     @property
-    def centre(self) -> Array:
-        """Centre of rotation (2,) m; NaN for a translation."""
+    def centre(self) -> Array | None:
+        """Centre of rotation (2,) m; None for a translation."""
         dx, dz, w = self.motion
         if abs(w) < 1e-9:
-            return np.full(2, np.nan)
-        return self.centroid + np.array([-dz, dx]) / w
+            return None
+        found: Array = self.centroid + np.array([-dz, dx]) / w
+        return found
+
+
+@dataclass(frozen=True)
+class MacroBlockFigures:
+    """A macro-block as it is printed, every number rounded to the figures that the check is made with.
+
+    `macro_block`: its number; `blocks`: how many it is made of; (x_G_m, z_G_m) its centroid, (x_C_m, z_C_m) its centre
+    of rotation, None for a translation; `omega` rad, `delta_x` and `delta_z` m its motion as in `MacroBlock`.
+    """
+
+    state: str
+    direction: Direction
+    macro_block: int
+    blocks: int
+    weight_kN: float
+    seismic_weight_kN: float
+    x_G_m: float
+    z_G_m: float
+    omega: float
+    x_C_m: float | None
+    z_C_m: float | None
+    delta_x: float
+    delta_z: float
+
+    @property
+    def work_load(self) -> float:
+        """Work of the seismic weight along the loads, W_s δ_x, kNm."""
+        return sense(self.direction) * self.seismic_weight_kN * self.delta_x
+
+    @property
+    def work_weight(self) -> float:
+        """Work against the weight, W δ_z, kNm."""
+        return self.weight_kN * self.delta_z
 
 
 def macro_blocks(results: Results, state: str, direction: Direction) -> list[MacroBlock]:
@@ -111,11 +130,11 @@ def macro_blocks(results: Results, state: str, direction: Direction) -> list[Mac
 def macro_block_table(results: Results) -> Table:
     """List the macro-blocks of every mechanism, rounded to the figures that the check uses."""
     rows = [
-        row
+        asdict(figures)
         for name, direction, _ in mechanisms(results)
-        for row in _rows(name, direction, macro_blocks(results, name, direction))
+        for figures in figures_of(results, name, direction)
     ]
-    return Table("macro_blocks", rows, COLUMNS)
+    return Table("macro_blocks", rows, columns_of(MacroBlockFigures))
 
 
 def hand_checks(results: Results) -> Iterator[HandCheck]:
@@ -128,7 +147,7 @@ def hand_checks(results: Results) -> Iterator[HandCheck]:
             yield HandCheck(
                 state=name,
                 direction=direction,
-                macro_blocks=len(figures) - 1,
+                macro_blocks=len(figures),
                 alpha_mechanism=computed,
                 virtual_work_alpha=by_blocks,
                 deviation=by_blocks / computed - 1.0,
@@ -152,21 +171,48 @@ def governing_mechanisms(results: Results) -> list[tuple[str, Direction]]:
     return [(name, direction) for name, (direction, _) in least.items()]
 
 
-def figures_of(results: Results, state: str, direction: Direction) -> list[Row]:
-    """Return the rows of a mechanism with their virtual work, and the sums that give the multiplier."""
-    sign = sense(direction)
-    rows = _rows(state, direction, macro_blocks(results, state, direction))
-    for row in rows:
-        row["work_load"] = sign * row["seismic_weight_kN"] * row["delta_x"]
-        row["work_weight"] = row["weight_kN"] * row["delta_z"]
-    total = {key: sum(row[key] for row in rows) for key in ("blocks", "weight_kN", "seismic_weight_kN")}
-    works = {key: sum(row[key] for row in rows) for key in ("work_load", "work_weight")}
-    return [*rows, {"macro_block": "Σ", **total, **works}]
+def figures_of(results: Results, state: str, direction: Direction) -> list[MacroBlockFigures]:
+    """Return the macro-blocks of a mechanism as they are printed, the largest first."""
+    return [
+        MacroBlockFigures(
+            state=state,
+            direction=direction,
+            macro_block=number,
+            blocks=len(each.members),
+            weight_kN=_rounded(each.weight),
+            seismic_weight_kN=_rounded(each.seismic),
+            x_G_m=_rounded(each.centroid[0]),
+            z_G_m=_rounded(each.centroid[1]),
+            omega=_rounded(each.motion[2]),
+            x_C_m=None if each.centre is None else _rounded(each.centre[0]),
+            z_C_m=None if each.centre is None else _rounded(each.centre[1]),
+            delta_x=_rounded(each.motion[0]),
+            delta_z=_rounded(each.motion[1]),
+        )
+        for number, each in enumerate(macro_blocks(results, state, direction), 1)
+    ]
 
 
-def multiplier(rows: list[Row]) -> float:
+def virtual_work_table(figures: Sequence[MacroBlockFigures]) -> Table:
+    """List the macro-blocks of a mechanism with their virtual work, and the sums that give the multiplier."""
+    rows = [asdict(each) | _works(each.work_load, each.work_weight) for each in figures]
+    total: Row = {
+        "macro_block": "Σ",
+        "blocks": sum(each.blocks for each in figures),
+        "weight_kN": sum(each.weight_kN for each in figures),
+        "seismic_weight_kN": sum(each.seismic_weight_kN for each in figures),
+    } | _works(sum(each.work_load for each in figures), sum(each.work_weight for each in figures))
+    columns = columns_of(MacroBlockFigures)[2:]  # state and direction stand in the caption
+    return Table("macro_blocks", [*rows, total], (*columns, *_works(0.0, 0.0)))
+
+
+def _works(load: float, weight: float) -> Row:
+    return {"work_load": load, "work_weight": weight}
+
+
+def multiplier(figures: Sequence[MacroBlockFigures]) -> float:
     """Return α = Σ W δ_z / Σ W_s δ_x of the figures of a mechanism, δ_x along the loads; W_s seismic weights."""
-    return float(rows[-1]["work_weight"] / rows[-1]["work_load"])
+    return sum(each.work_weight for each in figures) / sum(each.work_load for each in figures)
 
 
 def mechanisms(results: Results) -> Iterator[tuple[str, Direction, RigidPush]]:
@@ -222,25 +268,5 @@ def outline_area(vertices: Any) -> float:
     return float(abs(np.dot(x, np.roll(z, -1)) - np.dot(z, np.roll(x, -1))) / 2.0)
 
 
-def _rows(state: str, direction: str, whole: list[MacroBlock]) -> list[Row]:
-    rows: list[Row] = []
-    for number, each in enumerate(whole, 1):
-        numbers = dict(
-            zip(
-                COLUMNS[4:],
-                (each.weight, each.seismic, *each.centroid, each.motion[2], *each.centre, *each.motion[:2]),
-                strict=True,
-            )
-        )
-        rounded = {key: _figures(float(value)) for key, value in numbers.items()}
-        rows.append(
-            {"state": state, "direction": direction, "macro_block": number, "blocks": len(each.members)}
-            | rounded
-        )
-    return rows
-
-
-def _figures(value: float) -> float | None:
-    if not np.isfinite(value):
-        return None
+def _rounded(value: float) -> float:
     return 0.0 if abs(value) < NOTHING else float(f"{value:.{FIGURES - 1}e}")

@@ -12,7 +12,7 @@ from assessment.results.outlines import Array
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.model import Face
-from assessment.results.schema.static import Frames
+from assessment.results.schema.static import Contacts, Frames
 from mechanics.model import NX, NZ, H, V, end_gaps, end_points
 from mechanics.types import Index
 
@@ -33,7 +33,7 @@ class Situation:
 
     state: str
     direction: Direction | None
-    contacts: str
+    contacts: Contacts
     alpha: float
     configuration: Array
     force: Array
@@ -102,7 +102,7 @@ def _rest(name: str, state: State) -> Iterator[Situation]:
 
 
 def _at(
-    name: str, direction: Direction | None, contacts: str, alpha: float, frames: Frames, point: int
+    name: str, direction: Direction | None, contacts: Contacts, alpha: float, frames: Frames, point: int
 ) -> Iterator[Situation]:
     kept = frames.index.index(point)
     if frames.force_kN[kept] is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 from assessment.ntc.limit_states import INDEXED, QUOTED, ROCK, SURFACE
@@ -32,6 +32,11 @@ def sense(direction: str) -> float:
 def reduction(original: float | None, settled: float | None) -> float | None:
     """Return 1 − settled/original: positive where the movement costs capacity; None where one is not known."""
     return None if not original or settled is None else 1.0 - settled / original
+
+
+def columns_of(row: type) -> tuple[str, ...]:
+    """Return the columns of a table whose rows are of a dataclass: its fields, in their order."""
+    return tuple(field.name for field in fields(row))
 
 
 def cells(part: Part, columns: Iterable[str]) -> Row:

@@ -14,11 +14,12 @@ from markupsafe import Markup
 
 from assessment.ntc.calculation import renamed
 from assessment.ntc.limit_states import CHECKS
+from assessment.report.chapters.grid import Grid
 from assessment.report.tables import capacity as capacity_tables
+from assessment.report.text.columns import check_name
 from assessment.report.text.formula import typeset
 from assessment.report.text.language import Words, direction_name
 from assessment.report.text.messages import translated
-from assessment.report.text.table_format import Grid, check_name
 from assessment.results.schema import Results
 from assessment.results.schema.model import Line as Step
 
@@ -158,7 +159,7 @@ def _merged(columns: Iterable[Column]) -> list[Line]:
 
 
 def _row(line: Line, columns: Iterable[Column], words: Words) -> list[Markup]:
-    unit = words.strings["unit"].get(line.unit, line.unit)
+    unit = words.name("unit", line.unit)
     return [
         typeset(line.symbol, words) + (f" [{unit}]" if unit else ""),
         typeset(line.formula, words) or words("value.datum"),
@@ -177,9 +178,8 @@ def _six_digits(value: float, words: Words) -> str:
 
 def _source(paragraph: str, words: Words) -> Markup:
     """Write where a number comes from in the language of the report; paragraphs of standards stay as they are."""
-    known = words.strings["source"]
     text = "; ".join(
-        ": ".join(known.get(part) or translated(part, words) for part in phrase.split(": "))
+        ": ".join(words.name("source", part, translated(part, words)) for part in phrase.split(": "))
         for phrase in paragraph.split("; ")
     )
     return Markup(re.sub(r"\b([A-Za-zα-ω])_(\w+)", r"\1<sub>\2</sub>", str(Markup.escape(text))))

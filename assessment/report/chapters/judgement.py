@@ -11,11 +11,12 @@ import numpy as np
 from markupsafe import Markup
 
 from assessment.ntc.limit_states import CHECKS
+from assessment.report.chapters.grid import ROUNDING
 from assessment.report.chapters.second_solver import agreement
 from assessment.report.tables.capacity import capacities, directions
 from assessment.report.tables.studies import bars
+from assessment.report.text.columns import check_name
 from assessment.report.text.language import Words, direction_name
-from assessment.report.text.table_format import ROUNDING, check_name
 from assessment.results.hand_check import hand_checks, mechanisms
 from assessment.results.reactions import balances
 from assessment.results.schema import Results

@@ -6,11 +6,9 @@ from collections.abc import Iterator
 
 from markupsafe import Markup
 
-from assessment.report.tables.index import second_solver
 from assessment.report.text.language import Words
 from assessment.results.hand_check import mechanisms
 from assessment.results.schema import Results
-from assessment.results.table import Row, Table
 
 AGREEMENT = 1e-6  # relative: two programs that differ by less agree
 
@@ -26,13 +24,6 @@ def told(results: Results, words: Words) -> Iterator[Markup]:
         yield words("text.no_second_solver")
 
 
-def reported_second_solver(results: Results, words: Words) -> Table:
-    """Return the table of both multipliers as the report has it: their difference in two digits."""
-    table = second_solver(results)
-    columns = tuple(column for column in table.columns if column != "sliding")
-    return Table(table.name, [_shown(row, columns, words) for row in table.rows], columns)
-
-
 def agreement(results: Results, words: Words) -> Iterator[Markup]:
     """Yield how far the two programs are apart at most, and where one of them found nothing."""
     found = [each.second_solver for _, _, each in mechanisms(results) if each.second_solver]
@@ -42,10 +33,3 @@ def agreement(results: Results, words: Words) -> Iterator[Markup]:
         yield words(f"judgement.second_{'agrees' if agree else 'differs'}", difference=max(known))
     if len(known) < len(found):
         yield words("judgement.second_missing", count=len(found) - len(known))
-
-
-def _shown(row: Row, columns: tuple[str, ...], words: Words) -> Row:
-    shown = {column: row[column] for column in columns}
-    if (difference := row["relative_difference"]) is not None:
-        shown["relative_difference"] = Markup.escape(words.number(difference, 2))
-    return shown

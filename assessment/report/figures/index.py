@@ -40,7 +40,7 @@ from assessment.report.figures.dynamic import (
 from assessment.report.figures.spectra import draw_demand, draw_spectra
 from assessment.report.figures.studies import draw_scenarios, draw_tornado, varied
 from assessment.report.figures.style import save_png, save_svg
-from assessment.report.tables.cracks import cracks
+from assessment.report.tables.cracks import cracks_of
 from assessment.report.text.language import Words, direction_name, slug, words_of
 from assessment.results.joint_states import situations
 from assessment.results.schema import Results, State
@@ -110,7 +110,7 @@ def pictures(results: Results) -> list[Picture]:
             found.append(
                 Picture(f"settlement_{slug(results, name)}", "settlements", draw, "settlement", fields)
             )
-            if cracks(results, [name]).rows:
+            if cracks_of(results, name):
                 draw = partial(draw_cracks, results, words, name)
                 found.append(
                     Picture(f"cracks_{slug(results, name)}", "cracks", draw, "cracks_drawing", fields)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
 from assessment.ntc.limit_states import CHECKS, LINEAR
 from assessment.results.schema import Results, State
@@ -100,22 +101,31 @@ def capacity_curves(results: Results) -> Table:
     return Table("capacity", rows, ("state", "direction", "d_star_m", "a_star_g"))
 
 
-def summary(results: Results) -> Table:
-    """Return the quantities of the paper's Table 1 per direction, a column per state, and the reductions.
+@dataclass(frozen=True)
+class SummaryLine:
+    """A quantity in one direction, of a check where `limit_state` is not empty: the value of each state that has it."""
 
-    A reduction is 1 − settled/original: positive where the movement costs capacity.
-    """
-    names = list(results.states)
+    direction: Direction
+    quantity: str
+    limit_state: str
+    values: Mapping[str, float | None]
+
+    def reduction(self, state: str) -> float | None:
+        """Return 1 − settled/original: positive where the movement costs capacity; None where one is not known."""
+        return reduction(self.values.get("original"), self.values.get(state))
+
+
+def summary(results: Results) -> Table:
+    """Return the quantities of the paper's Table 1 per direction, a column per state, and the reductions."""
     rows: list[Row] = []
-    for direction in directions(results):
-        for quantity, limit, values in _quantities(results, direction):
-            found: Row = {"direction": direction, "quantity": quantity, "limit_state": limit} | values
-            original = values.get("original")
-            for name in names:
-                if name != "original" and name in values:
-                    found[f"reduction: {name}"] = reduction(original, values[name])
-            rows.append(found)
-    columns = [column for name in names for column in _with_reduction(name)]
+    for line in (line for direction in directions(results) for line in summary_lines(results, direction)):
+        settled = [name for name in line.values if name != "original"]
+        rows.append(
+            {"direction": line.direction, "quantity": line.quantity, "limit_state": line.limit_state}
+            | dict(line.values)
+            | {f"reduction: {name}": line.reduction(name) for name in settled}
+        )
+    columns = [column for name in results.states for column in _with_reduction(name)]
     return Table("summary", rows, ("direction", "quantity", "limit_state", *columns))
 
 
@@ -283,17 +293,17 @@ def directions(results: Results) -> list[Direction]:
     return sorted({direction for state in results.states.values() for direction in state.pushover})
 
 
-def _quantities(results: Results, direction: Direction) -> Iterator[tuple[str, str, Row]]:
-    """Yield quantity, limit state and the value of each state that has it."""
+def summary_lines(results: Results, direction: Direction) -> Iterator[SummaryLine]:
+    """Yield every quantity of the summary that any state has in a direction."""
     of_states = [list(_sources(state, direction)) for state in results.states.values()]
     for sources in zip(*of_states, strict=True):
         quantity, limit, _ = sources[0]
-        values: Row = {}
+        values: dict[str, float | None] = {}
         for name, (_, _, part) in zip(results.states, sources, strict=True):
             if part is not None and (found := cells(part, [quantity])):
                 values[name] = found[quantity]
         if values:
-            yield quantity, limit, values
+            yield SummaryLine(direction, quantity, limit, values)
 
 
 def _sources(state: State, direction: Direction) -> Iterator[tuple[str, str, Part | None]]:

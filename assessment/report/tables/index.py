@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from assessment.report.chapters.joints import edge_pressures
 from assessment.report.tables.campaign import campaign_tables
 from assessment.report.tables.capacity import (
     action,
@@ -24,20 +22,19 @@ from assessment.report.tables.convergence import convergence_tables
 from assessment.report.tables.cracks import cracks
 from assessment.report.tables.dynamic import dynamic_tables
 from assessment.report.tables.indices import index_tables
+from assessment.report.tables.joints import edge_pressure_table
 from assessment.report.tables.loads import loads, vertical
-from assessment.report.tables.mechanisms import all_mechanisms
+from assessment.report.tables.mechanisms import all_mechanisms, mechanisms, second_solver
+from assessment.report.tables.ranges import static_ranges
 from assessment.report.tables.studies import study_tables
 from assessment.results.echo import material, taken_to_collapse
 from assessment.results.hand_check import hand_check, macro_block_table, outline_area
-from assessment.results.hand_check import mechanisms as found_mechanisms
 from assessment.results.reactions import balance, joint_table, reactions
 from assessment.results.schema import Results
 from assessment.results.schema.model import Block
-from assessment.results.schema.part import Part
 from assessment.results.table import Row, Table, cells
 from assessment.runtime.files.atomic_files import write_atomically
 
-OTHER_LAW = ("alpha_0_coulomb", "alpha_0_associative")
 RUN = ("=", "+", "-", "@", "\t", "\r")  # what a formula begins with in a spreadsheet
 
 
@@ -81,7 +78,7 @@ def tables(results: Results) -> list[Table]:
         reactions(results),
         balance(results),
         joint_table(results),
-        edge_pressures(results),
+        edge_pressure_table(results),
         cracks(results),
         macro_block_table(results),
         hand_check(results),
@@ -225,75 +222,6 @@ def pushdown_curves(results: Results) -> Table:
         )
     ]
     return Table("pushdown", rows, ("state", "contacts", "movement_m", "reaction_x_kN", "reaction_z_kN"))
-
-
-def mechanisms(results: Results) -> Table:
-    """List the rigid mechanism of every state and direction.
-
-    It is that of α0, beside it that by the other law of friction where the two differ; where the control point takes no
-    part in that mechanism, `mechanism_alpha` is the multiplier at which the one listed is activated.
-    """
-    rows = []
-    for name, direction, rigid in found_mechanisms(results):
-        mechanism = rigid.mechanism
-        rows.append(
-            {"state": name, "direction": direction, "alpha_0": rigid.alpha_0}
-            | ({} if mechanism.alpha == rigid.alpha_0 else {"mechanism_alpha": mechanism.alpha})
-            | cells(rigid, OTHER_LAW)
-            | cells(mechanism, ("hinges", "moving_weight_kN", "e_star", "gamma_star"))
-            | {"sliding_joints": len(mechanism.sliding_joints)}
-        )
-    named = [key for key in (*OTHER_LAW, "mechanism_alpha") if any(key in each for each in rows)]
-    columns = ("hinges", "sliding_joints", "moving_weight_kN", "e_star", "gamma_star")
-    return Table("mechanisms", rows, ("state", "direction", "alpha_0", *named, *columns))
-
-
-SECOND_SOLVER = ("alpha_0", "alpha_program", "alpha_linear_program", "relative_difference")
-
-
-def second_solver(results: Results) -> Table:
-    """List the multipliers of limit analysis by two programs, beside α0 and the friction law of its curve."""
-    rows = [
-        {
-            "state": name,
-            "direction": direction,
-            "sliding": rigid.sliding,
-            **cells(rigid.second_solver, SECOND_SOLVER),
-        }
-        for name, direction, rigid in found_mechanisms(results)
-        if rigid.second_solver
-    ]
-    return Table("second_solver", rows, ("state", "direction", "sliding", *SECOND_SOLVER))
-
-
-def static_ranges(results: Results) -> Table:
-    """List the ranges of the states whose paths scatter: what is used, and what the members of the ensemble found."""
-    rows: list[Row] = []
-    for name, state in results.states.items():
-        for contacts, path in state.pushdown.items():
-            rows += _ranges(path, {"state": name, "contacts": contacts})
-        for direction, pushover in state.pushover.items():
-            for contacts, curve in pushover.by_contacts.items():
-                rows += _ranges(curve, {"state": name, "direction": direction, "contacts": contacts})
-        for direction, capacity in state.capacity.items():
-            for limit, check in capacity.checks.items():
-                rows += _ranges(check, {"state": name, "direction": direction, "limit_state": limit})
-    columns = ("state", "direction", "contacts", "limit_state", "quantity", "value", "lowest", "highest")
-    return Table("static_ranges", rows, columns)
-
-
-def _ranges(part: Part, of: Row) -> Iterator[Row]:
-    """Yield every quantity of a part that has its range beside it."""
-    numbers = cells(part, type(part).model_fields)
-    for name, ends in numbers.items():
-        if name.endswith("_range"):
-            quantity = name.removesuffix("_range")
-            yield of | {
-                "quantity": quantity,
-                "value": numbers[quantity],
-                "lowest": ends[0],
-                "highest": ends[1],
-            }
 
 
 def pushover_curves(results: Results) -> Table:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from markupsafe import Markup
 
@@ -10,7 +10,9 @@ from assessment.ntc.vertical import THRUSTING_A_G
 from assessment.report.tables.capacity import capacities
 from assessment.report.text.language import Words
 from assessment.results.schema import Results
-from assessment.results.table import Row, Table, cells
+from assessment.results.schema.model import LayerLoads
+from assessment.results.schema.part import present
+from assessment.results.table import Table, cells
 
 LOADS = (
     "layer",
@@ -43,18 +45,26 @@ def loads(results: Results) -> Table:
 
 def reported_loads(results: Results, words: Words) -> Table:
     """Return the loads with their sums, without what no layer has."""
-    rows = loads(results).rows
-    varies = any(layer.variable_load_kN for layer in results.loads or [])
+    layers = results.loads or []
+    varies = any(layer.variable_load_kN for layer in layers)
     columns = tuple(column for column in LOADS if varies or column not in VARIABLE)
-    sums: Row = {"layer": words.plain("value.sum")}
-    sums |= {
-        key: sum(each[key] for each in rows) for key in columns if key == "blocks" or key.endswith("_kN")
-    }
-    kept = [
-        {key: each[key] for key in columns if each.get(key) is not None}
-        for each in ([*rows, sums] if len(rows) > 1 else rows)
-    ]
-    return Table("loads", kept, columns)
+    summed = [*layers, _sum(layers, words.plain("value.sum"))] if len(layers) > 1 else layers
+    return Table("loads", [present(cells(each, columns)) for each in summed], columns)
+
+
+def _sum(layers: Sequence[LayerLoads], name: str) -> LayerLoads:
+    """Return the loads of all layers together."""
+    return LayerLoads(
+        layer=name,
+        blocks=sum(layer.blocks for layer in layers),
+        own_weight_kN=sum(layer.own_weight_kN for layer in layers),
+        permanent_load_kN=sum(layer.permanent_load_kN for layer in layers),
+        variable_load_kN=sum(layer.variable_load_kN for layer in layers),
+        use_category=None,
+        psi_2=None,
+        combined_kN=sum(layer.combined_kN for layer in layers),
+        seismic_weight_kN=sum(layer.seismic_weight_kN for layer in layers),
+    )
 
 
 def vertical(results: Results) -> Table:

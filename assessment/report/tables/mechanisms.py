@@ -1,13 +1,18 @@
-"""One table of all mechanisms, those found by analysis and those chosen by the engineer, by macro-element."""
+"""Tables of mechanisms: found, by two programs, and together with those that the engineer chose."""
 
 from __future__ import annotations
 
+from markupsafe import Markup
+
 from assessment.ntc.limit_states import LINEAR
 from assessment.report.tables.capacity import capacities, mechanism_text
+from assessment.report.text.columns import WHOLE
+from assessment.report.text.language import Words
+from assessment.results.hand_check import mechanisms as found_mechanisms
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Direction, GivenMechanism
 from assessment.results.schema.part import Configuration, present
-from assessment.results.table import Row, Table
+from assessment.results.table import Row, Table, cells
 
 ALL = (
     "macro_element",
@@ -21,9 +26,58 @@ ALL = (
     "zeta_SLV",
     "zeta_SLC",
 )
-WHOLE = "*"  # the macro-element of a mechanism in which every layer moves
 MOVES = 1e-6  # of the largest displacement
 RATIOS = {"ratio_SLV_linear": "SLV linear", "zeta_SLV": "SLV", "zeta_SLC": "SLC"}
+OTHER_LAW = ("alpha_0_coulomb", "alpha_0_associative")
+SECOND_SOLVER = ("alpha_0", "alpha_program", "alpha_linear_program", "relative_difference")
+
+
+def mechanisms(results: Results) -> Table:
+    """List the rigid mechanism of every state and direction.
+
+    It is that of α0, beside it that by the other law of friction where the two differ; where the control point takes no
+    part in that mechanism, `mechanism_alpha` is the multiplier at which the one listed is activated.
+    """
+    rows = []
+    for name, direction, rigid in found_mechanisms(results):
+        mechanism = rigid.mechanism
+        rows.append(
+            {"state": name, "direction": direction, "alpha_0": rigid.alpha_0}
+            | ({} if mechanism.alpha == rigid.alpha_0 else {"mechanism_alpha": mechanism.alpha})
+            | cells(rigid, OTHER_LAW)
+            | cells(mechanism, ("hinges", "moving_weight_kN", "e_star", "gamma_star"))
+            | {"sliding_joints": len(mechanism.sliding_joints)}
+        )
+    named = [key for key in (*OTHER_LAW, "mechanism_alpha") if any(key in each for each in rows)]
+    columns = ("hinges", "sliding_joints", "moving_weight_kN", "e_star", "gamma_star")
+    return Table("mechanisms", rows, ("state", "direction", "alpha_0", *named, *columns))
+
+
+def second_solver(results: Results) -> Table:
+    """List the multipliers of limit analysis by two programs, beside α0 and the friction law of its curve."""
+    rows = [
+        {
+            "state": name,
+            "direction": direction,
+            "sliding": rigid.sliding,
+            **cells(rigid.second_solver, SECOND_SOLVER),
+        }
+        for name, direction, rigid in found_mechanisms(results)
+        if rigid.second_solver
+    ]
+    return Table("second_solver", rows, ("state", "direction", "sliding", *SECOND_SOLVER))
+
+
+def reported_second_solver(results: Results, words: Words) -> Table:
+    """Return the table as the report has it: without the friction law, and the difference in two digits."""
+    rows: list[Row] = []
+    for name, direction, rigid in found_mechanisms(results):
+        if pair := rigid.second_solver:
+            apart = pair.relative_difference
+            shown = None if apart is None else Markup.escape(words.number(apart, 2))
+            row = {"state": name, "direction": direction, **cells(pair, SECOND_SOLVER)}
+            rows.append(row | {"relative_difference": shown})
+    return Table("second_solver", rows, ("state", "direction", *SECOND_SOLVER))
 
 
 def all_mechanisms(results: Results) -> Table:
@@ -31,29 +85,23 @@ def all_mechanisms(results: Results) -> Table:
 
     Found ones are named by their hinges and sliding joints.
     """
-    rows: list[Row] = []
+    by_element: dict[str, list[Row]] = {}
     for name, direction, capacity in capacities(results):
         pushover = results.states[name].pushover.get(direction)
         if pushover and pushover.rigid:
-            found = mechanism_text(capacity.mechanism)
-            rows.append(
-                _row(results, found, name, direction, pushover.rigid.mechanism.displacements, capacity)
-            )
-    rows += [
-        _row(results, given.name, given.state, given.direction, given.displacements, given)
-        for given in results.mechanisms or []
-        if given.direction and given.displacements
-    ]
-    return Table("all_mechanisms", sorted(rows, key=lambda row: str(row["macro_element"])), ALL)
+            element = macro_element(results, pushover.rigid.mechanism.displacements)
+            row = _row(element, mechanism_text(capacity.mechanism), name, direction, capacity)
+            by_element.setdefault(element, []).append(row)
+    for given in results.mechanisms or []:
+        if given.direction and given.displacements:
+            element = macro_element(results, given.displacements)
+            row = _row(element, given.name, given.state, given.direction, given)
+            by_element.setdefault(element, []).append(row)
+    return Table("all_mechanisms", [row for _, rows in sorted(by_element.items()) for row in rows], ALL)
 
 
 def _row(
-    results: Results,
-    mechanism: str,
-    state: str,
-    direction: Direction,
-    displacements: Configuration,
-    found: Capacity | GivenMechanism,
+    element: str, mechanism: str, state: str, direction: Direction, found: Capacity | GivenMechanism
 ) -> Row:
     checks = found.checks
     if isinstance(found, GivenMechanism):
@@ -61,7 +109,7 @@ def _row(
     else:
         started = next((checks[name].a_star_g for name in LINEAR if name in checks), None)
     numbers = {
-        "macro_element": macro_element(results, displacements),
+        "macro_element": element,
         "mechanism": mechanism,
         "state": state,
         "direction": direction,

@@ -90,7 +90,7 @@ def _value(value: Any, words: Words, choice: bool) -> str:
     if isinstance(value, list):
         return "; ".join(_value(item, words, choice) for item in value)
     if isinstance(value, str) and choice:
-        return str(words.strings["setting"].get(value, direction_name(value)))
+        return words.name("setting", value, direction_name(value))
     if isinstance(value, str) and (count := GENERATED.fullmatch(value)):
         return words.plain("value.generate", number=count[1])
     return words.show(value)

@@ -40,6 +40,13 @@ class Words:
         """Return the string as plain text, for figures."""
         return str(self._find(key)).format(**{name: self.show(value) for name, value in values.items()})
 
+    def name(self, table: str, name: str, default: str | None = None) -> str:
+        """Return what a name of the program is called in a table of the strings; where it has none, the default or it.
+
+        Raises KeyError for a table that is not there.
+        """
+        return str(self.strings[table].get(name, name if default is None else default))
+
     def show(self, value: object) -> str:
         """Write a value of results.json: null is "not reached", floats have three significant digits."""
         if value is None:

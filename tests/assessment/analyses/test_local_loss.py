@@ -12,7 +12,8 @@ from assessment.ntc.verification import Method
 from assessment.project.catalogue.new_project import write_drawing
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.report.document import _local_limit, write_page
+from assessment.report.chapters.remarks import displacement_limits
+from assessment.report.document import write_page
 from assessment.report.figures.index import write_figures
 from assessment.report.text.language import Words
 from assessment.report.text.messages import translated
@@ -86,7 +87,7 @@ def test_the_check_is_made_with_it(tmp_path):
     assert limited.governing == "local limit"
     assert limited.d_star_m == pytest.approx(0.1 * state.capacity["+x"].gamma_star)
     results["states"]["original"]["pushover"]["+x"]["rigid"]["local_loss"] = loss.model_dump()
-    assert "perdere l’appoggio a 100 mm" in _local_limit(typed(results), Words.of("it"))
+    assert "perdere l’appoggio a 100 mm" in displacement_limits(typed(results), Words.of("it"))
     table = project.assessment.model_copy(update={"local_displacement_limit_m": 0.2})
     farther, warnings = project.model_copy(update={"assessment": table}), []
     assess(farther, model.assembly, lost, demands, warnings)
@@ -94,7 +95,9 @@ def test_the_check_is_made_with_it(tmp_path):
 
 
 def test_an_example_without_losses_says_nothing():
-    assert "local_displacement_limit_m" not in _local_limit(typed(results_example("en")), Words.of("en"))
+    assert "local_displacement_limit_m" not in displacement_limits(
+        typed(results_example("en")), Words.of("en")
+    )
 
 
 BEAM = """title = "Beam on two piers"

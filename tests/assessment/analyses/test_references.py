@@ -8,8 +8,8 @@ from assessment.ntc.capacity import capacity_curve
 from assessment.ntc.curve_fit import fit_rigid
 from assessment.ntc.demand.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method, verify
+from assessment.report.text.columns import heading
 from assessment.report.text.language import Words
-from assessment.report.text.table_format import heading
 from assessment.results.table import brought_together
 
 

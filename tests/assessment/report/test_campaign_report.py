@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
+from assessment.report.chapters.grid import grid
 from assessment.report.document import render_html
 from assessment.report.figures.campaign import (
     draw_campaign_curves,
@@ -20,7 +21,6 @@ from assessment.report.figures.campaign import (
 from assessment.report.figures.index import pictures
 from assessment.report.tables.campaign import LOSS, campaign_tables, reported_campaign
 from assessment.report.text.language import LANGUAGES, words_of
-from assessment.report.text.table_format import grid
 from assessment.results.plain import plain
 from assessment.results.schema import Campaign
 from assessment.studies.campaign.summary import Observed, Place, fragility, loss

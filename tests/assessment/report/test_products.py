@@ -11,9 +11,9 @@ from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.figures.style import PNG_DPI
 from assessment.report.tables.capacity import summary
 from assessment.report.tables.indices import indices
+from assessment.report.text.columns import cell
 from assessment.report.text.language import words_of
-from assessment.report.text.table_format import cell
-from assessment.results.hand_check import figures_of, governing_mechanisms, hand_check
+from assessment.results.hand_check import figures_of, governing_mechanisms, hand_check, virtual_work_table
 from assessment.results.reactions import balance, reactions
 from assessment.workflow.output import write
 from tests.support.analysed import SETTLED, analysed
@@ -75,8 +75,8 @@ def test_the_hand_check_is_printed_with_all_its_figures(text):
     words, table = words_of(typed(results)), hand_check(typed(results))
     rows = printed(table.rows, table.columns, words, 4)
     for state, direction in governing_mechanisms(typed(results)):
-        figures = figures_of(typed(results), state, direction)
-        rows += printed(figures, [key for key in figures[0] if key not in {"state", "direction"}], words, 4)
+        figures = virtual_work_table(figures_of(typed(results), state, direction))
+        rows += printed(figures.rows, figures.columns, words, 4)
     assert len(rows) >= 8
     assert [row for row in rows if row not in text] == []
 

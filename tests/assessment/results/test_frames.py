@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.report.chapters.joints import edge_pressures, joint_law, pressures_told, reported_pressures
+from assessment.report.chapters.joints import joint_law, pressures_told
+from assessment.report.tables.joints import edge_pressures, reported_pressures
 from assessment.report.text.language import words_of
 from assessment.results.faces import Met, described, faces_of
 from assessment.results.frames import MOST, chosen, pushdown_frames, pushover_frames, snapshots
@@ -245,18 +246,18 @@ def test_four_hinges_at_the_onset_of_an_arch_and_open_joints_there():
 
 def test_edge_pressures_are_the_greatest_of_the_elastic_joints_and_crushing_bounds_them():
     results = analysed()
-    rows = edge_pressures(typed(results)).rows
+    found = edge_pressures(typed(results))
     joints = [row for row in joint_table(typed(results)).rows if row["contacts"] == "elastic"]
-    for row in rows:
-        own = [each["edge_pressure_kN_m2"] for each in joints if each["joint"] == row["joint"]]
-        assert row["edge_pressure_kN_m2"] == row["uncrushed_pressure_kN_m2"] == max(own)
-        assert np.isfinite(row["edge_pressure_kN_m2"])
-    greatest = rows[0]["edge_pressure_kN_m2"]
+    for pressed in found:
+        own = [each["edge_pressure_kN_m2"] for each in joints if each["joint"] == pressed.joint]
+        assert pressed.edge_pressure_kN_m2 == pressed.uncrushed_pressure_kN_m2 == max(own)
+        assert np.isfinite(pressed.edge_pressure_kN_m2)
+    greatest = found[0].edge_pressure_kN_m2
     for joint in results["geometry"]["joints"]:
         joint["compressive_strength_kN_m2"] = 0.5 * greatest
-    crushed = edge_pressures(typed(results)).rows
-    assert crushed[0]["edge_pressure_kN_m2"] == pytest.approx(0.5 * greatest)
-    assert crushed[0]["uncrushed_pressure_kN_m2"] == greatest
+    crushed = edge_pressures(typed(results))
+    assert crushed[0].edge_pressure_kN_m2 == pytest.approx(0.5 * greatest)
+    assert crushed[0].uncrushed_pressure_kN_m2 == greatest
 
 
 def test_pressures_without_bound_are_a_sentence_and_no_table():
@@ -267,7 +268,7 @@ def test_pressures_without_bound_are_a_sentence_and_no_table():
         for curves in state["pushover"].values():
             curves["elastic"] = None
     words = words_of(typed(results))
-    assert np.isinf(edge_pressures(typed(results)).rows[0]["edge_pressure_kN_m2"])
+    assert np.isinf(edge_pressures(typed(results))[0].edge_pressure_kN_m2)
     assert reported_pressures(typed(results)).rows == []
     assert "press without bound" in pressures_told(typed(results), words)
     assert "greatest edge pressure" not in " ".join(joint_law(typed(results), words, elastic=False))

@@ -12,10 +12,11 @@ from markupsafe import Markup
 from assessment.report.chapters.judgement import RESIDUALS, all_warnings, draft_judgement
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import index as tables
+from assessment.report.tables import mechanisms as mechanism_tables
 from assessment.report.tables import studies as study_tables
 from assessment.report.tables.convergence import convergence_tables
+from assessment.report.text.columns import check_name
 from assessment.report.text.language import direction_name, words_of
-from assessment.report.text.table_format import check_name
 from assessment.results.hand_check import hand_check
 from assessment.results.reactions import balance
 from assessment.results.table import reference_of
@@ -70,10 +71,10 @@ class Read:
 TABLES = (
     capacity_tables.verification,
     capacity_tables.chosen_checks,
-    tables.mechanisms,
+    mechanism_tables.mechanisms,
     tables.settlements,
     tables.quality,
-    tables.second_solver,
+    mechanism_tables.second_solver,
     study_tables.scenarios,
     study_tables.tornado,
     hand_check,

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from assessment.analyses.checks.capacity import governing, safety_index
 from assessment.report.chapters.judgement import RESIDUALS
-from assessment.report.tables import index as tables
+from assessment.report.tables.mechanisms import SECOND_SOLVER
 from assessment.results.plain import plain
 from assessment.results.quality import quality_of
 from assessment.results.schema import State
@@ -34,7 +34,7 @@ CAPACITY = st.one_of(st.none(), st.floats(0.001, 1.5), st.sampled_from([0.1, 0.2
 DIFFERENCE = st.one_of(st.none(), st.floats(-1e-4, 1e-4), st.floats(-1e-6, 1e-6))
 SECOND = st.one_of(
     st.none(),
-    DIFFERENCE.map(lambda each: dict(zip(tables.SECOND_SOLVER, (0.1, 0.1, 0.1, each), strict=True))),
+    DIFFERENCE.map(lambda each: dict(zip(SECOND_SOLVER, (0.1, 0.1, 0.1, each), strict=True))),
 )
 RESIDUAL = st.one_of(st.just(0.0), st.floats(1e-12, 1e-2))
 

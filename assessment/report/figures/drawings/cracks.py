@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from assessment.report.figures.drawings.deformed import INK, fill_roles, foot, legend, union
 from assessment.report.figures.drawings.labels import LETTER, POINT_MM, Labels
 from assessment.report.figures.style import Sheet, sheet
-from assessment.report.tables.cracks import PRINTED, cracks
+from assessment.report.tables.cracks import PRINTED, cracks_of
 from assessment.report.text.language import Words
 from assessment.results.outlines import Array, Outlines, outlines
 from assessment.results.schema import Results
@@ -35,9 +35,9 @@ def draw_cracks(results: Results, words: Words, state: str) -> Figure:
     axes = page.panels[0]
     fill_roles(axes, shape, results)
     labels = Labels(page, axes)
-    rows = cracks(results, [state]).rows
+    found = cracks_of(results, state)
     middle = np.asarray(shape.bounds).reshape(2, 2).mean(axis=0)
-    ends = {row["joint"]: _face(results, shape, row["joint"]) for row in rows}
+    ends = {crack.joint: _face(results, shape, crack.joint) for crack in found}
     for face in ends.values():
         axes.plot(*face.T, **CRACK)
     rings = shape.rings(range(len(shape.centroids)))
@@ -46,8 +46,8 @@ def draw_cracks(results: Results, words: Words, state: str) -> Figure:
         if size >= SMALLEST_PT:
             supports = results.geometry.blocks[number].support is not None  # drawn dark
             labels.put(str(number), centroid, fontsize=size, color="1.0" if supports else "0.25")
-    for row in rows[:PRINTED]:
-        labels.write(f"G{row['joint']}", _beside(page, ends[row["joint"]], middle), **NUMBER)
+    for crack in found[:PRINTED]:
+        labels.write(f"G{crack.joint}", _beside(page, ends[crack.joint], middle), **NUMBER)
     legend(page, [Line2D([], [], **CRACK, label=words.plain("figure.crack"))])
     return page.figure
 

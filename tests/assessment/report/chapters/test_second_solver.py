@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from assessment.report.chapters.second_solver import agreement, reported_second_solver, told
+from assessment.report.chapters.second_solver import agreement, told
 from assessment.report.tables.index import second_solver
+from assessment.report.tables.mechanisms import reported_second_solver
 from assessment.report.text.language import words_of
 from tests.support.results_example import results_example
 from tests.support.typed import typed
@@ -39,9 +40,9 @@ def test_the_table_has_enough_digits_to_compare(language, number):
     assert len(rows) == 4 and [row["relative_difference"] for row in rows] == [words.number(3e-10, 2)] * 4
     text = " ".join(told(results, words))
     assert "HiGHS" in text and "Coulomb" not in text
-    from assessment.report.document import _grids
+    from assessment.report.chapters.printed_tables import printed_tables
 
-    cells = _grids(results, words)["second_solver"].rows[0]
+    cells = printed_tables(results, words)["second_solver"].rows[0]
     assert cells.count(number) == 2
 
 

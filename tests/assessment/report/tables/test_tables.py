@@ -7,12 +7,13 @@ import pandas as pd
 import pytest
 
 from assessment.project.project import json_schema
+from assessment.report.chapters.grid import grid, ranges_grid
 from assessment.report.tables.capacity import summary, trace, verification
 from assessment.report.tables.index import blocks, layers, write_tables
 from assessment.report.tables.mechanisms import all_mechanisms
+from assessment.report.tables.ranges import Range
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import LANGUAGES, Words
-from assessment.report.text.table_format import grid, ranges_grid
 from assessment.results.hand_check import hand_check
 from assessment.results.table import Table
 from tests.support.results_example import SETTLED, results_example
@@ -209,9 +210,8 @@ def test_mechanisms_found_and_chosen_stand_in_one_table():
 
 def test_ranges_say_what_an_acceleration_refers_to():
     """The table of ranges printed "a_g [g]" alone; a ratio of its a_g says nothing more, and is left out."""
-    check = {"state": "moved", "direction": "+x", "limit_state": "SLV", "lowest": 0.1, "highest": 0.2}
-    rows = [check | {"quantity": quantity, "value": 0.1} for quantity in ("a_g_g", "zeta_E")]
-    made = ranges_grid(Table("static_ranges", rows, ()), Words.of("it"))
+    found = [Range("moved", "+x", None, "SLV", quantity, 0.1, 0.1, 0.2) for quantity in ("a_g_g", "zeta_E")]
+    made = ranges_grid(found, Words.of("it"))
     assert [row[3].striptags() for row in made.rows] == ["ag su suolo rigido [g] SLV"]
 
 

@@ -1,0 +1,143 @@
+"""Tables of results as cells of text in the report's language and units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from markupsafe import Markup
+
+from assessment.ntc.limit_states import CHECKS, INDEXED, ROCK
+from assessment.report.tables.capacity import SummaryLine, directions, summary_lines
+from assessment.report.tables.ranges import Range
+from assessment.report.text.columns import cell, check_name, heading, is_text, written
+from assessment.report.text.language import Words, direction_name
+from assessment.results.schema import Results
+from assessment.results.table import Table, reference_of
+
+LETTERS = 125.0  # of average width in a row of a table
+AT_ONSET = {name for name in CHECKS if name not in INDEXED}
+ROUNDING = 1e-9  # a reduction no larger is none
+REDUCTIONS = 3  # settled states beside the original in one table
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A table of the report: headings (HTML) and rows of cells; `text` marks the columns of words."""
+
+    caption: Markup
+    head: list[Markup]
+    rows: list[list[Markup]]
+    text: list[bool]
+
+    @property
+    def widths(self) -> list[float]:
+        """Return the widths of the columns in per cent: numbers stay whole, words make room by wrapping."""
+        whole, least = [], []
+        for head, cells, text in zip(self.head, zip(*self.rows, strict=True), self.text, strict=True):
+            title = max(1.2 * _room(word) for word in _parted(head))
+            words = max(_room(word) for cell in cells for word in _parted(cell)) if text else 0.0
+            whole.append(2.0 + min(36.0, max(6.0, title, *(_room(cell.striptags()) for cell in cells))))
+            least.append(2.0 + min(36.0, max(title, words)) if text else whole[-1])
+        spare = sum(whole) - sum(least)
+        give = min(1.0, max(0.0, sum(whole) - LETTERS) / spare) if spare > 0.0 else 0.0
+        kept = [wide - give * (wide - narrow) for wide, narrow in zip(whole, least, strict=True)]
+        return [round(100.0 * wide / sum(kept), 2) for wide in kept]
+
+
+def _parted(cell: Markup) -> list[str]:
+    return cell.striptags().split() or [""]
+
+
+def _room(text: str) -> float:
+    """Return the width of a text in average letters; capitals and digits are wider."""
+    capitals, digits = (sum(map(kind, text)) for kind in (str.isupper, str.isdigit))
+    return len(text) + 0.4 * capitals + 0.15 * digits
+
+
+def grid(table: Table, words: Words, caption: Markup, significant: int = 3, reference: str = ROCK) -> Grid:
+    """Write a table for the report, without the columns that no row has; `reference`: of a_g, rock or surface."""
+    columns = [column for column in table.columns if any(column in row for row in table.rows)]
+    return Grid(
+        caption,
+        [heading(column, words, reference) for column in columns],
+        [[cell(column, row, words, significant) for column in columns] for row in table.rows],
+        [is_text(column) for column in columns],
+    )
+
+
+def summary_grids(results: Results, words: Words) -> Iterator[Grid]:
+    """Write the paper's Table 1: per direction a column per state, each settled one with its reduction."""
+    settled = [name for name in results.states if name != "original"]
+    portions = [settled[i : i + REDUCTIONS] for i in range(0, len(settled), REDUCTIONS)] or [[]]
+    for direction in directions(results):
+        lines = [line for line in summary_lines(results, direction) if not _again(line)]
+        for names in portions:
+            head = [words("column.quantity"), Markup.escape(words.state("original"))]
+            for name in names:
+                head += [Markup.escape(name), words("column.reduction")]
+            yield Grid(
+                words("caption.summary", direction=direction_name(direction)),
+                head,
+                [_summary_row(line, names, words, reference_of(results)) for line in lines],
+                [True] + [False] * (len(head) - 1),
+            )
+
+
+def ranges_grid(ranges: Sequence[Range], words: Words, reference: str = ROCK) -> Grid:
+    """Write the ranges of paths that scatter: a row a quantity, under the contacts or the check that it is of.
+
+    Ratios are left out: they are those of the a_g above them. `reference`: of a_g, rock or surface.
+    """
+    head = ("state", "direction", "contacts", "quantity", "used", "lowest", "highest")
+    return Grid(
+        words("caption.static_ranges"),
+        [words(f"column.{column}") for column in head],
+        [_range_row(each, words, reference) for each in ranges if each.quantity != "zeta_E"],
+        [is_text(column) for column in head],
+    )
+
+
+def _range_row(of: Range, words: Words, reference: str) -> list[Markup]:
+    where = [
+        written("state", of.state, words),
+        written("direction", of.direction, words),
+        written("contacts", of.contacts, words),
+    ]
+    label = heading(of.quantity, words, reference) + _limit(of.limit_state or "", words)
+    return [*where, label, *(written(of.quantity, end, words) for end in (of.value, of.lowest, of.highest))]
+
+
+def _limit(limit_state: str, words: Words) -> Markup:
+    """Write the limit state behind the quantity that belongs to it."""
+    return (
+        Markup(" <span class='limit'>{}</span>").format(check_name(limit_state, words))
+        if limit_state
+        else Markup()
+    )
+
+
+def _again(line: SummaryLine) -> bool:
+    """Return whether a row says once more what it has above: checks of the onset are rigid, or at d_y* and T_0."""
+    return line.quantity in {"d_star_m", "T_s"} and line.limit_state in AT_ONSET
+
+
+def _summary_row(line: SummaryLine, names: list[str], words: Words, reference: str) -> list[Markup]:
+    indexed = line.quantity == "zeta_E" and line.limit_state.partition(" ")[0] in INDEXED
+    label = heading("index" if indexed else line.quantity, words, reference)
+    cells = [label + _limit(line.limit_state, words), _value(line, "original", words)]
+    for name in names:
+        cells += [_value(line, name, words), _reduction(line, name, words)]
+    return cells
+
+
+def _value(line: SummaryLine, state: str, words: Words) -> Markup:
+    known = state in line.values
+    return written(line.quantity, line.values[state], words) if known else words("value.none")
+
+
+def _reduction(line: SummaryLine, state: str, words: Words) -> Markup:
+    loss = line.reduction(state)
+    if loss is None:
+        return words("value.none")
+    return Markup.escape(words.number(100.0 * loss if abs(loss) > ROUNDING else 0.0))

@@ -1,0 +1,93 @@
+"""Sentences that a chapter has where the results call for them: what is missing, what limits, how a curve begins."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from markupsafe import Markup
+
+from assessment.ntc.limit_states import QUOTED
+from assessment.report.tables.capacity import directions
+from assessment.report.text.language import Words, direction_name
+from assessment.results.echo import limit_states, local_limit
+from assessment.results.hand_check import BY_HAND, figures_of, governing_mechanisms, mechanisms
+from assessment.results.schema import Results
+from assessment.results.schema.static import Contacts
+
+PLACES = 3  # of a displacement in mm: what is less is rounding
+ONSET = 0.01  # of α_0: an onset below it by more closes hinges first
+
+
+def too_many(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield a sentence for each mechanism of more macro-blocks than a hand works out."""
+    for name, direction in governing_mechanisms(results):
+        count = len(figures_of(results, name, direction))
+        if count > BY_HAND:
+            where = {"state": words.state(name), "direction": direction_name(direction)}
+            yield words("text.many_macro_blocks", count=count, **where)
+
+
+def displacement_limits(results: Results, words: Words) -> Markup:
+    """Return where the displacement limits come from: shares of d_0, and the local limit where one is given."""
+    limit, reason = local_limit(results.echo)
+    if limit is None:
+        return Markup(" ").join([words("text.limits"), *_losses(results, words)])
+    reason = reason or words.plain("value.no_reason")
+    return words("text.limits") + Markup(" ") + words("text.local_limit", limit=1000.0 * limit, reason=reason)
+
+
+def _losses(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield where a path loses a joint that bears: the local limit of its direction, where the project gives none."""
+    for name, direction, rigid in mechanisms(results):
+        if loss := rigid.local_loss:
+            yield words(
+                "text.local_loss",
+                state=words.state(name),
+                direction=direction_name(direction),
+                first=loss.blocks[0],
+                second=loss.blocks[1],
+                overlap=1000.0 * loss.overlap_m,
+                limit=1000.0 * loss.displacement_m,
+            )
+
+
+def farthest_limit_state(results: Results) -> str:
+    """Return the farthest limit state that was asked for, of which losses are told; empty where none was."""
+    asked = limit_states(results.echo)
+    return next((limit for limit in QUOTED if limit in asked), "")
+
+
+def contacts_of(results: Results) -> list[Contacts]:
+    """Return the kinds of contact of which there is any curve."""
+    found: set[Contacts] = set()
+    for state in results.states.values():
+        found.update(state.pushdown, *(pushover.by_contacts for pushover in state.pushover.values()))
+    kinds: tuple[Contacts, ...] = ("rigid", "elastic")
+    return [contacts for contacts in kinds if contacts in found]
+
+
+def missing_pushovers(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield a sentence for each state without the pushover that another state has."""
+    for direction in directions(results):
+        for name, state in results.states.items():
+            if direction not in state.pushover:
+                yield words(
+                    "text.missing_pushover", state=words.state(name), direction=direction_name(direction)
+                )
+
+
+def onsets(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield a sentence for each curve that begins, at `alpha_onset`, by closing hinges of the settlement."""
+    for name, direction, rigid in sorted(mechanisms(results), key=lambda each: each[1]):
+        if rigid.alpha_onset < (1.0 - ONSET) * rigid.alpha_0:
+            alpha = rigid.curve.multiplier
+            peak = alpha.index(max(alpha))
+            yield words(
+                "text.onset",
+                state=words.state(name),
+                direction=direction_name(direction),
+                onset=words.show(rigid.alpha_onset),
+                least=words.show(min(alpha[: peak + 1])),
+                alpha_0=words.show(rigid.alpha_0),
+                place=words.show(round(1000.0 * abs(rigid.curve.displacement_m[peak]), PLACES)),
+            )

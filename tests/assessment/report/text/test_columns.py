@@ -1,0 +1,34 @@
+"""How columns are written: units of the heading, digits, dashes; no specification of a column that there is not."""
+
+import pytest
+
+from assessment.report.text.columns import COLUMNS, cell, heading, written
+from assessment.report.text.language import LANGUAGES, Words
+
+ENGLISH = Words.of("en")
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_specified_column_has_a_heading(language):
+    assert COLUMNS.keys() <= Words.of(language).strings["column"].keys()
+
+
+def test_a_value_is_written_in_the_unit_of_its_heading():
+    assert heading("d_0_m", ENGLISH, "rock").striptags() == "d0 [mm]"
+    assert written("d_0_m", 0.01234, ENGLISH) == "12.3"
+    assert heading("static_loss", ENGLISH, "rock").endswith("[%]")
+    assert written("static_loss", 0.1234, ENGLISH) == "12", "no more digits than it is known with"
+    assert written("weight_kN", 12.34, ENGLISH) == "12.3", "any other number as results.json has it"
+
+
+def test_only_the_headings_of_accelerations_say_what_they_refer_to():
+    assert ENGLISH.plain("value.on_surface") in heading("a_g_g", ENGLISH, "surface")
+    assert ENGLISH.plain("value.on_surface") in heading("pga_g", ENGLISH, "rock")
+    assert ENGLISH.plain("value.on_rock") not in heading("alpha_0", ENGLISH, "rock")
+
+
+def test_what_is_not_there_is_told_from_what_was_not_reached():
+    dash, not_reached = ENGLISH("value.none"), ENGLISH("value.not_reached")
+    assert cell("d_0_m", {}, ENGLISH) == dash != not_reached
+    assert cell("d_0_m", {"d_0_m": None}, ENGLISH) == not_reached
+    assert written("x_C_m", None, ENGLISH) == written("direction", None, ENGLISH) == dash
