@@ -248,10 +248,10 @@ def test_edge_pressures_are_the_greatest_of_the_elastic_joints_and_crushing_boun
     results = analysed()
     found = edge_pressures(typed(results))
     joints = [row for row in joint_table(typed(results)).rows if row["contacts"] == "elastic"]
-    for pressed in found:
-        own = [each["edge_pressure_kN_m2"] for each in joints if each["joint"] == pressed.joint]
-        assert pressed.edge_pressure_kN_m2 == pressed.uncrushed_pressure_kN_m2 == max(own)
-        assert np.isfinite(pressed.edge_pressure_kN_m2)
+    for each in found:
+        own = [row["edge_pressure_kN_m2"] for row in joints if row["joint"] == each.joint]
+        assert each.edge_pressure_kN_m2 == each.uncrushed_pressure_kN_m2 == max(own)
+        assert np.isfinite(each.edge_pressure_kN_m2)
     greatest = found[0].edge_pressure_kN_m2
     for joint in results["geometry"]["joints"]:
         joint["compressive_strength_kN_m2"] = 0.5 * greatest
