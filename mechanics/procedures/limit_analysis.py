@@ -15,7 +15,7 @@ from mechanics.program import LARGEST_MULTIPLIER, Certificate, Solution
 from mechanics.solvers import solve
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.equilibrium import ClosedProgram, check_self_weight, closed_program
-from mechanics.steps.static_system import Sliding
+from mechanics.steps.static_system import Sliding, check_sliding
 from mechanics.steps.tolerances import LIMIT
 from mechanics.types import Array
 
@@ -48,8 +48,10 @@ def limit_analysis(
 
     `state`: default as drawn. `sliding`: "associative", as in the paper, opens a joint that slides; "coulomb" does not:
     its multiplier is not unique, see limit_in. Raises UnstableError if the joints
-    cannot carry gravity alone, NoEquilibriumError if the load meets no mechanism (an interlocked assembly).
+    cannot carry gravity alone, NoEquilibriumError if the load meets no mechanism (an interlocked assembly),
+    ArgumentError for an argument out of its range.
     """
+    check_sliding(sliding)
     state = model.starting(state)
     check_self_weight(model, state)
     return limit_in(model, direction, state, sliding)

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
-from mechanics.kernels.joint import H
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import limit_analysis
-from mechanics.program import Certificate, bed_gaps, end_forces
+from mechanics.program import Certificate
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import lifted, motion_to_rest
@@ -26,13 +23,11 @@ class StartTolerances:
     """Tolerances of the start of a curve.
 
     `first`: load of the first step of an elastic curve, as a share of the rigid multiplier; `settled`: first step from
-    a settled state, whose open hinges may close first, as a share of an increment; `soft`: compression of a joint, as a
-    share of the block size, that is no longer small.
+    a settled state, whose open hinges may close first, as a share of an increment.
     """
 
     first: float = 0.02
     settled: float = 0.1
-    soft: float = 1e-2
 
 
 START = StartTolerances()
@@ -115,8 +110,7 @@ def no_way_from_rest(why: str) -> UnstableError:
 def settled(model: Assembly, state: State | None, sliding: Sliding = "associative") -> Equilibrium:
     """Return the elastic rest under gravity that a state (default: as drawn) settles into.
 
-    Raises UnstableError if there is none, or if the joints as drawn are so soft that their compression is not small
-    beside the blocks.
+    Raises UnstableError if there is none.
     """
     check_self_weight(model)
     begun = model.starting(state)
@@ -131,13 +125,4 @@ def settled(model: Assembly, state: State | None, sliding: Sliding = "associativ
             f"with elastic joints the structure cannot stand under its own weight: {fall}; rigid joints would hold it, "
             "these are too soft: check normal_stiffness, in kN/m³"
         ) from fall
-    half = step.places[:, H]
-    compression = -bed_gaps(end_forces(step.forces, half), half, system.law).min(axis=1)
-    worst = int(np.argmax(compression))
-    if state is None and compression[worst] > START.soft * model.size:
-        first, second = sorted((int(step.contacts.a[worst]), int(step.contacts.b[worst])))
-        raise UnstableError(
-            f"gravity alone presses blocks {first} and {second} {compression[worst]:.3g} m into each other, more than "
-            "a hundredth of a block: their joints are too soft; check normal_stiffness, in kN/m³"
-        )
     return step

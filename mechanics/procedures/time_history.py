@@ -98,9 +98,9 @@ def time_history(
 
     `integrator`: "second-order" is the midpoint rule. It locates impacts of rigid joints in steps down to 1/1024; with
     elastic joints a step in which impacts take more than 2 % of the largest kinetic energy so far is halved down to
-    1/16 or √(m/k). "moreau-jean" is the same rule with steps down to 1/64, halved where impacts take more than 0.4 %.
-    "implicit-euler" is the paper's. "auto" is "moreau-jean" for rigid joints of more than three movable blocks,
-    otherwise "second-order".
+    1/16 or √(m/k). "moreau-jean" is the same rule with steps down to 1/64 (elastic joints: or √(m/k)), halved where
+    impacts take more than 0.4 %. "implicit-euler" is the paper's. "auto" is "moreau-jean" for rigid joints of more than
+    three movable blocks, otherwise "second-order".
 
     `state` (default: as drawn): a state at rest that can stand first settles on its elastic joints; any other, tilted
     or moving, is released as it is. `vertical_acceleration` (k,) g, upward. `damping_ratio` (elastic joints): of
@@ -145,8 +145,6 @@ def _check(contacts: Behaviour, integrator: Integrator, damping_ratio: float, re
     """Raise ArgumentError for an integrator, a damping or a restitution that the contacts do not have."""
     names = ("auto", "moreau-jean", "second-order", "implicit-euler")
     require(integrator in names, "integrator", integrator, ", ".join(f'"{name}"' for name in names))
-    require(contacts == "rigid" or integrator != "moreau-jean", "integrator", integrator,
-            '"auto", "second-order" or "implicit-euler" with elastic contacts')  # fmt: skip
     require(0.0 <= damping_ratio < 1.0, "damping_ratio", damping_ratio, "from 0 to less than 1")
     require(damping_ratio == 0.0 or contacts == "elastic", "damping_ratio", damping_ratio,
             "0 with rigid contacts, which have no stiffness to be proportional to")  # fmt: skip
@@ -195,8 +193,9 @@ def _begun(
     if theta < 1.0:
         halving = LOCATED if integrator == "second-order" else RESOLVED
         if contacts == "elastic":
+            halving = CLOSING if integrator == "second-order" else RESOLVED
             finer = np.ceil(np.log2(max(time_step / contact_period(model), 1.0)))
-            halving = replace(CLOSING, levels=min(CLOSING.levels, int(finer)))
+            halving = replace(halving, levels=min(halving.levels, int(finer)))
     system = DynamicSystem(statics, theta, damping, restitution, halving)
     if forces is not None and len(forces) != len(statics.contacts):
         forces = None

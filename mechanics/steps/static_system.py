@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
+from mechanics.errors import require
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.model.assembly import Assembly, Behaviour
@@ -108,7 +109,13 @@ class StaticSystem:
 
 
 @lru_cache(maxsize=8)
+def check_sliding(sliding: Sliding) -> None:
+    """Raise ArgumentError for an unknown law of sliding."""
+    require(sliding in get_args(Sliding), "sliding", sliding, '"coulomb" or "associative"')
+
+
 def static_system(model: Assembly, behaviour: Behaviour, sliding: Sliding = "associative") -> StaticSystem:
-    """Return the system of an assembly with its joints as drawn."""
+    """Return the system of an assembly with its joints as drawn; ArgumentError for an unknown behaviour or sliding."""
     model.check_behaviour(behaviour)
+    check_sliding(sliding)
     return StaticSystem(model, behaviour, sliding, model.contacts)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from mechanics import (
+    ArgumentError,
     Assembly,
     Block,
     CollapseError,
@@ -53,6 +54,19 @@ ANALYSES = {
 def test_a_block_that_overhangs_cannot_stand(analysis):
     with pytest.raises(UnstableError, match="cannot stand under its own weight"):
         analysis(leaning(0.01))
+
+
+LAWS = {
+    "limit analysis": lambda m: limit_analysis(m, sliding="colomb"),
+    "pushover": lambda m: pushover(m, TOP, sliding="colomb"),
+    "pushdown": lambda m: pushdown(m, "base", (0.01, 0.0), sliding="colomb"),
+}
+
+
+@pytest.mark.parametrize("analysis", LAWS.values(), ids=LAWS)
+def test_an_unknown_law_of_sliding_is_refused(model, analysis):
+    with pytest.raises(ArgumentError, match=r"sliding = 'colomb': must be \"coulomb\" or \"associative\""):
+        analysis(model)
 
 
 def test_a_block_that_overhangs_less_than_half_can():

@@ -100,6 +100,3 @@ def _motion(project: ProjectContent, path: KeyPath, motion: MotionTable) -> Iter
         yield Problem(
             (*path, "window_s"), "not a stretch of time; write first and last second, 0 ≤ first < last"
         )
-    if motion.integrator == "moreau-jean" and motion.contacts == "elastic":
-        text = 'moreau-jean is for rigid contacts; write "auto", "second-order" or "implicit-euler"'
-        yield Problem((*path, "integrator"), text)

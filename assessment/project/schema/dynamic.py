@@ -33,7 +33,7 @@ class MotionTable(Table):
     contacts: Contacts = Field(default="elastic", description="contact model: rigid or elastic")
     integrator: Literal["auto", "moreau-jean", "second-order", "implicit-euler"] = Field(
         default="auto",
-        description="time integration: auto (the results say which it took), moreau-jean (rigid contacts, many "
+        description="time integration: auto (the results say which it took), moreau-jean (many "
         "impacts), second-order, or implicit-euler (the paper's)",
     )
     damping_ratio: Damping | None = Field(default=None, description="viscous damping ratio of the contacts")

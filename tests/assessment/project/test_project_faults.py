@@ -263,7 +263,7 @@ WRONG = [  # old text, new text, key, what the message must hold
         "contacts.sliding",
         '"coulomb" or "associative"',
     ),
-    ('"implicit-euler"', '"moreau-jean"', "history[1].integrator", "moreau-jean is for rigid contacts"),
+    ('"implicit-euler"', '"moreaux-jean"', "history[1].integrator", '"moreau-jean"'),
     ("normal_stiffness_kN_m3 = 1.2e5", "", "material.normal_stiffness_kN_m3", "add it, in kN/m³"),
     ('["rigid", "elastic"]', '["rigid"]', "pushover.contacts", 'write ["rigid", "elastic"]'),
     ('["rigid", "elastic"]', '["elastic"]', "pushover.contacts", "rigid missing"),

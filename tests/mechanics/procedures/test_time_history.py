@@ -14,7 +14,7 @@ from mechanics.procedures.collapse import ControlPoint, collapse
 from mechanics.steps import dynamic_system
 from tests.support.structures import arch_on_piers, block_on_base, rectangle, running_bond, semicircular_arch
 
-SCHEMES = [(c, i) for c in ("rigid", "elastic") for i in ("implicit-euler", "second-order")]
+SCHEMES = [(c, i) for c in ("rigid", "elastic") for i in ("implicit-euler", "second-order", "moreau-jean")]
 STEP = 0.005
 PROCEDURE = import_module("mechanics.procedures.time_history")
 
