@@ -21,21 +21,44 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import compiler, larger
 from mechanics.kernels.joint import H
 from mechanics.kernels.joint_elimination import (
     BM,
     BP,
     C1,
     C2,
-    DPHI,
-    DU,
-    DV,
+    CG1,
+    CG2,
+    CHANGES,
+    CLM,
+    CLP,
+    CN1,
+    CN2,
+    CT,
+    CY1,
+    CY2,
+    CZM,
+    CZP,
+    DPP,
+    DPV,
+    DUP,
+    DUU,
+    DUV,
+    DVV,
+    FN,
+    FP,
+    FT,
     G1,
     G2,
+    KAPPA,
     KNOWN,
+    LANES,
     LM,
     LP,
+    MPHI,
+    MU,
+    MV,
     N1,
     N2,
     OFF,
@@ -46,15 +69,15 @@ from mechanics.kernels.joint_elimination import (
     Y2,
     ZM,
     ZP,
-    T,
     agree,
     aim,
     change,
     follow,
     missing,
+    read,
     stiffness,
 )
-from mechanics.kernels.law import BED, FRICTION, STRENGTH
+from mechanics.kernels.law import BED
 from mechanics.kernels.linalg.cholesky import factorise, substitute
 from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.kernels.linalg.signed_factors import factorise_signed, substitute_signed
@@ -63,6 +86,7 @@ from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
 looped = compiler("contract", "reassoc", allocates=False)
+inlined = compiler("contract", "reassoc", allocates=False, inline=True)
 
 STIFFEST = 1e-11  # compliance, per step and weight, that bounds the stiffness of closed and of stuck joints
 TO_THE_BOUND = 0.995  # share of the way to the bounds that an iteration goes
@@ -94,16 +118,10 @@ class Joints(NamedTuple):
     which: Any
 
 
-class Direction(NamedTuple):
-    """Of an iteration: what is `known` (j, KNOWN) of joints, `stiffness` (j, 6), and changes.
-
-    `forces` (j, 3): of N, P and T; `change` (j, 11): of all unknowns, see joint_elimination.change.
-    """
-
-    known: Array
-    stiffness: Array
-    forces: Array
-    change: Array
+@looped
+def _lanes(joints: Any, r: int) -> int:
+    """How many joints row r of what is known of them has."""
+    return min(LANES, len(joints.row) - r * LANES)
 
 
 @looped
@@ -137,38 +155,51 @@ def evaluate(
     joints: Any, x: Array, f: Array, y: Array, least: float, known: Array, residual: Array
 ) -> tuple[float, float]:
     """What all joints miss, into `known`; their forces onto `residual`; the most that gaps miss, the mean product."""
-    row, places, law = joints.row, joints.places, joints.law
+    row, places = joints.row, joints.places
     off, total = 0.0, 0.0
-    for k in range(len(row)):
-        i, j, s, p = row[k, 0], row[k, 1], known[k], places[k]
-        missing(p, law[k], i, j, x, f[k], y[k], least, s)
-        push(p, i, j, s[N1] + s[N2], p[H] * (s[N2] - s[N1]), s[T], residual)
+    for r in range(len(known)):
+        s, lanes = known[r], _lanes(joints, r)
+        for k in range(lanes):
+            j = r * LANES + k
+            read(places[j], joints.law[j], row[j, 0], row[j, 1], x, f[j], y[j], s, k)
+        for k in range(lanes):
+            missing(s, k, least)
+            off = larger(off, s[OFF + k])
+            total += (
+                s[G1 + k] * s[Y1 + k] + s[G2 + k] * s[Y2 + k] + s[LP + k] * s[ZP + k] + s[LM + k] * s[ZM + k]
+            )
+    for j in range(len(row)):
+        n1, n2 = f[j, 0], f[j, 1]
+        push(places[j], row[j, 0], row[j, 1], n1 + n2, places[j, H] * (n2 - n1), f[j, 2], residual)
         if len(joints.curved):
-            turn(joints.curved[k], i, j, x, residual)
-        off = max(off, s[OFF])
-        total += s[G1] * s[Y1] + s[G2] * s[Y2] + s[LP] * s[ZP] + s[LM] * s[ZM]
+            turn(joints.curved[j], row[j, 0], row[j, 1], x, residual)
     return off, total / max(4.0 * len(row), 1.0)
 
 
 @looped
-def assemble(joints: Any, known: Array, held: Array, d: Array, stored: Array, pattern: Any) -> None:
+def assemble(joints: Any, known: Array, held: Array, stored: Array, pattern: Any) -> None:
     """BᵀDB − G and the diagonal `held` (m,)."""
-    row, places = joints.row, joints.places
+    row, places, which = joints.row, joints.places, joints.which
     diagonal(held, stored, pattern)
-    for k in range(len(row)):
-        stiffness(known[k], places[k, H], joints.law[k, FRICTION], d[k])
-        stiffen(joints.which[k], places[k], row[k, 0], row[k, 1], d[k], stored, pattern)
-        if len(joints.curved):
-            bend(joints.which[k], row[k, 0], row[k, 1], joints.curved[k], stored, pattern)
+    for r in range(len(known)):
+        s, lanes = known[r], _lanes(joints, r)
+        for k in range(lanes):
+            stiffness(s, k)
+        for k in range(lanes):
+            j = r * LANES + k
+            d = (s[DUU + k], s[DUP + k], s[DUV + k], s[DPP + k], s[DPV + k], s[DVV + k])
+            stiffen(which[j], places[j], row[j, 0], row[j, 1], d, stored, pattern)
+    for j in range(len(joints.curved)):
+        bend(which[j], row[j, 0], row[j, 1], joints.curved[j], stored, pattern)
 
 
 @compiled
-def _factorised(joints: Any, direction: Any, held: Array, tied: bool, stored: Array, pattern: Any) -> bool:
+def _factorised(joints: Any, known: Array, held: Array, tied: bool, stored: Array, pattern: Any) -> bool:
     """Whether the matrix has a factor, then in its place. `tied`: a multiplier, whose work holds one motion.
 
     With curvature the matrix may then have one negative pivot, beyond the peak.
     """
-    assemble(joints, direction.known, held, direction.stiffness, stored, pattern)
+    assemble(joints, known, held, stored, pattern)
     if len(joints.curved):
         negative = factorise_signed(stored, pattern.places, pattern.last)
         return bool(negative == 0 or (negative == 1 and tied))
@@ -176,123 +207,148 @@ def _factorised(joints: Any, direction: Any, held: Array, tied: bool, stored: Ar
 
 
 @looped
-def _aim(joints: Any, direction: Any, target: float, dx: Array) -> None:
+def _aim(joints: Any, known: Array, target: float, dx: Array) -> None:
     """Forces that bear what all joints miss, which are added to the right-hand side `dx` (m,)."""
     row, places = joints.row, joints.places
-    for k in range(len(row)):
-        s, df = direction.known[k], direction.forces[k]
-        aim(s, places[k, H], joints.law[k, FRICTION], target)
-        df[0], df[1], df[2] = s[RN], s[RP], s[RT]
-        push(places[k], row[k, 0], row[k, 1], s[RN], s[RP], s[RT], dx)
-        s[DU], s[DPHI], s[DV] = 0.0, 0.0, 0.0
+    for r in range(len(known)):
+        s, lanes = known[r], _lanes(joints, r)
+        for k in range(lanes):
+            aim(s, k, target)
+        for k in range(lanes):
+            j = r * LANES + k
+            push(places[j], row[j, 0], row[j, 1], s[RN + k], s[RP + k], s[RT + k], dx)
 
 
 @looped
-def _follow(joints: Any, direction: Any, dx: Array, target: float, stiff: float, agreed: bool) -> None:
+def _follow(joints: Any, known: Array, dx: Array, target: float, stiff: float, agreed: bool) -> None:
     """Let motions and forces of all joints follow displacements dx (m,), and forces `agreed` with gaps."""
     row, places = joints.row, joints.places
-    for k in range(len(row)):
-        s, df = direction.known[k], direction.forces[k]
-        u, phi, v = motion(places[k], row[k, 0], row[k, 1], dx)
-        s[DU], s[DPHI], s[DV] = s[DU] + u, s[DPHI] + phi, s[DV] + v
-        follow(direction.stiffness[k], u, phi, v, df)
+    for r in range(len(known)):
+        s, lanes = known[r], _lanes(joints, r)
+        for k in range(lanes):
+            j = r * LANES + k
+            s[MU + k], s[MPHI + k], s[MV + k] = motion(places[j], row[j, 0], row[j, 1], dx)
+        for k in range(lanes):
+            follow(s, k)
         if agreed:
-            agree(s, places[k, H], joints.law[k], df, target, stiff)
+            for k in range(lanes):
+                agree(s, k, target, stiff)
 
 
 @looped
-def _push_all(joints: Any, forces: Array, dx: Array, total: Array) -> None:
-    """Add to `total` (m,) the changes of forces N, P, T (j, 3), and of those whose direction dx changes."""
+def _push_all(joints: Any, known: Array, dx: Array, total: Array) -> None:
+    """Add to `total` (m,) the changes of forces N, P, T, and of those whose direction dx changes."""
     row, places = joints.row, joints.places
-    for k in range(len(row)):
-        push(places[k], row[k, 0], row[k, 1], forces[k, 0], forces[k, 1], forces[k, 2], total)
-        if len(joints.curved):
-            turn(joints.curved[k], row[k, 0], row[k, 1], dx, total)
+    for r in range(len(known)):
+        s = known[r]
+        for k in range(_lanes(joints, r)):
+            j = r * LANES + k
+            push(places[j], row[j, 0], row[j, 1], s[FN + k], s[FP + k], s[FT + k], total)
+    for j in range(len(joints.curved)):
+        turn(joints.curved[j], row[j, 0], row[j, 1], dx, total)
 
 
 @looped
-def _change(joints: Any, direction: Any, target: float, stiff: float) -> tuple[float, float]:
+def _change(joints: Any, known: Array, target: float, stiff: float) -> tuple[float, float]:
     """Changes of all unknowns of joints; by what share of themselves forces and gaps fall at most."""
     most_f, most_g = 0.0, 0.0
-    for k in range(len(joints.row)):
-        s, o = direction.known[k], direction.change[k]
-        change(s, joints.places[k, H], joints.law[k], direction.forces[k], target, stiff, o)
-        most_f = max(most_f, -o[7] / s[G1], -o[8] / s[G2], -o[9] / s[ZP], -o[10] / s[ZM])
-        most_g = max(most_g, -o[3] / s[Y1], -o[4] / s[Y2], -o[5] / s[LP], -o[6] / s[LM])
+    for r in range(len(known)):
+        s = known[r]
+        for k in range(_lanes(joints, r)):
+            change(s, k, target, stiff)
+            ends = larger(-s[CG1 + k] / s[G1 + k], -s[CG2 + k] / s[G2 + k])
+            bounds = larger(-s[CZP + k] / s[ZP + k], -s[CZM + k] / s[ZM + k])
+            gaps = larger(-s[CY1 + k] / s[Y1 + k], -s[CY2 + k] / s[Y2 + k])
+            slips = larger(-s[CLP + k] / s[LP + k], -s[CLM + k] / s[LM + k])
+            most_f, most_g = larger(most_f, larger(ends, bounds)), larger(most_g, larger(gaps, slips))
     return most_f, most_g
 
 
 @looped
-def _predicted(direction: Any, reach_f: float, reach_g: float) -> float:
+def _predicted(joints: Any, known: Array, reach_f: float, reach_g: float) -> float:
     """The sum of products after a predictor so long; its terms of the second order become their corrections."""
     total = 0.0
-    for k in range(len(direction.known)):
-        s, o = direction.known[k], direction.change[k]
-        s[C1], s[C2], s[BP], s[BM] = o[7] * o[3], o[8] * o[4], o[9] * o[5], o[10] * o[6]
-        total += (s[G1] + reach_f * o[7]) * (s[Y1] + reach_g * o[3])
-        total += (s[G2] + reach_f * o[8]) * (s[Y2] + reach_g * o[4])
-        total += (s[ZP] + reach_f * o[9]) * (s[LP] + reach_g * o[5])
-        total += (s[ZM] + reach_f * o[10]) * (s[LM] + reach_g * o[6])
+    for r in range(len(known)):
+        s = known[r]
+        for k in range(_lanes(joints, r)):
+            g1, g2, zp, zm = s[CG1 + k], s[CG2 + k], s[CZP + k], s[CZM + k]
+            y1, y2, lp, lm = s[CY1 + k], s[CY2 + k], s[CLP + k], s[CLM + k]
+            s[C1 + k], s[C2 + k], s[BP + k], s[BM + k] = g1 * y1, g2 * y2, zp * lp, zm * lm
+            total += (s[G1 + k] + reach_f * g1) * (s[Y1 + k] + reach_g * y1)
+            total += (s[G2 + k] + reach_f * g2) * (s[Y2 + k] + reach_g * y2)
+            total += (s[ZP + k] + reach_f * zp) * (s[LP + k] + reach_g * lp)
+            total += (s[ZM + k] + reach_f * zm) * (s[LM + k] + reach_g * lm)
     return total
 
 
 @looped
-def _correct_stray(direction: Any, reach_f: float, reach_g: float, target: float) -> None:
+def _correct_stray(joints: Any, known: Array, reach_f: float, reach_g: float, target: float) -> None:
     """Correct the products that would stray from their target (Gondzio)."""
-    for k in range(len(direction.known)):
-        s, o = direction.known[k], direction.change[k]
-        s[C1] += _stray((s[G1] + reach_f * o[7]) * (s[Y1] + reach_g * o[3]), target)
-        s[C2] += _stray((s[G2] + reach_f * o[8]) * (s[Y2] + reach_g * o[4]), target)
-        s[BP] += _stray((s[ZP] + reach_f * o[9]) * (s[LP] + reach_g * o[5]), target)
-        s[BM] += _stray((s[ZM] + reach_f * o[10]) * (s[LM] + reach_g * o[6]), target)
+    for r in range(len(known)):
+        s = known[r]
+        for k in range(_lanes(joints, r)):
+            end1 = (s[G1 + k] + reach_f * s[CG1 + k]) * (s[Y1 + k] + reach_g * s[CY1 + k])
+            end2 = (s[G2 + k] + reach_f * s[CG2 + k]) * (s[Y2 + k] + reach_g * s[CY2 + k])
+            forth = (s[ZP + k] + reach_f * s[CZP + k]) * (s[LP + k] + reach_g * s[CLP + k])
+            back = (s[ZM + k] + reach_f * s[CZM + k]) * (s[LM + k] + reach_g * s[CLM + k])
+            s[C1 + k] += _stray(end1, target)
+            s[C2 + k] += _stray(end2, target)
+            s[BP + k] += _stray(forth, target)
+            s[BM + k] += _stray(back, target)
 
 
-@looped
+@inlined
 def _stray(product: float, target: float) -> float:
     """What is added to the correction of a product that would become this."""
-    wanted = min(max(product, LEAST * target), MOST * target)
-    return -max(wanted - product, -MOST * target)
+    wanted = -larger(-larger(product, LEAST * target), -MOST * target)
+    return -larger(wanted - product, -MOST * target)
 
 
 @looped
 def _uncorrected(known: Array) -> None:
-    for k in range(len(known)):
-        known[k, C1], known[k, C2], known[k, BP], known[k, BM] = 0.0, 0.0, 0.0, 0.0
+    for r in range(len(known)):
+        known[r, C1 : BM + LANES] = 0.0
 
 
 @looped
-def _within_all(joints: Any, direction: Any, reach: float) -> float:
-    for k in range(len(joints.row)):
-        reach = _within(joints.law[k], joints.places[k, H], direction.known[k], direction.change[k], reach)
+def _within_all(joints: Any, known: Array, reach: float) -> float:
+    for r in range(len(known)):
+        for k in range(_lanes(joints, r)):
+            reach = _within(known[r], k, reach)
     return reach
 
 
 @looped
-def _within(law: Array, h: float, know: Array, out: Array, reach: float) -> float:
+def _within(s: Array, k: int, reach: float) -> float:
     """A reach at which crushing, which is curved, leaves both ends a share of what they had."""
-    if law[STRENGTH] == np.inf:
+    if s[KAPPA + k] == 0.0:
         return reach
-    kappa = 0.25 / (h * law[STRENGTH])
     while True:
-        n1, n2 = know[N1] + reach * out[0], know[N2] + reach * out[1]
-        least = kappa * (n1 + n2) ** 2
-        if n1 - least > (1.0 - TO_THE_BOUND) * know[G1] and n2 - least > (1.0 - TO_THE_BOUND) * know[G2]:
+        n1, n2 = s[N1 + k] + reach * s[CN1 + k], s[N2 + k] + reach * s[CN2 + k]
+        least, keeps = s[KAPPA + k] * (n1 + n2) ** 2, 1.0 - TO_THE_BOUND
+        if n1 - least > keeps * s[G1 + k] and n2 - least > keeps * s[G2 + k]:
             return reach
         reach *= 0.7
 
 
 @looped
-def _advance(change: Array, reach_f: float, reach_g: float, f: Array, y: Array) -> None:
-    for k in range(len(f)):
-        for e in range(3):
-            f[k, e] += reach_f * change[k, e]
-        for e in range(4):
-            y[k, e] += reach_g * change[k, 3 + e]
+def _advance(joints: Any, known: Array, reach_f: float, reach_g: float, f: Array, y: Array) -> None:
+    for r in range(len(known)):
+        s = known[r]
+        for k in range(_lanes(joints, r)):
+            j = r * LANES + k
+            f[j, 0] += reach_f * s[CN1 + k]
+            f[j, 1] += reach_f * s[CN2 + k]
+            f[j, 2] += reach_f * s[CT + k]
+            y[j, 0] += reach_g * s[CY1 + k]
+            y[j, 1] += reach_g * s[CY2 + k]
+            y[j, 2] += reach_g * s[CLP + k]
+            y[j, 3] += reach_g * s[CLM + k]
 
 
 @compiled
 def _refine(
-    joints: Any, direction: Any, load: Array, lateral: Array, mass: Array, swayed: Array, gives: float, dalpha: float,
+    joints: Any, known: Array, load: Array, lateral: Array, mass: Array, swayed: Array, gives: float, dalpha: float,
     dx: Array, enough: float, size: float, target: float, stiff: float, fine: Array, stored: Array, pattern: Any,
 ) -> float:  # fmt: skip
     """Refine displacements dx and changes of forces until they balance the residual `load` (m,); the new Δα.
@@ -306,7 +362,7 @@ def _refine(
             fine += dalpha * lateral
         if len(mass):
             fine -= mass * dx
-        _push_all(joints, direction.forces, dx, fine)
+        _push_all(joints, known, dx, fine)
         if unbalanced(fine, size) <= enough:
             break
         _back(stored, pattern, len(joints.curved) > 0, fine)
@@ -314,7 +370,7 @@ def _refine(
             more = -dot(lateral, fine) / gives
             dalpha += more
             fine += more * swayed
-        _follow(joints, direction, fine, target, stiff, True)
+        _follow(joints, known, fine, target, stiff, True)
         dx += fine
     return dalpha
 
@@ -337,10 +393,10 @@ def iterate(
     weight, size, step, accepted, closed = scale
     count, c, unit = len(x), len(row), step / weight
     joints = Joints(row, places, law, curved, which)
-    direction = Direction(np.zeros((c, KNOWN)), np.empty((c, 6)), np.empty((c, 3)), np.empty((c, 11)))
+    known = np.empty(((c + LANES - 1) // LANES, KNOWN))
     tied = len(mass) > 0 or (law[:, BED] < np.inf).any()  # forces and gaps, to each other
     pushed, signed, stiff, holding = len(lateral) > 0, len(curved) > 0, 1.0 / unit, HOLDING
-    kept_dx, kept_change = np.empty(count), np.empty((c, 11))
+    kept_dx, kept_change = np.empty(count), np.empty((len(known), KNOWN - CN1))
     residual, dx, swayed = np.empty(count), np.empty(count), np.empty(count)
     held, fine = np.empty(count), np.empty(count)
     best, since, iteration = np.inf, 0, 0
@@ -352,14 +408,14 @@ def iterate(
             residual += alpha * lateral
         if len(mass):
             residual -= mass * x
-        gap_off, mean = evaluate(joints, x, f, y, unit * STIFFEST, direction.known, residual)
+        gap_off, mean = evaluate(joints, x, f, y, unit * STIFFEST, known, residual)
         force_off = unbalanced(residual, size)
         lacking = work - dot(lateral, x) if pushed else 0.0
         force, gap, product = (
             max(force_off / weight, abs(lacking) / (weight * step)), gap_off / step, mean / (weight * step),
         )  # fmt: skip
         off = max(force, gap)
-        if not off < np.inf:
+        if not (off < np.inf and product < np.inf):
             return -1, alpha, np.inf, np.inf, np.inf
         if max(force, WIDE * gap) <= accepted and product <= closed:
             return iteration, alpha, force, gap, product
@@ -376,7 +432,7 @@ def iterate(
             held[2::3] *= size**2
             if len(mass):
                 held += mass
-            if _factorised(joints, direction, held, pushed, stored, pattern):
+            if _factorised(joints, known, held, pushed, stored, pattern):
                 break
             if holding >= FIRM:
                 return -iteration, alpha, force, gap, product
@@ -386,50 +442,50 @@ def iterate(
             swayed[:] = lateral
             _back(stored, pattern, signed, swayed)
             gives = dot(lateral, swayed)
-        _uncorrected(direction.known)
+        _uncorrected(known)
         target, dalpha, most_f, most_g = 0.0, 0.0, 0.0, 0.0
         kept_f, kept_g, kept_alpha = 0.0, 0.0, 0.0
         for corrects in range(3):
             dx[:] = residual
-            _aim(joints, direction, target, dx)
+            _aim(joints, known, target, dx)
             _back(stored, pattern, signed, dx)
             if pushed:
                 dalpha = (lacking - dot(lateral, dx)) / gives
                 dx += dalpha * swayed
-            _follow(joints, direction, dx, target, stiff, corrects > 0)
+            _follow(joints, known, dx, target, stiff, corrects > 0)
             if corrects:
                 enough = max(ROUNDING * max(force_off, accepted * weight), ROUNDED * weight)
                 dalpha = _refine(
-                    joints, direction, residual, lateral, mass, swayed, gives, dalpha, dx, enough, size, target, stiff,
+                    joints, known, residual, lateral, mass, swayed, gives, dalpha, dx, enough, size, target, stiff,
                     fine, stored, pattern,
                 )  # fmt: skip
-            most_f, most_g = _change(joints, direction, target, stiff)
+            most_f, most_g = _change(joints, known, target, stiff)
             if tied:
                 most_f = most_g = max(most_f, most_g)
             if corrects == 2:
                 if max(most_f, most_g) > max(kept_f, kept_g):  # the earlier step leads farther
                     most_f, most_g, dalpha = kept_f, kept_g, kept_alpha
-                    dx[:], direction.change[:] = kept_dx, kept_change
+                    dx[:], known[:, CHANGES] = kept_dx, kept_change
                 break
             reach_f, reach_g = 1.0 / max(most_f, 1.0), 1.0 / max(most_g, 1.0)
             if corrects == 1:
                 if max(most_f, most_g) <= 1.0:
                     break
                 kept_f, kept_g, kept_alpha = most_f, most_g, dalpha
-                kept_dx[:], kept_change[:] = dx, direction.change
+                kept_dx[:], kept_change[:] = dx, known[:, CHANGES]
                 to_f, to_g = min(1.0, FARTHER * reach_f + 0.1), min(1.0, FARTHER * reach_g + 0.1)
-                _correct_stray(direction, to_f, to_g, target)
+                _correct_stray(joints, known, to_f, to_g, target)
             else:
-                ahead = _predicted(direction, reach_f, reach_g)
+                ahead = _predicted(joints, known, reach_f, reach_g)
                 centre = (ahead / (4.0 * c * mean)) ** 3 if mean > 0.0 else 0.0
                 if off > product:
                     centre = max(centre, CENTRED if product > BEHIND * off else 1.0)
                 target = centre * mean
         reach_f = 1.0 if most_f < TO_THE_BOUND else TO_THE_BOUND / most_f
         reach_g = 1.0 if most_g < TO_THE_BOUND else TO_THE_BOUND / most_g
-        reach_f = _within_all(joints, direction, reach_f)
+        reach_f = _within_all(joints, known, reach_f)
         if tied:
             reach_f = reach_g = min(reach_f, reach_g)
-        _advance(direction.change, reach_f, reach_g, f, y)
+        _advance(joints, known, reach_f, reach_g, f, y)
         x += reach_g * dx
         alpha += reach_f * dalpha

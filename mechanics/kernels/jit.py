@@ -16,14 +16,12 @@ from typing import Any
 import numba
 from llvmlite import ir
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
-from numba.core.compiler import Compiler
 from numba.core.types import float64
 from numba.extending import intrinsic
 
 SOURCES = sorted(Path(__file__).parent.rglob("*.py"))  # whichever of them compiled code may use
 
 
-_Compiler: Any = Compiler
 _config: Any = numba.config
 _FunctionCache: Any = FunctionCache
 _Implementation: Any = CompileResultCacheImpl
@@ -31,30 +29,21 @@ _intrinsic: Any = intrinsic
 _Place: Any = _CacheLocator
 
 
-class _Apart(_Compiler):  # type: ignore[misc]
-    """Takes it for granted that what a function writes is in none of its other arrays."""
-
-    def define_pipelines(self) -> Any:
-        self.state.flags.noalias = True
-        return super().define_pipelines()
-
-
 def compiler(
-    *fastmath: str, apart: bool = False, allocates: bool = True
+    *fastmath: str, allocates: bool = True, inline: bool = False
 ) -> Callable[[Callable[..., Any]], Any]:
     """A decorator that compiles with those liberties in arithmetic, none by default.
 
-    `apart`: the arrays among the arguments do not overlap, so that loops over any number of them become vector
-    instructions; otherwise those over few enough to look do. Functions that make no arrays but views (`allocates` is
-    False) do not count references to them: these counts, atomic, take half the time of loops over joints.
+    Functions that make no arrays but views (`allocates` is False) do not count references to them: these counts,
+    atomic, take half the time of loops over joints. What is called in a loop that is to become vector instructions is
+    put in its place (`inline`).
 
     Compiled code is kept on disk, see cache_folder.
     """
-    pipeline: Any = _Apart if apart else Compiler
 
     def compile_(function: Callable[..., Any]) -> Any:
         # numba's type hints do not know the last option
-        options: dict[str, Any] = {"error_model": "numpy", "pipeline_class": pipeline, "_nrt": allocates}
+        options: dict[str, Any] = {"error_model": "numpy", "_nrt": allocates, "forceinline": inline}
         loop: Any = numba.njit(fastmath=set(fastmath), **options)(function)
         if cache_folder() is not None:
             loop._cache = _Cache(function)

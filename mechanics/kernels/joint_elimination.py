@@ -2,6 +2,9 @@
 
 Unknown are N₁, N₂, T, the gaps y₁, y₂ and the slips λ₊, λ₋ (see interior_iteration). Their changes follow from that of
 the joint's motion (u, φ, v): forces by D, which is written in sums of positive terms, then gaps and slips.
+
+What is known of joints is kept in rows of LANES of them (rows, KNOWN): the same quantity of eight joints side by side,
+so that loops over the lanes `k` of a row `s` become vector instructions. Quantity C of lane k is s[C + k].
 """
 
 from __future__ import annotations
@@ -15,7 +18,7 @@ from mechanics.kernels.bed import (
     softness,
     under,
 )
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import compiler, larger
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import (
     BED,
@@ -29,62 +32,75 @@ from mechanics.kernels.matrix import motion
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc", allocates=False)
+inlined = compiler("contract", "reassoc", allocates=False, inline=True)
 
-# columns of (j, KNOWN), what is known of a joint: forces, gaps and slips; g₁, g₂ and 2κN; what the laws of the ends and
-# of the slip miss, and the most of it; bounds of T; λ±/(μN ± T); D of the ends; its sum a, b/a, and the sums of the
-# elimination; forces aimed at; λ± aimed at; corrections of the products; compliance of the bed; motion
+LANES = 8  # joints side by side
+# what is known of a joint: forces, gaps and slips; g₁, g₂ and 2κN; what the laws of the ends and of the slip miss, and
+# the most of it; bounds of T; λ±/(μN ± T); D of the ends; its sum a, b/a, and the sums of the elimination; forces aimed
+# at; λ± aimed at; corrections of the products; compliance of the bed; half-length, friction, compliance in shear and κ;
+# motion in an iteration, and the part of it that is new; D; changes of N, P, T; changes of all unknowns
 (N1, N2, T, Y1, Y2, LP, LM, G1, G2, BETA, E1, E2, SLIP, OFF, ZP, ZM, PP, PM, D11, D12, D22, A, LEVER, SUM, Q, RN, RP,
- RT, KP, KM, C1, C2, BP, BM, S11, S12, S22, DU, DPHI, DV) = range(40)  # fmt: skip
-KNOWN = 40
+ RT, KP, KM, C1, C2, BP, BM, S11, S12, S22, HALF, RUBS, SPRING, KAPPA, DU, DPHI, DV, MU, MPHI, MV, DUU, DUP, DUV, DPP,
+ DPV, DVV, FN, FP, FT, CN1, CN2, CT, CY1, CY2, CLP, CLM, CG1, CG2, CZP, CZM) = range(0, 67 * LANES, LANES)  # fmt: skip
+KNOWN = 67 * LANES
+CHANGES = slice(CN1, KNOWN)  # all unknowns' changes
 
 
 @compiled
-def missing(
-    p: Array, law: Array, i: int, j: int, x: Array, f: Array, y: Array, least: float, know: Array
+def read(
+    p: Array, law: Array, i: int, j: int, x: Array, f: Array, y: Array, s: Array, k: int
 ) -> None:  # fmt: skip
-    """What an iterate misses of the laws of a joint, and the terms of its elimination, into `know` (KNOWN,).
+    """The iterate of a joint, its law and what its bed and its slip miss, into lane k of s.
 
-    `least` (m/kN): added to compliances, bounds the stiffness. Gaps y (4,) of the ends change where the bed's own can
-    be told from them.
+    Gaps y (4,) of the ends change where the bed's own can be told from them.
     """
     # many arguments: arrays one by one, see mechanics.kernels
     du, dphi, dv = motion(p, i, j, x)
-    n1, n2, t, h, mu = f[0], f[1], f[2], p[H], law[FRICTION]
-    n = n1 + n2
+    n1, n2, h, mu = f[0], f[1], p[H], law[FRICTION]
     w, tilt = p[U] + du - mu * (y[2] + y[3]), h * (p[PHI] + dphi)
     first, second = w - tilt, w + tilt
-    w1, w2, c11, c12, c22, off = _bed(law, h, n1, n2, first, second, y)
-    kappa = 0.25 / (h * law[STRENGTH])
-    beta, both = 2.0 * kappa * n, y[0] + y[1]
-    know[N1], know[N2], know[T] = n1, n2, t
-    know[Y1], know[Y2], know[LP], know[LM] = y[0], y[1], y[2], y[3]
-    know[G1], know[G2], know[BETA] = n1 - kappa * n * n, n2 - kappa * n * n, beta
-    know[E1], know[E2] = w1 + y[0] - beta * both - first, w2 + y[1] - beta * both - second
-    if off < 0.0:
-        off = max(abs(know[E1]), abs(know[E2]))
-    know[SLIP] = y[2] - y[3] - (p[V] + dv - law[SLID]) - law[SHEAR] * t
-    know[OFF] = max(off, abs(know[SLIP]))
-    know[ZP], know[ZM] = mu * n + t, mu * n - t
-    know[PP], know[PM] = y[2] / know[ZP], y[3] / know[ZM]
-    know[S11], know[S12], know[S22] = c11, c12, c22
-    _eliminate(h, mu, law[SHEAR] + least, kappa, least, know)
+    w1, w2, s[S11 + k], s[S12 + k], s[S22 + k], s[OFF + k] = _bed(law, h, n1, n2, first, second, y)
+    s[E1 + k], s[E2 + k] = w1 - first, w2 - second
+    s[N1 + k], s[N2 + k], s[T + k] = n1, n2, f[2]
+    s[Y1 + k], s[Y2 + k], s[LP + k], s[LM + k] = y[0], y[1], y[2], y[3]
+    s[SLIP + k] = y[2] - y[3] - (p[V] + dv - law[SLID]) - law[SHEAR] * f[2]
+    s[HALF + k], s[RUBS + k], s[SPRING + k] = h, mu, law[SHEAR]
+    s[KAPPA + k] = 0.25 / (h * law[STRENGTH])
 
 
-@compiled
-def _eliminate(h: float, mu: float, shear: float, kappa: float, least: float, know: Array) -> None:
-    """D of the ends and the sums that resultants follow from, into `know`."""
-    beta, first, second = know[BETA], know[Y1] / know[G1], know[Y2] / know[G2]
-    cross, rest = 2.0 * kappa * (know[Y1] + know[Y2]), 1.0 - beta
-    c11 = know[S11] + first * rest * rest + second * beta * beta + cross + least
-    c22 = know[S22] + second * rest * rest + first * beta * beta + cross + least
-    c12 = know[S12] + (first + second) * beta * rest - cross
+@inlined
+def missing(s: Array, k: int, least: float) -> None:
+    """What an iterate misses of the laws of a joint, and the terms of its elimination.
+
+    `least` (m/kN): added to compliances, bounds the stiffness.
+    """
+    n1, n2, t, y1, y2, lp, lm = (
+        s[N1 + k], s[N2 + k], s[T + k], s[Y1 + k], s[Y2 + k], s[LP + k], s[LM + k],
+    )  # fmt: skip
+    h, mu, kappa = s[HALF + k], s[RUBS + k], s[KAPPA + k]
+    n = n1 + n2
+    beta, crushed = 2.0 * kappa * n, kappa * n * n
+    g1, g2 = n1 - crushed, n2 - crushed
+    e1, e2 = s[E1 + k] + y1 - beta * (y1 + y2), s[E2 + k] + y2 - beta * (y1 + y2)
+    off = s[OFF + k] if s[OFF + k] >= 0.0 else larger(abs(e1), abs(e2))
+    zp, zm = mu * n + t, mu * n - t
+    pp, pm = lp / zp, lm / zm
+    s[G1 + k], s[G2 + k], s[BETA + k], s[E1 + k], s[E2 + k] = g1, g2, beta, e1, e2
+    s[OFF + k] = larger(off, abs(s[SLIP + k]))
+    s[ZP + k], s[ZM + k], s[PP + k], s[PM + k] = zp, zm, pp, pm
+    # D of the ends, and the sums that resultants follow from
+    first, second, shear = y1 / g1, y2 / g2, s[SPRING + k] + least
+    cross, rest = 2.0 * kappa * (y1 + y2), 1.0 - beta
+    c11 = s[S11 + k] + first * rest * rest + second * beta * beta + cross + least
+    c22 = s[S22 + k] + second * rest * rest + first * beta * beta + cross + least
+    c12 = s[S12 + k] + (first + second) * beta * rest - cross
     det = c11 * c22 - c12 * c12
-    know[D11], know[D12], know[D22] = c22 / det, c12 / det, c11 / det
-    a = know[D11] + know[D22] + 2.0 * know[D12]
-    know[A], know[LEVER] = a, h * (know[D22] - know[D11]) / a
-    slides = know[PP] + know[PM]
-    know[SUM] = slides + shear
-    know[Q] = know[SUM] + a * mu * mu * (4.0 * know[PP] * know[PM] + shear * slides)
+    d11, d12, d22 = c22 / det, c12 / det, c11 / det
+    a = d11 + d22 + 2.0 * d12
+    slides = pp + pm
+    s[D11 + k], s[D12 + k], s[D22 + k] = d11, d12, d22
+    s[A + k], s[LEVER + k], s[SUM + k] = a, h * (d22 - d11) / a, slides + shear
+    s[Q + k] = slides + shear + a * mu * mu * (4.0 * pp * pm + shear * slides)
 
 
 @compiled
@@ -119,109 +135,108 @@ def _taken(missed: float, y: float) -> float:
     return missed if 0.1 * y < missed < 10.0 * y else y
 
 
-@compiled
-def stiffness(know: Array, h: float, mu: float, d: Array) -> None:
-    """D (6,) of a joint: −∂(N, P, T)/∂(u, φ, v) at the iterate, its entries uu, uφ, uv, φφ, φv, vv."""
-    a, lever, q = know[A], know[LEVER], know[Q]
-    skew = -a * mu * (know[PP] - know[PM]) / q
-    d[0] = a * know[SUM] / q
-    d[1] = lever * d[0]
-    d[2] = skew
+@inlined
+def stiffness(s: Array, k: int) -> None:
+    """D of a joint: −∂(N, P, T)/∂(u, φ, v) at the iterate."""
+    a, lever, q, h, mu = s[A + k], s[LEVER + k], s[Q + k], s[HALF + k], s[RUBS + k]
+    d11, d12, d22, pp, pm = s[D11 + k], s[D12 + k], s[D22 + k], s[PP + k], s[PM + k]
+    skew, uu = -a * mu * (pp - pm) / q, a * s[SUM + k] / q
+    s[DUU + k], s[DUP + k], s[DUV + k] = uu, lever * uu, skew
     # with N held, P = h(N₂ − N₁) resists the turn by 4h²/(det C a)
-    d[3] = 4.0 * h * h * (know[D11] * know[D22] - know[D12] * know[D12]) / a + lever * d[1]
-    d[4] = lever * skew
-    d[5] = (1.0 + a * mu * mu * (know[PP] + know[PM])) / q
+    s[DPP + k] = 4.0 * h * h * (d11 * d22 - d12 * d12) / a + lever * lever * uu
+    s[DPV + k], s[DVV + k] = lever * skew, (1.0 + a * mu * mu * (pp + pm)) / q
 
 
-@compiled
-def aim(know: Array, h: float, mu: float, target: float) -> None:
-    """Forces RN, RP, RT of a joint that bear what it misses, its products becoming `target` less the corrections."""
-    know[KP] = (target - know[LP] * know[ZP] - know[BP]) / know[ZP]
-    know[KM] = (target - know[LM] * know[ZM] - know[BM]) / know[ZM]
-    both, apart = know[KP] + know[KM], know[KP] - know[KM] + know[SLIP]
-    first = (target - know[G1] * know[Y1] - know[C1]) / know[G1]
-    second = (target - know[G2] * know[Y2] - know[C2]) / know[G2]
-    b1 = know[E1] + first - know[BETA] * (first + second)
-    b2 = know[E2] + second - know[BETA] * (first + second)
-    a, skew = know[A], know[PP] - know[PM]
-    n = (know[D11] + know[D12]) * b1 + (know[D22] + know[D12]) * b2
-    tilt = 2.0 * h * (know[D11] * know[D22] - know[D12] * know[D12]) * (b2 - b1) / a
+@inlined
+def aim(s: Array, k: int, target: float) -> None:
+    """Changes of N, P, T of a joint that bear what it misses, its products becoming `target` less the corrections."""
+    h, mu, a, q = s[HALF + k], s[RUBS + k], s[A + k], s[Q + k]
+    kp = (target - s[LP + k] * s[ZP + k] - s[BP + k]) / s[ZP + k]
+    km = (target - s[LM + k] * s[ZM + k] - s[BM + k]) / s[ZM + k]
+    both, apart = kp + km, kp - km + s[SLIP + k]
+    first = (target - s[G1 + k] * s[Y1 + k] - s[C1 + k]) / s[G1 + k]
+    second = (target - s[G2 + k] * s[Y2 + k] - s[C2 + k]) / s[G2 + k]
+    b1 = s[E1 + k] + first - s[BETA + k] * (first + second)
+    b2 = s[E2 + k] + second - s[BETA + k] * (first + second)
+    skew, d11, d12, d22 = s[PP + k] - s[PM + k], s[D11 + k], s[D12 + k], s[D22 + k]
+    n = (d11 + d12) * b1 + (d22 + d12) * b2
+    tilt = 2.0 * h * (d11 * d22 - d12 * d12) * (b2 - b1) / a
     lifted = a * mu
-    know[RN] = (know[SUM] * n + lifted * (know[SUM] * both - skew * apart)) / know[Q]
-    know[RP] = tilt + know[LEVER] * know[RN]
-    know[RT] = (apart * (1.0 + lifted * mu * (know[PP] + know[PM])) - skew * mu * (n + lifted * both)) / know[
-        Q
-    ]
+    rn = (s[SUM + k] * n + lifted * (s[SUM + k] * both - skew * apart)) / q
+    rp = tilt + s[LEVER + k] * rn
+    rt = (apart * (1.0 + lifted * mu * (s[PP + k] + s[PM + k])) - skew * mu * (n + lifted * both)) / q
+    s[KP + k], s[KM + k] = kp, km
+    s[RN + k], s[RP + k], s[RT + k] = rn, rp, rt
+    s[FN + k], s[FP + k], s[FT + k] = rn, rp, rt
+    s[DU + k], s[DPHI + k], s[DV + k] = 0.0, 0.0, 0.0
 
 
-@compiled
-def follow(d: Array, u: float, phi: float, v: float, df: Array) -> None:
-    """Take D(u, φ, v) off the changes of N, P and T, df (3,)."""
-    df[0] -= d[0] * u + d[1] * phi + d[2] * v
-    df[1] -= d[1] * u + d[3] * phi + d[4] * v
-    df[2] -= d[2] * u + d[4] * phi + d[5] * v
+@inlined
+def follow(s: Array, k: int) -> None:
+    """Add the new part of a joint's motion to it, and take D(u, φ, v) off the changes of N, P and T."""
+    u, phi, v = s[MU + k], s[MPHI + k], s[MV + k]
+    s[DU + k] += u
+    s[DPHI + k] += phi
+    s[DV + k] += v
+    s[FN + k] -= s[DUU + k] * u + s[DUP + k] * phi + s[DUV + k] * v
+    s[FP + k] -= s[DUP + k] * u + s[DPP + k] * phi + s[DPV + k] * v
+    s[FT + k] -= s[DUV + k] * u + s[DPV + k] * phi + s[DVV + k] * v
 
 
-@compiled
-def agree(know: Array, h: float, law: Array, df: Array, target: float, stiff: float) -> None:
-    """Let forces that are nearly nothing be those that their wide gaps and slips ask for: changes of N, P, T, df (3,).
+@inlined
+def agree(s: Array, k: int, target: float, stiff: float) -> None:
+    """Let forces that are nearly nothing be those that their wide gaps and slips ask for: changes of N, P and T.
 
     As differences of large forces they would have lost their digits. `stiff`: weight per step.
     """
-    u, phi, v, mu = know[DU], know[DPHI], know[DV], law[FRICTION]
-    one, other = know[LP] * stiff > know[ZP], know[LM] * stiff > know[ZM]
-    if one == other or know[BETA] > 0.0:
-        return
-    slip = v + law[SHEAR] * df[2] - know[SLIP]
-    bound = mu * df[0]
-    if one:
-        lm = know[KM] - know[PM] * (bound - df[2])
-        lp = lm + slip
-    else:
-        lp = know[KP] - know[PP] * (bound + df[2])
-        lm = lp - slip
-    couple = df[1] / h
-    d1, d2 = 0.5 * (df[0] - couple), 0.5 * (df[0] + couple)
+    u, phi, v, mu, h = s[DU + k], s[DPHI + k], s[DV + k], s[RUBS + k], s[HALF + k]
+    fn, fp, ft, give = s[FN + k], s[FP + k], s[FT + k], 1.0 / stiff
+    one, other = s[LP + k] * stiff > s[ZP + k], s[LM + k] * stiff > s[ZM + k]
+    wide = (one != other) & (s[BETA + k] <= 0.0)
+    slip = v + s[SPRING + k] * ft - s[SLIP + k]
+    bound = mu * fn
+    lp, lm = s[KP + k] - s[PP + k] * (bound + ft), s[KM + k] - s[PM + k] * (bound - ft)
+    lp, lm = (lm + slip if one else lp), (lm if one else lp - slip)
+    d1, d2 = 0.5 * (fn - fp / h), 0.5 * (fn + fp / h)
     w = u - mu * (lp + lm)
-    if know[Y1] > know[N1] * (1.0 / stiff + know[S11]):
-        y1 = w - h * phi - know[E1] + know[S11] * d1 - know[S12] * d2
-        d1 = (target - know[G1] * know[Y1] - know[C1] - know[G1] * y1) / know[Y1]
-    if know[Y2] > know[N2] * (1.0 / stiff + know[S22]):
-        y2 = w + h * phi - know[E2] + know[S22] * d2 - know[S12] * d1
-        d2 = (target - know[G2] * know[Y2] - know[C2] - know[G2] * y2) / know[Y2]
-    df[0], df[1] = d1 + d2, h * (d2 - d1)
-    bound = mu * df[0]
-    if one:
-        df[2] = (target - know[LP] * know[ZP] - know[BP] - know[ZP] * lp) / know[LP] - bound
-    else:
-        df[2] = bound - (target - know[LM] * know[ZM] - know[BM] - know[ZM] * lm) / know[LM]
+    y1 = w - h * phi - s[E1 + k] + s[S11 + k] * d1 - s[S12 + k] * d2
+    asked = (target - s[G1 + k] * s[Y1 + k] - s[C1 + k] - s[G1 + k] * y1) / s[Y1 + k]
+    d1 = asked if s[Y1 + k] > s[N1 + k] * (give + s[S11 + k]) else d1
+    y2 = w + h * phi - s[E2 + k] + s[S22 + k] * d2 - s[S12 + k] * d1
+    asked = (target - s[G2 + k] * s[Y2 + k] - s[C2 + k] - s[G2 + k] * y2) / s[Y2 + k]
+    d2 = asked if s[Y2 + k] > s[N2 + k] * (give + s[S22 + k]) else d2
+    bound = mu * (d1 + d2)
+    forth = (target - s[LP + k] * s[ZP + k] - s[BP + k] - s[ZP + k] * lp) / s[LP + k] - bound
+    back = bound - (target - s[LM + k] * s[ZM + k] - s[BM + k] - s[ZM + k] * lm) / s[LM + k]
+    t = forth if one else back
+    s[FN + k] = d1 + d2 if wide else fn
+    s[FP + k] = h * (d2 - d1) if wide else fp
+    s[FT + k] = t if wide else ft
 
 
-@compiled
-def change(know: Array, h: float, law: Array, df: Array, target: float, stiff: float, out: Array) -> None:
-    """Changes of N₁, N₂, T; y₁, y₂, λ₊, λ₋; g₁, g₂, μN ± T that go with motions and forces, into `out` (11,).
+@inlined
+def change(s: Array, k: int, target: float, stiff: float) -> None:
+    """Changes of N₁, N₂, T; y₁, y₂, λ₊, λ₋; g₁, g₂, μN ± T that go with the motion and with those of N, P, T.
 
     Of a wide gap or slip the change is that of the motion, of one that is narrow beside the bed's own compliance, and
     where joints crush, that which the product asks for.
     """
-    u, phi, v, beta = know[DU], know[DPHI], know[DV], know[BETA]
-    couple, mu = df[1] / h, law[FRICTION]
-    d1, d2 = 0.5 * (df[0] - couple), 0.5 * (df[0] + couple)
-    g1, g2 = d1 - beta * df[0], d2 - beta * df[0]
-    bound = mu * df[0]
-    zp, zm = bound + df[2], bound - df[2]
-    lp, lm = know[KP] - know[PP] * zp, know[KM] - know[PM] * zm
-    slip = v + law[SHEAR] * df[2] - know[SLIP]
-    if know[PP] > know[PM]:
-        lp = lm + slip
-    else:
-        lm = lp - slip
-    y1 = (target - know[G1] * know[Y1] - know[C1] - know[Y1] * g1) / know[G1]
-    y2 = (target - know[G2] * know[Y2] - know[C2] - know[Y2] * g2) / know[G2]
+    u, phi, v, beta, mu, h = s[DU + k], s[DPHI + k], s[DV + k], s[BETA + k], s[RUBS + k], s[HALF + k]
+    fn, fp, ft, give = s[FN + k], s[FP + k], s[FT + k], 1.0 / stiff
+    d1, d2 = 0.5 * (fn - fp / h), 0.5 * (fn + fp / h)
+    g1, g2 = d1 - beta * fn, d2 - beta * fn
+    bound = mu * fn
+    zp, zm = bound + ft, bound - ft
+    lp, lm = s[KP + k] - s[PP + k] * zp, s[KM + k] - s[PM + k] * zm
+    slip, forth = v + s[SPRING + k] * ft - s[SLIP + k], s[PP + k] > s[PM + k]
+    lp, lm = (lm + slip if forth else lp), (lm if forth else lp - slip)
+    y1 = (target - s[G1 + k] * s[Y1 + k] - s[C1 + k] - s[Y1 + k] * g1) / s[G1 + k]
+    y2 = (target - s[G2 + k] * s[Y2 + k] - s[C2 + k] - s[Y2 + k] * g2) / s[G2 + k]
     w = u - mu * (lp + lm)
-    if know[Y1] > know[N1] * (1.0 / stiff + know[S11]) and beta == 0.0:
-        y1 = w - h * phi - know[E1] + know[S11] * d1 - know[S12] * d2
-    if know[Y2] > know[N2] * (1.0 / stiff + know[S22]) and beta == 0.0:
-        y2 = w + h * phi - know[E2] + know[S22] * d2 - know[S12] * d1
-    out[0], out[1], out[2], out[3], out[4], out[5], out[6] = d1, d2, df[2], y1, y2, lp, lm
-    out[7], out[8], out[9], out[10] = g1, g2, zp, zm
+    moved1 = w - h * phi - s[E1 + k] + s[S11 + k] * d1 - s[S12 + k] * d2
+    moved2 = w + h * phi - s[E2 + k] + s[S22 + k] * d2 - s[S12 + k] * d1
+    y1 = moved1 if (s[Y1 + k] > s[N1 + k] * (give + s[S11 + k])) & (beta == 0.0) else y1
+    y2 = moved2 if (s[Y2 + k] > s[N2 + k] * (give + s[S22 + k])) & (beta == 0.0) else y2
+    s[CN1 + k], s[CN2 + k], s[CT + k] = d1, d2, ft
+    s[CY1 + k], s[CY2 + k], s[CLP + k], s[CLM + k] = y1, y2, lp, lm
+    s[CG1 + k], s[CG2 + k], s[CZP + k], s[CZM + k] = g1, g2, zp, zm

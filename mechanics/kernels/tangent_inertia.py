@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.interior_iteration import Direction, Joints, assemble, dot, evaluate
+from mechanics.kernels.interior_iteration import Joints, assemble, dot, evaluate
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.joint_elimination import KNOWN
+from mechanics.kernels.joint_elimination import KNOWN, LANES
 from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.kernels.linalg.signed_factors import factorise_signed, substitute_signed
 from mechanics.types import Array
@@ -28,12 +28,10 @@ def inertia(
     """
     pattern = unpacked(packed)
     joints = Joints(row, places, law, curved, which)
-    direction = Direction(
-        np.zeros((len(row), KNOWN)), np.empty((len(row), 6)), np.empty((0, 3)), np.empty((0, 11))
-    )
+    known = np.empty(((len(row) + LANES - 1) // LANES, KNOWN))
     residual = np.zeros(len(x))
-    evaluate(joints, x, f, y, least, direction.known, residual)
-    assemble(joints, direction.known, held, direction.stiffness, stored, pattern)
+    evaluate(joints, x, f, y, least, known, residual)
+    assemble(joints, known, held, stored, pattern)
     negative = factorise_signed(stored, pattern.places, pattern.last)
     if negative < 0 or len(lateral) == 0:
         return negative, 0.0

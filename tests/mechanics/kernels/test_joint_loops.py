@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mechanics.kernels import joint_elimination as loops
 from mechanics.kernels.joint import H, curvature
-from mechanics.kernels.joint_elimination import KNOWN
+from mechanics.kernels.joint_elimination import KNOWN, LANES
 from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
 from mechanics.model.contacts import rows
@@ -78,6 +78,7 @@ def test_the_matrix_is_the_sum_of_the_joints_stiffness_and_mass(name, behaviour)
     assert found @ x + change == pytest.approx(expected @ x, rel=1e-10, abs=1e-9)
 
 
+LANE = 3  # of a row of joints, any of them
 LAWS = ["rigid", "elastic", "crushing", "points"]
 
 
@@ -100,41 +101,51 @@ def any_joint(seed: int, kind: str) -> tuple[Array, Array, Array, Array, Array]:
     return place, law, forces, 10.0 ** rng.uniform(-6.0, -3.0, 4), 1e-4 * rng.standard_normal(3)
 
 
+def eliminated(seed: int, kind: str, least: float) -> tuple[Array, Array, Array]:
+    """What is known of a joint that is eliminated, as (KNOWN / LANES,); its stiffness (3, 3); its law."""
+    place, law, forces, gaps, _ = any_joint(seed, kind)
+    row = np.zeros(KNOWN)
+    loops.read(place, law, -1, -1, np.zeros(3), forces, gaps, row, LANE)
+    loops.missing(row, LANE, least)
+    loops.stiffness(row, LANE)
+    d = row[LANE + np.array([loops.DUU, loops.DUP, loops.DUV, loops.DPP, loops.DPV, loops.DVV])]
+    return row, np.array([[d[0], d[1], d[2]], [d[1], d[3], d[4]], [d[2], d[4], d[5]]]), law
+
+
 @settings(deadline=None, max_examples=100)
 @given(seed=seeds, kind=st.sampled_from(LAWS), target=st.floats(0.0, 1e-4))
 def test_a_joint_eliminated_is_its_linear_system_solved(seed, kind, target):
     """Sums of positive terms, of 3 × 3, against the seven equations: forces, gaps and slips that go with a motion."""
-    place, law, forces, gaps, moved = any_joint(seed, kind)
-    half, know = place[H], np.zeros(KNOWN)
-    loops.missing(place, law, -1, -1, np.zeros(3), forces, gaps, 0.0, know)
+    place, _, _, _, moved = any_joint(seed, kind)
+    row, full, law = eliminated(seed, kind, 0.0)
+    half, know = place[H], row[LANE:]
     rest, per_motion = joint_newton(half, law, know, COLUMNS, target)
     to_resultants = np.array([[1.0, 1.0, 0.0], [-half, half, 0.0], [0.0, 0.0, 1.0]])
-    d, df, out = np.empty(6), np.empty(3), np.empty(11)
-    loops.stiffness(know, half, law[FRICTION], d)
-    full = np.array([[d[0], d[1], d[2]], [d[1], d[3], d[4]], [d[2], d[4], d[5]]])
     expected = -to_resultants @ per_motion[:3]
     assert full == pytest.approx(expected, rel=1e-7, abs=1e-7 * abs(expected).max())
-    loops.aim(know, half, law[FRICTION], target)
-    df[:] = know[[loops.RN, loops.RP, loops.RT]]
+    forces = [loops.FN, loops.FP, loops.FT]
+    loops.aim(row, LANE, target)
     at_rest = to_resultants @ rest[:3]
-    assert df == pytest.approx(at_rest, rel=1e-7, abs=1e-7 * abs(at_rest).max())
-    know[[loops.DU, loops.DPHI, loops.DV]] = moved
-    loops.follow(d, *moved, df)
+    assert know[forces] == pytest.approx(at_rest, rel=1e-7, abs=1e-7 * abs(at_rest).max())
+    know[[loops.MU, loops.MPHI, loops.MV]] = moved
+    loops.follow(row, LANE)
     solved = rest + per_motion @ moved
-    assert df == pytest.approx(to_resultants @ solved[:3], rel=1e-7, abs=1e-7 * abs(full).max() * 1e-4)
-    for stiff in (0.0, 1e12):  # gaps from the products, or from the motions
-        loops.change(know, half, law, to_resultants @ solved[:3], target, stiff, out)
-        assert out[:3] == pytest.approx(solved[:3], rel=1e-6, abs=1e-9 * abs(solved[:3]).max())
-        assert out[3:7] == pytest.approx(solved[3:], rel=1e-6, abs=1e-6 * abs(solved[3:]).max())
+    resultants = to_resultants @ solved[:3]
+    assert know[forces] == pytest.approx(resultants, rel=1e-7, abs=1e-7 * abs(full).max() * 1e-4)
+    between = np.sqrt(know[loops.ZP] * know[loops.ZM] / (know[loops.LP] * know[loops.LM]))
+    loops.agree(row, LANE, target, between)  # one way of sliding is wide, the other narrow
+    assert know[forces] == pytest.approx(resultants, rel=1e-6, abs=1e-6 * abs(full).max() * 1e-4)
+    for stiff in (1e-300, 1e12):  # gaps from the products, or from the motions
+        know[forces] = resultants
+        loops.change(row, LANE, target, stiff)
+        change = know[loops.CHANGES][::LANES]
+        assert change[:3] == pytest.approx(solved[:3], rel=1e-6, abs=1e-9 * abs(solved[:3]).max())
+        assert change[3:7] == pytest.approx(solved[3:], rel=1e-6, abs=1e-6 * abs(solved[3:]).max())
 
 
 @settings(deadline=None, max_examples=40)
 @given(seed=seeds, kind=st.sampled_from(LAWS))
 def test_stiffness_of_a_joint_is_symmetric_and_positive(seed, kind):
-    place, law, forces, gaps, _ = any_joint(seed, kind)
-    know, d = np.zeros(KNOWN), np.empty(6)
-    loops.missing(place, law, -1, -1, np.zeros(3), forces, gaps, 1e-12, know)
-    loops.stiffness(know, place[H], law[FRICTION], d)
-    full = np.array([[d[0], d[1], d[2]], [d[1], d[3], d[4]], [d[2], d[4], d[5]]])
+    _, full, _ = eliminated(seed, kind, 1e-12)
     scale = np.sqrt(np.diag(full))
     assert np.linalg.eigvalsh(full / np.outer(scale, scale)).min() > 0.0
