@@ -13,7 +13,7 @@ from mechanics.errors import (
 )
 from mechanics.model.assembly import Assembly, State
 from mechanics.model.block import Block, Material
-from mechanics.model.dxf import read_drawing
+from mechanics.model.dxf import Layer, read_drawing
 from mechanics.procedures.limit_analysis import limit_analysis
 from mechanics.procedures.pushdown import pushdown
 from mechanics.procedures.pushover import pushover
@@ -27,6 +27,7 @@ __all__ = [
     "ControlError",
     "ConvergenceError",
     "DrawingError",
+    "Layer",
     "Material",
     "MechanicsError",
     "NoEquilibriumError",

@@ -104,6 +104,8 @@ def new(options: argparse.Namespace) -> int:
     from assessment.project.catalogue.new_project import new_project, template_options
     from assessment.project.formats.convert import TOML, XLSX
 
+    if options.template is not None:
+        options.template = "-".join(options.template.lower().replace("_", " ").split())
     if options.list:
         for template in [options.template] if options.template else TEMPLATES:
             say(f"{template}:")

@@ -61,6 +61,7 @@ def build_model(project: Project) -> Model:
             assembly.block_at(point.point_m)
         except ValueError as error:
             reason = str(error).partition("must be ")[2]
+            reason += "".join(f" ({warning})" for warning in drawing.warnings if "$INSUNITS" in warning)
             raise ProjectError(
                 f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}"
             ) from None

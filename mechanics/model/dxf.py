@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields
 from difflib import get_close_matches
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from ezdxf import recover, units
@@ -67,10 +67,11 @@ class Layer:
 
 
 @dataclass(frozen=True)
-class Drawing:
+class Drawing(Sequence[Block]):
     """Blocks of a drawing, warnings about it, and the largest distance (m) of an arc from its chords.
 
-    `faults`: what keeps outlines from being blocks, and layers that are not there; `outlines`: all of them, to draw.
+    It is the sequence of its blocks: Assembly(read_drawing(…)). `faults`: what keeps outlines from being blocks, and
+    layers that are not there; `outlines`: all of them, to draw.
     """
 
     blocks: tuple[Block, ...]
@@ -78,6 +79,20 @@ class Drawing:
     sagitta: float = 0.0
     faults: tuple[Fault, ...] = ()
     outlines: tuple[Outline, ...] = ()
+
+    def __len__(self) -> int:
+        """Return the number of blocks."""
+        return len(self.blocks)
+
+    @overload
+    def __getitem__(self, index: int) -> Block: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Block, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Block | tuple[Block, ...]:
+        """Return a block by its number, or some."""
+        return self.blocks[index]
 
 
 def read_drawing(

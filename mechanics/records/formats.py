@@ -123,11 +123,14 @@ def _format_of(text: RecordText) -> Callable[[RecordText, float | None], Samples
 
 
 def _esm(text: RecordText, _: float | None) -> Samples:
-    """ESM and ITACA ASCII: `KEY: value` lines up to USER5, then one value a line."""
+    """ESM and ITACA ASCII: `KEY: value` lines up to USER5 (shortened ones: to the first value), one value a line."""
     end = next((n for n, line in enumerate(text.head, 1) if line.startswith("USER5")), None)
     if end is None:
+        end = next((n for n, line in enumerate(text.head) if _is_number(line)), None)
+    if end is None:
         raise text.error(
-            None, "the header does not end with a USER5 line; get the file again from its source"
+            None,
+            "the header does not end with a USER5 line, and no value follows; get the file again from its source",
         )
     header = Header.of(text, end)
     unit = _unit(text, *header.value("UNITS"))

@@ -126,3 +126,14 @@ def test_drawings_of_any_size_are_drawn(size):
     outlines = [Outline(ring, "A"), Outline(ring, "B", closed=False)]
     figure = draw_faults(FaultyDrawingError("x.dxf", faults, outlines), Words.of("en"))
     assert [text.get_text() for text in figure.axes[0].texts] == [str(n) for n in range(1, len(kinds) + 1)]
+
+
+def test_a_control_point_outside_a_drawing_of_another_unit_names_the_unit(tmp_path, capsys):
+    document, space = drawing(unit="mm")
+    outline(space, rectangle(-1000, -1000, 2000, 0), "BASE")
+    outline(space, rectangle(200, 0, 1000, 1000))
+    document.saveas(tmp_path / "geometry.dxf")
+    text = PROJECT + '[[control]]\nname = "C1"\npoint_m = [0.5, 1.0]\n'
+    (tmp_path / "project.toml").write_text(text, encoding="utf-8")
+    assert main(["check", str(tmp_path)]) == 2
+    assert "away) (geometry.dxf: $INSUNITS says Millimeters, the project m" in (capsys.readouterr().err)

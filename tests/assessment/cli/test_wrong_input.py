@@ -141,6 +141,12 @@ def test_new_says_what_is_wrong(tmp_path, capsys, options, message):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("name", ["buttressed arch", "Buttressed_Arch"])
+def test_new_takes_the_name_of_a_template_as_it_is_spoken(tmp_path, capsys, name):
+    assert main(["new", str(tmp_path / "n"), "--template", name]) == 0
+    assert (tmp_path / "n" / "project.toml").exists()
+
+
 def test_new_leaves_what_is_there(project, capsys):
     before = contents(project)
     assert main(["new", str(project), "--template", "arch"]) == 2

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mechanics import Assembly
 from mechanics.model.block import Material
 from mechanics.model.dxf import METRES, Layer
 from tests.support.dxf import SQUARE, STONE, drawing, outline, read, refused
@@ -236,6 +237,14 @@ def test_a_frozen_insert_hides_all_of_it_and_an_off_one_only_its_layer_zero(tmp_
     document.layers.add("FROZEN").freeze()
     document.layers.add("OFF").off()
     assert [b.layer for b in read(document, tmp_path).blocks] == ["STONES", "CAP"]
+
+
+def test_a_drawing_is_the_sequence_of_its_blocks(tmp_path):
+    document, space = drawing()
+    outline(space, SQUARE)
+    result = read(document, tmp_path)
+    assert len(result) == 1 and result[0] is result.blocks[0] and result[:1] == result.blocks
+    assert Assembly(result).blocks == result.blocks
 
 
 @pytest.mark.parametrize(("code", "said"), [(0, None), (4, None), (6, "Meters"), (1, "Inches"), (99, None)])

@@ -77,6 +77,7 @@ def column(point=".", header="", values=VALUES):
 FORMATS = {
     "esm": esm(),
     "esm without sensor depth": esm(sensor_depth=False),
+    "esm without the end of its header": esm(USER5=None),
     "esm in g": esm(unit="g"),
     "esm, Windows": esm().replace("\n", "\r\n"),
     "peer": peer(),
@@ -134,7 +135,7 @@ FAULTS = {
     "esm no unit": (esm(UNITS=None), "no UNITS"),
     "esm velocity": (esm(UNITS="cm/s"), "line 56: 'cm/s' is no unit of acceleration"),
     "esm cut": (esm(NDATA=15), "line 74: 12 values where NDATA says 15; .*get it again"),
-    "esm no end": (esm(USER5=None), "USER5"),
+    "esm no end": (esm((), USER5=None), "USER5"),
     "esm nan, doubled returns": (esm(NAN).replace("\n", "\r\r\n"), "line 70: 'nan' is not a finite number"),
     "esm nan": (esm(NAN), "line 70: 'nan' is not a finite number"),
     "peer no sizes": (peer(sizes="4000 points"), "no line with NPTS and DT"),
