@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from assessment.analyses.checks.check_result import check_of, curve_of
+from assessment.analyses.checks.check_result import check_of, checks_of, curve_of
 from assessment.analyses.checks.chosen_mechanism import Control, MechanismError, compared, evaluate
 from assessment.analyses.checks.demand import Demands, demand_return_periods, ground_of, site_acceleration
 from assessment.analyses.checks.indices import confidence_source
@@ -340,7 +340,6 @@ def _capacity(
     checks: Mapping[str, Check],
 ) -> Capacity:
     """Return capacity curve and checks as a part of the results, with the steps of e* and Γ*."""
-    common = len(capacity.steps())
     return Capacity(
         mechanism=parts.Count(hinges=mechanism.hinges, sliding_joints=len(mechanism.sliding_joints)),
         alpha_0=fit.alpha_0,
@@ -352,4 +351,4 @@ def _capacity(
         notes=list(fit.notes),
         curve=curve_of(capacity),
         trace=lines((*part.steps(), *capacity.steps()[2:])),
-    ).with_checks({name: check_of(parts.Check, check, common) for name, check in checks.items()})
+    ).with_checks(checks_of(capacity, checks))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from assessment.ntc import capacity, verification
@@ -41,6 +42,16 @@ def check_of(kind: type[Kind], check: verification.Check, common: int, **more: A
         trace=lines(check.trace[common:]),
         **more,
     )
+
+
+def checks_of(curve: capacity.CapacityCurve, checks: Mapping[str, verification.Check]) -> dict[str, Check]:
+    """Return the checks of a capacity curve by their names; linear ones with the mechanism's α_0 and e*."""
+    common = len(curve.steps())
+    linear = {"alpha_0": curve.fit.alpha_0, "e_star": curve.e_star}
+    return {
+        name: check_of(Check, check, common, **(linear if check.method == "linear" else {}))
+        for name, check in checks.items()
+    }
 
 
 def curve_of(curve: capacity.CapacityCurve) -> CapacityCurve:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from assessment.analyses.checks.check_result import check_of, curve_of
+from assessment.analyses.checks.check_result import checks_of, curve_of
 from assessment.analyses.checks.kinematics import Closed, KinematicsError, finite_motion, hinges_of
 from assessment.analyses.checks.virtual_work import VirtualWork, virtual_displacements, virtual_work
 from assessment.ntc.capacity import CONFIDENCE_FACTOR, CapacityCurve, capacity_curve
@@ -261,8 +261,7 @@ def _checks(
         for name, check in verify(capacity, demands, method).items()
         if whole or check.method == "linear"
     }
-    common = len(capacity.steps())
-    return {name: check_of(parts.Check, check, common) for name, check in answers.items()}
+    return checks_of(capacity, answers)
 
 
 def compared(

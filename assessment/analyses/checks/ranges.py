@@ -83,7 +83,10 @@ def _joined(control: str, chosen: Pushovers, number: int, followed: Sequence[Pus
 
 
 def _checks(least: Capacity, members: Sequence[Capacity]) -> Capacity:
-    """Return the capacity with, at each limit state, the check of the member that is least there."""
+    """Return the capacity with, at each limit state, the check of the member that is least there.
+
+    So also the linear check with the vertical component.
+    """
     found = {}
     for name in least.checks:
         asked = [
@@ -100,6 +103,9 @@ def _checks(least: Capacity, members: Sequence[Capacity]) -> Capacity:
         for quantity in CHECKED:
             ranged = _with_range(ranged, quantity, [each for _, each, _ in asked])
         found[name] = ranged
+    lighter = [each.vertical for each in members if each.vertical]
+    if lighter:
+        least = least.replace(vertical=min(lighter, key=lambda check: check.ratio))
     return least.with_checks(found)
 
 

@@ -108,13 +108,14 @@ def pushed(results: Results, direction: Direction) -> dict[str, Pushovers]:
 
 
 def _key_points(axes: Axes, pushover: Pushovers, colour: str) -> None:
-    """Mark α0, d_0 and (d_y, α_y); the last, among the curves, is named in the legend."""
+    """Mark α0 (of an ensemble the least), d_0 and (d_y, α_y); the last, among the curves, is named in the legend."""
     mark: dict[str, Any] = {"color": colour, "markerfacecolor": "1.0", "linestyle": "none", "clip_on": True}
     rigid, elastic = pushover.rigid, pushover.elastic
     text: dict[str, Any] = {"textcoords": "offset points", "annotation_clip": True, "parse_math": True}
     if rigid:
-        peak = int(np.argmax(rigid.curve.multiplier))
-        onset = 1000.0 * abs(rigid.curve.displacement_m[peak]), rigid.curve.multiplier[peak]
+        curve = min([rigid.curve, *(rigid.members or [])], key=lambda each: max(each.multiplier))
+        peak = int(np.argmax(curve.multiplier))
+        onset = 1000.0 * abs(curve.displacement_m[peak]), curve.multiplier[peak]
         axes.plot(*onset, marker="o", markersize=4.5, **(mark | {"clip_on": False}))
         axes.annotate("$\\alpha_0$", onset, (5, 3), **text)
         if rigid.d_0_m is not None:

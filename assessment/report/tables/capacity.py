@@ -209,7 +209,7 @@ def linear_checks(results: Results) -> Table:
     """List the linear kinematic checks, of mechanisms found and chosen: a_0* against a_g S/q, or a_Z/q at height."""
     rows = [
         {"state": name, "direction": direction, "limit_state": limit, "mechanism": mechanism}
-        | {"alpha_0": found.alpha_0, "e_star": found.e_star, "a_0_star_g": check.a_star_g}
+        | {"alpha_0": check.alpha_0, "e_star": check.e_star, "a_0_star_g": check.a_star_g}
         | {"demand_a_star_g": check.demand_a_star_g, "ratio": check.zeta_E, "verified": check.verified}
         for name, direction, mechanism, found in _mechanisms_checked(results)
         for limit, check in found.checks.items()

@@ -12,6 +12,7 @@ from assessment.results.hand_check import mechanisms as found_mechanisms
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Direction, GivenMechanism
 from assessment.results.schema.part import Configuration, present
+from assessment.results.schema.static import SecondSolver
 from assessment.results.table import Row, Table, cells
 
 ALL = (
@@ -36,7 +37,8 @@ def mechanisms(results: Results) -> Table:
     """List the rigid mechanism of every state and direction.
 
     It is that of α0, beside it that by the other law of friction where the two differ; where the control point takes no
-    part in that mechanism, `mechanism_alpha` is the multiplier at which the one listed is activated.
+    part in that mechanism, and where α0 is that of another run of an ensemble, `mechanism_alpha` is the multiplier at
+    which the one listed is activated.
     """
     rows = []
     for name, direction, rigid in found_mechanisms(results):
@@ -54,18 +56,23 @@ def mechanisms(results: Results) -> Table:
 
 
 def second_solver(results: Results) -> Table:
-    """List the multipliers of limit analysis by two programs, beside α0 and the friction law of its curve."""
+    """List the multipliers of limit analysis by two programs, beside α0 and the friction law of its curve.
+
+    Where an ensemble was run α0 is the least of it, and what is compared is the state's own run: `alpha_own_run`.
+    """
     rows = [
         {
             "state": name,
             "direction": direction,
             "sliding": rigid.sliding,
-            **cells(rigid.second_solver, SECOND_SOLVER),
+            **_compared(rigid.second_solver),
         }
         for name, direction, rigid in found_mechanisms(results)
         if rigid.second_solver
     ]
-    return Table("second_solver", rows, ("state", "direction", "sliding", *SECOND_SOLVER))
+    return Table(
+        "second_solver", rows, ("state", "direction", "sliding", "alpha_own_run", *SECOND_SOLVER[1:])
+    )
 
 
 def reported_second_solver(results: Results, words: Words) -> Table:
@@ -75,9 +82,13 @@ def reported_second_solver(results: Results, words: Words) -> Table:
         if pair := rigid.second_solver:
             apart = pair.relative_difference
             shown = None if apart is None else Markup.escape(words.number(apart, 2))
-            row = {"state": name, "direction": direction, **cells(pair, SECOND_SOLVER)}
+            row = {"state": name, "direction": direction, **_compared(pair)}
             rows.append(row | {"relative_difference": shown})
-    return Table("second_solver", rows, ("state", "direction", *SECOND_SOLVER))
+    return Table("second_solver", rows, ("state", "direction", "alpha_own_run", *SECOND_SOLVER[1:]))
+
+
+def _compared(pair: SecondSolver) -> Row:
+    return {"alpha_own_run": pair.alpha_0, **cells(pair, SECOND_SOLVER[1:])}
 
 
 def all_mechanisms(results: Results) -> Table:
@@ -104,16 +115,17 @@ def _row(
     element: str, mechanism: str, state: str, direction: Direction, found: Capacity | GivenMechanism
 ) -> Row:
     checks = found.checks
+    alpha_0, started = found.alpha_0, None
     if isinstance(found, GivenMechanism):
         started = found.a_0_star_g
-    else:
-        started = next((checks[name].a_star_g for name in LINEAR if name in checks), None)
+    elif linear := next((checks[name] for name in LINEAR if name in checks), None):
+        alpha_0, started = linear.alpha_0, linear.a_star_g
     numbers = {
         "macro_element": element,
         "mechanism": mechanism,
         "state": state,
         "direction": direction,
-        "alpha_0": found.alpha_0,
+        "alpha_0": alpha_0,
         "a_0_star_g": started,
         "d_0_star_m": found.d_0_star_m,
     }

@@ -30,6 +30,8 @@ class Check(Part):
     a_g_g: float | None = key("capacity a_g; null: not defined, `notes` say why", "g")
     demand_a_g_g: float = key("demand a_g", "g")
     demand_a_star_g: float | None = optional("of a linear check: a_g S/q, or a_Z/q at height", "g")
+    alpha_0: float | None = optional("of a linear check: multiplier of its mechanism", "–")
+    e_star: float | None = optional("of a linear check: share of the mass that takes part, e*", "–")
     pga_g: float | None = optional("capacity at the surface, S a_g", "g")
     demand_pga_g: float | None = optional("demand at the surface, S a_g", "g")
     S: float | None = optional("from `reference` to the surface, of the capacity", "–")

@@ -1,0 +1,227 @@
+"""Every place that shows the activation of a mechanism shows the same one, in settled states and ensembles too.
+
+α0 is the largest multiplier, of an ensemble the least of its runs. Mechanism, e*, Γ*, reactions, thrust and hand check
+are of one point of the curve that is reported, which is printed with its α where that is not α0.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from lxml import html
+
+from assessment.analyses.static.curve_numbers import mechanism_participation
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.report.document import render_html
+from assessment.report.figures.curves import draw_pushover
+from assessment.report.figures.drawings.thrust import draw_thrust
+from assessment.report.formats.viewer import viewer
+from assessment.report.tables.index import tables
+from assessment.report.text.language import direction_name, words_of
+from assessment.results.hand_check import hand_checks, mechanisms
+from assessment.results.joint_states import situations
+from assessment.results.table import sense
+from assessment.runtime.terminal.progress import capacities
+from tests.support.analysed import SETTLED, analysed, arch
+from tests.support.pictured import draw_sections
+from tests.support.typed import typed
+
+CORNERS = 1e-6  # what moving corners by 1e-7 of a block, as runs of an ensemble do, may change
+CASES = [(state, direction) for state in ("original", SETTLED) for direction in ("+x", "-x")]
+each_case = pytest.mark.parametrize(("state", "direction"), CASES)
+
+
+@pytest.fixture(scope="module")
+def results():
+    return typed(analysed())
+
+
+@pytest.fixture(scope="module")
+def rows(results):
+    return {table.name: table.rows for table in tables(results)}
+
+
+@pytest.fixture(scope="module")
+def page(results, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("figures")
+    draw_sections(results, folder)
+    return html.fromstring(render_html(results, folder, words_of(results)))
+
+
+def push(results, state, direction):
+    return results.states[state].pushover[direction].rigid
+
+
+def of(rows, state, direction):
+    return [row for row in rows if (row["state"], row["direction"]) == (state, direction)]
+
+
+def test_the_example_has_runs_whose_multipliers_differ(results):
+    """Without one the tests below would show nothing of ensembles."""
+    found = [push(results, *case) for case in CASES]
+    assert any(each.members for each in found)
+    assert any(each.alpha_0 != each.mechanism.alpha for each in found)
+    assert any(each.alpha_onset < 0.9 * each.alpha_0 for each in found), "a hinge of the settlement closes"
+
+
+@each_case
+def test_tables_and_summaries_have_one_multiplier(results, rows, state, direction):
+    """Of a run with an ensemble the linear checks and the list of mechanisms had that of another run."""
+    rigid = push(results, state, direction)
+    shown = {
+        "results": rigid.alpha_0,
+        "range": (rigid.alpha_0_range or [rigid.alpha_0])[0],
+        "curves": min(max(curve.multiplier) for curve in (rigid.curve, *(rigid.members or []))),
+    }
+    for name in ("mechanisms", "linear_checks", "all_mechanisms"):
+        shown |= {
+            f"{name} {number}": row["alpha_0"] for number, row in enumerate(of(rows[name], state, direction))
+        }
+    [total] = [row for row in capacities(results) if (row["state"], row["direction"]) == (state, direction)]
+    shown["terminal"] = total["alpha_0"]
+    keys = (direction, "alpha_0")
+    [summary] = [row for row in rows["summary"] if (row["direction"], row["quantity"]) == keys]
+    shown["summary"] = summary[state]
+    for row in of(rows["static_ranges"], state, direction):
+        if row["quantity"] == "alpha_0":
+            shown["ranges"] = row["value"]
+    [vertical] = of(rows["vertical"], state, direction)
+    [factor] = [
+        line.inputs["lambda_v"]
+        for line in results.states[state].capacity[direction].vertical.trace
+        if line.symbol == "alpha_0_v"
+    ]
+    shown["vertical component"] = vertical["alpha_0"] / factor
+    assert shown == pytest.approx(dict.fromkeys(shown, rigid.alpha_0), rel=1e-12)
+
+
+@each_case
+def test_each_linear_check_is_what_its_row_says(results, rows, state, direction):
+    """a_0* = α0/(e* F_C) and its ratio to the demand, of the run that is least there; they were of two runs."""
+    factor = results.echo.assessment["confidence_factor"]
+    for row in of(rows["linear_checks"], state, direction):
+        assert row["a_0_star_g"] == pytest.approx(row["alpha_0"] / (row["e_star"] * factor), rel=1e-12)
+        assert row["ratio"] == pytest.approx(row["a_0_star_g"] / row["demand_a_star_g"], rel=1e-12)
+        traced = results.states[state].capacity[direction]
+        lines = [*traced.trace, *traced.checks[row["limit_state"]].trace]  # the last word is the check's own
+        [*_, last] = [line for line in lines if line.symbol == "a_0_star"]
+        assert last.result == pytest.approx(row["a_0_star_g"], rel=1e-12)
+
+
+@each_case
+def test_all_that_is_of_the_mechanism_is_of_the_point_that_is_printed(results, rows, state, direction):
+    rigid, words = push(results, state, direction), words_of(results)
+    [row] = of(rows["mechanisms"], state, direction)
+    printed = row.get("mechanism_alpha", row["alpha_0"])
+    shown = {
+        "mechanism": rigid.mechanism.alpha,
+        "curve": rigid.curve.multiplier[rigid.mechanism.point],
+        "peak": max(rigid.curve.multiplier),
+    }
+    for name in ("reactions", "balance"):
+        for number, each in enumerate(of(rows[name], state, direction)):
+            if each["contacts"] == "rigid":
+                shown[f"{name} {number}"] = each["alpha"]
+    [check] = [each for each in hand_checks(results) if (each.state, each.direction) == (state, direction)]
+    shown["hand check"] = check.alpha_mechanism
+    [at] = [each for each in situations(results) if (each.state, each.direction) == (state, direction)]
+    shown["joints"] = at.alpha
+    assert shown == pytest.approx(dict.fromkeys(shown, printed), rel=1e-12)
+    assert check.virtual_work_alpha == pytest.approx(printed, rel=1e-6)
+    assert check.hand_alpha == pytest.approx(printed, rel=2e-3), "figures as printed"
+    assert np.array(rigid.mechanism_configuration) == pytest.approx(at.configuration, abs=6e-7), "rounded"
+    [axes, *_] = draw_thrust(results, words, [at]).axes
+    assert axes.get_title().endswith(f"α = {words.show(printed)}")
+
+
+@each_case
+def test_participation_is_that_of_the_mechanism_that_is_printed(results, rows, state, direction, tmp_path):
+    rigid, capacity = push(results, state, direction), results.states[state].capacity[direction]
+    model = build_model(load_project(arch(tmp_path / "arch"))).assembly
+    part = mechanism_participation(
+        model, np.array(rigid.mechanism.displacements), rigid.mechanism.control_displacement_x
+    )
+    [row] = of(rows["mechanisms"], state, direction)
+    for found in (row["e_star"], capacity.e_star, rigid.mechanism.e_star):
+        assert found == pytest.approx(part.e_star, rel=CORNERS)
+    for found in (row["gamma_star"], capacity.gamma_star, rigid.mechanism.gamma_star):
+        assert found == pytest.approx(part.gamma_star, rel=CORNERS)
+
+
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+def test_figures_mark_and_name_the_multiplier_of_the_tables(results, direction):
+    """The mark stood at the peak of the run that is reported, beside the number of another one."""
+    words = words_of(results)
+    figure = draw_pushover(results, words, direction)
+    legend = [text.get_text() for text in figure.legends[0].get_texts()]
+    marks = [line.get_xydata()[0] for line in figure.axes[0].lines if line.get_marker() == "o"]
+    states = [state for state, way in CASES if way == direction]
+    assert len(marks) == len(states)
+    for state, (_, alpha) in zip(states, marks, strict=True):
+        expected = push(results, state, direction).alpha_0
+        assert alpha == pytest.approx(expected, rel=1e-12)
+        assert any(f"α₀ = {words.show(expected)}," in line for line in legend if words.state(state) in line)
+
+
+def test_the_page_to_step_through_has_the_curves_of_the_tables(results):
+    text = viewer(results, words_of(results)).data
+    for state, direction in CASES:
+        rigid = push(results, state, direction)
+        along = 1000.0 * sense(direction) * abs(rigid.curve.displacement_m[rigid.mechanism.point])
+        assert f"{along:.6g}" in text and f"{rigid.mechanism.alpha:.6g}" in text
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A multiplier as the page prints it: heading of its column, state and direction of its row."""
+
+    head: str
+    state: str
+    direction: str
+    text: str
+
+
+def cells(page) -> Iterator[Cell]:
+    """Yield the multipliers of the rigid mechanisms in the tables of the page."""
+    for table in page.iter("table"):
+        heads = [cell.text_content().strip() for cell in table.findall(".//thead//th")]
+        if "State" not in heads or "Direction" not in heads:
+            continue
+        for row in table.findall("./tbody/tr"):
+            texts = [cell.text_content().strip() for cell in row]
+            if len(texts) != len(heads):
+                continue
+            found = dict(zip(heads, texts, strict=True))
+            for head in heads:
+                if head.startswith("α"):
+                    yield Cell(head, found["State"], found["Direction"], found[head])
+
+
+def test_the_page_prints_the_multipliers_of_the_tables(results, page):
+    """report.docx and report.pdf are made of this page."""
+    words = words_of(results)
+    found = list(cells(page))
+    expected = {}
+    for state, direction, rigid in mechanisms(results):
+        place = words.state(state), direction_name(direction)
+        lighter = results.states[state].capacity[direction].vertical.alpha_0
+        expected[place] = {
+            "α0 [–]": {words.show(rigid.alpha_0), words.show(lighter)},
+            "α where it is activated [–]": {words.show(rigid.mechanism.alpha), "–", ""},
+            "α program [–]": {words.number(rigid.mechanism.alpha, 4)},
+        }
+    seen = set()
+    for cell in found:
+        known = expected.get((cell.state, cell.direction), {}).get(cell.head)
+        if known is not None:
+            assert cell.text in known, cell
+            seen.add(cell.head)
+    assert seen == {"α0 [–]", "α where it is activated [–]", "α program [–]"}, seen
+    said = re.findall(r"α0 = (\d+\.\d+)", page.text_content())
+    numbers = {words.show(rigid.alpha_0) for _, _, rigid in mechanisms(results)}
+    assert set(said) <= numbers
