@@ -5,15 +5,16 @@ from __future__ import annotations
 import os
 import platform
 import subprocess
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+
+from assessment.runtime.fingerprint import installed
 
 PACKAGES = ("assesto", "numpy", "scipy", "piqp", "numba", "ezdxf", "matplotlib", "weasyprint")
 
 
 def machine() -> str:
     """Processor, cores, memory, system, versions, commit and load, in a sentence or two."""
-    versions = ", ".join(f"{name} {_version(name)}" for name in PACKAGES)
+    versions = ", ".join(f"{name} {installed(name)}" for name in PACKAGES)
     return (
         f"{processor()}, {os.cpu_count()} cores, {_memory()}{platform.system()}; Python "
         f"{platform.python_version()}, {versions}; commit {_commit()}; load {load()} at the start."
@@ -39,13 +40,6 @@ def processor() -> str:
             if line.startswith("model name"):
                 return line.partition(":")[2].strip()
     return platform.processor() or platform.machine()
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "absent"
 
 
 def _commit() -> str:

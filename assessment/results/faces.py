@@ -11,25 +11,7 @@ import numpy as np
 from assessment.results.schema import Results
 from assessment.results.schema.model import Face
 from mechanics import Assembly
-from mechanics.model import (
-    A1,
-    A2,
-    B1,
-    B2,
-    CORNER,
-    FACE,
-    MEET,
-    PX,
-    PZ,
-    QX,
-    QZ,
-    TAX,
-    TAZ,
-    TBX,
-    TBZ,
-    Contacts,
-    H,
-)
+from mechanics.model import Contacts, FaceLines, H, face_lines, kinematic_contacts
 from mechanics.types import Array, Index, Mask
 
 
@@ -39,20 +21,17 @@ def described(model: Assembly, contacts: Contacts) -> list[Face]:
     The `middle_m` of each face are the points from which slips count; of drawn joints they are one.
     """
     depth = np.array([block.depth for block in model.blocks])
-    centroid = model.initial.positions[:, :2]
+    lines = face_lines(contacts, model.initial.positions[:, :2])
     found = []
-    for a, b, face, strength in zip(contacts.a, contacts.b, contacts.faces, contacts.strength, strict=True):
-        p, q = centroid[a] + face[[PX, PZ]], centroid[b] + face[[QX, QZ]]
-        along, facing = face[[TAX, TAZ]], face[[TBX, TBZ]]
+    for a, b, ends, middle, strength in zip(
+        contacts.a, contacts.b, lines.ends, lines.middle, contacts.strength, strict=True
+    ):
         thin = float(min(depth[a], depth[b]))
         found.append(
             Face(
                 blocks=[int(a), int(b)],
-                middle_m=[p.tolist(), q.tolist()],
-                faces_m=[
-                    [(p + s * along).tolist() for s in face[[A1, A2]]],
-                    [(q + s * facing).tolist() for s in face[[B1, B2]]],
-                ],
+                middle_m=middle.tolist(),
+                faces_m=ends.tolist(),
                 friction=friction_of(model, int(a), int(b)),
                 depth_m=thin,
                 compressive_strength_kN_m2=None if math.isinf(strength) else float(strength) / thin,
@@ -116,33 +95,17 @@ def faces_of(results: Results, met: Sequence[Face] = ()) -> Faces:
     geometry = results.geometry
     joints: list[Face] = [*geometry.joints, *met]
     centroids = np.array([block.centroid_m for block in geometry.blocks], dtype=float)
-    owner = np.array([joint.blocks for joint in joints], dtype=np.intp).reshape(-1, 2)
-    middle = np.array([joint.middle_m for joint in joints], dtype=float).reshape(-1, 2, 2)
-    ends = np.array([joint.faces_m for joint in joints], dtype=float).reshape(-1, 2, 2, 2)
-    along = ends[:, :, 1] - ends[:, :, 0]
-    along = along / np.hypot(*along.transpose(2, 0, 1))[..., None]
-    reach = np.einsum("jfei,jfi->jfe", ends - middle[:, :, None], along)
-    faces = np.zeros((len(joints), FACE))
-    for f, (point, tangent, limits) in enumerate(
-        (((PX, PZ), (TAX, TAZ), (A1, A2)), ((QX, QZ), (TBX, TBZ), (B1, B2)))
-    ):
-        faces[:, point] = middle[:, f] - centroids[owner[:, f]]
-        faces[:, tangent], faces[:, limits] = along[:, f], reach[:, f]
-    drawn = slice(len(geometry.joints))
-    faces[:, MEET] = geometry.joint_tolerance_m  # how near corners meet: as the analyses have it
-    faces[drawn, MEET] = np.maximum(faces[drawn, MEET], CORNER * np.ptp(reach[drawn], axis=2).min(axis=1))
-    unknown = np.full(len(joints), np.nan)
-    contacts = Contacts(
-        a=owner[:, 0],
-        b=owner[:, 1],
-        faces=faces,
-        friction=_limits([joint.friction for joint in joints]),
-        bed=unknown,
-        shear=unknown,
-        strength=unknown,
-        segments=np.zeros(len(joints), dtype=np.intp),
-        edges=np.zeros((len(joints), 2), dtype=np.intp),
-        tolerance=geometry.joint_tolerance_m,
+    lines = FaceLines(
+        ends=np.array([joint.faces_m for joint in joints], dtype=float).reshape(-1, 2, 2, 2),
+        middle=np.array([joint.middle_m for joint in joints], dtype=float).reshape(-1, 2, 2),
+    )
+    contacts = kinematic_contacts(
+        lines,
+        np.array([joint.blocks for joint in joints], dtype=np.intp).reshape(-1, 2),
+        centroids,
+        _limits([joint.friction for joint in joints]),
+        geometry.joint_tolerance_m,
+        len(geometry.joints),
     )
     return Faces(
         contacts,

@@ -14,6 +14,17 @@ from assessment.results.schema.studies import Capacities
 
 Row = dict[str, Any]
 
+COMPARISON = (
+    "state",
+    "direction",
+    "limit_state",
+    "static_pga_g",
+    "static_reduction",
+    "dynamic_pga_g",
+    "dynamic_reduction",
+)
+"""Columns of the capacities of a state beside those of the original one."""
+
 
 @dataclass(frozen=True)
 class Table:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar, TypeVarTuple
 from assessment.runtime.cache import Store, packed, unpacked
 from assessment.runtime.fingerprint import fingerprint
 from assessment.runtime.processes.pool import LOOK, KilledError, Pool, finished, processes, tell
+from assessment.runtime.show import SILENCE, Show
 
 if TYPE_CHECKING:
     from mechanics import Assembly
@@ -24,28 +25,6 @@ if TYPE_CHECKING:
 SMALL = 100  # joints times static analyses: below it a second process costs more than it saves
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
-
-
-class Show(Protocol):
-    """Receives the progress of the analyses."""
-
-    def begin(self, stage: str, total: int, taken: int, work: float) -> None:
-        """Tell that of `total` analyses of a stage all but `taken` are to be computed, `work` in all."""
-
-    def under_way(self, title: str) -> None:
-        """Tell which analysis is being computed."""
-
-    def reached(self, done: float) -> None:
-        """Tell how much of the work is done, of analyses at work too."""
-
-    def advance(self, done: float) -> None:
-        """Tell that one more analysis of the stage is finished, and how much of the work is done."""
-
-    def fault(self, title: str, reasons: Sequence[str]) -> None:
-        """Tell why an analysis, computed or taken over, could not be completed."""
-
-    def end(self) -> None:
-        """Tell that the stage is finished."""
 
 
 class Engine(Protocol):
@@ -59,31 +38,6 @@ class Engine(Protocol):
 
     def close(self, at_once: bool) -> None:
         """End it; `at_once`: without finishing its work, after an error."""
-
-
-class Silence:
-    """A Show that ignores all progress."""
-
-    def begin(self, stage: str, total: int, taken: int, work: float) -> None:
-        """See Show."""
-
-    def under_way(self, title: str) -> None:
-        """See Show."""
-
-    def reached(self, done: float) -> None:
-        """See Show."""
-
-    def advance(self, done: float) -> None:
-        """See Show."""
-
-    def fault(self, title: str, reasons: Sequence[str]) -> None:
-        """See Show."""
-
-    def end(self) -> None:
-        """See Show."""
-
-
-SILENCE = Silence()
 
 
 @dataclass

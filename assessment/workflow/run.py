@@ -30,7 +30,7 @@ from assessment.workflow.earlier import (
 if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.results.schema import Results
-    from assessment.runtime.tasks import Show
+    from assessment.runtime.show import Show
 
 EDITED = (
     "results.json was changed after the run that wrote it: numbers printed from it may not be computed ones"

@@ -25,7 +25,8 @@ from assessment.analyses.static.states import Request, StateResult, analyse_stat
 from assessment.project.plausibility import implausible_hazard
 from assessment.results.schema.part import known, present
 from assessment.runtime.outcome import Outcome
-from assessment.runtime.tasks import SILENCE, Show, Workers, large
+from assessment.runtime.show import SILENCE, Show
+from assessment.runtime.tasks import Workers, large
 from assessment.studies.convergence import Convergence, converge
 from assessment.studies.increments import refined
 from assessment.studies.variants import Statics, behaviours

@@ -123,6 +123,60 @@ def rows(places: Array) -> Array:
     return found
 
 
+@dataclass(frozen=True, eq=False)
+class FaceLines:
+    """Pairs of faces (j,) as drawn, of block a and of block b.
+
+    `ends` (j, 2, 2, 2) m: start and end of either face, along their common direction; `middle` (j, 2, 2) m: the point
+    of either face from which slips count, one point for faces that touch as drawn.
+    """
+
+    ends: Array
+    middle: Array
+
+
+def face_lines(contacts: Contacts, centroid: Array) -> FaceLines:
+    """Return the faces of contacts as drawn; `centroid` (b, 2) m of the blocks."""
+    f = contacts.faces
+    middle = np.stack([centroid[contacts.a] + f[:, [PX, PZ]], centroid[contacts.b] + f[:, [QX, QZ]]], axis=1)
+    along = np.stack([f[:, [TAX, TAZ]], f[:, [TBX, TBZ]]], axis=1)
+    limits = np.stack([f[:, [A1, A2]], f[:, [B1, B2]]], axis=1)
+    return FaceLines(middle[:, :, None] + limits[..., None] * along[:, :, None], middle)
+
+
+def kinematic_contacts(
+    lines: FaceLines, blocks: Index, centroid: Array, friction: Array, tolerance: float, drawn: int
+) -> Contacts:
+    """Return contacts whose faces and friction (j,) alone are known: enough for gaps and slips, for no forces.
+
+    `blocks` (j, 2): a and b of each; `centroid` (b, 2) m; `tolerance` m. The first `drawn` touch as drawn.
+    """
+    along = lines.ends[:, :, 1] - lines.ends[:, :, 0]
+    along = along / np.hypot(*along.transpose(2, 0, 1))[..., None]
+    reach = np.einsum("jfei,jfi->jfe", lines.ends - lines.middle[:, :, None], along)
+    faces = np.zeros((len(blocks), FACE))
+    for f, (point, tangent, limits) in enumerate(
+        (((PX, PZ), (TAX, TAZ), (A1, A2)), ((QX, QZ), (TBX, TBZ), (B1, B2)))
+    ):
+        faces[:, point] = lines.middle[:, f] - centroid[blocks[:, f]]
+        faces[:, tangent], faces[:, limits] = along[:, f], reach[:, f]
+    faces[:, MEET] = tolerance
+    faces[:drawn, MEET] = _meet(faces[:drawn], tolerance)
+    unknown = np.full(len(blocks), np.nan)
+    return Contacts(
+        a=blocks[:, 0],
+        b=blocks[:, 1],
+        faces=faces,
+        friction=friction,
+        bed=unknown,
+        shear=unknown,
+        strength=unknown,
+        segments=np.zeros(len(blocks), dtype=np.intp),
+        edges=np.zeros((len(blocks), 2), dtype=np.intp),
+        tolerance=tolerance,
+    )
+
+
 def drawn_contacts(blocks: Sequence[Block], joints: Joints, segments: int, tolerance: float) -> Contacts:
     """Return the contacts of the joints as drawn, without the gaps of the drawing within the tolerance."""
     centroid = np.array([b.centroid for b in blocks])
@@ -131,9 +185,18 @@ def drawn_contacts(blocks: Sequence[Block], joints: Joints, segments: int, toler
     faces[:, [PX, PZ]], faces[:, [QX, QZ]] = middle - centroid[joints.a], middle - centroid[joints.b]
     faces[:, [TAX, TAZ]] = faces[:, [TBX, TBZ]] = joints.tangent
     faces[:, [A1, A2]], faces[:, [B1, B2]] = joints.room_a - half, joints.room_b - half
-    shorter = np.minimum(faces[:, A2] - faces[:, A1], faces[:, B2] - faces[:, B1])
-    faces[:, MEET] = np.maximum(CORNER * shorter, tolerance)
+    faces[:, MEET] = _meet(faces, tolerance)
     return between(blocks, joints.a, joints.b, faces, segments, joints.edges, tolerance)
+
+
+def _meet(faces: Array, tolerance: float) -> Array:
+    """Return how near corners of faces (j, FACE) that touch as drawn meet (j,), m."""
+    return np.maximum(CORNER * _shorter(faces), tolerance)
+
+
+def _shorter(faces: Array) -> Array:
+    """Return the length of the shorter face (j,), m."""
+    return np.minimum(faces[:, A2] - faces[:, A1], faces[:, B2] - faces[:, B1])
 
 
 def between(
@@ -152,8 +215,7 @@ def between(
         series = 2.0 / (1.0 / k[a] + 1.0 / k[b])
     thin = np.minimum(depth[a], depth[b])
     length = np.minimum(faces[:, A2], faces[:, B2]) - np.maximum(faces[:, A1], faces[:, B1])
-    shorter = np.minimum(faces[:, A2] - faces[:, A1], faces[:, B2] - faces[:, B1])
-    length = np.where(length > tolerance, length, shorter)
+    length = np.where(length > tolerance, length, _shorter(faces))
     return Contacts(
         a=a,
         b=b,

@@ -60,19 +60,10 @@ def first_mode(
 
 
 @dataclass(frozen=True)
-class FloorSpectrum:
-    """Floor spectrum S_eZ(T, ξ) = √Σ S_eZ,k² ≥ S_e(T, ξ) (Circolare 7/2019, C7.2.5–C7.2.10).
-
-    `ground` carries the hazard and, in its damping, that of the element (ξ); `modes` the first mode first.
-    That ξ_k enters A as a fraction and a_Z,k in % is inferred (A = 4.9 at 5 %). The circular writes S_eZ ≥ S_e for
-    T > T_1; here it holds at every period [k], since the modes alone vanish towards the ground.
-    """
+class _OnGround:
+    """A demand at height over a spectrum at the ground, which carries the hazard."""
 
     ground: ElasticSpectrum
-    modes: tuple[Mode, ...]
-
-    def __post_init__(self) -> None:
-        require(len(self.modes) >= 1, "modes", self.modes, "one mode or more, the first mode first")
 
     @property
     def ag(self) -> float:
@@ -83,6 +74,21 @@ class FloorSpectrum:
     def S(self) -> float:
         """S at the ground."""
         return self.ground.S
+
+
+@dataclass(frozen=True)
+class FloorSpectrum(_OnGround):
+    """Floor spectrum S_eZ(T, ξ) = √Σ S_eZ,k² ≥ S_e(T, ξ) (Circolare 7/2019, C7.2.5–C7.2.10).
+
+    `ground` carries the hazard and, in its damping, that of the element (ξ); `modes` the first mode first.
+    That ξ_k enters A as a fraction and a_Z,k in % is inferred (A = 4.9 at 5 %). The circular writes S_eZ ≥ S_e for
+    T > T_1; here it holds at every period [k], since the modes alone vanish towards the ground.
+    """
+
+    modes: tuple[Mode, ...]
+
+    def __post_init__(self) -> None:
+        require(len(self.modes) >= 1, "modes", self.modes, "one mode or more, the first mode first")
 
     @property
     def T_1(self) -> float:
@@ -204,24 +210,13 @@ class FloorSpectrum:
 
 
 @dataclass(frozen=True)
-class FloorSpectrum2009:
+class FloorSpectrum2009(_OnGround):
     """Demand at height of Circolare 617/2009, C8A.4.2 [k]: the larger of the ground's and of the floor's.
 
     At the floor S_e(T_1) ψ γ R and S_De(T_1) ψ γ (T/T_1)² R, R = 1/√((1 − T/T_1)² + 0.02 T/T_1).
     """
 
-    ground: ElasticSpectrum
     mode: Mode
-
-    @property
-    def ag(self) -> float:
-        """a_g at the ground, g."""
-        return self.ground.ag
-
-    @property
-    def S(self) -> float:
-        """S at the ground."""
-        return self.ground.S
 
     def acceleration(self, T: ArrayLike) -> Array:
         """Return the larger of S_e(T) and S_e(T_1) ψ γ/√((1 − T/T_1)² + 0.02 T/T_1), g."""

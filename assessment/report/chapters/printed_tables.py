@@ -42,7 +42,7 @@ from assessment.results.hand_check import (
 )
 from assessment.results.reactions import balance, reactions
 from assessment.results.schema import Results
-from assessment.results.table import Row, Table, cells, reference_of
+from assessment.results.table import COMPARISON, Row, Table, cells, reference_of
 
 SIGNIFICANT = {"hand_check": 4, "second_solver": 8}  # digits of tables that show how near two values are
 
@@ -88,7 +88,7 @@ def _tables(results: Results, words: Words) -> list[Table]:
         capacity_tables.linear_checks(results),
         vertical(results),
         capacity_tables.scalings(results),
-        Table("comparison", _compared(results), tables.COMPARISON),
+        Table("comparison", _compared(results), COMPARISON),
         *reported_studies(results),
         histories(results),
         history_ranges(results),
@@ -139,5 +139,5 @@ def _without(table: Table, *columns: str) -> Table:
 def _compared(results: Results) -> list[Row]:
     """Return the comparison without its dynamic columns where no dynamic analysis was made."""
     static_only = all(each.dynamic_pga_g is None for each in results.comparison)
-    kept = [key for key in tables.COMPARISON if not (static_only and key.startswith("dynamic"))]
+    kept = [key for key in COMPARISON if not (static_only and key.startswith("dynamic"))]
     return [cells(each, kept) for each in results.comparison]

@@ -8,6 +8,7 @@ from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Direction
 from assessment.results.schema.dynamic import History, Incremental, Search
 from assessment.results.table import (
+    COMPARISON,
     Row,
     Table,
     brought_together,
@@ -70,17 +71,7 @@ OF_STATES = (
     "median_g",
     "dispersion",
 )
-COMPARED = (
-    "state",
-    "direction",
-    "limit_state",
-    "static_pga_g",
-    "static_reduction",
-    "dynamic_pga_g",
-    "dynamic_reduction",
-    "static_surface_pga_g",
-    "dynamic_to_static",
-)
+COMPARED = (*COMPARISON, "static_surface_pga_g", "dynamic_to_static")
 
 
 def dynamic_tables(results: Results) -> list[Table]:

@@ -32,7 +32,7 @@ from assessment.results.hand_check import hand_check, macro_block_table, outline
 from assessment.results.reactions import balance, joint_table, reactions
 from assessment.results.schema import Results
 from assessment.results.schema.model import Block
-from assessment.results.table import Row, Table, cells
+from assessment.results.table import COMPARISON, Row, Table, cells
 from assessment.runtime.files.atomic_files import write_atomically
 
 RUN = ("=", "+", "-", "@", "\t", "\r")  # what a formula begins with in a spreadsheet
@@ -101,15 +101,6 @@ def tables(results: Results) -> list[Table]:
     ]
 
 
-COMPARISON = (
-    "state",
-    "direction",
-    "limit_state",
-    "static_pga_g",
-    "static_reduction",
-    "dynamic_pga_g",
-    "dynamic_reduction",
-)
 QUALITY = (
     "state",
     "stage",

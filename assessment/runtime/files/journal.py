@@ -10,12 +10,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from assessment.runtime.pace import Pace
-
-if TYPE_CHECKING:
-    from assessment.runtime.tasks import Show
+from assessment.runtime.show import Show
 
 MOST_BYTES = 100_000_000  # that are read: half a million analyses
 SELDOM = 0.01  # of the time of a stage: how often it is written what is reached, 1 s at least
@@ -35,7 +33,7 @@ def journal(folder: Path, show: Show) -> Iterator[Show]:
 
 
 @dataclass
-class Journal:
+class Journal(Show):
     """Writes each event as a line of JSON, so that a kill leaves all lines before it; tells `show` as well."""
 
     path: Path

@@ -17,12 +17,12 @@ from assessment.results.plain import plain
 from assessment.results.schema import Results
 from assessment.results.table import quoted_limit_state
 from assessment.runtime.pace import Pace
+from assessment.runtime.show import Show
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from assessment.runtime.outcome import Outcome
-    from assessment.runtime.tasks import Show
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class TimeLeft:
         return f"{seconds // 3600}:{seconds // 60 % 60:02}:{seconds % 60:02}"
 
 
-class Bars:
+class Bars(Show):
     """A progress bar for the work of the current stage with the time left, and a line for each finished stage."""
 
     def __init__(self, console: Console) -> None:
@@ -99,7 +99,7 @@ class Bars:
 def progress() -> Iterator[Show]:
     """Yield a Show that prints progress to standard error; silent if that is not a terminal."""
     if not sys.stderr.isatty():
-        from assessment.runtime.tasks import SILENCE
+        from assessment.runtime.show import SILENCE
 
         yield SILENCE
         return

@@ -17,7 +17,7 @@ from assessment.runtime.errors import ProjectError
 from assessment.runtime.processes import cluster
 from assessment.runtime.processes.cluster import Cluster
 from assessment.runtime.processes.pool import KilledError
-from assessment.runtime.tasks import Silence
+from assessment.runtime.show import Show
 from assessment.workflow.stages import run
 from tests.support.block_project import timeless
 from tests.support.campaign_project import STRIPES, write_campaign
@@ -36,7 +36,7 @@ def local():
         yield found
 
 
-class Murder(Silence):
+class Murder(Show):
     """Kills a worker as soon as the first combination of the campaign is finished."""
 
     def __init__(self, local):

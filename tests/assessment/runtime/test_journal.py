@@ -16,7 +16,7 @@ from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.files import journal as journals
 from assessment.runtime.files.journal import NAME, journal, read_journal
 from assessment.runtime.files.lock import locked
-from assessment.runtime.tasks import Silence
+from assessment.runtime.show import Show
 from assessment.runtime.terminal import status as statuses
 from assessment.runtime.terminal.status import status
 from tests import ROOT
@@ -25,7 +25,7 @@ from tests.support.campaign_project import STRIPES, write_campaign
 
 
 def test_stages_failures_and_the_time_left_are_told(tmp_path):
-    with locked(tmp_path), journal(tmp_path, Silence()) as show:
+    with locked(tmp_path), journal(tmp_path, Show()) as show:
         show.begin("campaign", 10, 4, 600.0)
         show.fault("wave", ["a step was not solved"])
         show.advance(100.0)
@@ -46,7 +46,7 @@ def test_the_time_left_is_told_before_an_analysis_is_finished(tmp_path, monkeypa
     clock = SimpleNamespace(now=1000.0)
     monkeypatch.setattr(journals, "time", SimpleNamespace(time=lambda: clock.now))
     monkeypatch.setattr(statuses, "time", SimpleNamespace(time=lambda: clock.now))
-    with locked(tmp_path), journal(tmp_path, Silence()) as show:
+    with locked(tmp_path), journal(tmp_path, Show()) as show:
         show.begin("history", 1, 0, 500.0)
         clock.now += 0.5
         show.reached(10.0)

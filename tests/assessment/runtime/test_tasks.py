@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from assessment.runtime.tasks import Silence, Workers
+from assessment.runtime.show import Show
+from assessment.runtime.tasks import Workers
 from mechanics.progress import tell
 
 
@@ -32,7 +33,7 @@ def _pid(folder: str, processes: int) -> int:
     return os.getpid()
 
 
-class Seen(Silence):
+class Seen(Show):
     """Lets analyses go on once it was told that they are at work; keeps what it was told."""
 
     def __init__(self, flag):
