@@ -28,6 +28,7 @@ from assessment.results.schema.part import known
 
 Run = tuple[str, float, str, int]
 BAND, FAINT = "0.85", "0.55"
+STEEP = 0.1  # ln of the measure shown beyond the median of equal levels, which has no dispersion
 
 
 def moved(results: Results) -> list[str]:
@@ -98,14 +99,14 @@ def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> 
     found, campaign = fragile_shares(results, settlement), known(results.campaign)
     figure, (axes,) = chart(words, height_mm=75.0, foot_mm=8.0 + 4.0 * len(found))
     seen = {row.share: _seen(campaign, settlement, row.share) for row in found}
-    top = max(known(row.median_g) * np.exp(2.0 * known(row.beta)) for row in found)
+    top = max(known(row.median_g) * np.exp(max(2.0 * known(row.beta), STEEP)) for row in found)
     low = min(known(row.median_g) * np.exp(-3.0 * known(row.beta)) for row in found)
     low = min([low, *(level for levels, _ in seen.values() for level in levels)])
     start = 0.1 * math.floor(9.5 * low)  # below it nothing collapses
     level = np.linspace(max(start, 1e-3 * top), top, 300)
     handles: list[Line2D] = []
     for dashes, row, shade in zip(cycle(DASHES), found, np.linspace(1.0, 0.0, len(found)), strict=False):
-        curve = ndtr(np.log(level / known(row.median_g)) / known(row.beta))
+        curve = ndtr(np.log(level / known(row.median_g)) / max(known(row.beta), 1e-3 * STEEP))
         mark: dict[str, Any] = {"marker": "o", "markersize": 3.0, "markeredgewidth": 0.5, "color": "0.0"}
         mark["markerfacecolor"] = str(shade)
         axes.plot(level, curve, color="0.0", linestyle=dashes)

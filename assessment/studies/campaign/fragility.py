@@ -18,6 +18,7 @@ CONFIDENCE = 0.95
 ROUNDS = 500  # of the expectation-maximisation; of Fisher's scoring a tenth
 SETTLED = 1e-10  # of ln: what a round changes at the end
 NARROWEST = 1e-6  # β that is none
+WIDE = 0.1  # β that the expectation-maximisation begins with, at least: from none it would not move
 STEP = 1.0  # of Fisher's scoring, at most, in ln of the median and of β
 
 
@@ -60,8 +61,8 @@ def samples_of_records(record: Array) -> Array:
 def fit_levels(level: Array, withstood: Mask, weights: Array) -> Lognormal:
     """Fit levels of collapse (n,), those `withstood` being lower bounds of theirs (right-censored).
 
-    Without lower bounds: mean and root mean square (over n, by maximum likelihood) of the logarithms. With them by
-    expectation-maximisation.
+    Without lower bounds: mean and root mean square (over n, by maximum likelihood) of the logarithms; equal levels have
+    β = 0. With them by expectation-maximisation. Where all withstood there is no median.
     """
     x = np.log(level)
     total, fell = weights.sum(axis=1), weights @ (~withstood).astype(float)
@@ -69,11 +70,12 @@ def fit_levels(level: Array, withstood: Mask, weights: Array) -> Lognormal:
         mean = weights @ (x * ~withstood) / fell
         spread = np.sqrt(np.maximum(weights @ (x**2 * ~withstood) / fell - mean**2, 0.0))
     mean, spread = np.where(fell > 0, mean, np.nan), np.where(fell > 0, spread, np.nan)
-    some = (weights @ withstood.astype(float) > 0.0) & (spread > NARROWEST)
+    some = (weights @ withstood.astype(float) > 0.0) & (fell > 0)
     if some.any():
         mean[some], spread[some] = _censored(
-            x, withstood, weights[some], total[some], mean[some], spread[some]
+            x, withstood, weights[some], total[some], mean[some], np.maximum(spread[some], WIDE)
         )
+    spread[spread < 2.0 * NARROWEST] = 0.0
     return Lognormal(np.exp(mean), spread)
 
 

@@ -271,6 +271,21 @@ def _by_movement(
     return fits, losses
 
 
+def _open_ends(row: CampaignFragility) -> list[str]:
+    """Return warnings of a fragility that rests on lower bounds, or has no median."""
+    where, findings = f"{row.settlement} × {row.share:g}", []
+    if row.withstood:
+        findings.append(
+            f"campaign: {where}: {row.withstood} of {row.combinations} combinations do not collapse up to the largest "
+            "level tried and count as lower bounds; raise max_scale, or levels_g, to find their collapse"
+        )
+    if row.median_g is None and row.failed < row.combinations:
+        findings.append(
+            f"campaign: {where}: no median of collapse is found; some levels have to be withstood, and others not"
+        )
+    return findings
+
+
 def _findings(found: Campaign) -> list[str]:
     """Return warnings about the campaign as a whole."""
     findings = []
@@ -290,6 +305,7 @@ def _findings(found: Campaign) -> list[str]:
                 f"campaign: {where}: {row.failed} of {row.combinations} combinations could not be completed; "
                 "median, dispersion and loss are those of the others"
             )
+        findings += _open_ends(row)
     spectrum = found.spectrum
     if spectrum and not spectrum.within:
         low, high = spectrum.lowest_deviation, spectrum.highest_deviation

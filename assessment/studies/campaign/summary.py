@@ -62,6 +62,7 @@ def fragility(
     """Fit the lognormal fragility at a place; `levels` (g): of stripes; `members` of each ensemble.
 
     `median_g` and `beta` refer to the measure at which some member collapses; their ranges are those of the bootstrap.
+    Equal levels have β = 0; None: all withstood, or stripes that tell no median (see fit_stripes).
     `beta_ensemble` is the scatter within a combination, from the range of its members (Tippett); `beta_record` is the
     rest of `beta`. `pga_collapse_g` (PGA): the value by NTC 2018 §7.3.5, with its `rule`.
     """
@@ -88,7 +89,7 @@ def fragility(
         return row
     fit = _fit(known, levels, np.ones((1, len(known))))
     median, beta = float(fit.median[0]), float(fit.beta[0])
-    if not (math.isfinite(median) and math.isfinite(beta) and beta > 0.0):
+    if not (math.isfinite(median) and math.isfinite(beta)):
         return row
     row = _divided(row.replace(median_g=median, beta=beta), known, levels, members)
     names = list(dict.fromkeys(each.record for each in known))

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 from scipy.special import ndtr
+from scipy.stats import norm
 
 from assessment.analyses.dynamic import ensemble
 from assessment.analyses.dynamic.bracket import find_collapse
@@ -22,6 +23,8 @@ from assessment.project.motions import BaseMotion
 from assessment.project.project import load_project
 from assessment.project.record_set import check_record_set, doubtful_records
 from assessment.project.schema import CampaignTable
+from assessment.report.text.language import Words
+from assessment.report.text.messages import _entries, _translated
 from assessment.results.plain import plain
 from assessment.runtime.errors import ProjectError
 from assessment.studies.campaign import records, search
@@ -33,6 +36,7 @@ from assessment.studies.campaign.fragility import (
     samples_of_records,
 )
 from assessment.studies.campaign.movements import surface_pga
+from assessment.studies.campaign.stage import _open_ends
 from assessment.studies.campaign.summary import Observed, Place, fragility, loss
 from mechanics.records.record import Record
 from tests.support.block_project import edit, read_results, run, timeless
@@ -56,6 +60,25 @@ def test_what_withstood_is_a_lower_bound_as_scipy_has_it():
     known = censored_fit(levels[~withstood].tolist(), levels[withstood].tolist())
     assert fit.median[0] == pytest.approx(known.median_g, rel=1e-4)
     assert fit.beta[0] == pytest.approx(known.dispersion, rel=1e-3)
+
+
+def test_equal_levels_beside_lower_bounds_are_a_distribution_all_the_same():
+    """Two collapse at one level: the two that withstand three times of it widen it; half of it would not."""
+    levels, withstood = np.array([0.9, 0.9, 2.6, 2.6]), np.array([0, 0, 1, 1], bool)
+    fit = fit_levels(levels, withstood, whole(4))
+
+    def minus_likelihood(x):
+        return -2.0 * (
+            norm.logpdf(math.log(0.9), x[0], math.exp(x[1])) + norm.logsf(math.log(2.6), x[0], math.exp(x[1]))
+        )
+
+    expected = minimize(
+        minus_likelihood, (0.5, -0.5), method="Nelder-Mead", options={"xatol": 1e-8, "fatol": 1e-12}
+    ).x
+    assert fit.median[0] == pytest.approx(math.exp(expected[0]), rel=1e-4)
+    assert fit.beta[0] == pytest.approx(math.exp(expected[1]), rel=1e-4)
+    low = fit_levels(np.array([0.9, 0.9, 0.45]), np.array([0, 0, 1], bool), whole(3))
+    assert low.median[0] == pytest.approx(0.9) and low.beta[0] == 0.0
 
 
 def test_a_weight_counts_an_observation_as_often():
@@ -140,6 +163,29 @@ def test_scatter_of_the_records_apart_from_that_of_the_ensembles():
     assert found.beta_ensemble == pytest.approx(0.1, rel=0.03)
     assert found.beta_record == pytest.approx(0.4, rel=0.04)
     assert found.beta > found.beta_record
+
+
+def test_equal_levels_have_a_median_and_no_dispersion():
+    found = fragility(PLACE, [seen("a", 0.3), seen("a", 0.3, sign=-1)], None, 1)
+    assert found.median_g == pytest.approx(0.3) and found.beta == 0.0
+
+
+def test_stripes_that_a_level_parts_have_the_median_between():
+    parted = (False, True, True)
+    rows = [seen(name, 0.4, 0.2, fallen=parted, all_fallen=parted) for name in "ab"]
+    found = fragility(PLACE, rows, [0.2, 0.4, 0.6], 1)
+    assert found.median_g == pytest.approx(math.sqrt(0.2 * 0.4)) and found.beta == 0.0
+
+
+def test_lower_bounds_and_a_missing_median_are_warned_of():
+    stand = [seen("a", None, 0.8), seen("b", None, 0.9)]
+    [bounds, none] = _open_ends(fragility(PLACE, stand, None, 1))
+    assert "2 of 2 combinations do not collapse" in bounds and "no median of collapse" in none
+    [bounds] = _open_ends(fragility(PLACE, [*stand, seen("c", 0.5)], None, 1))
+    assert "2 of 3 combinations" in bounds
+    assert not _open_ends(fragility(PLACE, [seen("c", 0.5)], None, 1))
+    for warning in (bounds, none):
+        assert _translated(warning, Words.of("it"), _entries("it")) is not None
 
 
 def test_the_standard_takes_the_worse_sign_the_lowest_of_three_and_the_mean_of_seven():
