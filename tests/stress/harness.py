@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import multiprocessing
-import resource
+import os
 import signal
+import threading
 import time
 import traceback
 import warnings
@@ -12,6 +13,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields, is_dataclass
 from multiprocessing.connection import Connection
+from types import ModuleType
 
 import numpy as np
 
@@ -21,8 +23,15 @@ from mechanics.program import Certificate
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.static_system import StaticSystem
 
+resource: ModuleType | None
+try:
+    import resource
+except ImportError:  # Windows
+    resource = None
 USABLE = 1e-6  # the certificate that the program itself asks for (mechanics.solvers)
 REFUSALS = (UnstableError, NoEquilibriumError, ControlError, ConvergenceError)
+START = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
+HUNG = 24  # exit code of a process that has ended itself: the number of SIGXCPU
 SECONDS, LONG_SECONDS = 60, 900  # of processor time, as every other process leaves it: more is a hang
 
 
@@ -110,15 +119,31 @@ def judge(case: Case) -> Outcome:
 
 
 def _send(case: Case, line: Connection, seconds: int) -> None:
-    # The soft limit alone: where the clock is read seldom, a hard limit near it kills first, as lack of memory does.
-    resource.setrlimit(resource.RLIMIT_CPU, (seconds, resource.getrlimit(resource.RLIMIT_CPU)[1]))
+    _limit(seconds)
     line.send(judge(case))
+
+
+def _limit(seconds: int) -> None:
+    """Have this process end after so much processor time; Windows limits none: a thread looks at the clock."""
+    if resource is not None:
+        # The soft limit alone: where the clock is read seldom, a hard limit near it kills first, as lack of memory
+        # does.
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, resource.getrlimit(resource.RLIMIT_CPU)[1]))
+        return
+
+    def look() -> None:
+        while time.process_time() < seconds:
+            time.sleep(0.1)
+        os._exit(HUNG)
+
+    threading.Thread(target=look, daemon=True).start()
 
 
 def apart(case: Case) -> Outcome:
     """Run a case in a process of its own: a crash or a hang is a failure of it alone."""
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["tests.stress.warm"])
+    context = multiprocessing.get_context(START)
+    if START == "forkserver":
+        context.set_forkserver_preload(["tests.stress.warm"])
     here, there = context.Pipe(duplex=False)
     limit = LONG_SECONDS if case.long else SECONDS
     process = context.Process(target=_send, args=(case, there, limit))
@@ -128,7 +153,7 @@ def apart(case: Case) -> Outcome:
         return here.recv()
     except EOFError:
         process.join()
-        if process.exitcode == -signal.SIGXCPU:
+        if process.exitcode in {HUNG, -getattr(signal, "SIGXCPU", HUNG)}:
             return Outcome("failed", f"no answer within {limit} s of processor time", limit)
         return Outcome("failed", f"the process ended with {process.exitcode}")
     finally:

@@ -6,7 +6,9 @@ import os
 
 import pytest
 
+from assessment.project.catalogue.new_project import new_project
 from assessment.runtime.cache import FOLDER
+from tests.stress.harness import HUNG
 from tests.support.block_project import (
     PROJECT,
     ROOT,
@@ -26,7 +28,11 @@ sys.modules |= {"fcntl": None, "resource": None, "pwd": None, "grp": None}
 sys.modules["msvcrt"] = types.SimpleNamespace(LK_NBLCK=2, locking=lambda *_: None)
 for name in ("fork", "set_blocking", "sched_getaffinity", "getloadavg", "sysconf", "killpg", "geteuid"):
     delattr(os, name)
-for name in ("SIGHUP", "SIGQUIT", "SIGALRM", "SIGUSR1", "SIGCHLD"):
+for name in ("setsid", "getpgid", "mkfifo", "pread", "chown", "getuid", "nice", "forkpty"):
+    delattr(os, name)
+for name in ("SIGHUP", "SIGQUIT", "SIGALRM", "SIGUSR1", "SIGCHLD", "SIGXCPU", "SIGPROF", "SIGPIPE", "SIGKILL"):
+    delattr(signal, name)
+for name in ("alarm", "pause", "setitimer", "sigwait", "pthread_kill"):
     delattr(signal, name)
 
 class CDLL(ctypes.CDLL):
@@ -62,12 +68,34 @@ def test_a_run_gives_what_it_gives_on_linux(tmp_path, elsewhere):
     assert {path.name for path in (folder / "output").iterdir()} >= {FOLDER, "results.json"}
 
 
-def test_every_module_can_be_imported(elsewhere):
+def test_a_template_is_checked(tmp_path, elsewhere):
+    new_project(tmp_path / "wall", "wall", {})
+    done = command("check", str(tmp_path / "wall"), env=elsewhere, encoding="cp1252")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "wall" / "output" / "model.svg").is_file()
+
+
+def test_a_case_of_the_stress_tests_that_hangs_is_ended(elsewhere):
+    """Nothing there limits the processor time of a process."""
     code = (
-        "import importlib, pkgutil, assessment, mechanics\n"
-        "for package in (assessment, mechanics):\n"
+        "from tests.stress import harness\n"
+        "assert harness.resource is None\n"
+        "harness._limit(1)\n"
+        "while True:\n"
+        "    pass"
+    )
+    done = command(code=code, env=elsewhere)
+    assert (done.returncode, done.stderr) == (HUNG, "")
+
+
+def test_every_module_can_be_imported(elsewhere):
+    """Those of the tests too: `tests.stress.harness` could not."""
+    code = (
+        "import contextlib, importlib, pkgutil, pytest, assessment, mechanics, tests\n"
+        "for package in (assessment, mechanics, tests):\n"
         "    for module in pkgutil.walk_packages(package.__path__, package.__name__ + '.'):\n"
-        "        importlib.import_module(module.name)\n"
+        "        with contextlib.suppress(pytest.skip.Exception):\n"
+        "            importlib.import_module(module.name)\n"
         "from assessment.benchmark.machine import machine\n"
         "from assessment.benchmark.measure import peak_memory\n"
         "from assessment.benchmark.cases.chain import _children\n"
