@@ -49,7 +49,15 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     for step in range(tolerances.steps):
         before, now = now, replace(now, system=now.system.around(at, now.size))
         mass = model.mass / (time**2 * model.size / GRAVITY)
-        last = _step_from_rest(replace(now, mass=mass), at, last and _over(last, before.system, now.system))
+        try:
+            last = _step_from_rest(
+                replace(now, mass=mass), at, last and _over(last, before.system, now.system)
+            )
+        except ConvergenceError:
+            if tolerances.first <= tolerances.careful:
+                raise
+            # the first steps may have led blocks into each other: again with shorter ones
+            return motion_to_rest(problem, begun, replace(tolerances, first=tolerances.careful))
         moved, solves = last.at, solves + last.solves
         left, far = way(at, moved, model.size), way(begun, moved, model.size)
         # slips count from the last step: a joint that has slid does not slide back
