@@ -6,8 +6,8 @@ from assessment.ntc.calculation import Step, step
 from assessment.ntc.demand.hazard import HazardCurve
 from assessment.ntc.demand.hazard_grid import RETURN_PERIODS
 
-EXPONENT = 0.41  # slope of log a_g over log T_R for Italy as a whole (DPCM 9/2/2011, §2.4)
-_LAW = "D.P.C.M. 9/2/2011, §2.4; NTC 2018, §3.2.1"
+EXPONENT = 0.41  # slope of log a_g over log T_R for Italy as a whole (known, not re-read [k])
+_LAW = "D.M. 58/2017, Allegato A; NTC 2018, §3.2.1"
 
 
 def capacity_return_period(

@@ -5,6 +5,10 @@
 CHECKS = ("SLO", "SLO elastic", "SLD", "SLD elastic", "SLV linear", "SLV", "SLC")
 LINEAR = ("SLO", "SLD", "SLV linear")
 QUOTED = ("SLC", "SLV", "SLD", "SLO")  # the farthest first
-INDEXED = ("SLV", "SLC")  # where the ratio of a_g borne to a_g demanded is the index ζ_E (NTC 2018, §8.3)
+INDEXED = (
+    "SLV",
+    "SLC",
+)  # the ratio of a_g borne to a_g demanded at the first that is checked is ζ_E (NTC 2018, §8.3)
+INDEX = INDEXED[0]
 
 ROCK, SURFACE = "rock", "surface"  # of an acceleration: on rigid ground (category A) without S, or with it

@@ -23,7 +23,7 @@ from assessment.ntc.demand_capacity import (
     solve_elastic,
     solve_linear,
 )
-from assessment.ntc.limit_states import INDEXED, ROCK, SURFACE
+from assessment.ntc.limit_states import INDEX, INDEXED, ROCK, SURFACE
 from assessment.ntc.methods import ACTIVATION_DAMPING, LAW, Method
 from mechanics.errors import require
 
@@ -48,7 +48,7 @@ class Check:
 
     method: "linear", "elastic" or "nonlinear". d_star (m), a_star (g): point of the capacity curve that
     counts; T (s): its period; a_g: capacity, g; demand_a_g: demand, g; zeta_E: their ratio, with S on both
-    sides, which is the index ζ_E at SLV and SLC only (§8.3); return_period: of the capacity, years, where the site's
+    sides, which is the index ζ_E at SLV only (§8.3); return_period: of the capacity, years, where the site's
     hazard, or the return period of the demand, is known. governing: what gave a_g. demand_a_star (g): of the linear
     check, what a_0* is compared with: a_g S/q at the ground, a_Z/q at height. reference: of a_g and demand_a_g, "rock"
     (category A, without S) or, of a record's spectrum, "surface"; S, demand_S: from there to the surface.
@@ -217,7 +217,7 @@ def _check(
     source = "hazard of the site, or peak of the record" if site is None else "a_g S of the site"
     pga = a_g * S
     zeta = pga / (demand * S_demand)
-    indexed = limit_state in INDEXED
+    indexed = limit_state == INDEX
     symbol, law = ("zeta_E", "NTC 2018, §8.3") if indexed else (f"r_{limit_state}", LAW[method.circular])
     lines = [
         datum("a_g_demand", demand, "g", source),

@@ -18,6 +18,8 @@ from assessment.report.chapters.judgement import all_warnings, draft_judgement, 
 from assessment.report.chapters.printed_tables import macro_block_grids, printed_tables
 from assessment.report.chapters.remarks import (
     contacts_of,
+    cracks_told,
+    damping_told,
     displacement_limits,
     farthest_limit_state,
     missing_pushovers,
@@ -30,9 +32,8 @@ from assessment.report.formats.attachments import caption, stored
 from assessment.report.formats.page_fill import pdf_of
 from assessment.report.formats.pdf import command, load_weasyprint
 from assessment.report.formats.viewer import Viewer, viewer
-from assessment.report.tables.cracks import PRINTED, SEEN
 from assessment.report.tables.loads import vertical_told
-from assessment.report.text.language import Words, words_of
+from assessment.report.text.language import Words, unparted, words_of
 from assessment.report.text.messages import sentence, translated
 from assessment.results.schema import Results
 from assessment.runtime.files.atomic_files import write_atomically
@@ -83,7 +84,7 @@ def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> l
         reason = str(error).partition("\n")[0]
         return [words.plain("warning.no_pdf", reason=reason, command=command())]
     page = render_html(results, folder / "figures", words, edited)
-    write_atomically(folder / "report.pdf", pdf_of(page, weasyprint))
+    write_atomically(folder / "report.pdf", pdf_of(unparted(page), weasyprint))
     return []
 
 
@@ -92,7 +93,7 @@ def write_docx(results: Results, folder: Path, edited: Markup | None = None) -> 
     from assessment.report.formats.docx import to_docx  # late: only reports need it
 
     page = render_html(results, folder / "figures", words_of(results), edited)
-    write_atomically(folder / "report.docx", to_docx(page, folder))
+    write_atomically(folder / "report.docx", to_docx(unparted(page), folder))
 
 
 def render_html(
@@ -134,7 +135,8 @@ def render_html(
         assumptions=list(assumptions(results, words, "elastic" in contacts_of(results))),
         references=references(),
         pressures=pressures_told(results, words),
-        cracks_shown={"seen": words.comma(f"{1000.0 * SEEN:g}"), "printed": PRINTED},
+        cracks=list(cracks_told(results, words)),
+        damping=damping_told(results, words),
         missing=list(missing_pushovers(results, words)),
         onsets=list(onsets(results, words)),
         judgement=draft_judgement(results, words),

@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from assessment.ntc.limit_states import CHECKS, INDEXED, ROCK
+from assessment.ntc.limit_states import CHECKS, INDEX, INDEXED, ROCK
 from assessment.report.tables.capacity import SummaryLine, directions, summary_lines
 from assessment.report.tables.ranges import Range
 from assessment.report.text.columns import cell, check_name, heading, is_text, written
-from assessment.report.text.language import Words, direction_name
+from assessment.report.text.language import Words, direction_name, unparted
 from assessment.results.schema import Results
 from assessment.results.table import Table, reference_of
 
-LETTERS = 125.0  # of average width in a row of a table
+LETTERS = 109.0  # of a's width in a row of a table
+PADDING = 1.7  # letters, of a cell
+SIZES = {
+    letter: size
+    for letters, size in (("ijl’'|.,;: \u00a0", 0.5), ("frt()[]-/", 0.65), ("mwMW%", 1.5))
+    for letter in letters
+}
+BLANKS = re.compile(
+    r"[ \n]+"
+)  # where a line may end: not at a blank that holds a number and its unit together
 AT_ONSET = {name for name in CHECKS if name not in INDEXED}
 ROUNDING = 1e-9  # a reduction no larger is none
 REDUCTIONS = 3  # settled states beside the original in one table
@@ -32,27 +42,30 @@ class Grid:
 
     @property
     def widths(self) -> list[float]:
-        """Return the widths of the columns in per cent: numbers stay whole, words make room by wrapping."""
-        whole, least = [], []
+        """Return the widths of the columns in per cent: numbers stay whole, words make room by wrapping.
+
+        Of the columns of words those give way first in which the fewest rows wrap.
+        """
+        kept, least, wrapped = [], [], []
         for head, cells, text in zip(self.head, zip(*self.rows, strict=True), self.text, strict=True):
             title = max(1.2 * _room(word) for word in _parted(head))
+            rooms = [_room(cell.striptags()) for cell in cells]
             words = max(_room(word) for cell in cells for word in _parted(cell)) if text else 0.0
-            whole.append(2.0 + min(36.0, max(6.0, title, *(_room(cell.striptags()) for cell in cells))))
-            least.append(2.0 + min(36.0, max(title, words)) if text else whole[-1])
-        spare = sum(whole) - sum(least)
-        give = min(1.0, max(0.0, sum(whole) - LETTERS) / spare) if spare > 0.0 else 0.0
-        kept = [wide - give * (wide - narrow) for wide, narrow in zip(whole, least, strict=True)]
+            kept.append(PADDING + min(36.0, max(6.0, title, *rooms)))
+            least.append(PADDING + min(36.0, max(title, words)) if text else kept[-1])
+            wrapped.append(sum(PADDING + room > least[-1] for room in rooms))
+        for column in sorted(range(len(kept)), key=wrapped.__getitem__):
+            kept[column] = max(least[column], kept[column] - max(0.0, sum(kept) - LETTERS))
         return [round(100.0 * wide / sum(kept), 2) for wide in kept]
 
 
 def _parted(cell: Markup) -> list[str]:
-    return cell.striptags().split() or [""]
+    return BLANKS.split(unparted(cell.striptags())) or [""]
 
 
 def _room(text: str) -> float:
-    """Return the width of a text in average letters; capitals and digits are wider."""
-    capitals, digits = (sum(map(kind, text)) for kind in (str.isupper, str.isdigit))
-    return len(text) + 0.4 * capitals + 0.15 * digits
+    """Return the width of a text in letters like a; capitals and digits are wider."""
+    return sum(SIZES.get(each, 1.12 if each.isupper() else 1.05 if each.isdigit() else 1.0) for each in text)
 
 
 def grid(table: Table, words: Words, caption: Markup, significant: int = 3, reference: str = ROCK) -> Grid:
@@ -75,7 +88,7 @@ def summary_grids(results: Results, words: Words) -> Iterator[Grid]:
         for names in portions:
             head = [words("column.quantity"), Markup.escape(words.state("original"))]
             for name in names:
-                head += [Markup.escape(name), words("column.reduction")]
+                head += [Markup.escape(words.state(name)), words("column.reduction")]
             yield Grid(
                 words("caption.summary", direction=direction_name(direction)),
                 head,
@@ -123,7 +136,7 @@ def _again(line: SummaryLine) -> bool:
 
 
 def _summary_row(line: SummaryLine, names: list[str], words: Words, reference: str) -> list[Markup]:
-    indexed = line.quantity == "zeta_E" and line.limit_state.partition(" ")[0] in INDEXED
+    indexed = line.quantity == "zeta_E" and line.limit_state.partition(" ")[0] == INDEX
     label = heading("index" if indexed else line.quantity, words, reference)
     cells = [label + _limit(line.limit_state, words), _value(line, "original", words)]
     for name in names:
@@ -138,6 +151,4 @@ def _value(line: SummaryLine, state: str, words: Words) -> Markup:
 
 def _reduction(line: SummaryLine, state: str, words: Words) -> Markup:
     loss = line.reduction(state)
-    if loss is None:
-        return words("value.none")
-    return Markup.escape(words.number(100.0 * loss if abs(loss) > ROUNDING else 0.0))
+    return words("value.none") if loss is None else written("reduction", loss, words)

@@ -15,7 +15,7 @@ from assessment.report.chapters.grid import ROUNDING
 from assessment.report.chapters.second_solver import agreement
 from assessment.report.tables.capacity import capacities, directions
 from assessment.report.tables.studies import bars
-from assessment.report.text.columns import check_name
+from assessment.report.text.columns import COARSE, PER_CENT_DECIMALS, check_name
 from assessment.report.text.language import Words, direction_name
 from assessment.results.hand_check import hand_checks, mechanisms
 from assessment.results.reactions import balances
@@ -155,7 +155,7 @@ def _losses(results: Results, words: Words) -> Iterator[Markup]:
             losses.setdefault((state, direction), []).append(loss)
         elif not unknown:
             place = Place(state, direction, check).worded(words)
-            increase = max(0.0, -100.0 * largest)
+            increase = _percent(max(0.0, -largest), words)
             none.append(words("judgement.no_reduction", **place, increase=increase, reference=reference))
     if losses:
         told = [
@@ -215,14 +215,21 @@ def _loss(
     results: Results, state: str, direction: Direction, check: str, loss: float, words: Words
 ) -> Markup:
     """Return a reduction of a_g with its check, and between which values ranges of both states let it lie."""
-    found = {"reduction": 100.0 * loss}
+    found = {"reduction": _percent(loss, words)}
     low, high = (_range(results, name, direction, check) for name in (state, ORIGINAL))
     if low and high and (low[0] < low[1] or high[0] < high[1]):
-        ends = {"least": 100.0 * (1.0 - low[1] / high[0]), "most": 100.0 * (1.0 - low[0] / high[1])}
-        if words.number(ends["least"]) != words.number(ends["most"]):
-            found |= ends
+        ends = {"least": 1.0 - low[1] / high[0], "most": 1.0 - low[0] / high[1]}
+        shown = {end: _percent(share, words) for end, share in ends.items()}
+        if shown["least"] != shown["most"]:
+            found |= shown
     kind = "range" if "least" in found else "of"
     return words(f"judgement.reduction_{kind}", limit=check_name(check, words), **found)
+
+
+def _percent(share: float, words: Words) -> str:
+    """Write a share in per cent as the tables do, and what they do not tell from nothing with its digits."""
+    text = words.rounded(100.0 * share, PER_CENT_DECIMALS)
+    return words.number(100.0 * share, COARSE) if text == "0" else text
 
 
 def _range(results: Results, state: str, direction: str, check: str) -> tuple[float, float] | None:
@@ -242,7 +249,7 @@ def _multiplier_loss(results: Results, words: Words) -> Iterator[Markup]:
     largest, state, direction = max(found, key=itemgetter(0))
     if largest > ROUNDING:
         place = {"state": words.state(state), "direction": direction_name(direction)}
-        yield words("judgement.alpha_reduction", **place, reduction=100.0 * largest)
+        yield words("judgement.alpha_reduction", **place, reduction=_percent(largest, words))
 
 
 def _dynamic(results: Results, words: Words) -> Iterator[Markup]:
@@ -275,7 +282,9 @@ def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
             reference=_reference(results, words),
         )
         if not worst.collapses and worst.reduction is not None:
-            sentence += Markup(" ") + words("judgement.worst_reduction", reduction=100.0 * worst.reduction)
+            sentence += Markup(" ") + words(
+                "judgement.worst_reduction", reduction=_percent(worst.reduction, words)
+            )
         yield sentence
 
 
@@ -311,7 +320,7 @@ def _margins(results: Results, words: Words) -> Iterator[Markup]:
                     state=words.state(name),
                     contacts=words.plain(f"value.{contacts}"),
                     applied=1000.0 * applied,
-                    share=100.0 * applied / ultimate,
+                    share=_percent(applied / ultimate, words),
                     ultimate=1000.0 * ultimate,
                 )
 
@@ -325,11 +334,12 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
             "complementarity": quality.worst_complementarity,
         }
     )
+    shown = {name: words.number(residual, COARSE) for name, residual in residuals.items()}
     poor = [name for name, residual in residuals.items() if residual > RESIDUALS[name]]
     for name in poor:
-        yield words("judgement.poor_certificates", what=words(f"judgement.{name}"), residual=residuals[name])
+        yield words("judgement.poor_certificates", what=words(f"judgement.{name}"), residual=shown[name])
     if len(residuals) == len(RESIDUALS) and not poor:
-        yield words("judgement.certificates", **residuals)
+        yield words("judgement.certificates", **shown)
     yield from _converged(results, words)
     yield from agreement(results, words)
     deviations = [
@@ -337,11 +347,14 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
     ]
     if deviations:
         key = "hand_agrees" if max(deviations) <= AGREEMENT else "hand_differs"
-        yield words(f"judgement.{key}", deviation=100.0 * max(deviations))
+        yield words(f"judgement.{key}", deviation=words.number(100.0 * max(deviations), COARSE))
     unbalanced = [each.unbalanced for each in balances(results)]
     if unbalanced:
         worst = float(np.max(unbalanced))  # NaN if any is
-        yield words(f"judgement.{'balanced' if worst <= BALANCED else 'unbalanced'}", unbalanced=worst)
+        yield words(
+            f"judgement.{'balanced' if worst <= BALANCED else 'unbalanced'}",
+            unbalanced=words.number(worst, COARSE),
+        )
     warnings = all_warnings(results)
     if warnings:
         yield words("judgement.warnings", count=len(warnings))
@@ -359,7 +372,8 @@ def _converged(results: Results, words: Words) -> Iterator[Markup]:
     if errors:
         good = max(errors) <= tolerance and len(errors) == len(found)
         key = "judgement.converged" if good else "judgement.not_converged"
-        yield words(key, error=100.0 * max(errors), tolerance=100.0 * tolerance)
+        error = words.number(100.0 * max(errors), COARSE)
+        yield words(key, error=error, tolerance=words.comma(f"{100.0 * tolerance:g}"))
 
 
 def all_warnings(results: Results) -> list[str]:

@@ -24,7 +24,7 @@ from assessment.report.tables.dynamic import (
 from assessment.report.tables.dynamic import (
     ranges as history_ranges,
 )
-from assessment.report.tables.indices import index_tables
+from assessment.report.tables.indices import index_tables, reported_indices
 from assessment.report.tables.joints import reported_pressures
 from assessment.report.tables.loads import reported_loads, vertical
 from assessment.report.tables.mechanisms import all_mechanisms, mechanisms, reported_second_solver
@@ -81,7 +81,8 @@ def _tables(results: Results, words: Words) -> list[Table]:
         _without(capacity_tables.verification(results), *capacity_tables.BEHIND),
         capacity_tables.verification_surface(results),
         capacity_tables.action(results),
-        *index_tables(results),
+        *reported_indices(results),
+        *index_tables(results)[1:],
         _without(capacity_tables.chosen_mechanisms(results), "refused"),
         capacity_tables.chosen_checks(results),
         all_mechanisms(results),

@@ -8,13 +8,14 @@ from markupsafe import Markup
 
 from assessment.ntc.limit_states import QUOTED
 from assessment.report.tables.capacity import directions
+from assessment.report.tables.cracks import PRINTED, SEEN, cracks, reported_cracks
 from assessment.report.text.language import Words, direction_name
 from assessment.results.echo import limit_states, local_limit
 from assessment.results.hand_check import BY_HAND, figures_of, governing_mechanisms, mechanisms
 from assessment.results.schema import Results
 from assessment.results.schema.static import Contacts
 
-PLACES = 3  # of a displacement in mm: what is less is rounding
+PLACES = 2  # of a displacement in mm: what is less is none that a drawing shows
 ONSET = 0.01  # of α_0: an onset below it by more closes hinges first
 
 
@@ -66,6 +67,21 @@ def contacts_of(results: Results) -> list[Contacts]:
     return [contacts for contacts in kinds if contacts in found]
 
 
+def cracks_told(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield what the table of cracks holds, and what of it is not printed or has no width."""
+    yield words("text.cracks", seen=words.comma(f"{1000.0 * SEEN:g}"))
+    printed = reported_cracks(results).rows
+    if len(printed) < len(cracks(results).rows):
+        yield words("text.cracks_printed", printed=PRINTED)
+    if any(row["opening_m"] is None for row in printed):
+        yield words("text.cracks_apart")
+
+
+def damping_told(results: Results, words: Words) -> Markup:
+    """Return the damping of the circular whose rules apply."""
+    return words(f"text.damping_{(results.echo.assessment or {}).get('circular', 2019)}")
+
+
 def missing_pushovers(results: Results, words: Words) -> Iterator[Markup]:
     """Yield a sentence for each state without the pushover that another state has."""
     for direction in directions(results):
@@ -82,6 +98,7 @@ def onsets(results: Results, words: Words) -> Iterator[Markup]:
         if rigid.alpha_onset < (1.0 - ONSET) * rigid.alpha_0:
             alpha = rigid.curve.multiplier
             peak = alpha.index(max(alpha))
+            place = words.rounded(1000.0 * abs(rigid.curve.displacement_m[peak]), PLACES)
             yield words(
                 "text.onset",
                 state=words.state(name),
@@ -89,5 +106,5 @@ def onsets(results: Results, words: Words) -> Iterator[Markup]:
                 onset=words.show(rigid.alpha_onset),
                 least=words.show(min(alpha[: peak + 1])),
                 alpha_0=words.show(rigid.alpha_0),
-                place=words.show(round(1000.0 * abs(rigid.curve.displacement_m[peak]), PLACES)),
+                place=f"= {place}" if place != "0" else f"< {words.comma(f'{10.0**-PLACES:g}')}",
             )

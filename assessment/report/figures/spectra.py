@@ -121,6 +121,7 @@ def _period_lines(axes: Axes, words: Words, periods: Sequence[float], reach: flo
             color="0.45",
             fontsize=6.0,
             clip_on=True,
+            bbox=OVER_LINES,
             **OFFSET,
         )
 

@@ -91,7 +91,10 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
         margin = 0.18 * (max(shown) - min(shown)) or 0.05 * max(shown)
         axes.set_xlim(min(shown) - margin, max(shown) + margin)
         axes.grid(visible=False, axis="y")
-        title = words.plain("figure.tornado_base", state=words.state(state), capacity=words.show(base))
+        reference = words.plain(f"value.on_{reference_of(results)}")
+        title = words.plain(
+            "figure.tornado_base", state=words.state(state), capacity=words.show(base), reference=reference
+        )
         axes.set_title(title)
     limit = known(results.sensitivity).limit_state
     panels[-1].set_xlabel(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import Formatter
 from matplotlib.transforms import Bbox
 from PIL import Image
 
@@ -235,11 +235,26 @@ def chart(
     return figure, panels
 
 
+class EvenDecimals(Formatter):
+    """Tick labels of an axis with the decimal mark of the language, all with the same number of decimals."""
+
+    def __init__(self, words: Words) -> None:
+        self._words = words
+
+    def __call__(self, value: float, pos: int | None = None) -> str:
+        """Return the label of one value."""
+        return self.format_ticks([value])[0]
+
+    def format_ticks(self, values: Sequence[float]) -> list[str]:
+        """Return the labels of an axis."""
+        decimals = max((len(f"{value:.6g}".partition(".")[2]) for value in values), default=0)
+        return [self._words.rounded(value, decimals) for value in values]
+
+
 def comma_ticks(axes: Axes, words: Words) -> None:
     """Write the tick labels with the decimal mark of the language; the grid stands for tick marks."""
-    mark = FuncFormatter(lambda value, _: words.comma(f"{value:.6g}").replace("-", "−"))
-    axes.xaxis.set_major_formatter(mark)
-    axes.yaxis.set_major_formatter(mark)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(EvenDecimals(words))
     axes.locator_params(nbins=6)
     axes.tick_params(bottom=False, left=False)
 

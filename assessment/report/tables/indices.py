@@ -7,8 +7,10 @@ from assessment.results.schema.indices import Indices
 from assessment.results.schema.part import present
 from assessment.results.table import Row, Table, cells
 
-INDICES: tuple[str, ...] = ("zeta_SLV", "zeta_SLC", "ratio_SLD", "T_SLV_years", "T_R_SLV_years", "I_S", "f_a")
-INDICES += ("acceptable_nominal_life_years", "IS_V_class", "PAM", "PAM_class", "risk_class")
+SAFETY: tuple[str, ...] = ("zeta_SLV", "zeta_SLC", "ratio_SLD", "T_SLV_years", "T_R_SLV_years", "I_S", "f_a")
+SAFETY += ("acceptable_nominal_life_years",)
+RISK = ("IS_V", "IS_V_class", "PAM", "PAM_class", "risk_class")
+INDICES = (*SAFETY, *RISK)
 INTERVENTIONS = ("improvement", "improvement_school", "retrofit_use", "retrofit")
 KNOWLEDGE = ("parameter", "factor_component", "origin")
 
@@ -22,6 +24,19 @@ def indices(results: Results) -> Table:
     """List the indices of every state; what is not known for want of a return period is left out."""
     rows = [{"state": name} | present(cells(found, INDICES)) for name, found in _found(results)]
     return Table("indices", rows, ("state", *INDICES))
+
+
+def reported_indices(results: Results) -> list[Table]:
+    """Return the indices as the report prints them: those of safety apart from the classes of risk."""
+    rows = indices(results).rows
+    return [
+        Table(
+            name,
+            [{key: row[key] for key in ("state", *columns) if key in row} for row in rows],
+            ("state", *columns),
+        )
+        for name, columns in (("indices", SAFETY), ("risk", RISK))
+    ]
 
 
 def interventions(results: Results) -> Table:

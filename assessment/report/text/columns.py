@@ -15,7 +15,8 @@ from assessment.ntc.limit_states import ROCK, SURFACE
 from assessment.report.text.language import Words, direction_name
 from assessment.results.table import Row
 
-COARSE = 2  # digits of what a few records tell no better
+COARSE = 2  # digits of what a few records tell no better, and of what is only shown to be small
+PER_CENT_DECIMALS = 1  # of a reduction
 WHOLE = "*"  # the macro-element of a mechanism in which every layer moves
 COUNTED = re.compile(r"(\d+) \+ (\d+)")  # a mechanism by its hinges and sliding joints
 GENERATED = re.compile(r"generated (\d+)")  # the name of a record that the program made
@@ -26,14 +27,15 @@ Label = TypeVar("Label", str, Markup)
 class Column:
     """How the values of a column are written.
 
-    `factor`: from the unit of results.json to that of the heading; `digits`: significant ones at most; `text`: words,
-    set to the left; `dash`: null means that there is none, and not that it was not reached; `ground`: what an
-    acceleration refers to, `ROCK` (or the surface, where the spectrum is that of a record) or `SURFACE`; `write`: the
-    words for a value that is no plain number.
+    `factor`: from the unit of results.json to that of the heading; `digits`: significant ones at most; `decimals`:
+    of what has an accuracy of its own, in place of digits; `text`: words, set to the left; `dash`: null means that
+    there is none, and not that it was not reached; `ground`: what an acceleration refers to, `ROCK` (or the surface,
+    where the spectrum is that of a record) or `SURFACE`; `write`: the words for a value that is no plain number.
     """
 
     factor: float = 1.0
     digits: int | None = None
+    decimals: int | None = None
     text: bool = False
     dash: bool = False
     ground: str = ""
@@ -60,9 +62,9 @@ def _governing(value: str, words: Words) -> Markup:
 def _return_period(value: float, words: Words) -> str:
     """Write a return period: beyond the hazard as such with its estimate, at its bounds as there or beyond."""
     if beyond := stated(value):
-        return f"{beyond} ({words.number(value)})"
+        return f"{beyond} ({words.number(value, COARSE)})"
     sign = "≤ " if RETURN_PERIODS[0] >= value else "≥ " if RETURN_PERIODS[-1] <= value else ""
-    return f"{sign}{words.number(value)}"
+    return f"{sign}{words.rounded(value, 0)}"
 
 
 def _mechanism(value: str, words: Words) -> str:
@@ -87,9 +89,11 @@ def _text(write: Callable[[Any, Words], str] | None = None) -> Column:
 
 
 NUMBER, TEXT = Column(), _text()
-MILLIMETRES = Column(factor=1000.0)
+MILLIMETRES, TENTHS = Column(factor=1000.0), Column(factor=1000.0, decimals=1)
+SURVEYED = Column(decimals=3)
+TENTHS_OF_PERCENT = Column(factor=100.0, decimals=PER_CENT_DECIMALS)
 PERCENT, COARSE_PERCENT = Column(factor=100.0), Column(factor=100.0, digits=COARSE)
-RATIO_OF_RECORDS = Column(digits=COARSE)
+TWO_DIGITS = Column(digits=COARSE)
 ON_ROCK, AT_SURFACE = Column(ground=ROCK), Column(ground=SURFACE)
 RETURN_PERIOD = Column(write=_return_period)
 WORD_OF_VALUE = _text(lambda value, words: words.plain(f"value.{value}"))
@@ -99,13 +103,15 @@ COLUMNS = {
     name: column
     for column, names in (
         (MILLIMETRES, "d_y_m d_0_m d_0_star_m d_star_m displacement_x_m displacement_z_m movement_m d_0_error_m"),
-        (MILLIMETRES, "ultimate_rigid_m ultimate_elastic_m ultimate_movement_m opening_m other_opening_m slip_m"),
+        (MILLIMETRES, "ultimate_rigid_m ultimate_elastic_m ultimate_movement_m"),
+        (TENTHS, "opening_m other_opening_m slip_m"),  # of a millimetre: what a survey measures
+        (SURVEYED, "x_m z_m"),
         (MILLIMETRES, "peak_displacement_m residual_displacement_m lowest_peak_m median_peak_m highest_peak_m"),
         (MILLIMETRES, "peak_displacement_error_m peak_displacement_scatter_m"),
-        (PERCENT, "PAM reduction static_reduction dynamic_reduction deviation hand_deviation"),
+        (TENTHS_OF_PERCENT, "IS_V PAM reduction static_reduction dynamic_reduction"),
         (PERCENT, "relative_error relative_scatter integrator_share"),
-        (COARSE_PERCENT, "dynamic_loss dynamic_loss_low dynamic_loss_high static_loss"),
-        (RATIO_OF_RECORDS, "beta beta_low beta_high beta_record beta_ensemble"),
+        (COARSE_PERCENT, "dynamic_loss dynamic_loss_low dynamic_loss_high static_loss deviation hand_deviation"),
+        (TWO_DIGITS, "beta beta_low beta_high beta_record beta_ensemble I_S acceptable_nominal_life_years"),
         (ON_ROCK, "a_g_g demand_a_g_g static_pga_g a_g_error_g a_g_low_g a_g_base_g a_g_high_g"),
         (AT_SURFACE, "pga_g demand_pga_g dynamic_pga_g static_surface_pga_g record_pga_g pga_safe_g median_g"),
         (AT_SURFACE, "pga_collapse_g pga_all_collapse_g mean_pga_collapse_g lowest_pga_collapse_g"),
@@ -173,6 +179,8 @@ def written(name: str, value: Any, words: Words, significant: int = 3) -> Markup
     if value == "inf" and not column.text:  # an input: results have no infinity
         return Markup("∞")
     if isinstance(value, float):
+        if column.decimals is not None:
+            return Markup.escape(words.rounded(column.factor * value, column.decimals))
         digits = min(significant, column.digits or significant)
         return Markup.escape(words.number(column.factor * value, digits))
     return Markup.escape(words.show(value))

@@ -17,6 +17,8 @@ from markupsafe import Markup
 from assessment.results.schema import Results
 
 LANGUAGES = ("it", "en")
+# blanks at which no line ends: before a unit, and around the equals sign before a number
+KEPT = re.compile(r"(?<=\d) (?=(?:mm|cm|m|kN|kNm|rad|mrad|°|%|s|g)(?!\w))|(?<=[\w>*]) = (?=[−\d])")
 SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
@@ -69,6 +71,11 @@ class Words:
             text = f"{mantissa}·10{str(exponent).translate(SUPERSCRIPTS)}"
         return self.comma(text).replace("-", "−")
 
+    def rounded(self, value: float, decimals: int) -> str:
+        """Write a number with so many decimals; what they do not tell from nothing is 0."""
+        text = f"{value:.{decimals}f}"
+        return self.comma(text).replace("-", "−") if float(text) else "0"
+
     def millimetres(self, value: float | None) -> str:
         """Write a length given in metres as millimetres, with the unit."""
         return self.show(None) if value is None else f"{self.number(1000.0 * value)} mm"
@@ -86,6 +93,11 @@ class Words:
         for part in key.split("."):
             node = node[part]
         return str(node)
+
+
+def unparted(text: str) -> str:
+    """Return a text in which no line ends between a number and its unit, or what it is the number of."""
+    return KEPT.sub(lambda found: found[0].replace(" ", "\u00a0"), text)
 
 
 def words_of(results: Results) -> Words:

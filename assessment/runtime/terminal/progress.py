@@ -213,7 +213,7 @@ def _table(rows: list[dict[str, Any]]) -> list[str]:
     above, head = " " * (width + 24), f"{'state':{width}}  dir   α0      d_0 [m] "
     for limit in limits:
         above += f" {limit:16}"
-        head += f" a_g [g]  {'ζ_E' if limit in INDEXED else 'ratio':6} "
+        head += f" a_g [g]  {'ζ_E' if limit == shown[0] and limit in INDEXED else 'ratio':6} "
     lines = [above.rstrip(), head.rstrip()] if limits else [head.rstrip()]
     for row in rows:
         numbers = f"{_number(row['alpha_0'], 4):7} {_number(row['d_0_m'], 4):8}"

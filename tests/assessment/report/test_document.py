@@ -15,7 +15,7 @@ from assessment.report.chapters.joints import joint_law
 from assessment.report.document import CHAPTERS, render_html, write_page, write_pdf
 from assessment.report.figures.index import write_figures
 from assessment.report.formats.pdf import APT_COMMAND, COMMANDS
-from assessment.report.text.language import LANGUAGES, words_of
+from assessment.report.text.language import LANGUAGES, unparted, words_of
 from assessment.runtime.processes.pool import Pool
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
@@ -130,6 +130,17 @@ def test_no_page_between_contents_and_the_last_is_blank_by_more_than_a_quarter(r
     assert max(blanks((made / "report.pdf").read_bytes())[2:]) < 0.25
 
 
+def test_no_line_ends_between_a_number_and_its_unit_or_its_symbol(report):
+    """Names of states wrapped to "right support 20" over "mm", α_0 to "α =" over "0.110"."""
+    _, _, _, pages = report
+    body = "".join(pages[2:])
+    assert "20\u00a0mm" in body and re.search(r"\d\n(mm|kN|m|s|g|%)\b", body) is None
+    assert (
+        unparted("<b>α<sub>0</sub></b> = 0,110 a 8 mm; 3 gradi")
+        == "<b>α<sub>0</sub></b>\u00a0=\u00a00,110 a 8\u00a0mm; 3 gradi"
+    )
+
+
 def without_settlement(results):
     del results["states"][SETTLED]
     results["comparison"] = []
@@ -171,7 +182,7 @@ def test_the_report_explains_a_curve_that_begins_below_its_largest_multiplier(tm
     text = render_html(typed(results), tmp_path, words_of(typed(results)))
     assert text.count("close hinges of the settlement") == 1
     assert f"State “{SETTLED}”, direction +x: blocks move from α = " in text
-    assert "on the way as little as 0, is largest" in text and "at d = 10.0 mm" in text
+    assert "on the way as little as 0, is largest" in text and "at d = 10.00 mm" in text
 
 
 def one_direction(results):

@@ -10,7 +10,7 @@ from PIL import Image
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.figures.style import PNG_DPI
 from assessment.report.tables.capacity import summary
-from assessment.report.tables.indices import indices
+from assessment.report.tables.indices import reported_indices
 from assessment.report.text.columns import cell
 from assessment.report.text.language import words_of
 from assessment.results.hand_check import figures_of, governing_mechanisms, hand_check, virtual_work_table
@@ -50,7 +50,7 @@ def printed(rows, columns, words, significant=3):
 def test_zeta_at_slv_is_the_headline_and_its_table_stands_below(text):
     """The least of both directions (§8.3), before the tables of the chapter; SLC and SLD beside it; the reductions."""
     results = typed(analysed("it"))
-    words, table = words_of(results), indices(results)
+    words, [table, _] = words_of(results), reported_indices(results)
     rows = printed(table.rows, table.columns, words)
     for (name, state), row in zip(results.states.items(), rows, strict=True):
         least = min(capacity.ratios["SLV"] for capacity in state.capacity.values())

@@ -93,6 +93,12 @@ CHECK_OF = {"SLV, linear": "SLV linear", "SLD, elastic branch": "SLD elastic"}
 show = WORDS.show
 
 
+def per_cent(share: float) -> str:
+    """Write a share with one decimal, or two digits where that would be nothing."""
+    text = f"{100.0 * share:.1f}".replace("-", "−")
+    return text if float(text.replace("−", "-")) else WORDS.number(100.0 * share, 2)
+
+
 def _governing(said: Fields, read: Read) -> None:
     row = read.row("verification", said, "state", "direction", "limit")
     assert row["zeta_E"] == min(each["zeta_E"] for each in read.made())
@@ -168,7 +174,7 @@ def _reduction(said: Fields, read: Read) -> None:
             changes = read.changes(CHECK_OF.get(loss["limit"], loss["limit"]))
             largest = max(change for change in changes.values() if change is not None)
             assert changes[_place(at.groupdict())] == pytest.approx(largest, abs=1e-12) and largest > 0.0
-            assert loss["reduction"] == show(100.0 * largest)
+            assert loss["reduction"] == per_cent(largest)
             told.append(loss["limit"])
     assert len(told) == len(set(told)) > 0
 
@@ -179,7 +185,7 @@ def _no_reduction(said: Fields, read: Read) -> None:
     assert all(change is not None and change <= SMALLEST for change in changes.values())
     least = changes[_place(said)]
     assert least is not None and least == max(change for change in changes.values() if change is not None)
-    assert said["increase"] == show(max(0.0, -100.0 * least))
+    assert said["increase"] == per_cent(max(0.0, -least))
 
 
 def _lost(said: Fields, read: Read) -> None:
@@ -195,7 +201,7 @@ def _alpha_reduction(said: Fields, read: Read) -> None:
         if state != "original" and ("original", direction) in alpha
     }
     assert losses[_place(said)] == max(losses.values())
-    assert said["reduction"] == show(100.0 * max(losses.values()))
+    assert said["reduction"] == per_cent(max(losses.values()))
 
 
 def _dynamic(said: Fields, read: Read) -> None:
@@ -225,7 +231,7 @@ def _worst(quantity: str | None) -> Callable[[Fields, Read], None]:
         if quantity == "a_g_g":
             assert said["limit"] == row["limit_state"]
         if "reduction" in said:
-            assert said["reduction"] == show(100.0 * row["reduction"])
+            assert said["reduction"] == per_cent(row["reduction"])
 
     return check
 
@@ -259,7 +265,7 @@ def _margin(collapses: bool) -> Callable[[Fields, Read], None]:
         ultimate = row[f"ultimate_{contacts}_m"]
         applied = read.results["states"][said["state"]]["pushdown"][contacts]["applied_movement_m"]
         assert said["ultimate"] == show(1000.0 * ultimate) and said["applied"] == show(1000.0 * applied)
-        assert said["share"] == show(100.0 * applied / ultimate)
+        assert said["share"] == per_cent(applied / ultimate)
         assert (applied >= ultimate) == collapses
 
     return check
@@ -268,13 +274,13 @@ def _margin(collapses: bool) -> Callable[[Fields, Read], None]:
 def _certificates(said: Fields, read: Read) -> None:
     for name, allowed in RESIDUALS.items():
         worst = max(row.get(f"worst_{name}", 0.0) for row in read.rows["quality"])
-        assert said[name] == show(worst) and worst <= allowed
+        assert said[name] == WORDS.number(worst, 2) and worst <= allowed
 
 
 def _poor(said: Fields, read: Read) -> None:
     [name] = [name for name in RESIDUALS if WORDS.plain(f"judgement.{name}") == said["what"]]
     worst = max(row.get(f"worst_{name}", 0.0) for row in read.rows["quality"])
-    assert said["residual"] == show(worst) and worst > RESIDUALS[name]
+    assert said["residual"] == WORDS.number(worst, 2) and worst > RESIDUALS[name]
 
 
 def _converged(good: bool) -> Callable[[Fields, Read], None]:
@@ -282,7 +288,8 @@ def _converged(good: bool) -> Callable[[Fields, Read], None]:
         errors = [row["relative_error"] for table in CONVERGENCE for row in read.rows[table]]
         known = [error for error in errors if error is not None]
         tolerance = read.results["convergence"]["tolerance"]
-        assert said["error"] == show(100.0 * max(known)) and said["tolerance"] == show(100.0 * tolerance)
+        assert said["error"] == WORDS.number(100.0 * max(known), 2)
+        assert said["tolerance"] == f"{100.0 * tolerance:g}"
         assert (max(known) <= tolerance and None not in errors) == good
 
     return check
@@ -311,7 +318,7 @@ def _hand(agrees: bool) -> Callable[[Fields, Read], None]:
         worst = max(
             abs(row[key]) for row in read.rows["hand_check"] for key in ("deviation", "hand_deviation")
         )
-        assert said["deviation"] == show(100.0 * worst) and (worst <= 0.01) == agrees
+        assert said["deviation"] == WORDS.number(100.0 * worst, 2) and (worst <= 0.01) == agrees
 
     return check
 
@@ -319,7 +326,7 @@ def _hand(agrees: bool) -> Callable[[Fields, Read], None]:
 def _balance(good: bool) -> Callable[[Fields, Read], None]:
     def check(said: Fields, read: Read) -> None:
         worst = max(row["unbalanced"] for row in read.rows["balance"])
-        assert said["unbalanced"] == show(worst) and (worst <= 1e-3) == good
+        assert said["unbalanced"] == WORDS.number(worst, 2) and (worst <= 1e-3) == good
 
     return check
 

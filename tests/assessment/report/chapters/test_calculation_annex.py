@@ -178,7 +178,8 @@ def test_the_checks_are_the_last_numbers_of_their_traces(outcomes, name):
     for row in verification(typed(outcomes[name])).rows:
         if row["zeta_E"] is not None:
             key = (row["state"], row["direction"], row["limit_state"])
-            symbol = "r_SLD" if row["limit_state"].startswith("SLD") else "zeta_E"  # §8.3: at SLD no index
+            limit = row["limit_state"].partition(" ")[0]
+            symbol = "zeta_E" if limit == "SLV" else f"r_{limit}"  # §8.3: at SLD and SLC no index
             assert results[*key, symbol] == row["zeta_E"]
             assert results[*key, "a_g_demand"] == row["demand_a_g_g"]
 

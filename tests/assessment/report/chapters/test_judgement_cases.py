@@ -45,7 +45,7 @@ def test_a_loss_at_another_limit_state_than_the_farthest_is_told():
     before = results["states"]["original"]["capacity"]["-x"]["SLV"]["a_g_g"]
     capacity_of(results, SETTLED, "-x", "SLV", (1.0 - 0.037) * before)
     text = text_of(results)
-    assert f"whole movement: state “{SETTLED}”, direction −x: 3.70 % (SLV)." in text
+    assert f"whole movement: state “{SETTLED}”, direction −x: 3.7 % (SLV)." in text
     assert " at SLV: none" not in text
     assert all(f"borne, {REFERENCES[False]}, at {check}: none" in text for check in ("SLC", "SLD"))
 
@@ -155,7 +155,7 @@ def test_a_turn_of_a_support_has_its_margin():
 def test_a_collapse_before_the_whole_movement_is_no_margin():
     results = results_example("en")
     results["states"][SETTLED]["pushdown"]["rigid"]["ultimate_movement_m"] = 0.015
-    assert "is 133 % of the ultimate one (15.0 mm): the structure collapses before." in text_of(results)
+    assert "is 133.3 % of the ultimate one (15.0 mm): the structure collapses before." in text_of(results)
 
 
 def test_poor_certificates_and_a_poor_hand_check_are_not_hidden():

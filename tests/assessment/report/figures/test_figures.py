@@ -23,6 +23,7 @@ from assessment.report.figures.style import (
     STYLE,
     SYMBOL,
     WIDTH_MM,
+    EvenDecimals,
     chart,
     nice,
     save_svg,
@@ -261,3 +262,10 @@ def test_a_label_longer_than_its_axis_takes_two_lines():
         assert high.get_ylabel() == "moltiplicatore α [–]"
         box = low.yaxis.label.get_window_extent()
         assert box.y1 <= figure.bbox.y1 and box.y0 >= figure.bbox.y0 and box.x0 >= figure.bbox.x0
+
+
+def test_the_labels_of_an_axis_have_the_same_decimals():
+    """0,025; 0,05; 0,075; 0,1 stood on one axis."""
+    labels = EvenDecimals(words_of(typed(results_example("it"))))
+    assert labels.format_ticks([-0.025, 0.0, 0.05, 0.1]) == ["−0,025", "0", "0,050", "0,100"]
+    assert labels.format_ticks([0.0, 20.0]) == ["0", "20"] and labels(0.5) == "0,5"

@@ -5,13 +5,16 @@ import io
 
 import pandas as pd
 import pytest
+from markupsafe import Markup
 
 from assessment.project.project import json_schema
-from assessment.report.chapters.grid import grid, ranges_grid
+from assessment.report.chapters.grid import Grid, grid, ranges_grid
 from assessment.report.tables.capacity import summary, trace, verification
 from assessment.report.tables.index import blocks, layers, write_tables
+from assessment.report.tables.indices import indices, reported_indices
 from assessment.report.tables.mechanisms import all_mechanisms
 from assessment.report.tables.ranges import Range
+from assessment.report.text.columns import cell
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import LANGUAGES, Words
 from assessment.results.hand_check import hand_check
@@ -224,3 +227,57 @@ def test_a_mechanism_is_named_by_what_it_is_made_of():
         "1 scorrimento",
         "parete che ruota",
     ]
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "shown"),
+    [
+        ("x_m", -0.003228, "−0,003"),  # a survey's millimetre
+        ("x_m", 0.0, "0"),
+        ("opening_m", 0.000557, "0,6"),  # mm
+        ("slip_m", 4e-8, "0"),
+        ("static_reduction", 0.00096, "0,1"),  # %
+        ("return_period_years", 50.29, "50"),
+        ("return_period_years", 474.56, "475"),
+        ("return_period_years", 0.0636191, "&lt; 30 (0,064)"),
+        ("I_S", 0.00101808, "0,0010"),
+        ("hand_deviation", -0.0005708, "−0,057"),  # %
+        ("IS_V", 0.168152, "16,8"),  # %
+    ],
+)
+def test_no_number_has_digits_that_mean_nothing(column, value, shown):
+    """A joint at x = −0.00323 m, T_R = 50.0 years, e* reduced by 0.0960 % stood there."""
+    assert cell(column, {column: value}, Words.of("it"), 4) == shown
+
+
+def test_those_columns_wrap_first_that_cost_the_fewest_lines():
+    """Twenty of twenty names of states took two lines, for four names of checks that had one."""
+    names = ["right support 20 mm"] * 20
+    checks = ["SLV"] * 16 + ["SLD, elastic branch of the curve"] * 4
+    rows = [list(map(Markup, row)) for row in zip(names, checks, ["0.104 g of it"] * 20, strict=True)]
+    wide = [[*row, *([Markup("0.12345678")] * 5)] for row in rows]
+    made = Grid(Markup(""), [Markup("State")] * 8, wide, [True, True, True, *[False] * 5])
+    letters = [109.0 * width / 100.0 for width in made.widths]
+    assert letters[0] > 18.0 and letters[2] > 11.5
+    assert letters[1] < len(checks[-1])
+
+
+def test_safety_and_risk_have_a_table_each():
+    """One table of thirteen columns broke the names of states in three; the IS-V of the class was not there."""
+    results = typed(analysed_indices())
+    [safety, risk] = reported_indices(results)
+    assert set(safety.columns) | set(risk.columns) == set(indices(results).columns)
+    assert set(safety.columns) & set(risk.columns) == {"state"}
+    assert [row["IS_V"] for row in risk.rows] == [0.3]
+
+
+def analysed_indices():
+    """Indices of the original state alone: I_S = 100/475, f_a = IS-V = 0.3."""
+    results = results_example()
+    results["states"]["original"]["indices"] = {
+        "direction": "+x", "check": "SLV", "zeta_SLV": 0.3, "zeta_SLC": 0.4, "ratio_SLD": 0.5,
+        "T_SLV_years": 100.0, "T_SLV_stated": None, "T_R_SLV_years": 475.0, "I_S": 100.0 / 475.0, "f_a": 0.3,
+        "acceptable_nominal_life_years": 10.5, "IS_V": 0.3, "IS_V_class": "D", "PAM": 0.05, "PAM_class": "F",
+        "risk_class": "F", "use_class": "II", "required_zeta": {}, "trace": [],
+    }  # fmt: skip
+    return results
