@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from markupsafe import Markup
 
+from assessment.report.text.columns import COARSE
 from assessment.report.text.language import Words
 from assessment.results.hand_check import mechanisms
 from assessment.results.schema import Results
@@ -30,6 +31,7 @@ def agreement(results: Results, words: Words) -> Iterator[Markup]:
     known = [abs(each.relative_difference) for each in found if each.relative_difference is not None]
     if known:
         agree = max(known) <= AGREEMENT
-        yield words(f"judgement.second_{'agrees' if agree else 'differs'}", difference=max(known))
+        key = f"judgement.second_{'agrees' if agree else 'differs'}"
+        yield words(key, difference=words.number(max(known), COARSE))
     if len(known) < len(found):
         yield words("judgement.second_missing", count=len(found) - len(known))

@@ -32,7 +32,7 @@ FORMATS = {
 }
 HIGHEST = Mm(165)  # of a picture: its caption stands on the same page
 MADE = (1980, 1, 1, 0, 0, 0)  # of every part of the file: the same report has the same bytes
-SPACES = re.compile(r"\s+")
+SPACES = re.compile(r"[ \t\r\n]+")  # those of HTML: a blank between a number and its unit stays one
 
 
 def to_docx(page: str, folder: Path) -> bytes:
@@ -150,8 +150,8 @@ def _words(paragraph: Paragraph, element: Element) -> None:
     """Write the text of an element, its subscripts, superscripts, bold and italic words in runs of their own."""
     pieces = [(SPACES.sub(" ", text), formats) for text, formats in _runs(element, frozenset())]
     for number, (text, formats) in enumerate(pieces):
-        shown = text.lstrip() if number == 0 else text
-        run = paragraph.add_run(shown.rstrip() if number == len(pieces) - 1 else shown)
+        shown = text.lstrip(" ") if number == 0 else text
+        run = paragraph.add_run(shown.rstrip(" ") if number == len(pieces) - 1 else shown)
         for name in formats:
             setattr(run.font, name, True)
 

@@ -98,14 +98,18 @@ def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
 
 
 def _jumps(state: State, direction: Direction, reach: float) -> Iterator[dict[str, Any]]:
-    """Yield the control displacements (mm, along x) of the limit states, d = d*/Γ*, that a path of this reach has."""
+    """Yield the control displacements (mm, along x) of the limit states, d = d*/Γ*, that a path of this reach has.
+
+    The rigid activation has none: that of SLO and SLD is the end of the elastic branch, where the curve has one.
+    """
     capacity = state.capacity.get(direction)
     if not capacity:
         return
     for limit in reversed(QUOTED):
-        check = capacity.checks.get(limit)
-        if check and check.d_star_m is not None and capacity.gamma_star:
-            d = sense(direction) * 1000.0 * check.d_star_m / capacity.gamma_star
+        checks = (capacity.checks.get(name) for name in (limit, f"{limit} elastic"))
+        d_star = next((check.d_star_m for check in checks if check and check.d_star_m is not None), None)
+        if d_star is not None and capacity.gamma_star:
+            d = sense(direction) * 1000.0 * d_star / capacity.gamma_star
             if abs(d) <= (1.0 + NEAR) * reach:
                 yield {"label": f"d_{limit}", "x": float(f"{d:.6g}")}
 

@@ -303,7 +303,7 @@ def _second(agrees: bool) -> Callable[[Fields, Read], None]:
     def check(said: Fields, read: Read) -> None:
         found = [row["relative_difference"] for row in read.rows["second_solver"]]
         worst = max(abs(each) for each in found if each is not None)
-        assert said["difference"] == show(worst) and (worst <= 1e-6) == agrees
+        assert said["difference"] == WORDS.number(worst, 2) and (worst <= 1e-6) == agrees
 
     return check
 

@@ -128,9 +128,9 @@ def test_spaces_between_words_of_different_format_are_kept(tmp_path):
     cover = "<section class='cover'><p class='subtitle'>s</p><h1>t</h1><p class='program'>p</p></section>"
     page = f"""<html lang='en'><body>{cover}<nav><h2>c</h2><ul><li>1</li></ul></nav><main>
         <p>  Let <b>a<sub>g</sub></b> be
-        <i>given</i> <b>here</b>. </p></main></body></html>"""
+        <i>given</i> <b>here</b>: 0.3 g. </p></main></body></html>"""
     document = Document(io.BytesIO(to_docx(page, tmp_path)))
-    assert document.paragraphs[-1].text == "Let ag be given here."
+    assert document.paragraphs[-1].text == "Let ag be given here: 0.3\u00a0g."
     assert [r.text for r in document.paragraphs[-1].runs if r.font.bold] == ["a", "g", "here"]
 
 

@@ -114,7 +114,7 @@ def test_results_without_frames_have_no_viewer():
 def test_every_path_is_offered_in_the_language_of_the_report(page):
     found = titles(page)
     assert len(found) == 2 + 8 + 2
-    assert found[0].startswith("Pushdown: right support 60 mm")
+    assert found[0].startswith("Cedimento progressivo: right support 60 mm")
     assert any(title.startswith("Analisi dinamica: originale") for title in found)
 
 
@@ -240,6 +240,11 @@ def test_words_of_the_viewer_reach_the_script():
 
 def test_the_page_has_a_table_of_contents_and_fits_a_telephone(html):
     text = html.read_text(encoding="utf-8")
+    controls = re.findall(r'<(?:select|button|input|svg) id="viewer-[^>]*>', text)
+    unnamed = [each for each in controls if "aria-label" not in each]
+    assert len(controls) > 6 and all(
+        re.search(r"viewer-(times|over|forces)", each) for each in unnamed
+    )  # in labels
     assert '<meta name="viewport" content="width=device-width, initial-scale=1">' in text
     targets = re.findall(r'<a href="#(\w+)">', text)
     assert len(targets) > 12 and all(f'id="{name}"' in text for name in targets)
@@ -253,6 +258,18 @@ def test_pushovers_offer_the_displacements_of_the_limit_states():
     expected = [1000.0 * capacity[limit]["d_star_m"] / capacity["gamma_star"] for limit in ("SLV", "SLC")]
     found = {jump["label"]: jump["x"] for jump in _jumps(state, "-x", expected[1])}
     assert [found["d_SLV"], found["d_SLC"]] == pytest.approx([-each for each in expected], rel=1e-5)
+    end = {
+        "d_star_m": 0.002,
+        "a_star_g": 0.1,
+        "a_g_g": 0.1,
+        "demand_a_g_g": 0.2,
+        "zeta_E": 0.5,
+        "verified": False,
+    }
+    content["capacity"]["-x"] |= {"SLD": end | {"d_star_m": None}, "SLD elastic": end}
+    with_end = typed({"states": {"original": content}}).states["original"]
+    found = {jump["label"]: jump["x"] for jump in _jumps(with_end, "-x", expected[1])}
+    assert found["d_SLD"] == pytest.approx(-2.0 / capacity["gamma_star"], rel=1e-5)
     short = {jump["label"] for jump in _jumps(state, "-x", 0.9 * expected[1])}
     assert "d_SLC" not in short, "a path that ends before has no such displacement"
 
