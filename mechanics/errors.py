@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import math
+from numbers import Integral, Real
+
+import numpy as np
+from numpy.typing import NDArray
+
 
 class MechanicsError(Exception):
     """Base of all errors of this package."""
@@ -51,6 +57,25 @@ def require(condition: bool, name: str, value: object, must_be: str) -> None:
     """Raise ArgumentError naming the argument unless the condition holds."""
     if not condition:
         raise ArgumentError(f"{name} = {value!r}: must be {must_be}")
+
+
+def is_number(value: object) -> bool:
+    """Whether a value is a real number and not nan; texts, None and truth values are none."""
+    return isinstance(value, Real) and not isinstance(value, bool) and not math.isnan(value)
+
+
+def is_whole(value: object) -> bool:
+    """Whether a value is a whole number, of whole type."""
+    return isinstance(value, Integral) and not isinstance(value, bool)
+
+
+def array_of(name: str, value: object, must_be: str) -> NDArray[np.float64]:
+    """Return the value of an argument as an array of numbers; ArgumentError naming it if it is none."""
+    try:
+        found: NDArray[np.float64] = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{name} = {value!r}: must be {must_be}") from None
+    return found
 
 
 class UnsettledError(NoEquilibriumError):

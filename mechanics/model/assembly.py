@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.errors import ArgumentError, require
+from mechanics.errors import ArgumentError, array_of, is_number, is_whole, require
 from mechanics.kernels.bed import MOST_SEGMENTS
 from mechanics.model.block import Block
 from mechanics.model.contacts import Contacts, drawn_contacts
@@ -59,18 +59,26 @@ class Assembly:
     collisions: bool = True
 
     def __post_init__(self) -> None:
+        require(isinstance(self.blocks, Iterable), "blocks", self.blocks, "a sequence of Block")
         object.__setattr__(self, "blocks", tuple(self.blocks))
+        odd = next((each for each in self.blocks if not isinstance(each, Block)), None)
+        require(odd is None, "blocks", odd, "a sequence of Block")
         require(len(self.blocks) > 0, "blocks", 0, "at least one block")
         n = self.segments_per_joint
         require(
-            n is None or 1 <= n <= MOST_SEGMENTS,
+            n is None or (is_whole(n) and 1 <= n <= MOST_SEGMENTS),
             "segments_per_joint",
             n,
             f"from 1 to {MOST_SEGMENTS}, or None",
         )
         if self.tolerance is None:
             object.__setattr__(self, "tolerance", default_tolerance(self.blocks))
-        require(0.0 < self.joint_tolerance < np.inf, "tolerance", self.tolerance, "positive, in m")
+        require(
+            is_number(self.tolerance) and 0.0 < self.joint_tolerance < np.inf,
+            "tolerance",
+            self.tolerance,
+            "positive, in m",
+        )
         require(bool(self.movable.any()), "blocks", "all supports", "an assembly with a movable block")
         self._check_weights()
 
@@ -120,6 +128,11 @@ class Assembly:
         """Return an upper bound (m) of the way of any corner from positions (b, 3) to others."""
         moved = abs(other - one)
         return float((np.hypot(moved[:, 0], moved[:, 1]) + self.radius * moved[:, 2]).max())
+
+    @staticmethod
+    def check(model: object) -> None:
+        """Raise ArgumentError if the argument `model` of an analysis is no assembly."""
+        require(isinstance(model, Assembly), "model", type(model).__name__, "an Assembly")
 
     def check_behaviour(self, behaviour: Behaviour) -> None:
         """Raise ArgumentError for an unknown behaviour, and for elastic joints without stiffness."""
@@ -188,7 +201,8 @@ class Assembly:
 
     def support(self, name: str) -> Index:
         """Return the blocks of a support; raise ArgumentError with the known names if there is none of this name."""
-        index = np.array([i for i, b in enumerate(self.blocks) if b.support == name], dtype=np.intp)
+        named = [i for i, b in enumerate(self.blocks) if b.support is not None and b.support == name]
+        index = np.array(named, dtype=np.intp)
         known = sorted({b.support for b in self.blocks if b.support})
         require(len(index) > 0, "support", name, f"one of {', '.join(known) or '(the model has no support)'}")
         return index
@@ -216,9 +230,11 @@ class Assembly:
 
     def rotated(self, block: int, about: ArrayLike, rotation: float) -> State:
         """Return the drawn state with one block rotated by `rotation` (rad) about a point (2,) m."""
-        require(0 <= block < len(self.blocks), "block", block, f"from 0 to {len(self.blocks) - 1}")
-        pivot = np.asarray(about, dtype=float)
-        require(pivot.shape == (2,), "about", about, "a point (x, z) in m")
+        last = len(self.blocks) - 1
+        require(is_whole(block) and 0 <= block <= last, "block", block, f"from 0 to {last}")
+        pivot = array_of("about", about, "a point (x, z) in m")
+        require(pivot.shape == (2,) and bool(np.isfinite(pivot).all()), "about", about, "a point (x, z) in m")
+        require(is_number(rotation) and abs(rotation) < np.inf, "rotation", rotation, "finite, in rad")
         positions = self.initial.positions.copy()
         arm = positions[block, :2] - pivot
         cos, sin = np.cos(rotation), np.sin(rotation)
@@ -245,7 +261,7 @@ class Assembly:
         """Return the block that contains a drawn point (2,) m, edges included; raise ArgumentError if none does."""
         import shapely
 
-        at = np.asarray(point, dtype=float)
+        at = array_of("control", point, "a point (x, z) in m")
         require(at.shape == (2,) and bool(np.isfinite(at).all()), "control", point, "a point (x, z) in m")
         distance = shapely.distance([shapely.Polygon(b.polygon) for b in self.blocks], shapely.Point(at))
         distance = distance + np.where(

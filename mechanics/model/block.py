@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.errors import require
+from mechanics.errors import array_of, is_number, is_whole, require
 from mechanics.types import GRAVITY, Array
 
 
@@ -29,22 +29,26 @@ class Material:
     compressive_strength: float = float("inf")
 
     def __post_init__(self) -> None:
-        require(0.0 < self.unit_weight < np.inf, "unit_weight", self.unit_weight, "positive, in kN/m³")
-        require(self.friction >= 0.0, "friction", self.friction, "zero or positive")
+        weight = self.unit_weight
+        require(is_number(weight) and 0.0 < weight < np.inf, "unit_weight", weight, "positive, in kN/m³")
         require(
-            self.normal_stiffness is None or 0.0 < self.normal_stiffness < np.inf,
+            is_number(self.friction) and self.friction >= 0.0, "friction", self.friction, "zero or positive"
+        )
+        require(
+            self.normal_stiffness is None
+            or (is_number(self.normal_stiffness) and 0.0 < self.normal_stiffness < np.inf),
             "normal_stiffness",
             self.normal_stiffness,
             "positive, in kN/m³, or None",
         )
         require(
-            self.tangential_stiffness > 0.0,
+            is_number(self.tangential_stiffness) and self.tangential_stiffness > 0.0,
             "tangential_stiffness",
             self.tangential_stiffness,
             "positive, in kN/m³ (inf: rigid in shear)",
         )
         require(
-            self.compressive_strength > 0.0,
+            is_number(self.compressive_strength) and self.compressive_strength > 0.0,
             "compressive_strength",
             self.compressive_strength,
             "positive, in kN/m² (inf: no limit)",
@@ -72,16 +76,26 @@ class Block:
     handle: str = ""
 
     def __post_init__(self) -> None:
-        v = np.array(self.vertices, dtype=float)
+        v = array_of("vertices", self.vertices, "three or more finite (x, z) pairs")
         require(
             v.ndim == 2 and v.shape[1] == 2 and len(v) >= 3 and bool(np.isfinite(v).all()),
             "vertices",
             v.shape,
             "three or more finite (x, z) pairs",
         )
-        require(0.0 < self.depth < np.inf, "depth", self.depth, "positive, in m")
-        require(bool(np.isfinite(self.vertical_load)), "vertical_load", self.vertical_load, "finite, in kN")
-        require(self.segments is None or self.segments >= 1, "segments", self.segments, "a whole number ≥ 1")
+        require(is_number(self.depth) and 0.0 < self.depth < np.inf, "depth", self.depth, "positive, in m")
+        load, segments = self.vertical_load, self.segments
+        require(is_number(load) and abs(load) < np.inf, "vertical_load", load, "finite, in kN")
+        require(
+            segments is None or (is_whole(segments) and segments >= 1),
+            "segments",
+            segments,
+            "a whole number ≥ 1",
+        )
+        require(isinstance(self.material, Material), "material", self.material, "a Material")
+        require(
+            self.support is None or isinstance(self.support, str), "support", self.support, "a name, or None"
+        )
         size = float(np.ptp(v, axis=0).max())
         v = v[np.hypot(*(v - np.roll(v, 1, axis=0)).T) > 1e-12 * size]  # repeated vertices are dropped
         require(len(v) >= 3, "vertices", len(v), "three or more distinct points")

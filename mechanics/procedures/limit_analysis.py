@@ -51,6 +51,7 @@ def limit_analysis(
     cannot carry gravity alone, NoEquilibriumError if the load meets no mechanism (an interlocked assembly),
     ArgumentError for an argument out of its range.
     """
+    Assembly.check(model)
     check_sliding(sliding)
     state = model.starting(state)
     check_self_weight(model, state)

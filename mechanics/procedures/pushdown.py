@@ -7,7 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError, require
+from mechanics.errors import (
+    CollapseError,
+    ConvergenceError,
+    NoEquilibriumError,
+    RunawayError,
+    array_of,
+    is_number,
+    require,
+)
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.procedures.step_control import Bisection, reach
 from mechanics.program import Certificate
@@ -82,8 +90,9 @@ def pushdown(
     is applied (the error carries the path so far), NoEquilibriumError or ConvergenceError if that cannot be decided,
     ArgumentError for an argument out of its range.
     """
+    Assembly.check(model)
     target, full = _target(model, support, displacement, rotation)
-    require(0.0 < increment < np.inf, "increment", increment, "positive, in m")
+    require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
     check_self_weight(model)
     moving = _Moving(static_system(model, contacts, sliding), support, target, rotation, full)
     path = _Path(moving, increment)
@@ -127,11 +136,11 @@ def pushdown(
 
 def _target(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> tuple[Array, float]:
     """Return the displacement (2,) of the whole movement, m, and its largest component; ArgumentError if it is none."""
-    target = np.asarray(displacement, dtype=float)
+    target = array_of("displacement", displacement, "(x, z) in m")
     require(
         target.shape == (2,) and bool(np.isfinite(target).all()), "displacement", displacement, "(x, z) in m"
     )
-    require(bool(np.isfinite(rotation)), "rotation", rotation, "finite, in rad")
+    require(is_number(rotation) and abs(rotation) < np.inf, "rotation", rotation, "finite, in rad")
     full = whole_movement(model, support, target, rotation)
     require(full > 0.0, "displacement", displacement, "a movement: displacement and rotation are both zero")
     return target, full

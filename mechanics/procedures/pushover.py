@@ -13,6 +13,8 @@ from mechanics.errors import (
     NoEquilibriumError,
     RunawayError,
     UnstableError,
+    array_of,
+    is_number,
     require,
 )
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
@@ -124,9 +126,10 @@ def pushover(
     for one that takes no part in the mechanism, NoEquilibriumError if the load meets no mechanism.
     """
     # nine arguments: the public function of the package, called with keywords
-    require(0.0 < increment < np.inf, "increment", increment, "positive, in m")
-    require(0.0 <= until < 1.0, "until", until, "a share of the peak")
-    push = _Push(np.asarray(control, dtype=float), direction, increment, until, tolerances)
+    Assembly.check(model)
+    require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
+    require(is_number(until) and 0.0 <= until < 1.0, "until", until, "a share of the peak")
+    push = _Push(array_of("control", control, "a point (x, z) in m"), direction, increment, until, tolerances)
     curve = _Curve(push, static_system(model, contacts, sliding), state)
     bisection = Bisection(increment, curve.first.share * increment)
     while not curve.end:

@@ -8,7 +8,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError, require
+from mechanics.errors import (
+    ConvergenceError,
+    NoEquilibriumError,
+    UnstableError,
+    array_of,
+    is_number,
+    require,
+)
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import end_gaps
 from mechanics.procedures.collapse import ControlPoint, collapse, passing_through
@@ -113,13 +120,16 @@ def time_history(
     moves outward. Raises ArgumentError for an argument out of its range, ConvergenceError if a step is not solved.
     """
     # eleven arguments: the public function of the package, called with keywords
+    Assembly.check(model)
     base = _base(acceleration, vertical_acceleration, time_step)
     _check(contacts, integrator, damping_ratio, restitution)
-    require(ultimate is None or (control is not None and ultimate > 0.0), "ultimate", ultimate,
+    require(ultimate is None or (control is not None and is_number(ultimate) and ultimate > 0.0), "ultimate", ultimate,
             "positive, in m, and given with a control point")  # fmt: skip
     point = None
     if control is not None:
-        point = ControlPoint(np.asarray(control, dtype=float), model.block_at(control), ultimate)
+        point = ControlPoint(
+            array_of("control", control, "a point (x, z) in m"), model.block_at(control), ultimate
+        )
     used, chosen = _chosen(model, contacts, integrator)
     system, start, motion = _begun(
         model, contacts, model.starting(state), used, time_step, damping_ratio, restitution
@@ -145,10 +155,15 @@ def _check(contacts: Behaviour, integrator: Integrator, damping_ratio: float, re
     """Raise ArgumentError for an integrator, a damping or a restitution that the contacts do not have."""
     names = ("auto", "moreau-jean", "second-order", "implicit-euler")
     require(integrator in names, "integrator", integrator, ", ".join(f'"{name}"' for name in names))
-    require(0.0 <= damping_ratio < 1.0, "damping_ratio", damping_ratio, "from 0 to less than 1")
+    require(
+        is_number(damping_ratio) and 0.0 <= damping_ratio < 1.0,
+        "damping_ratio",
+        damping_ratio,
+        "from 0 to less than 1",
+    )
     require(damping_ratio == 0.0 or contacts == "elastic", "damping_ratio", damping_ratio,
             "0 with rigid contacts, which have no stiffness to be proportional to")  # fmt: skip
-    require(0.0 <= restitution <= 1.0, "restitution", restitution, "from 0 to 1")
+    require(is_number(restitution) and 0.0 <= restitution <= 1.0, "restitution", restitution, "from 0 to 1")
     require(restitution == 0.0 or (contacts == "rigid" and integrator != "implicit-euler"), "restitution", restitution,
             "0 except with rigid contacts and an integrator of second order")  # fmt: skip
 
@@ -270,9 +285,11 @@ def _history(
 
 def _base(horizontal: ArrayLike, vertical: ArrayLike | None, time_step: float) -> Array:
     """Return the base acceleration (k, 3) in m/s²: x, z, and 0 for the rotation."""
-    require(0.0 < time_step < np.inf, "time_step", time_step, "positive, in s")
+    require(is_number(time_step) and 0.0 < time_step < np.inf, "time_step", time_step, "positive, in s")
     given = {"acceleration": horizontal} | ({} if vertical is None else {"vertical_acceleration": vertical})
-    components = {name: np.asarray(values, dtype=float) for name, values in given.items()}
+    components = {
+        name: array_of(name, values, "two or more samples, (k,), in g") for name, values in given.items()
+    }
     a = components["acceleration"]
     require(a.ndim == 1 and len(a) > 1, "acceleration", a.shape, "two or more samples, (k,), in g")
     base = np.zeros((len(a), 3))

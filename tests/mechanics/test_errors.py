@@ -18,6 +18,7 @@ from mechanics import (
     limit_analysis,
     pushdown,
     pushover,
+    time_history,
 )
 from mechanics.model.assembly import State
 from tests.support.structures import arch_on_piers, block_on_base, rectangle, running_bond, semicircular_arch
@@ -231,3 +232,52 @@ def test_a_coarse_increment_still_finds_where_the_multiplier_vanishes(model, inc
     path = pushover(model, TOP, increment=increment)
     assert path.reached_zero
     assert path.displacement[-1] == pytest.approx(np.sin(np.arctan(0.2)), abs=2e-3)
+
+
+FOOT = [[-1, -0.3], [1, -0.3], [1, 0], [-1, 0]]
+REST = np.zeros(5)
+WRONG = {  # by argument: what is not of its type, or no number
+    "unit_weight": lambda _: Material("18"),
+    "friction": lambda _: Material(18.0, None),
+    "normal_stiffness": lambda _: Material(18.0, 0.6, "1e6"),
+    "compressive_strength": lambda _: Material(18.0, compressive_strength=None),
+    "material": lambda _: Block(FOOT, 1.0, "stone"),
+    "depth": lambda _: Block(FOOT, None, STONE),
+    "vertices": lambda _: Block([[0, 0], [1]], 1.0, STONE),
+    "support": lambda _: Block(FOOT, 1.0, STONE, support=3),
+    "segments": lambda _: Block(FOOT, 1.0, STONE, segments=1.5),
+    "vertical_load": lambda _: Block(FOOT, 1.0, STONE, vertical_load="9"),
+    "blocks": lambda m: Assembly([*m.blocks, "wall"]),
+    "segments_per_joint": lambda m: Assembly(m.blocks, 1.5),
+    "tolerance": lambda m: Assembly(m.blocks, tolerance="1"),
+    "block": lambda m: m.rotated(1.0, (0.0, 0.0), 0.1),
+    "about": lambda m: m.rotated(1, "corner", 0.1),
+    "rotation": lambda m: m.rotated(1, (0.0, 0.0), np.nan),
+    "model": lambda m: limit_analysis(list(m.blocks)),
+    "control": lambda m: pushover(m, "C1"),
+    "increment": lambda m: pushover(m, TOP, increment=None),
+    "until": lambda m: pushover(m, TOP, until="0"),
+    "displacement": lambda m: pushdown(m, "base", "down"),
+    "acceleration": lambda m: time_history(m, "record", 0.005),
+    "time_step": lambda m: time_history(m, REST, "0.005"),
+    "damping_ratio": lambda m: time_history(m, REST, 0.005, "elastic", damping_ratio=None),
+    "restitution": lambda m: time_history(m, REST, 0.005, restitution="0"),
+    "ultimate": lambda m: time_history(m, REST, 0.005, control=TOP, ultimate="1"),
+}
+
+
+@pytest.mark.parametrize(("name", "call"), WRONG.items(), ids=WRONG)
+def test_an_argument_of_another_type_is_named(model, name, call):
+    with pytest.raises(ArgumentError, match=rf"^{name} = .*: must be "):
+        call(model)
+
+
+def test_blocks_that_are_no_support_are_no_support_called_none(model):
+    with pytest.raises(ArgumentError, match="support = None: must be one of base"):
+        pushdown(model, None, (0.01, 0.0))
+
+
+@pytest.mark.parametrize("procedure", [limit_analysis, pushdown, pushover, time_history])
+def test_every_analysis_names_a_model_that_is_none(procedure):
+    with pytest.raises(ArgumentError, match="model = 'list': must be an Assembly"):
+        procedure([], *([] if procedure is limit_analysis else [TOP, 0.005]))
