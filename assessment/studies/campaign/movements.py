@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable, SettlementTable
-    from assessment.results.schema.checks import Capacity, Direction
+    from assessment.results.schema.checks import Direction
     from assessment.results.schema.static import Pushovers
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
@@ -58,12 +58,11 @@ class Moved:
 
 @dataclass(frozen=True, eq=False)
 class _Reviewed:
-    """A state at rest, or why there is none; the analyses behind it, its pushover curves and their checks."""
+    """A state at rest, or why there is none; the analyses behind it, and its pushover curves."""
 
     start: Start
     stages: Sequence[StateResult]
     curves: Mapping[Direction, Pushovers]
-    checks: Mapping[Direction, Capacity]
 
 
 def moved_states(
@@ -76,7 +75,7 @@ def moved_states(
     """
     table = project.campaign
     assert table is not None
-    asked = table.settlements or project.states[1:]
+    asked, beside = table.settlements or project.states[1:], _beside(project, table)
     movements = [each for each in finest(project, statics.halvings) if each[1].name in asked]
     parts = _parts(movements, model, table, workers)
     found = []
@@ -85,15 +84,16 @@ def moved_states(
         for share in table.shares:
             if share == 0.0:
                 own = statics.states[ORIGINAL]
-                state = _Reviewed(model.initial, [], own.pushover, own.capacity)
+                state = _Reviewed(model.initial, [], own.pushover)
             elif share == 1.0:
                 own, stages = statics.states[whole.name], statics.stages_of(whole.name)
-                state = _Reviewed(_rest(stages, table), stages, own.pushover, own.capacity)
+                state = _Reviewed(_rest(stages, table), stages, own.pushover)
             else:
                 stages = parts[whole.name, share]
                 _take(study, whole.name, share, stages)
-                state = _part(project, model, stages, demands, study)
-            capacity = _static(project, state, demands)
+                state = _Reviewed(_rest(stages, table), stages, curves(stages))
+            told = study.warnings if 0.0 < share < 1.0 else []  # the others are told with their states
+            capacity = _static(beside, model, state, demands, told)
             ultimate = _ultimate(project, table, state.curves)
             found.append(Moved(whole.name, share, share * length, state.start, capacity, ultimate))
     return found
@@ -120,16 +120,6 @@ def _parts(
     return parts
 
 
-def _part(
-    project: Project, model: Assembly, stages: Sequence[StateResult], demands: Demands, study: Study
-) -> _Reviewed:
-    """Return the state after a share of a movement, with its checks where there is an assessment."""
-    assert project.campaign is not None
-    pushed = curves(stages)
-    checks = capacities(assess(project, model, pushed, demands, study.warnings)) if project.assessment else {}
-    return _Reviewed(_rest(stages, project.campaign), stages, pushed, checks)
-
-
 def _take(study: Study, name: str, share: float, stages: Iterable[StateResult]) -> None:
     """Add what the analyses of a share left beside their curves."""
     for stage in stages:
@@ -146,12 +136,32 @@ def _rest(stages: Iterable[StateResult], table: CampaignTable) -> Start:
     return "; ".join(own.failures) or "the settled state was not reached"
 
 
-def _static(project: Project, state: _Reviewed, demands: Demands) -> float | None:
-    """Return the static capacity of the weaker direction; None if that of a direction is not known."""
+def _beside(project: Project, table: CampaignTable) -> Project:
+    """Return the project whose static capacity stands beside the campaign's: of rigid joints without elastic curves.
+
+    Soft joints may lose most of what a movement leaves to rigid ones: the two losses would be of different structures.
+    """
+    if project.pushover is None or table.contacts != "rigid" or "rigid" not in project.pushover.contacts:
+        return project
+    changed: dict[str, object] = {"pushover": project.pushover.model_copy(update={"contacts": ("rigid",)})}
+    if project.assessment:
+        changed["assessment"] = project.assessment.model_copy(update={"model": "none"})  # the rigid branch
+    return project.model_copy(update=changed)
+
+
+def _static(
+    project: Project, model: Assembly, state: _Reviewed, demands: Demands, warnings: list[str]
+) -> float | None:
+    """Return the static capacity of the weaker direction, of the joints of `project`; None if one is not known."""
     if project.pushover is None:
         return None
+    pushed = state.curves
+    if "elastic" not in project.pushover.contacts:
+        pushed = {direction: each.replace(elastic=None) for direction, each in pushed.items()}
+    stages = [stage for stage in state.stages if stage.behaviour in project.pushover.contacts]
+    checks = capacities(assess(project, model, pushed, demands, warnings)) if project.assessment else {}
     found = []
-    for each in capacities_of(project, state.stages, state.curves, state.checks).values():
+    for each in capacities_of(project, stages, pushed, checks).values():
         value = compared(each, quantity(project))
         limit_state = quoted_limit_state(project)
         if value is not None and limit_state is not None:

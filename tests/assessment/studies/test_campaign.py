@@ -365,6 +365,23 @@ def test_stripes_by_spectral_acceleration(block):
     assert found["loss"][1]["static"] is not None  # the static check comes with it
 
 
+def test_the_static_loss_beside_rigid_motions_is_that_of_rigid_joints(block):
+    """On soft joints the block loses more: that is another structure's loss."""
+    edit(block, 'records = ["wave*.csv"]', 'records = ["wave1.csv"]')
+    edit(block, "tolerance = 0.2\n", 'method = "stripes"\nlevels_g = [0.1]\n')
+    edit(block, "normal_stiffness_kN_m3 = 1e6", "normal_stiffness_kN_m3 = 2e4")
+    losses = []
+    for soft in (False, True):
+        if soft:
+            edit(block, 'contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]')
+            edit(block, 'model = "none"', 'model = "trilinear"')
+        assert run(block, "--only", "campaign") == 0
+        losses.append(read_results(block / "output")["campaign"]["loss"])
+    rigid, beside = losses
+    assert beside[1]["static"] == pytest.approx(rigid[1]["static"], rel=1e-12)
+    assert beside[1]["static_capacity"] == pytest.approx(rigid[1]["static_capacity"], rel=1e-12)
+
+
 def test_equal_states_are_computed_once(block):
     edit(
         block,
