@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from assessment.ntc.calculation import Trace, datum, step
+from assessment.ntc.confidence import CONFIDENCE_FACTOR
 from assessment.ntc.curve_fit import CapacityError, CurveFit
 from mechanics.errors import require
 from mechanics.types import GRAVITY
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-CONFIDENCE_FACTOR = "Circolare 7/2019, C8.5.4"  # where F_C is a number that is given
 _LAW = "Circolare 7/2019, C8.7.1.2"
 _PAPER = "Portioli et al., §7.1"
 

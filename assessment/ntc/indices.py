@@ -7,14 +7,12 @@ NTC 2018, §8.4: what interventions must reach. All known, not re-read [k].
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from math import log
 
 from assessment.ntc.calculation import Trace, datum, step
-from assessment.ntc.capacity import CONFIDENCE_FACTOR
-from assessment.ntc.demand.hazard import EXCEEDANCE, USE_COEFFICIENT
+from assessment.ntc.demand.return_period import EXCEEDANCE, USE_COEFFICIENT
 
 CLASSES = ("A+", "A", "B", "C", "D", "E", "F", "G")
 _IS_V = (1.0, 0.80, 0.60, 0.45, 0.30, 0.15)  # least IS-V of classes A+ to E; below: F
@@ -145,31 +143,3 @@ def required_zeta(zeta: float, use_class: str) -> dict[str, float | None]:
         "retrofit_use": 0.8,
         "retrofit": 1.0,
     }
-
-
-@dataclass(frozen=True)
-class Knowledge:
-    """F_C (–) with the components it is made of: by level of knowledge (C8.5.4) or 1 + Σ F_Ck (D.P.C.M. 9/2/2011)."""
-
-    factor: float
-    trace: Trace
-
-
-LEVELS = {"LC1": 1.35, "LC2": 1.20, "LC3": 1.00}
-COMPONENTS = {  # F_Ck that may be chosen, from limited to exhaustive knowledge (D.P.C.M. 9/2/2011, Tab. 4.1)
-    "geometry": (0.05, 0.0),
-    "construction": (0.12, 0.06, 0.0),
-    "mechanical": (0.12, 0.06, 0.0),
-    "ground": (0.06, 0.03, 0.0),
-}
-
-
-def confidence_factor(level: str | None, components: Mapping[str, float]) -> Knowledge:
-    """Return F_C of a level of knowledge, or 1 + Σ F_Ck of the four components where no level is given."""
-    if level is not None:
-        source = f"{CONFIDENCE_FACTOR}, {level}"
-        return Knowledge(LEVELS[level], (datum("F_C", LEVELS[level], "", source),))
-    named = {f"F_C{k}": components[name] for k, name in enumerate(COMPONENTS, 1)}
-    factor = 1.0 + sum(named.values())
-    line = step("F_C", "1 + " + " + ".join(named), factor, "", "D.P.C.M. 9/2/2011, §4.2", **named)
-    return Knowledge(factor, (line,))

@@ -16,8 +16,9 @@ from assessment.ntc.demand.floor_spectrum import (
     first_mode,
     fundamental_period,
 )
-from assessment.ntc.demand.hazard import HazardCurve, return_period, return_period_steps, site_curve
+from assessment.ntc.demand.hazard import HazardCurve, return_period_steps, site_curve
 from assessment.ntc.demand.hazard_grid import HazardError
+from assessment.ntc.demand.return_period import return_period
 from assessment.ntc.demand.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
 from assessment.ntc.limit_states import ROCK, SURFACE
 from assessment.ntc.methods import ACTIVATION_DAMPING, RULES

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from assessment.analyses.checks.demand import demand_return_periods
-from assessment.ntc.capacity import CONFIDENCE_FACTOR
-from assessment.ntc.indices import confidence_factor, heritage_and_risk_indices, required_zeta
+from assessment.ntc.confidence import CONFIDENCE_FACTOR, confidence_factor
+from assessment.ntc.indices import heritage_and_risk_indices, required_zeta
 from assessment.results.lines import lines
 from assessment.results.schema.checks import Capacity, Check, Direction
 from assessment.results.schema.indices import Indices, Knowledge

@@ -19,12 +19,11 @@ from assessment.ntc.demand.hazard_grid import (
     read_grid,
     read_site_table,
 )
+from assessment.ntc.demand.return_period import EXCEEDANCE, USE_COEFFICIENT, return_period
 from mechanics.errors import require
 
 Array = NDArray[np.float64]
 
-EXCEEDANCE = {"SLO": 0.81, "SLD": 0.63, "SLV": 0.10, "SLC": 0.05}  # P_VR, Tab. 3.2.I
-USE_COEFFICIENT = {"I": 0.7, "II": 1.0, "III": 1.5, "IV": 2.0}  # C_U, Tab. 2.4.II
 _KM_PER_DEGREE = 111.195
 _PARAMETERS = ("a_g", "F_0", "T_C_star")
 _UNITS = ("g", "", "s")
@@ -107,18 +106,6 @@ class HazardCurve:
         inputs = {f"p_{i + 1}": p[i] for i in range(4)} | {f"d_{i + 1}": d[i] for i in range(4)}
         formula = "(p_1/d_1 + p_2/d_2 + p_3/d_3 + p_4/d_4)/(1/d_1 + 1/d_2 + 1/d_3 + 1/d_4)"
         return step(symbol, formula, self.values[column, j], unit, f"{_ALLEGATO}, eq. 2{at}", **inputs)
-
-
-def return_period(limit_state: str, nominal_life: float = 50.0, use_class: str = "II") -> float:
-    """Return T_R = −V_R/ln(1 − P_VR), V_R = V_N C_U, in years (NTC 2018, §2.4 and §3.2.1).
-
-    The bounds 30 and 2475 years are [k]: known, not re-read. Raises ValueError naming the argument.
-    """
-    require(limit_state in EXCEEDANCE, "limit_state", limit_state, "one of SLO, SLD, SLV, SLC")
-    require(use_class in USE_COEFFICIENT, "use_class", use_class, "one of I, II, III, IV")
-    require(0.0 < nominal_life < np.inf, "nominal_life", nominal_life, "positive, in years")
-    T_R = -nominal_life * USE_COEFFICIENT[use_class] / log(1.0 - EXCEEDANCE[limit_state])
-    return min(max(T_R, float(RETURN_PERIODS[0])), float(RETURN_PERIODS[-1]))
 
 
 def return_period_steps(limit_state: str, nominal_life: float = 50.0, use_class: str = "II") -> Trace:

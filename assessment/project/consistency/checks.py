@@ -6,6 +6,8 @@ import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from assessment.ntc.confidence import COMPONENTS, confidence_factor
+from assessment.ntc.demand.return_period import return_period
 from assessment.project.consistency.files import missing_file
 from assessment.project.consistency.names import unknown_name
 from assessment.project.errors import Problem
@@ -56,11 +58,6 @@ def knowledge_problems(knowledge: KnowledgeTable, factor: float) -> Iterator[Pro
     `factor`: the confidence factor F_C of [assessment]. Sources: Circolare 7/2019, C8.5.4, for levels; DPCM
     9/2/2011, §4.2, for components.
     """
-    from assessment.ntc.indices import (  # late: a run without changes loads no numpy
-        COMPONENTS,
-        confidence_factor,
-    )
-
     path: KeyPath = ("assessment", "knowledge")
     given = knowledge.components
     if (knowledge.level is None) == (not given):
@@ -142,8 +139,6 @@ def _return_period(path: KeyPath, limit_state: str, given: float, site: SiteTabl
 
     Within RETURN_PERIOD_TOL, as typed values are rounded (NTC 2018, §3.2.1).
     """
-    from assessment.ntc.demand.hazard import return_period  # late, as above
-
     by_life = return_period(limit_state, site.nominal_life_years, site.use_class)
     if abs(given / by_life - 1.0) > RETURN_PERIOD_TOL:
         text = (

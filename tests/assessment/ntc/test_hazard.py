@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.ntc.demand.hazard import return_period, return_period_steps, site_curve, site_hazard
+from assessment.ntc.demand.hazard import return_period_steps, site_curve, site_hazard
 from assessment.ntc.demand.hazard_grid import RETURN_PERIODS, read_grid
+from assessment.ntc.demand.return_period import return_period
 from tests import ROOT
 
 GRID_FILE = ROOT / ".." / "shared" / "data" / "allegato_b.txt"

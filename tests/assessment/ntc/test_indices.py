@@ -2,8 +2,8 @@
 
 import pytest
 
+from assessment.ntc.confidence import confidence_factor
 from assessment.ntc.indices import (
-    confidence_factor,
     expected_annual_loss,
     heritage_and_risk_indices,
     required_zeta,

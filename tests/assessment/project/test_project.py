@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
+from assessment.project.catalogue.new_project import new_project
+from assessment.project.catalogue.templates import TEMPLATES
 from assessment.project.consistency import files as project_files
 from assessment.project.consistency import matches
 from assessment.project.project import json_schema, load_project
@@ -186,10 +188,24 @@ def test_patterns_have_limits(folder, monkeypatch, limit, pattern, said):
     assert line.startswith(f'project.toml: incremental.records[1]: "{pattern}": ') and said in line
 
 
-def test_importing_stays_cheap():
+KNOWN = """[assessment.knowledge]
+level = "LC1"
+"""
+
+
+def test_a_project_is_read_without_what_computes_or_draws(tmp_path):
+    """All that a run in which nothing has changed does at first; return periods and knowledge took 1 to 2 s more."""
+    for name in TEMPLATES:
+        new_project(tmp_path / name, name, {})
+    block = tmp_path / "block" / "project.toml"
+    block.write_text(block.read_text(encoding="utf-8").replace("[report]", KNOWN + "[report]"), "utf-8")
     code = (
-        "import sys, assessment.project\n"
-        "sys.exit(bool({'pandas', 'matplotlib', 'openpyxl'} & sys.modules.keys()))"
+        "import sys\nfrom pathlib import Path\nfrom assessment.project.project import load_project\n"
+        f"for folder in Path({str(tmp_path)!r}).iterdir():\n"
+        "    load_project(folder)\n"
+        "print(*sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+    heavy = {"numpy", "scipy", "numba", "shapely", "ezdxf", "matplotlib", "pandas", "openpyxl", "mechanics"}
+    assert not heavy & set(done.stdout.split())
