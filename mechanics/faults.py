@@ -1,4 +1,4 @@
-"""What keeps a drawing from being an assembly: faults with their places, each told once."""
+"""What keeps a drawing from being an assembly: faults with their places, each reported once."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from mechanics.errors import DrawingError
 from mechanics.types import Array
 
-LISTED = 20  # faults of one kind that are told in full
+LISTED = 20  # faults of one kind that are listed in full
 
 Kind = Literal["outline", "layer", "thin", "short", "twice", "frame", "overlap", "floating", "gap"]
 

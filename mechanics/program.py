@@ -21,7 +21,7 @@ from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import rows
 from mechanics.types import Array, Index
 
-LARGEST_MULTIPLIER = 1e4  # beyond it a load is said to meet no mechanism
+LARGEST_MULTIPLIER = 1e4  # a load with a larger multiplier has no mechanism
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +159,7 @@ def certify(program: Program, forces: Array, alpha: float, displacement: Array) 
     work = 0.0
     if p.lateral is not None:
         work = (float(p.lateral @ displacement) - p.work) / (p.weight * p.step)
-        # a load that only wedges the blocks holds α at its bound and does less work than is asked of it
+        # a load that only wedges the blocks holds α at its bound and does less than the given work
         work = max(work, 0.0) if alpha > 0.99 * LARGEST_MULTIPLIER else abs(work)
     idle = abs(np.maximum(margin, 0.0) * gaps).sum() + abs(mu * n * abs(slip) + t * slip).sum()
     return Certificate(

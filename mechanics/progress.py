@@ -1,6 +1,6 @@
-"""How far a procedure has come, as a share of all that is expected of it: told to whoever listens in this context.
+"""Progress of a procedure as a share of its expected work, reported to the listener of the current context.
 
-Nobody listens unless `listening` says so, and nothing depends on what is told.
+There is no listener outside `listening`, and no result depends on one.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _listener: ContextVar[Listener | None] = ContextVar("listener", default=None)
 
 
 def tell(share: float) -> None:
-    """Tell the share that is done; a few times a second at most is enough."""
+    """Report the share that is done, 0 to 1; a few times a second is enough."""
     listener = _listener.get()
     if listener is not None:
         listener(min(max(share, 0.0), 1.0))
@@ -24,7 +24,7 @@ def tell(share: float) -> None:
 
 @contextmanager
 def listening(listener: Listener) -> Iterator[None]:
-    """Have all that is told within go to a listener."""
+    """Send the shares reported within the context to a listener."""
     token = _listener.set(listener)
     try:
         yield
@@ -34,7 +34,7 @@ def listening(listener: Listener) -> Iterator[None]:
 
 @contextmanager
 def stretch(begin: float, end: float) -> Iterator[None]:
-    """Have what is told within count as the part from share `begin` to `end` of a larger procedure."""
+    """Count the shares reported within the context as the part from `begin` to `end` of a larger procedure."""
     outer = _listener.get()
     if outer is None:
         yield

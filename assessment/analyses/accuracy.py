@@ -32,7 +32,7 @@ MOST_HALVINGS = 4  # for a tolerance given as a number
 
 
 def accuracy_of(project: Project) -> Accuracy:
-    """Return what the project's key `accuracy` stands for."""
+    """Return the preset of the project's key `accuracy`."""
     asked = project.accuracy
     return PRESETS[asked] if isinstance(asked, str) else Accuracy(asked, MOST_HALVINGS)
 

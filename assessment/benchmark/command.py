@@ -35,7 +35,7 @@ SUMMARY = "summary.md"
 class Benchmark:
     """What is measured, `about` in a sentence, the `rows`, and how they are shown in the summary.
 
-    `series`: what the lines of its plots stand for; empty: no plots.
+    `series`: key of the rows by which its plots have lines; empty: no plots.
     """
 
     about: str

@@ -54,7 +54,7 @@ FAILURES = (CollapseError, ControlError, ConvergenceError, NoEquilibriumError, U
 
 TOLERANCE = 1e-9  # of the baseline: what the statics ask of PIQP
 SAMPLES = 20  # programs of a path that the baseline solves
-ROUNDS, ENOUGH = 3, 1.5  # calls that take turns: at least so many of each, and for so many seconds
+ROUNDS, ENOUGH = 3, 1.5  # calls that take turns: least number of each, and least time in s
 
 
 def seconds_of(work: Callable[[], Answer]) -> tuple[float, Answer]:
@@ -124,7 +124,7 @@ def path_programs(path: Pushdown | Pushover) -> list[Program]:
 def history_programs(
     model: Assembly, behaviour: Behaviour, motion: TimeHistory, acceleration: Array, every: int
 ) -> list[Program]:
-    """The implicit Euler steps (paper, eq. 3) from every so manieth state of a motion; accelerations (k,) in g."""
+    """The implicit Euler steps (paper, eq. 3) from every `every`-th state of a motion; accelerations (k,) in g."""
     step = float(motion.time[1])
     return [
         euler_step(
@@ -153,9 +153,9 @@ def exponent(rows: Sequence[Row], column: str) -> float:
 
 
 def peak_memory() -> float:
-    """The most memory (MB) that this process has come to hold, Python and its libraries included.
+    """The largest memory (MB) of this process so far, Python and its libraries included.
 
-    NaN where the system does not tell.
+    NaN where the system does not count it.
     """
     status = Path("/proc/self/status")
     if status.is_file():  # getrusage also counts what the parent held as this process was made

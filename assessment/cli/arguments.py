@@ -79,11 +79,11 @@ class _Parser(argparse.ArgumentParser):
     """A parser that shows arguments as they are and does nothing else with them."""
 
     def print_help(self, file: SupportsWrite[str] | None = None) -> None:
-        """Print the help as every other text; argparse's own way tells nobody that it could not be written."""
+        """Print the help as every other text; argparse's own way hides that it could not be written."""
         say(self.format_help(), end="")
 
     def error(self, message: str) -> NoReturn:
-        """Say what is missing or wrong as every other message does, and where to look it up."""
+        """Print what is missing or wrong in the form of every other message, and where to look it up."""
         tell(f"error: {self.prog}: {message}; see {self.prog} --help")
         self.exit(WRONG_INPUT)
 

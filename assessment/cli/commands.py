@@ -90,17 +90,17 @@ def check(options: argparse.Namespace) -> int:
 
 
 def status(options: argparse.Namespace) -> int:
-    """Print what a run under way is at."""
-    from assessment.runtime.terminal.status import status as told
+    """Print the progress of a run under way. Raises ValueError for a folder that is not there."""
+    from assessment.runtime.terminal.status import status as status_of
 
     if not options.project.is_dir():
         raise ValueError(f"{options.project}: no such folder; give the folder of the project")
-    say(told(options.out or options.project / "output"))
+    say(status_of(options.out or options.project / "output"))
     return DONE
 
 
 def new(options: argparse.Namespace) -> int:
-    """Make a project folder from a template, or list the dimensions of templates."""
+    """Make a project folder from a template, or list the dimensions of templates. Raises ValueError for options."""
     from assessment.project.catalogue.new_project import new_project, template_options
     from assessment.project.formats.convert import TOML, XLSX
 
@@ -174,7 +174,7 @@ def benchmark(options: argparse.Namespace) -> int:
 
 
 def _writable(folder: Path) -> Path:
-    """The folder, if results can be written there: asked before any analysis."""
+    """Return the folder if results can be written there: checked before any analysis."""
     existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not existing.is_dir():
         raise ValueError(f"{existing}: is a file; give another folder with --out DIR")

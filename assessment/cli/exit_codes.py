@@ -1,4 +1,4 @@
-"""Exit codes, and which exceptions they stand for."""
+"""Exit codes, and the exceptions that lead to them."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def step(symbol: str, formula: str, result: float, unit: str, paragraph: str, /,
 
 
 def datum(symbol: str, value: float, unit: str, source: str) -> Step:
-    """Return the Step of a number that is given or read, not calculated; `source` says from where."""
+    """Return the Step of a number that is given or read, not calculated; `source`: from where."""
     return step(symbol, "", value, unit, source)
 
 

@@ -102,7 +102,7 @@ def mechanism_participation(model: Assembly, mechanism: Array, control_dx: float
 class CapacityCurve:
     """Capacity of the equivalent oscillator: a* (k,) in g over d* (k,) in m, with the fit it comes from.
 
-    a* = α/(e* F_C) (in g), d* = d Γ*; the confidence factor is in here and nowhere else. `confidence_source`: the
+    a* = α/(e* F_C) (in g), d* = d Γ*; the confidence factor is applied here alone. `confidence_source`: the
     paragraph that F_C follows from.
     """
 

@@ -22,7 +22,7 @@ _PAPER = "Portioli et al., §7.1"
 
 
 class CapacityError(ValueError):
-    """The pushover curves do not define the capacity that is asked for; the message says which and why."""
+    """The pushover curves do not define a capacity; the message names it and the reason."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ def fit_trilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
     """Return the paper's trilinear curve (§7.1): secant at 0.4 α_u, plateau 0.9 α_u, rigid branch to d_0.
 
     The plateau ends where it meets the rigid branch, and the fit never lies above that branch: where the
-    secant meets it below the plateau, that point is (d_y, α_y) and a note says so; an elastic peak above α0
+    secant meets it below the plateau, that point is (d_y, α_y), with a note; an elastic peak above α0
     is noted too. Raises CapacityError without an elastic curve, for α0 ≤ 0, or where the elastic curve does
     not rise with the displacement of the control point.
     """
@@ -168,7 +168,7 @@ def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Ar
 class _Plateau:
     """The elastic branch up to (`d_y` m, `alpha_y`), then the plateau up to `end` (m), where the rigid branch begins.
 
-    `cut`: the elastic branch meets the rigid one below the plateau that was asked for; there is then none.
+    `cut`: the elastic branch meets the rigid one below the chosen plateau; there is then none.
     """
 
     d_y: float

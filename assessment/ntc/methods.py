@@ -42,7 +42,7 @@ class Method:
     local_limits: displacement of the control point (m) at which an element is lost (a beam unseats), per
     limit state; local_reason: what is lost, for the calculation. site_acceleration: a_g S of the site (g) per
     limit state, compared with the peak acceleration where the spectrum is a record's. return_periods: T_R of the
-    demand (years) per limit state, where it is known.
+    demand (years) per limit state, where it is known. Raises ArgumentError naming the field.
     """
 
     behaviour_factor: float = 2.0

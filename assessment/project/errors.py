@@ -52,7 +52,7 @@ _EXPECTED = {
 
 
 def project_error(file: str, problems: Iterable[Problem], cells: Mapping[KeyPath, str]) -> ProjectError:
-    """All problems of one file as one error; `cells` says where a value stands in a spreadsheet."""
+    """All problems of one file as one error; `cells`: where the values are in a spreadsheet."""
     lines = [f"{file}: {_key(path)}{_cell(path, cells)}: {text}" for path, text in problems]
     return ProjectError("\n".join(dict.fromkeys(lines)))
 
@@ -75,7 +75,7 @@ def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[
             phrase = _brackets(path, kind, detail["input"]) or _phrase(kind, context, detail)
             expected.setdefault(path, []).append(phrase.replace("'", '"'))
             problems[path] = f"{_shown(detail['input'])} is wrong; write {' or '.join(expected[path])}"
-    # Of the alternatives of one value, the one that was understood further says what is wrong.
+    # Of the alternatives of one value, the one that was understood further gives the message.
     shallow = {path[:n] for path in problems for n in range(len(path)) if path[:n] in expected}
     return [Problem(path, text) for path, text in problems.items() if path not in shallow]
 

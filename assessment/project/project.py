@@ -86,7 +86,7 @@ class Project(ProjectContent):
             return path.as_posix()
 
     def content(self, defaults: bool = True) -> dict[str, Any]:
-        """Return what the file says as plain values, without what is absent; by default defaults included."""
+        """Return the content of the file as plain values, without absent tables; by default with all defaults."""
         return self.model_dump(
             mode="json", exclude={"folder", "source"}, exclude_none=True, exclude_unset=not defaults
         )

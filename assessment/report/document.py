@@ -13,26 +13,26 @@ from markupsafe import Markup
 
 from assessment.report.chapters.calculation_annex import traces
 from assessment.report.chapters.grid import summary_grids
-from assessment.report.chapters.joints import assumptions, pressures_told
+from assessment.report.chapters.joints import assumptions, pressure_sentences
 from assessment.report.chapters.judgement import all_warnings, draft_judgement, worst_scenario
 from assessment.report.chapters.printed_tables import macro_block_grids, printed_tables
 from assessment.report.chapters.remarks import (
     contacts_of,
-    cracks_told,
-    damping_told,
+    crack_sentences,
+    damping_sentence,
     displacement_limits,
     farthest_limit_state,
     missing_pushovers,
     onsets,
     too_many,
 )
-from assessment.report.chapters.second_solver import told
+from assessment.report.chapters.second_solver import comparison
 from assessment.report.figures.index import pictures
 from assessment.report.formats.attachments import caption, stored
 from assessment.report.formats.page_fill import pdf_of
 from assessment.report.formats.pdf import command, load_weasyprint
 from assessment.report.formats.viewer import Viewer, viewer
-from assessment.report.tables.loads import vertical_told
+from assessment.report.tables.loads import vertical_sentences
 from assessment.report.text.language import Words, unparted, words_of
 from assessment.report.text.messages import sentence, translated
 from assessment.results.schema import Results
@@ -56,7 +56,7 @@ CHAPTERS = (
     "judgement",
     "references",
 )
-DYNAMIC = ("history", "incremental")  # chapters before the comparison, where their stages were asked for
+DYNAMIC = ("history", "incremental")  # chapters before the comparison, where the project has their stages
 STUDIES = ("scenarios", "sensitivity")  # likewise
 CAMPAIGN = "campaign"  # likewise, behind them
 
@@ -134,9 +134,9 @@ def render_html(
         contacts=contacts_of(results),
         assumptions=list(assumptions(results, words, "elastic" in contacts_of(results))),
         references=references(),
-        pressures=pressures_told(results, words),
-        cracks=list(cracks_told(results, words)),
-        damping=damping_told(results, words),
+        pressures=pressure_sentences(results, words),
+        cracks=list(crack_sentences(results, words)),
+        damping=damping_sentence(results, words),
         missing=list(missing_pushovers(results, words)),
         onsets=list(onsets(results, words)),
         judgement=draft_judgement(results, words),
@@ -147,8 +147,8 @@ def render_html(
         too_many=list(too_many(results, words)),
         warnings=[sentence(warning, words) for warning in all_warnings(results)],
         local=displacement_limits(results, words),
-        second_solver=list(told(results, words)),
-        vertical=list(vertical_told(results, words)),
+        second_solver=list(comparison(results, words)),
+        vertical=list(vertical_sentences(results, words)),
         refused=[
             {"name": given.name, "reason": translated(given.refused, words)}
             for given in results.mechanisms or []
@@ -158,7 +158,7 @@ def render_html(
 
 
 def _chapters(results: Results) -> list[str]:
-    """Return the chapters of the report: those of studies and dynamic stages only where they were asked for."""
+    """Return the chapters of the report: those of studies and dynamic stages only where the project has them."""
     states = results.states.values()
     there = {
         "scenarios": results.scenarios is not None,

@@ -30,7 +30,7 @@ def collisions(echo: Echo) -> bool:
 
 
 def taken_to_collapse(echo: Echo) -> set[str]:
-    """Return the settlements whose ultimate movement was sought."""
+    """Return the settlements whose ultimate movement is to be found."""
     return {each["name"] for each in echo.settlements or () if each.get("to_collapse")}
 
 
@@ -44,7 +44,7 @@ def turns(echo: Echo) -> set[str]:
 
 
 def limit_states(echo: Echo) -> list[str]:
-    """Return the limit states that were asked for."""
+    """Return the limit states of the project."""
     return list((echo.assessment or {}).get("limit_states", []))
 
 

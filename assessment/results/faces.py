@@ -72,7 +72,7 @@ class Met:
 
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """Joints as results tell them, ready for their kinematics.
+    """Joints of the results, ready for their kinematics.
 
     `contacts`: their faces and friction; `centroids` (b, 2) m as drawn; `depth` (m) and `strength` (kN/m²) (j,),
     infinite where there is no limit. `drawn`: how many of them are joints of the drawing; the others met as blocks

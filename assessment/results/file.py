@@ -1,4 +1,4 @@
-"""The file results.json: written as its schema says, and read only where it is so."""
+"""The file results.json: written by its schema, and read only where it agrees with it."""
 
 from __future__ import annotations
 

@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from mechanics.procedures import Pushdown, Pushover
     from mechanics.types import Array
 
-NUMBERS = 40_000  # kept of one path: what its frames may cost in results.json and in the page
+NUMBERS = 40_000  # most numbers of the frames of one path, in results.json and in the page
 FEWEST, MOST = 15, 60  # frames of a static path
 FEWEST_IN_TIME, MOST_IN_TIME = 24, 150
-LEAST = 1e-6  # of the model's weight: what a pair that met carries at least to be told
+LEAST = 1e-6  # of the model's weight: least force of a pair that met and is described
 DIGITS = 6  # of the model's size and weight: positions and forces are kept for pictures
 
 
@@ -61,7 +61,7 @@ def pushover_frames(model: Assembly, path: Pushover, met: Met) -> Frames:
 
 
 def pushdown_frames(model: Assembly, path: Pushdown, whole: float) -> Frames:
-    """Frames of a movement, the `whole` one (m) that was asked for among them; see `frames`."""
+    """Frames of a movement, that of the `whole` movement (m) among them; see `frames`."""
     asked = int(np.argmin(abs(path.movement - whole)))
     carried = [Carried(step.contacts, step.forces) for step in path.steps]
     return frames(model, path.states, carried, (asked,), Met(model))

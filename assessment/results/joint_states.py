@@ -166,7 +166,7 @@ def pressed(normal: Array, near: Array, length: Array, strength: Array) -> tuple
 
     Of a linear bed that bears no tension and no more than its `strength` (kN/m²); `normal` (kN/m of depth) acts at the
     distance `near` (m) from the nearer end of a joint of `length` (m). Where it crushes, the full strength presses over
-    some length and then less, linearly down to zero; a joint that carries nothing presses nowhere.
+    some length and then less, linearly down to zero; a joint that carries nothing has no pressure.
     """
     carries = normal > 0.0
     with np.errstate(divide="ignore", invalid="ignore"):

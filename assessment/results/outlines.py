@@ -35,7 +35,7 @@ class Outlines:
         return max(x1 - x0, z1 - z0)
 
     def moved(self, configuration: ArrayLike, magnification: float = 1.0) -> Outlines:
-        """Return the outlines displaced by (b, 3) finite motions about the centroids, magnified if asked."""
+        """Return the outlines displaced by (b, 3) finite motions about the centroids, magnified."""
         motion = np.asarray(configuration, dtype=float)
         shift = magnification * (place(self.points, self.owner, self.centroids, motion) - self.points)
         return Outlines(self.points + shift, self.owner, self.centroids + magnification * motion[:, :2])

@@ -18,7 +18,7 @@ def finite(value: float | None) -> float | None:
 def plain(value: Any) -> Any:
     """Return a value in dictionaries, lists, strings and Python's own numbers; null for NaN and infinity.
 
-    Of a part of the results come the keys that were set, by their names in the file. A list of nothing but finite
+    Of a part of the results come the keys that were set, by their names in the file. A list of finite
     floats is returned itself.
     """
     if isinstance(value, float):  # first: they are most

@@ -28,7 +28,7 @@ COMPARISON = (
 
 @dataclass(frozen=True)
 class Table:
-    """Rows as dictionaries. A missing key was not asked for; None was asked for and not reached."""
+    """Rows as dictionaries. A missing key was not requested; None was requested and not reached."""
 
     name: str
     rows: list[Row]
@@ -92,7 +92,7 @@ def reference_of(results: Results) -> str:
 def indices(ratios: Mapping[str, float]) -> dict[str, float]:
     """Return those of the ratios of a direction, by check, that are an index ζ_E (NTC 2018, §8.3): at SLV and SLC.
 
-    The linear check at SLV is an alternative to the nonlinear one, and stands for it where that one has no number.
+    The linear check at SLV is an alternative to the nonlinear one, and replaces it where that one has no number.
     """
     found = {name: ratio for name, ratio in ratios.items() if name.partition(" ")[0] in INDEXED}
     if "SLV" in found:

@@ -35,7 +35,7 @@ PRINTING = (
 def fingerprint(function: Callable[..., Any], arguments: tuple[Any, ...]) -> str:
     """Return a digest (hexadecimal) of a function's name, its arguments and the program.
 
-    Equal digests: the same numbers to the last bit. Raises TypeError for an argument whose content cannot be told.
+    Equal digests: the same numbers to the last bit. Raises TypeError for an argument whose content has no digest.
     """
     name = f"{function.__module__}.{function.__qualname__}"
     return digest([program(), name, [_plain(each) for each in arguments]])
@@ -107,5 +107,5 @@ def _plain(value: Any) -> Any:
 
 @lru_cache(maxsize=32)
 def _assembly(model: Assembly) -> str:
-    """Return the digest of a model: asked for by every analysis of it, computed once."""
+    """Return the digest of a model: every analysis of it needs it, it is computed once."""
     return digest([_plain(model.blocks), model.segments_per_joint, model.tolerance, model.collisions])

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The outcome of a run: its results, whether every analysis asked for was completed, and how many were computed.
+    """The outcome of a run: its results, whether every requested analysis was completed, and how many were computed.
 
     `computed`: number of analyses of this run; `taken`: number of stored results of earlier runs that were used, as
     their inputs have not changed.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass
 class Pace:
-    """What is `done` at the time `latest` of all the `work` of a stage begun at a time; s, of one clock.
+    """Work `done` until the time `latest`, of all the `work` of a stage that began at `began`; times in s of one clock.
 
     The unit of work is that of the stage: analyses, or samples of records; analyses at work count with their share.
     """
@@ -19,7 +19,7 @@ class Pace:
     latest: float = 0.0
 
     def reached(self, done: float, now: float) -> None:
-        """Take note of what is done now."""
+        """Record the work done until `now`."""
         self.done, self.latest = done, now
 
     @property

@@ -1,4 +1,4 @@
-"""What the progress of a run is told to: the terminal, a journal, or nobody."""
+"""Receivers of the progress of a run: the terminal, a journal, or none."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ class Show:
     """Receives the progress of the analyses; this one ignores it."""
 
     def begin(self, stage: str, total: int, taken: int, work: float) -> None:
-        """Tell that of `total` analyses of a stage all but `taken` are to be computed, `work` in all."""
+        """A stage begins: of `total` analyses all but `taken` are to be computed, `work` in all."""
 
     def under_way(self, title: str) -> None:
-        """Tell which analysis is being computed."""
+        """An analysis is being computed."""
 
     def reached(self, done: float) -> None:
-        """Tell how much of the work is done, of analyses at work too."""
+        """So much of the work is done, analyses at work included."""
 
     def advance(self, done: float) -> None:
-        """Tell that one more analysis of the stage is finished, and how much of the work is done."""
+        """One more analysis of the stage is finished; so much of the work is done."""
 
     def fault(self, title: str, reasons: Sequence[str]) -> None:
-        """Tell why an analysis, computed or taken over, could not be completed."""
+        """An analysis, computed or taken over, could not be completed, for these reasons."""
 
     def end(self) -> None:
-        """Tell that the stage is finished."""
+        """The stage is finished."""
 
 
 SILENCE = Show()

@@ -34,7 +34,7 @@ class Engine(Protocol):
         """Start function(*arguments); its future raises KilledError if the process was ended from outside."""
 
     def shares(self) -> Mapping[int, float]:
-        """Return the share that is done of the analyses at work, by their numbers, as far as they tell it."""
+        """Return the share that is done of the analyses at work, by their numbers, as far as they report it."""
 
     def close(self, at_once: bool) -> None:
         """End it; `at_once`: without finishing its work, after an error."""
@@ -54,18 +54,18 @@ class _Work:
         self.total = sum(self.weights.values())
 
     def finish(self, number: int) -> None:
-        """Tell that an analysis is finished."""
+        """Count an analysis as finished, and report the work done."""
         self.done += self.weights.pop(number)
         self.show.advance(self._reached())
 
     def hear(self, number: int, share: float | None) -> None:
-        """Take note of the share that is done of an analysis in this process; told when LOOK has passed."""
+        """Take over the share that is done of an analysis in this process; it is reported every LOOK at most."""
         if share is not None and time.monotonic() - self.looked >= LOOK:
             self.looked = time.monotonic()
             self.look({number: share})
 
     def look(self, shares: Mapping[int, float]) -> None:
-        """Tell the shares that are done of the analyses at work."""
+        """Report the shares that are done of the analyses at work."""
         self.shares = dict(shares)
         if (reached := self._reached()) > 0.0:
             self.show.reached(reached)
@@ -200,12 +200,14 @@ def large(*models: Assembly) -> bool:
     return sum(len(model.contacts) for model in models) > SMALL
 
 
-def _packed(function: Callable[..., Any], task: tuple[Any, ...], told: Callable[[float | None], None]) -> str:
-    """Compute a task; `told`: is given the share that is done, in the end None."""
+def _packed(
+    function: Callable[..., Any], task: tuple[Any, ...], report: Callable[[float | None], None]
+) -> str:
+    """Compute a task; `report` receives the share that is done, in the end None."""
     from mechanics.progress import listening  # late: a run in which nothing has changed needs no mechanics
 
     try:
-        with listening(told):
+        with listening(report):
             return packed(function(*task))
     finally:
-        told(None)
+        report(None)

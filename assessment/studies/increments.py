@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def refined(project: Project, halvings: int) -> Project:
-    """Return the project with the increments of settlements and pushover halved so many times."""
+    """Return the project with the increments of settlements and pushover halved `halvings` times."""
     if halvings == 0:
         return project
     pushover = project.pushover

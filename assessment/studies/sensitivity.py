@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from assessment.project.schema import SettlementTable
     from assessment.runtime.tasks import Workers
 
-SCATTER = 0.005  # relative difference of a_g from which scatter is told: the third digit
+SCATTER = 0.005  # relative difference of a_g from which scatter is reported: the third digit
 KEYS = {  # property: the keys of [material], [geometry] and [layers] that it stands for
     "friction": ("friction",),
     "stiffness": ("normal_stiffness_kN_m3", "tangential_stiffness_kN_m3"),

@@ -1,4 +1,4 @@
-"""Results as far as a run has come: each stage adds what it found."""
+"""Results as far as a run has come: each stage adds its parts."""
 
 from __future__ import annotations
 

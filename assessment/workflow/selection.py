@@ -1,4 +1,4 @@
-"""The stages of a project that a run is asked for."""
+"""The stages of a project that a run carries out."""
 
 from __future__ import annotations
 

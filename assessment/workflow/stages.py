@@ -79,7 +79,7 @@ def run(
 
 
 def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, bool]:
-    """Return the results, and whether every analysis asked for was completed."""
+    """Return the results, and whether every requested analysis was completed."""
     assembly = model.assembly
     motions = read_motions(project)
     demands = demand_spectra(project, motions.history) if project.assessment else Demands()
@@ -103,7 +103,7 @@ def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, 
 
 
 def _falls_by_itself(draft: Draft, assembly: Assembly, workers: Workers) -> bool:
-    """Return whether the structure as drawn cannot carry its own weight; the results then say why."""
+    """Return whether the structure as drawn cannot carry its own weight; the results then hold the reason."""
     [unstable] = workers.each("self-weight", stand, [(assembly,)], ["self-weight"], large(assembly))
     if unstable:
         draft.put(model=draft.results.model.replace(self_weight_stable=False))
@@ -249,7 +249,7 @@ def _requests(project: Project, model: Assembly) -> list[Request]:
 
 
 def told_of(ensemble: Ensemble) -> Iterator[str]:
-    """Yield what a reader has to know of an ensemble: how large it is, and which members found no result."""
+    """Yield warnings about an ensemble: how large it is, and which members have no result."""
     yield (
         f"joints slide, or a part moves by itself: {len(ensemble) + 1} runs with other increments and corners moved "
         "by a ten-millionth of their block give the ranges; of a capacity the lower end is used"

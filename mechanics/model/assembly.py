@@ -183,7 +183,10 @@ class Assembly:
         return load
 
     def lateral_load(self, direction: Direction) -> Array:
-        """Return f_L (b, 3), kN: the weight of every seismic mass as a horizontal force in the direction."""
+        """Return f_L (b, 3), kN: the weight of every seismic mass as a horizontal force in the direction.
+
+        Raises ArgumentError for an unknown direction.
+        """
         require(direction in {"+x", "-x"}, "direction", direction, '"+x" or "-x"')
         load = np.zeros((len(self.blocks), 3))
         load[:, 0] = (1.0 if direction == "+x" else -1.0) * GRAVITY * self.mass[:, 0]
@@ -200,7 +203,7 @@ class Assembly:
         return float(np.sqrt(np.mean([b.area for b in self.blocks if b.support is None])))
 
     def support(self, name: str) -> Index:
-        """Return the blocks of a support; raise ArgumentError with the known names if there is none of this name."""
+        """Return the blocks of a support. Raises ArgumentError, with the known names, for another name."""
         named = [i for i, b in enumerate(self.blocks) if b.support is not None and b.support == name]
         index = np.array(named, dtype=np.intp)
         known = sorted({b.support for b in self.blocks if b.support})
@@ -217,7 +220,8 @@ class Assembly:
     def moved_support(self, positions: Array, name: str, displacement: Array, rotation: float) -> Array:
         """Return positions (b, 3) after a rigid movement of a support.
 
-        `displacement` (2,) m; `rotation` (rad), about the support's drawn centroid.
+        `displacement` (2,) m; `rotation` (rad), about the support's drawn centroid. Raises ArgumentError for an
+        unknown support.
         """
         index, centre = self.support(name), self.support_centre(name)
         arm = self.initial.positions[index, :2] - centre
@@ -229,7 +233,10 @@ class Assembly:
         return moved
 
     def rotated(self, block: int, about: ArrayLike, rotation: float) -> State:
-        """Return the drawn state with one block rotated by `rotation` (rad) about a point (2,) m."""
+        """Return the drawn state with one block rotated by `rotation` (rad) about a point (2,) m.
+
+        Raises ArgumentError for a block that is not there, or a point that is none.
+        """
         last = len(self.blocks) - 1
         require(is_whole(block) and 0 <= block <= last, "block", block, f"from 0 to {last}")
         pivot = array_of("about", about, "a point (x, z) in m")
@@ -246,7 +253,7 @@ class Assembly:
         return State(positions, np.zeros_like(positions))
 
     def starting(self, state: State | None) -> State:
-        """Return the state in which an analysis starts (None: as drawn); ArgumentError if it has other blocks."""
+        """Return the state in which an analysis starts, None: as drawn. Raises ArgumentError if it has other blocks."""
         if state is None:
             return self.initial
         require(
@@ -258,7 +265,7 @@ class Assembly:
         return state
 
     def block_at(self, point: ArrayLike) -> int:
-        """Return the block that contains a drawn point (2,) m, edges included; raise ArgumentError if none does."""
+        """Return the block that contains a drawn point (2,) m, edges included. Raises ArgumentError if none does."""
         import shapely
 
         at = array_of("control", point, "a point (x, z) in m")

@@ -1,4 +1,4 @@
-"""A DXF drawing to blocks: every closed polyline of model space is a block, its layer says what it is of."""
+"""A DXF drawing to blocks: every closed polyline of model space is a block, its layer gives its properties."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ MOST_BYTES = 200_000_000  # of a file: some 20 000 blocks take ten
 MOST_ENTITIES = 100_000  # of model space, those of INSERTs as often as they are inserted
 DEEPEST = 30  # INSERTs within INSERTs
 LONGEST_NAME = 255  # of a layer, as in DXF itself
-LONGEST_REASON = 300  # letters of what ezdxf says
+LONGEST_REASON = 300  # letters of a message of ezdxf
 SHAPES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "MLINE", "SOLID", "TRACE", "3DFACE", "REGION", "BODY"}
 SHAPES |= {"3DSOLID", "SURFACE", "MESH", "POLYLINE", "INSERT"}  # here: a mesh, an external reference
 _key = str.lower  # DXF does not heed the case of layer names
@@ -51,7 +51,9 @@ END = re.compile(rb"ENDSEC|SECTION|EOF")
 UNPARSED = (DXFError, OSError, struct.error, AssertionError, StopIteration, ArithmeticError, RecursionError)
 MISLEADING = {AuditError.INVALID_FLOATING_POINT_VALUE, AuditError.INVALID_BLOCK_REFERENCE_CYCLE}
 
-logging.getLogger("ezdxf").addHandler(logging.NullHandler())  # what it found is told here, in our own words
+logging.getLogger("ezdxf").addHandler(
+    logging.NullHandler()
+)  # its findings are reported here, in our own words
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,14 +107,14 @@ def read_drawing(
     """Read the blocks of a DXF drawing (text or binary, R12 and later); their vertices are in m.
 
     Each closed LWPOLYLINE, 2D or plane 3D POLYLINE of model space is a block, also inside INSERTs
-    (nested, scaled, mirrored, arrays; there layer 0 stands for the INSERT's layer). A polyline that ends
+    (nested, scaled, mirrored, arrays; there layer 0 is the INSERT's layer). A polyline that ends
     where it starts is closed. `unit` ("mm", "cm", "m") is the drawing's. `layers` replaces `default` by
     layer name, in any case of letters. What is frozen, off or invisible is left out with a warning: the
     place for closed outlines that are no blocks. An open polyline is an error, but left out with a
     warning where `layers` names other layers and not its own, and no closed one is there. Other shapes
     (lines, arcs, circles, …) are left out with a warning, annotation without.
 
-    Arcs become chords that are nowhere further than `sagitta` (m) from the arc; by default a thousandth
+    Arcs become chords that are at no place further than `sagitta` (m) from the arc; by default a thousandth
     of the arc's width (its chord; beyond half a circle, its diameter). An arc is divided evenly, so that
     one shared by two blocks gives both the same vertices.
 
@@ -295,7 +297,7 @@ def _layer_faults(
 
 
 def _nothing(document: Document, placed: Sequence[Placed]) -> str:
-    """Say what a drawing without polylines in model space has instead."""
+    """Describe what a drawing without polylines in model space has instead."""
     paper = [
         f'layer "{visible(e.dxf.layer)}", {e.dxftype()} {e.dxf.handle} of layout "{layout.name}"'
         for layout in document.layouts

@@ -49,7 +49,7 @@ def find_joints(blocks: Sequence[Block], tolerance: float) -> Joints:
     """Return the joints of an assembly.
 
     Two edges of different blocks form a joint if they run in opposite directions, overlap by more than `tolerance` (m),
-    and are nowhere along the overlap farther apart than `tolerance`. Running bond and L- or T-contacts are partial
+    and at no place along the overlap farther apart than `tolerance`. Running bond and L- or T-contacts are partial
     overlaps and need no extra vertices; vertices in the middle of a straight edge are ignored. Two supports have no
     joint.
     """

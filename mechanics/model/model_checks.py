@@ -18,16 +18,16 @@ from mechanics.model.joints import Joints, find_joints
 from mechanics.model.overlaps import Polygons, eroded, name_of, overlaps_of, place_of
 from mechanics.types import Array, Index
 
-NEAR = 20.0  # edges that face each other within so many tolerances were likely meant to touch
+NEAR = 20.0  # edges that face each other within this many tolerances were likely meant to touch
 MOST_NEIGHBOURS = 2e7  # pairs of edges within NEAR tolerances of each other, as many as memory holds
-ROOM = 1.5  # a tolerance that is proposed is at least so many times the widest gap
+ROOM = 1.5  # least ratio of a proposed tolerance to the widest gap
 
 Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """What a survey of blocks found: `faults`, `warnings`, and the `remedy` that would mend every gap ("": none)."""
+    """Result of a survey of blocks: `faults`, `warnings`, and the `remedy` that would mend every gap ("": none)."""
 
     faults: tuple[Fault, ...]
     warnings: tuple[str, ...]
@@ -56,7 +56,7 @@ def check_layout(blocks: Sequence[Block], tolerance: float) -> tuple[str, ...]:
 
     Returns warnings: edges that face each other at more than the tolerance but less than `NEAR`
     tolerances with nothing between them, and supports that touch nothing. Raises one FaultyDrawingError, a
-    DrawingError, that lists, with number, layer, handle and coordinates in m: blocks nowhere wider than the tolerance;
+    DrawingError, that lists, with number, layer, handle and coordinates in m: blocks thinner than the tolerance;
     blocks drawn twice; blocks that overlap by more than the tolerance (a circle of that diameter fits
     into the common area, or a vertex lies that deep inside); movable blocks that no chain of joints
     connects to a support.
@@ -68,11 +68,11 @@ def check_layout(blocks: Sequence[Block], tolerance: float) -> tuple[str, ...]:
 
 
 def survey_layout(blocks: Sequence[Block], tolerance: float, whole: bool = True) -> Layout:
-    """Return what `check_layout` does, and the faults in place of raising them.
+    """Return the warnings of `check_layout`, and its faults without raising them.
 
-    A fault is told once: blocks that overlap are taken to touch, those that only a gap parts from a support are told
-    by their gap, and a copy or a frame around others is left out of what follows. `whole`: whether the blocks are all
-    that there are; else nothing is said of gaps and of what floats.
+    Each fault is reported once: blocks that overlap count as touching; blocks that only a gap separates from a support
+    are reported by their gap; a copy, or a frame around others, is left out of the later checks. `whole`: whether the
+    blocks are all there are; otherwise gaps and floating blocks are not reported.
     """
     polygons = shapely.polygons([shapely.linearrings(b.polygon) for b in blocks])
     faults = [*_too_thin(blocks, polygons, tolerance), *_too_short(blocks, tolerance)]
@@ -137,7 +137,7 @@ def _too_short(blocks: Sequence[Block], tolerance: float) -> list[Fault]:
 
 
 def _joints(blocks: Sequence[Block], kept: Index, tolerance: float) -> Joints:
-    """Return the joints between the blocks `kept`, which are called by their numbers among all."""
+    """Return the joints between the blocks `kept` (k,), with their numbers among all blocks."""
     joints = find_joints([blocks[i] for i in kept], tolerance)
     return replace(joints, a=kept[joints.a], b=kept[joints.b])
 
@@ -153,7 +153,7 @@ def _bodies(pairs: Index, fixed: Flags) -> tuple[Index, Flags]:
 
 
 def _floating(blocks: Sequence[Block], adrift: Index, body: Index) -> list[Fault]:
-    """Tell each body of which `adrift` are the blocks."""
+    """Return a fault for each body of the blocks `adrift`."""
     faults = []
     order = adrift[np.argsort(body[adrift], kind="stable")]
     for members in np.split(order, np.flatnonzero(np.diff(body[order])) + 1):
@@ -222,7 +222,7 @@ def _apart(blocks: Sequence[Block], polygons: Polygons, facing: Joints, reach: f
 def _gap_faults(
     blocks: Sequence[Block], gaps: _Gaps, body: Index, floating: Flags, tolerance: float
 ) -> list[Fault]:
-    """Tell the gaps that part blocks from every support."""
+    """Return the gaps that separate blocks from every support."""
     sizes = np.bincount(body)
     faults = []
     for k, text in enumerate(_gap_texts(blocks, gaps, tolerance)):

@@ -1,4 +1,4 @@
-"""Blocks that lie in one another: copies, frames around others, and outlines that overlap; each told once."""
+"""Blocks that lie in one another: copies, frames around others, and outlines that overlap; each reported once."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mechanics.faults import Fault
 from mechanics.model.block import Block
 from mechanics.types import Array, Index
 
-MANY = 3  # a block that overlaps so many others is told once, not with each of them
+MANY = 3  # a block that overlaps at least this many others is reported once, not with each of them
 SHOWN = 100  # of those others, in a picture
 MOST_PAIRS = 200_000  # of blocks that overlap: there is nothing to be learnt from more
 CHUNK = 64  # blocks whose neighbours are looked for at a time
@@ -103,7 +103,7 @@ def _overlapping(blocks: Sequence[Block], polygons: Polygons, tolerance: float) 
 def _copies(
     blocks: Sequence[Block], polygons: Polygons, pairs: Index, tolerance: float, surplus: Flags
 ) -> Iterator[Fault]:
-    """Tell outlines that are drawn more than once, and mark the later ones as surplus."""
+    """Yield outlines that are drawn more than once, and mark the later ones as surplus."""
     bounds, rims = shapely.bounds(polygons), shapely.boundary(polygons)
     shapely.prepare(rims)
     alike = (abs(bounds[pairs[:, 0]] - bounds[pairs[:, 1]]) <= tolerance).all(axis=1)
@@ -136,7 +136,7 @@ def _within(blocks: Sequence[Block], rims: Polygons, i: int, j: int, tolerance: 
 def _overlap_faults(
     blocks: Sequence[Block], polygons: Polygons, pairs: Index, surplus: Flags
 ) -> Iterator[Fault]:
-    """Tell overlaps: first each block that overlaps MANY others, most of them first, then the pairs that are left.
+    """Yield overlaps: first each block that overlaps MANY others, most of them first, then the remaining pairs.
 
     One that encloses all others that it overlaps is a frame, and is marked as surplus.
     """
@@ -149,7 +149,7 @@ def _overlap_faults(
     while queue:
         count, i = heapq.heappop(queue)
         now = len(partners[i])
-        if now < -count:  # some have been told meanwhile
+        if now < -count:  # some have been reported meanwhile
             if now >= MANY:
                 heapq.heappush(queue, (-now, i))
             continue

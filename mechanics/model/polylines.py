@@ -59,7 +59,7 @@ class PlacedOutline:
 
 
 def is_polyline(entity: DXFGraphic) -> bool:
-    """Tell polylines from all else, meshes of the same type included."""
+    """Whether an entity is a polyline; meshes of the same type are none."""
     if isinstance(entity, Polyline):
         return bool(entity.is_2d_polyline or entity.is_3d_polyline)
     return isinstance(entity, LWPolyline)
@@ -117,7 +117,7 @@ def placed_outline(source: Placed, scale: float, sagitta: float | None) -> Place
 
 
 def fault_of(outline: PlacedOutline, scale: float) -> Fault | None:
-    """Say what keeps an outline from being a block, where (text in drawing units, places in m), and what to do."""
+    """Describe what keeps an outline from being a block, where (text in drawing units, places in m), and what to do."""
     points, at = outline.points, outline.source.at
     flat = points[:, :2]
     line = np.concatenate([flat, flat[:1]]) if outline.closed else flat

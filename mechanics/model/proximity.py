@@ -1,7 +1,7 @@
 """Faces that blocks may touch with although they did not as drawn, and joints that blocks have left for good.
 
 A corner of one block near an edge of another that it points at makes a pair of that edge and of the flatter of the two
-edges that meet in the corner: a joint like any other, whose overlap, gap and touched face its kinematics tell.
+edges that meet in the corner: a joint like any other, whose overlap, gap and touched face follow from its kinematics.
 """
 
 from __future__ import annotations

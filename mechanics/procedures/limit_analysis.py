@@ -94,7 +94,7 @@ def limit_in(model: Assembly, direction: Direction, state: State, sliding: Slidi
     """Return the onset of collapse of a state that is known to stand under gravity.
 
     With Coulomb friction the program is repeated, and each repetition subtracts the lift of the last slips: once the
-    slips settle, no joint is lifted. If they do not, see _without_lift: the lift that is left is told. Raises
+    slips settle, no joint is lifted. If they do not, see _without_lift: the lift that is left is returned. Raises
     NoEquilibriumError if the load meets no mechanism.
     """
     closed = closed_program(model, state, model.lateral_load(direction))

@@ -34,7 +34,7 @@ class PushdownTolerances:
 
     `onset`: movement at which the first reaction is taken, as a share of an increment and at most of the block size;
     `whole`: difference between the blocks' movement and the support's, as a share of it, up to which the structure
-    moves as a whole; `look_ahead`: contacts are looked for within so many times the expected displacement of a step;
+    moves as a whole; `look_ahead`: range in which contacts are searched for, in expected displacements of a step;
     `points`: most points of a path that goes on to collapse.
     """
 
@@ -118,7 +118,7 @@ def pushdown(
             break
         bisection.longer(path.jumped)
         share = min(path.movement[-1] / full, 1.0)
-        tell(0.5 * share if to_collapse else share)  # how far collapse is is what is sought: as much again
+        tell(0.5 * share if to_collapse else share)  # how far away collapse is is not known: the second half
         if final is None and path.applied:
             try:
                 final = path.settle()
@@ -195,7 +195,7 @@ class _Path:
         expected = max(self.moving.lever * max(by, size), self.smallest)
         self.system = self.system.around(last.state.positions, PUSHDOWN.look_ahead * expected)
         problem = StepProblem(self.system, last.state, self.model.dead_load, expected)
-        # the forces at rest do not tell which hinges will open: the first step has a cold start
+        # the forces at rest do not show which hinges will open: the first step has a cold start
         found, self.jumped = reach(problem, guess, last if past.any() else None, shortest)
         return found
 
@@ -236,7 +236,7 @@ class _Path:
         return bool(apart < PUSHDOWN.whole * float(abs(moved).max()))
 
     def result(self, final: State | None, ultimate: float | None, end: str) -> Pushdown:
-        """Return the path found."""
+        """Return the path as a result."""
         states = tuple(step.state for step in self.steps)
         return Pushdown(
             np.array(self.movement),

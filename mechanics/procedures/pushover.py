@@ -149,7 +149,7 @@ def pushover(
 
 @dataclass(frozen=True, eq=False)
 class _Push:
-    """What is asked for: the `control` point (2,) m, the direction, the step (`increment`, m) and where to end."""
+    """Input of a push: the `control` point (2,) m, the direction, the step (`increment`, m) and where it ends."""
 
     control: Array
     direction: Direction
@@ -198,7 +198,11 @@ class _Curve:
         return float(now - begun) if self.push.direction == "+x" else float(begun - now)
 
     def advance(self, length: float, shortest: bool) -> None:
-        """Add the next point, about a length (m) further on; `shortest`: whether no shorter one is tried after it."""
+        """Add the next point, about a length (m) further on; `shortest`: whether no shorter one is tried after it.
+
+        Raises RunawayError where a part or the structure falls, NoEquilibriumError or ConvergenceError where no point
+        is found.
+        """
         fastest = float(abs(self.rate[:, :2]).max())
         work = length / max(self.control_rate, fastest / self.tolerances.largest)
         step, jumped = self._step(work, fastest, shortest)

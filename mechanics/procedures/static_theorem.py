@@ -49,6 +49,6 @@ def _points(contacts: Contacts, bears: Mask, positions: Array) -> PointForces:
         normal=normal,
         friction=contacts.friction,
         joint=np.nonzero(bears)[0],
-        pressed=at[bears],
-        rubbed=at[np.arange(len(at)), np.argmin(gaps, axis=1)],
+        pressure_at=at[bears],
+        friction_at=at[np.arange(len(at)), np.argmin(gaps, axis=1)],
     )

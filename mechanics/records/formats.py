@@ -1,4 +1,4 @@
-"""From the text of an accelerogram file to samples in g and a time step, in four formats told by content."""
+"""From the text of an accelerogram file to samples in g and a time step; four formats, recognised by content."""
 
 from __future__ import annotations
 
@@ -70,13 +70,13 @@ class Header:
         return cls(text, {key.strip(): (value.strip(), n) for (key, _, value), n in parts})
 
     def value(self, key: str) -> tuple[str, int]:
-        """Value and line of `key`; RecordError if absent."""
+        """Return value and line number of `key`. Raises RecordError if it is absent."""
         if key not in self.entries:
             raise self.text.error(None, f"the header has no {key}; get the file again from its source")
         return self.entries[key]
 
     def number(self, key: str) -> float:
-        """Positive number of `key`; RecordError if absent or no such number."""
+        """Return the positive number of `key`. Raises RecordError if it is absent or no such number."""
         value, line = self.value(key)
         return _positive(self.text, line, key, value)
 
@@ -208,7 +208,7 @@ def _uniform_step(text: RecordText, header: int, times: Array) -> float:
 
 
 def _counted(text: RecordText, header: int, count: float, key: str) -> Array:
-    """Read the values (n,) after the header, as many as `key` says."""
+    """Read the values (n,) after the header, as many as the field `key` gives."""
     values = _values(text, header, lambda line: _apart(line).split())
     if values.size != count:
         message = f"{values.size} values where {key} says {count:g}; the file was cut or edited: get it again"

@@ -23,7 +23,7 @@ SAME_TIME = 1e-6  # of a time step: times closer than this are one
 class Record:
     """Base acceleration (n,) in g, linear between samples `time_step` (s) apart; `name` for reports.
 
-    The first sample is at time 0. Raises ValueError naming the argument.
+    The first sample is at time 0. Raises ArgumentError naming the argument.
     """
 
     acceleration: Array
@@ -58,12 +58,18 @@ class Record:
         return replace(self, acceleration=factor * self.acceleration)
 
     def compressed(self, time_factor: float) -> Record:
-        """Return the same accelerations `time_factor` times as fast: √10 for a model at 1:10 (similitude)."""
+        """Return the same accelerations `time_factor` times as fast: √10 for a model at 1:10 (similitude).
+
+        Raises ArgumentError for a factor that is not positive.
+        """
         require(0.0 < time_factor < np.inf, "time_factor", time_factor, "positive")
         return replace(self, time_step=self.time_step / time_factor)
 
     def windowed(self, start: float, end: float) -> Record:
-        """Return the samples from `start` to `end` (s, both included), unchanged and without tapers."""
+        """Return the samples from `start` to `end` (s, both included), unchanged and without tapers.
+
+        Raises ArgumentError for times outside the record, or fewer than two samples between them.
+        """
         require(
             0.0 <= start < end <= self.duration + SAME_TIME * self.time_step,
             "window",
@@ -78,7 +84,10 @@ class Record:
         return replace(self, acceleration=self.acceleration[first : last + 1])
 
     def arias_window(self, low: float = 0.05, high: float = 0.95) -> tuple[float, float]:
-        """Find the times (s) where ∫a²dt, by trapezoids, reaches fractions `low` and `high` of its total."""
+        """Find the times (s) where ∫a²dt, by trapezoids, reaches fractions `low` and `high` of its total.
+
+        Raises ArgumentError for fractions that are none, or a record of zeros.
+        """
         require(0.0 <= low < high <= 1.0, "low, high", (low, high), "fractions, low before high")
         require(self.pga > 0.0, "acceleration", 0.0, "other than zero throughout to have a strong part")
         squared = self.acceleration**2
@@ -93,7 +102,8 @@ class Record:
         the line broken at the new samples that is closest to the record in the mean square: unlike picking
         samples it keeps the velocity and displacement that the ground reaches, damps what the new step
         cannot carry instead of folding it back, and undoes a previous refinement exactly. Its peak may
-        differ from the record's: scale the record first, by the record's own PGA.
+        differ from the record's: scale the record first, by the record's own PGA. Raises ArgumentError for a step
+        that is not positive, or longer than the record.
         """
         require(0.0 < time_step < np.inf, "time_step", time_step, "positive, in s")
         if abs(time_step - self.time_step) < SAME_TIME * self.time_step:
@@ -134,7 +144,7 @@ def read_record(path: str | Path, time_step: float | None = None) -> Record:
     """Read an accelerogram; its name is the file's, without extension.
 
     ESM/ITACA ASCII, PEER AT2, the five-column form of corrected ITACA records, and text with one column (g)
-    or two (s, g) are told apart by content; accelerations are converted to g by the unit their header
+    or two (s, g) are distinguished by content; accelerations are converted to g by the unit their header
     states. `time_step` (s) is used only by a file that does not state its own: one column. Time is counted
     from the first sample. Raises ValueError naming file, line and remedy for anything else than a complete
     record of finite numbers, for one that is constant, and for a peak above 10 g.

@@ -38,7 +38,7 @@ def compatible_record(
     amplitude grows to a `plateau` (s) of constant intensity and decays after it, a third and two thirds of
     the remaining time; plateau = duration makes a stationary record. The base ends at rest and without
     displacement. The same `seed` gives the same record. NTC 2018 §3.2.3.6 [k: known, not re-read] wants a
-    plateau of 10 s or more, 25 s or more in all, and the mean of the records nowhere more than 10 % below the
+    plateau of 10 s or more, 25 s or more in all, and the mean of the records at no period more than 10 % below the
     spectrum for 0.15-2 s (or 0.15 s to twice the structure's period).
 
     Random phases are given the amplitudes of the spectrum and a shape in time; the amplitudes are corrected
@@ -130,7 +130,7 @@ def _intensity(time: Array, plateau: float) -> Array:
 
 
 def _at_rest(a: Array, intensity: Array, time: Array) -> Array:
-    """Take from the motion what it needs to end without velocity and displacement: a line, shaped alike."""
+    """Subtract a line, shaped in time as the motion is, so that it ends without velocity and displacement."""
     shapes = np.stack([intensity, intensity * time])
     weights = np.full(time.size, time[1])
     weights[[0, -1]] /= 2.0

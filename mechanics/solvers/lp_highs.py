@@ -16,7 +16,10 @@ FEASIBLE = 1e-10  # what HiGHS may leave of a row: the least that it takes
 
 
 def solve(program: Program, method: Literal["highs-ds", "highs-ipm"] = "highs-ds") -> Answer | None:
-    """Return joint forces (j, 3), multiplier and displacements (m,); None if HiGHS finds no optimum."""
+    """Return joint forces (j, 3), multiplier and displacements (m,); None if HiGHS finds no optimum.
+
+    Raises ArgumentError for a program with beds or mass, which is not linear.
+    """
     form = StandardForm.of(program)
     if form.p.nnz:
         raise ArgumentError("a program with beds or mass is not linear")

@@ -24,8 +24,8 @@ LARGEST = 1e4  # a multiplier beyond which a load meets no mechanism
 class PointForces:
     """Where the joints (j,) between blocks `a` and `b` can press: points (c,), each of its `joint`.
 
-    `normal` (j, 2), from b into a; `friction` (j,), tangent of the friction angle; `pressed` (c, 2) m: the points;
-    `rubbed` (j, 2) m: where T acts.
+    `normal` (j, 2), from b into a; `friction` (j,), tangent of the friction angle; `pressure_at` (c, 2) m: the points;
+    `friction_at` (j, 2) m: where T acts.
     """
 
     a: Index
@@ -33,8 +33,8 @@ class PointForces:
     normal: Array
     friction: Array
     joint: Index
-    pressed: Array
-    rubbed: Array
+    pressure_at: Array
+    friction_at: Array
 
     def equilibrium(self, centroids: Array, movable: Mask, size: float) -> sparse.csc_matrix:
         """Return forces and moments (over `size`, m) on the movable blocks, per unit of each N and then of each T.
@@ -44,7 +44,7 @@ class PointForces:
         tangent = np.stack([self.normal[:, 1], -self.normal[:, 0]], axis=1)
         unit, at = (
             np.concatenate([self.normal[self.joint], tangent]),
-            np.concatenate([self.pressed, self.rubbed]),
+            np.concatenate([self.pressure_at, self.friction_at]),
         )
         number, columns = np.cumsum(movable) - 1, np.arange(len(at))
         entries, row, column = [], [], []

@@ -36,7 +36,8 @@ def solve(program: Program, tolerance: float, most_iterations: int = 60) -> Answ
     """Return joint forces (j, 3), multiplier and displacements (m,) at which PIQP stops, whatever its status.
 
     None only if they are not finite: a result at "max iterations" is often good to ten digits, and a "solved" one may
-    be wrong, so the certificate decides. `tolerance` is PIQP's, in the dimensionless program.
+    be wrong, so the certificate decides. `tolerance` is PIQP's, in the dimensionless program. Raises ArgumentError for
+    a program with a number that is not finite.
     """
     form = StandardForm.of(program)
     if not all(np.isfinite(v).all() for v in (form.p.data, form.q, form.a.data, form.b)):

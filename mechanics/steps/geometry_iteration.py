@@ -171,7 +171,7 @@ def certified(problem: StepProblem, now: Round) -> Equilibrium:
 
 
 def _is_stable(system: StaticSystem, program: Program, index: Index, now: Round) -> bool:
-    """Whether the equilibrium of a round is known to be stable; another solver leaves no iterate to tell it from."""
+    """Whether the equilibrium of a round is known to be stable: not without an iterate, as after another solver."""
     return now.iterate is not None and interior.stable(
         program, system.layout.take(index), taken(now.iterate, index)
     )

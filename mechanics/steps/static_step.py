@@ -1,4 +1,4 @@
-"""One static step: its program in a given geometry, and the equilibrium found from it."""
+"""One static step: its program in a given geometry, and the equilibrium that follows from it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Equilibrium:
     multiplier of the lateral load; `iterate`: start of the next program; `certificate` of the forces in this
     geometry; `penetration` (m): the deepest one beyond the elastic compression; `solves`: number of programs
     solved; `stable`: whether the stiffness of elastic joints is positive there (interior.stable); rigid joints,
-    whose geometry is followed exactly, are not asked.
+    whose geometry is followed exactly, are not checked.
     """
 
     state: State
@@ -151,8 +151,9 @@ def solve_program(
     """Return the iterate that solves a program to a residual, and the number of solves.
 
     The search begins `near` an iterate; if it fails, from a cold start with the geometry held: what the forces change
-    with the geometry makes a program of elastic joints non-convex, and far from its solution it leads nowhere. Raises
-    NoEquilibriumError if the structure is unstable or no load moves it, ConvergenceError if no solution is found.
+    with the geometry makes a program of elastic joints non-convex, and far from its solution it does not converge.
+    Raises NoEquilibriumError if the structure is unstable or no load moves it, ConvergenceError if no iterate solves
+    it.
     """
     unstable, solves = False, 0
     held = interior.frozen(program)
@@ -172,7 +173,7 @@ def solve_program(
         raise NoEquilibriumError("loss of stability: the stiffness of the structure is no longer positive")
     if not (
         program.law[:, BED] < np.inf
-    ).any():  # rigid: other solvers are asked; elastic ones take seconds in vain
+    ).any():  # rigid: other solvers are tried; with elastic joints they take seconds in vain
         _, iterate = solve(program, layout)  # raises if there is no equilibrium
         if iterate is not None:
             return iterate, solves + 1

@@ -22,12 +22,12 @@ class StepTolerances:
 
     Acceptance. `rigid_certificate`, `elastic_certificate`: residuals of the forces in the geometry that they lead
     to; `slow`: the same of rigid joints if forces and geometry approach each other only slowly. `fall`: a motion of
-    so many times the step is a fall, not a path of equilibrium; `turn` (rad): a step that rotates a block by more
+    this many steps is a fall, not a path of equilibrium; `turn` (rad): a step that rotates a block by more
     leaves the range in which its geometry is linear.
 
     Contacts. `carrying`: least force of a joint that carries, as a share of the weight. As shares of the block size:
     `no_overlap`, overlap that does not count; `inside`, least penetration that counts; `look_ahead`, distance beyond a
-    step within which contacts are looked for. `least_friction`: coefficient that stands for no friction.
+    step within which contacts are looked for. `least_friction`: coefficient that replaces zero friction.
 
     Short steps. `short`: their length, as a share of the block size; `fewest`: least number of short steps in a step;
     `short_time`: time of each in units of √(size/g), long enough for inertia to have little effect; `inertia`: force of
@@ -101,7 +101,7 @@ class LimitTolerances:
     As shares of the block size: `closed`, gap that counts as closed (dilatant sliding leaves gaps in a settled state);
     `onset`, displacement of a mechanism at its onset. `far`: gap of an open end, in such displacements. `repeats`:
     largest number of programs with Coulomb friction after the first; `slip_gap`: gap left by a change of the slips that
-    is accepted, as a share of `onset`; `lifted`: the same of a flow that still lifts what slides, but may be told.
+    is accepted, as a share of `onset`; `lifted`: the same of a flow that still lifts what slides, but may be returned.
     """
 
     closed: float = 1e-3

@@ -79,7 +79,7 @@ def knowledge_of(knowledge: KnowledgeTable) -> Knowledge:
 def confidence_source(assessment: AssessmentTable | None) -> str:
     """Return what F_C follows from: the paragraph of its components, or of the level of knowledge.
 
-    Without an assessment F_C is 1, and no paragraph says so.
+    Without an assessment F_C is 1, by no paragraph.
     """
     if assessment is None:
         return "no assessment asked for"

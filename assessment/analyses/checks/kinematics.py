@@ -132,7 +132,10 @@ class _Parts:
         return np.stack([c * x - s * z, s * x + c * z], axis=-1)
 
     def rate(self, q: Array, rotations: Array) -> Array:
-        """Return the rates (n, 3) that keep the hinges closed and turn like `rotations` (n,); the fastest is 1."""
+        """Return the rates (n, 3) that keep the hinges closed and turn like `rotations` (n,); the fastest is 1.
+
+        Raises KinematicsError where the hinges leave the parts other than one independent motion.
+        """
         rows = np.zeros((2 * len(self.hinges), 3 * len(q)))
         for k, hinge in enumerate(self.hinges):
             for part, sign in ((hinge.first, 1.0), (hinge.second, -1.0)):

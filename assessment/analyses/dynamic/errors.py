@@ -82,7 +82,7 @@ def collapses_again(
 
 
 def _bracket(search: StageResult[Search]) -> Bracket:
-    """Return the bracket that a search found."""
+    """Return the bracket of a search."""
     numbers = search.numbers
     _, certain = numbers.pga_collapse_g_range or (None, None)
     return Bracket(known(numbers.pga_safe_g), numbers.pga_collapse_g, certain, ())

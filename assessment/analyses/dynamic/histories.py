@@ -1,6 +1,6 @@
 """Every time history that a project asks for: at which time steps, and by how many members of an ensemble.
 
-a first pair of members at the time step given, and at a half and a quarter of it where an accuracy is asked for
+a first pair of members at the time step given, and at a half and a quarter of it where the project has an accuracy
 finer ones until the peak is as accurate, or scatters more than the time steps differ
 all other members at the finest time step, where the pair is not the same motion
 """
@@ -97,7 +97,7 @@ class Study:
 
     @property
     def finished(self) -> bool:
-        """Whether no finer time step is wanted."""
+        """Whether no finer time step is needed."""
         if not self.members:
             return False
         tolerance, deepest = self.accuracy.tolerance, max(self.members)

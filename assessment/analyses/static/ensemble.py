@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from assessment.project.project import Project
     from mechanics import Assembly
 
-INCREMENTS = (0.7, 1.4)  # of those asked for: the smallest and the largest of the members
+INCREMENTS = (0.7, 1.4)  # of the project: the smallest and the largest of the members
 NOISE = 1e-7  # of a block's size, by which its corners are moved
 AGREE = 1e-3  # relative: results of two members that are the same
 QUANTITIES = ("alpha_0", "d_0_m", "alpha_u")  # of a curve
@@ -33,7 +33,7 @@ def members(requests: Sequence[Request], found: Sequence[StateResult], workers: 
 
     A state whose paths do not scatter has none.
 
-    `requests` and what was `found` for them, in the same order.
+    `requests` and the results `found`, in the same order.
     """
     own = {(result.state, result.behaviour): result for result in found}
     suspected = {result.state for result in found if result.scatters}

@@ -61,7 +61,7 @@ def push(
         began = time.perf_counter()
         result, quality = PathResult[Pushovers](), Quality(name, f"pushover, {behaviour}")
         title = f"{name}, pushover {direction}, {behaviour} contacts"
-        # where the first control point does not move, each direction is followed and tells so
+        # where the first control point does not move, each direction is followed and fails with that message
         image = None
         if found is not None and found[0] == controls[0][0]:
             image = mirror_of(model, behaviour).pushover(found[1])
@@ -102,7 +102,7 @@ def _path(
     followed: Callable[[Assembly, tuple[float, float]], Pushover],
     result: PathResult[Pushovers],
 ) -> tuple[ControlTable, Pushover] | None:
-    """Return the first control point that moves, and its curve; None if there is none, `result` then says why."""
+    """Return the first control point that moves, and its curve; None if there is none, with the reason in `result`."""
     for control in controls:
         try:
             return control, followed(model, control.point_m)

@@ -10,7 +10,7 @@ from mechanics import ArgumentError, Assembly, ConvergenceError, NoEquilibriumEr
 from mechanics.model import Direction
 from mechanics.procedures import limit_in, static_theorem
 
-AGREE = 1e-6  # relative difference of the two multipliers from which a warning says so
+AGREE = 1e-6  # relative difference of the two multipliers from which there is a warning
 LEAST = 1e-2  # a multiplier below which differences are relative to this: solvers know α to 1e-9, not its digits at 0
 
 
@@ -19,7 +19,7 @@ def second_solver(
 ) -> PathResult[SecondSolver]:
     """Compare the associative multipliers of two programs in the state `activated` of the state of that name.
 
-    `alpha_0`: multiplier of the curve that has its peak there, told beside them.
+    `alpha_0`: multiplier of the curve that has its peak there, a third number beside them.
     The law is associative whatever that of the curve: with Coulomb's the multiplier is not unique, and no linear
     program has it. Nothing is `found` where joints crush.
     """

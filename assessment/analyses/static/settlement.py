@@ -59,7 +59,7 @@ def _moved(
     sliding: Sliding,
     result: PathResult[PushdownPath],
 ) -> Pushdown | None:
-    """Return the path of the support, up to collapse if the structure collapses; None if no path was found."""
+    """Return the path of the support, up to collapse if the structure collapses; None without a path."""
     title = _title(settlement, behaviour)
     try:
         path = pushdown(

@@ -55,7 +55,7 @@ class Request:
 
     @property
     def directions(self) -> tuple[Direction, ...]:
-        """Directions of the pushover, none where it is not asked for under this behaviour."""
+        """Directions of the pushover, none where the project has none under this behaviour."""
         table = self.project.pushover
         return table.directions if table and self.behaviour in table.contacts else ()
 
@@ -116,7 +116,7 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
 
     standing = [r for r in requests if r.settlement is None or reached[id(r)].reached is not None]
     pushing = [(request, together) for request in standing for together in _together(request)]
-    pushing.sort(key=lambda asked: asked[0].behaviour, reverse=True)  # rigid first: they take longest
+    pushing.sort(key=lambda each: each[0].behaviour, reverse=True)  # rigid first: they take longest
     pushed = workers.each(
         f"{prefix}pushover",
         push,
@@ -192,7 +192,7 @@ def _push_arguments(
 
 
 def _controls(project: Project, direction: Direction) -> tuple[ControlTable, ...]:
-    """Return the control point asked for in a direction first, then the others."""
+    """Return the control points, that of the direction first."""
     wished = project.pushover_control(direction)
     return (wished, *(point for point in project.control if point != wished))
 

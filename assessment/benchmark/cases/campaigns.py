@@ -40,7 +40,7 @@ def campaigns(quick: bool) -> Iterator[Row]:
     """Elapsed time of some searches on an arch by each engine; `ratio`: of a combination to that in this process.
 
     Each engine has computed one search in every process before it is timed. The results are the same. Of a simulated
-    cluster, so many combinations as MANY, which take what they took in this process, in turn.
+    cluster, MANY combinations, which take what they took in this process, in turn.
     """
     tasks = _tasks(4 if quick else 16)
     most = cores()
@@ -61,7 +61,7 @@ def campaigns(quick: bool) -> Iterator[Row]:
 
 
 def _tasks(count: int) -> list[tuple[Any, ...]]:
-    """Searches with so many records: sines of 1 to 3 Hz that grow and end."""
+    """Searches with a number of records: sines of 1 to 3 Hz that grow and end."""
     project, model = template("arch"), assembly("arch")
     setting = Setting(MotionTable(contacts="rigid"), project.control[0])
     at = np.arange(0.0, DURATION, STEP)
@@ -119,7 +119,7 @@ def _simulated_rows(tasks: Sequence[tuple[Any, ...]], found: Sequence[Combinatio
 
 
 def simulated(work: Sequence[tuple[float, int, int]], workers: int) -> float:
-    """Time (s) of independent tasks on so many workers: each is sent, in order, and computed by the first free worker.
+    """Time (s) of independent tasks on `workers`: each is sent, in order, and computed by the first free worker.
 
     `work`: seconds, bytes sent and bytes returned of each task. All pass one link, the scheduler gives out one task
     after the other; a worker waits for what it is to compute.

@@ -143,7 +143,7 @@ def _command(case: str, *arguments: str) -> Row:
 
 
 def _children() -> float:
-    """Processor time (s) of finished child processes; Windows does not tell it: 0."""
+    """Processor time (s) of finished child processes; Windows does not count it: 0."""
     used = os.times()
     return used.children_user + used.children_system
 

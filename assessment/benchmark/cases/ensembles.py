@@ -101,7 +101,8 @@ def scaled(case: Case, factor: float) -> Case:
 def median_between(values: Array) -> tuple[float, float]:
     """Two of the values (k,) between which the median of all that might be drawn lies, with 95 % CONFIDENCE.
 
-    Of k values so many are below it as of k tosses of a coin show heads. Raises ValueError for fewer than six values.
+    The number of values below it is distributed as the heads of k tosses of a coin. Raises ValueError for fewer than
+    six values.
     """
     from scipy.stats import binom
 
@@ -162,7 +163,7 @@ def measured(case: Case, way: Way, step: float, factors: Array, resolved: Array)
 
 @contextmanager
 def halved(levels: int | None) -> Iterator[None]:
-    """Have Moreau and Jean's steps within halved down to so many levels; None: as the program does."""
+    """Have Moreau and Jean's steps within halved at most `levels` times; None: as the program does."""
     chosen = RESOLVED if levels is None else replace(RESOLVED, levels=levels)
     with patch.object(histories, "RESOLVED", chosen):
         yield

@@ -291,13 +291,13 @@ def _overturns(level: float) -> bool:
 
 
 def started_near() -> tuple[Array, int]:
-    """A motion of the buttressed arch, each step of which is sought near the last one."""
+    """A motion of the buttressed arch, each step of which begins at the last one."""
     motion = _shaken()
     return _way(motion), motion.iterations
 
 
 def started_cold() -> tuple[Array, int]:
-    """The same history, every program of it begun cold."""
+    """The same history, every program with a cold start."""
     march = DynamicSystem.march
 
     def forgetful(system: DynamicSystem, motion: Motion, base: Array, step: float) -> Recorded:

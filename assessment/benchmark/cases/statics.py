@@ -58,7 +58,7 @@ def statics(quick: bool) -> Iterator[Row]:
 
 
 def precision(case: Case) -> Iterator[Row]:
-    """Processor time, its ratio to PIQP once a step, and the relative errors; what fails says so."""
+    """Processor time, its ratio to PIQP once a step, and the relative errors; a failure is a row too."""
     row: Row = {"case": case.name, "parameter": case.parameter, "quantity": ""}
     try:
         exact = case.exact or case.measure(case.run(case.reference))

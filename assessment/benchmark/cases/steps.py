@@ -94,7 +94,7 @@ def measured(
 ) -> Row:
     """Milliseconds a step, their ratio to PIQP once a step, and the counts that do not depend on the clock.
 
-    The motion, and PIQP on every so manieth of its programs, are repeated in turn until they have taken `enough`
+    The motion, and PIQP on some of its programs, evenly spaced, are repeated in turn until they have taken `enough`
     seconds. Of each block of its steps, and of each program, the quickest counts: what else the machine does meanwhile
     is left out of both.
     """
@@ -143,7 +143,7 @@ def _programs(model: Assembly, contacts: Behaviour, motion: TimeHistory, record:
 
 
 def _blocks(run: Callable[[], TimeHistory]) -> Array:
-    """Time (s) of a motion in blocks of at most so many steps (k, 2): inside its compiled steps, and between them.
+    """Time (s) of a motion in blocks of at most CHUNK steps (k, 2): inside its compiled steps, and between them.
 
     Without the state at rest from which it begins.
     """

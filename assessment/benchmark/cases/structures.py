@@ -111,7 +111,7 @@ def template(name: str) -> Project:
 
 @cache
 def assembly(name: str, segments: int | None = None) -> Assembly:
-    """The assembly of a template, its elastic joints of so many segments; None: exact."""
+    """The assembly of a template, its elastic joints of `segments`; None: exact."""
     from assessment.project.model import build_model
 
     project = template(name)

@@ -27,7 +27,10 @@ _LAW_2009 = "Circolare 617/2009, C8A.4.2.3"
 
 @dataclass(frozen=True, slots=True)
 class Mode:
-    """A mode of the building: period (s), participation γ_k, shape ψ_k at the mechanism's height, damping."""
+    """A mode of the building: period (s), participation γ_k, shape ψ_k at the mechanism's height, damping.
+
+    Raises ArgumentError naming the field.
+    """
 
     period: float
     gamma: float
@@ -83,6 +86,7 @@ class FloorSpectrum(_OnGround):
     `ground` carries the hazard and, in its damping, that of the element (ξ); `modes` the first mode first.
     That ξ_k enters A as a fraction and a_Z,k in % is inferred (A = 4.9 at 5 %). The circular writes S_eZ ≥ S_e for
     T > T_1; here it holds at every period [k], since the modes alone vanish towards the ground.
+    Raises ArgumentError without a mode.
     """
 
     modes: tuple[Mode, ...]

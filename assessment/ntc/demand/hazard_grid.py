@@ -67,7 +67,7 @@ def read_site_table(path: str | Path) -> Array | None:
     """Read a site's own table (9, 3): a_g (g), F0, T_C* (s), from nine lines T_R; a_g; F0; T_C*.
 
     None where the file is no such table but may be a grid. A header names the unit of a_g, [g] or [g/10]: the
-    two cannot be told apart by their size. Raises HazardError naming the file; OSError where it cannot be opened.
+    two cannot be distinguished by their size. Raises HazardError naming the file; OSError where it cannot be opened.
     """
     path = Path(path)
     header, rows = _read(path)

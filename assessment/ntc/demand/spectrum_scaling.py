@@ -48,7 +48,7 @@ def spectrum_at_return_period(
 
 
 def with_hazard(spectrum: Spectrum, hazard: Hazard) -> Spectrum:
-    """Return the spectrum on the same ground under another hazard; ValueError for that of a record."""
+    """Return the spectrum on the same ground under another hazard. Raises ValueError for that of a record."""
     if isinstance(spectrum, ElasticSpectrum):
         return replace(spectrum, ag=hazard.ag, F0=hazard.F0, Tc_star=hazard.Tc_star)
     if isinstance(spectrum, FloorSpectrum | FloorSpectrum2009):

@@ -1,6 +1,6 @@
 """Parametric geometry of the built-in templates: closed polygons (n, 2) in m, by drawing layer.
 
-Everything stands symmetrically about x = 0 unless said otherwise, z = 0 at the foot of the masonry. Edges are
+Everything is symmetric about x = 0 unless stated otherwise, z = 0 at the foot of the masonry. Edges are
 straight: a ring is bounded by chords between its radial joints, so neighbours share their boundaries exactly.
 """
 

@@ -1,4 +1,4 @@
-"""The built-in templates: their options, what they draw, and what their project files say."""
+"""The built-in templates: their options, what they draw, and the content of their project files."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ from assessment.project.schema import (
 
 HIGHEST = 40.0  # m: of a building whose period T_1 = 0.05 H^(3/4) gives (Circolare 7/2019, C7.3.3.2)
 RETURN_PERIOD_TOL = 0.02  # relative: typed values are rounded, 475 years for 474.6
-LEAST_ROTATION = 1e-6  # of a macro-block, relative to those of the others; below it the block stands still
+LEAST_ROTATION = 1e-6  # of a macro-block, relative to those of the others; below it the block does not turn
 
 
 def assessment_problems(project: ProjectContent, assessment: AssessmentTable) -> Iterator[Problem]:
@@ -114,7 +114,9 @@ def site_problems(site: SiteTable, limit_states: Iterable[LimitState], folder: P
     if placed and typed:
         text = f"given twice, by {', '.join(placed)} and by {', '.join(typed)}; keep one of the two"
         yield Problem(path, text)
-    elif placed and placed != ["grid"]:  # a grid alone may be the hazard of the site itself; its reader tells
+    elif placed and placed != [
+        "grid"
+    ]:  # a grid alone may be the hazard of the site itself; its reader checks that
         for key in sorted(by_place.keys() - placed):
             yield Problem((*path, key), "missing; latitude, longitude and grid go together")
     elif placed:

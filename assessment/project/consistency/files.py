@@ -1,4 +1,4 @@
-"""Files that a project names: whether they exist, and which files a pattern stands for."""
+"""Files that a project names: whether they exist, and which files match a pattern."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _WILD = re.compile(r"[*?[]")
 
 
 def matches(folder: Path, pattern: str) -> list[Path]:
-    """Return the files in `folder` that a name, or a pattern such as "records/*.acc", stands for, sorted.
+    """Return the files in `folder` that match a name, or a pattern such as "records/*.acc", sorted.
 
     Raises ValueError for `**`, for a pattern that would search more than MOST_LOOKED_AT names, and for more than
     MOST_ENTRIES files.

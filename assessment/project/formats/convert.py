@@ -19,16 +19,16 @@ TOML, XLSX = SOURCES = ("project.toml", "project.xlsx")
 
 
 def source_bytes(source: str, content: Mapping[str, Any]) -> bytes:
-    """Return the project file called `source` that says `content` and explains its keys."""
+    """Return the project file called `source` with the `content` and an explanation of every key."""
     return to_xlsx(content) if source == XLSX else commented_toml(content).encode()
 
 
 def convert(project: Project) -> tuple[Path, Path]:
     """Write a project's file in the other form; return it, and where the earlier one is kept.
 
-    Only what the earlier file says is written. A spreadsheet has no place for the comments of a TOML file: they stay in
-    the one that is kept, and come back with it where the spreadsheet is turned into TOML again. Raises ProjectError
-    where an earlier file is kept already, OSError where the folder cannot be written.
+    Only the keys of the earlier file are written. A spreadsheet has no place for the comments of a TOML file: they stay
+    in the earlier file, and come back from it if the spreadsheet is turned into TOML again. Raises ProjectError where
+    an earlier file is kept already, OSError where the folder cannot be written.
     """
     old = project.path(project.source)
     new = old.with_name(XLSX if project.source == TOML else TOML)
@@ -43,7 +43,7 @@ def convert(project: Project) -> tuple[Path, Path]:
 
 
 def _with_comments_of(earlier: Path, content: Mapping[str, Any]) -> bytes | None:
-    """Return the earlier TOML file of a project, brought to say `content`; None where there is none that can be."""
+    """Return the earlier TOML file of a project, its values changed to `content`; None without one that can be read."""
     if earlier.suffixes[-2:] != [".toml", ".old"] or not earlier.is_file():
         return None
     try:

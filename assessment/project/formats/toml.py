@@ -47,7 +47,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def updated_toml(text: str, content: Mapping[str, Any]) -> str:
-    """Return a TOML text that says `content`, with the comments and the order that it has where it says the same.
+    """Return a TOML text with its values changed to `content`, its comments and its order kept where they agree.
 
     Entries of a list are known by their place in it. Raises ValueError where the text is no TOML.
     """
@@ -59,7 +59,7 @@ def updated_toml(text: str, content: Mapping[str, Any]) -> str:
 
 
 def _update(table: Any, content: Mapping[str, Any]) -> None:
-    """Let a table of a TOML document say `content`: what it says already stays as it is written."""
+    """Change a table of a TOML document to `content`: values that agree stay as they are written."""
     for key in [
         key for key in table if key not in content and table[key] != ""
     ]:  # a spreadsheet has no empty text

@@ -192,7 +192,7 @@ def _typed(value: Any, annotation: Any) -> Any:
         member = get_args(lists[0])[0]
         if {int, float} & {
             *alternatives(member)
-        }:  # in a list of numbers nothing but a separator has a blank after it
+        }:  # in a list of numbers only a separator is followed by a blank
             parts = re.split(r";|,?\s", _text(value).strip().removeprefix("[").removesuffix("]"))
         else:
             one_line = _text(value).replace("\r", ";").replace("\n", ";")

@@ -44,7 +44,7 @@ class ReportTable(Table):
 
 
 class ProjectContent(Table):
-    """All that a project file says. A table that is absent switches its stage off."""
+    """The content of a project file. A table that is absent switches its stage off."""
 
     title: Name = Field(description="title of the project")
     accuracy: Literal["fast", "standard", "fine"] | Tolerance = Field(

@@ -1,1 +1,1 @@
-"""What single chapters of the report say: sentences that follow from the results."""
+"""The content of single chapters of the report: sentences and tables that follow from the results."""

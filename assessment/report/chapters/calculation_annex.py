@@ -25,13 +25,13 @@ from assessment.results.schema.model import Line as Step
 
 Steps = Sequence[Step]
 COLUMNS = 4  # of results in one table
-CONSTANTS = {"g": 9.80665}  # said at the beginning of the report
+CONSTANTS = {"g": 9.80665}  # given at the beginning of the report
 SHARED = "capacity"  # the part that the checks of a direction have in common
 
 
 @dataclass(frozen=True)
 class Line:
-    """A row: what is the same in every column that has it. `turn` counts the rows that are otherwise alike."""
+    """A row, as far as all columns that have it agree. `turn` counts the rows that are otherwise equal."""
 
     symbol: str
     formula: str
@@ -77,9 +77,9 @@ def _parts(
     """Yield the tables of each part of some calculations: what their checks share, then check by check."""
     named = {SHARED: shared} | {part: part for part in capacity_tables.BESIDE}
     for part in (SHARED, *CHECKS, *capacity_tables.BESIDE):
-        said = action.get(part.split()[0], [])
+        before = action.get(part.split()[0], [])
         columns = {
-            title: _column(parts[part], said if part == SHARED else [*said, *parts.get(SHARED, [])])
+            title: _column(parts[part], before if part == SHARED else [*before, *parts.get(SHARED, [])])
             for title, parts in calculations.items()
             if part in parts
         }
@@ -87,14 +87,14 @@ def _parts(
         yield from _tables(columns, words(f"caption.{caption}", limit=title), words)
 
 
-def _column(steps: Steps, said: Steps) -> Column:
-    """Return the lines of a calculation that were not printed before it (`said`), each with its result.
+def _column(steps: Steps, before: Steps) -> Column:
+    """Return the lines of a calculation, each with its result, without those printed `before` it.
 
     An input whose value an earlier line gives under another name takes the name of that line. An input that no line
     gives becomes a line of its own, as a datum. A line is printed again if its name has had another value since.
     """
-    known = {step.symbol: step.result for step in said}
-    units = {_head(step.symbol): step.unit for step in (*said, *steps)}
+    known = {step.symbol: step.result for step in before}
+    units = {_head(step.symbol): step.unit for step in (*before, *steps)}
     lines: dict[Line, float] = {}
 
     def add(line: Line, value: float) -> None:
@@ -104,7 +104,7 @@ def _column(steps: Steps, said: Steps) -> Column:
         known[line.symbol] = value
 
     for number, step in enumerate(steps):
-        if known.get(step.symbol) == step.result and (step in said or step in steps[:number]):
+        if known.get(step.symbol) == step.result and (step in before or step in steps[:number]):
             continue
         names: dict[str, str] = {}
         for name, value in step.inputs.items():
@@ -121,7 +121,7 @@ def _column(steps: Steps, said: Steps) -> Column:
 
 
 def _alike(name: str, symbol: str) -> bool:
-    """Return whether a name can stand for a symbol: both a displacement, say. Ends of an interpolation keep theirs."""
+    """Return whether a name can replace a symbol, as both are displacements; ends of an interpolation keep theirs."""
     return _head(name) == _head(symbol) and not name.endswith(("_1", "_2"))
 
 
@@ -131,7 +131,7 @@ def _head(symbol: str) -> str:
 
 
 def _tables(columns: Mapping[str, Column], caption: Markup, words: Words) -> Iterator[Grid]:
-    """Yield the columns side by side, so many to a table."""
+    """Yield the columns side by side, COLUMNS to a table."""
     titles = list(columns)
     for start in range(0, len(titles), COLUMNS):
         shown = {title: columns[title] for title in titles[start : start + COLUMNS]}

@@ -131,7 +131,7 @@ def _limit(limit_state: str, words: Words) -> Markup:
 
 
 def _again(line: SummaryLine) -> bool:
-    """Return whether a row says once more what it has above: checks of the onset are rigid, or at d_y* and T_0."""
+    """Return whether a row only repeats one above: checks of the onset are rigid, or at d_y* and T_0."""
     return line.quantity in {"d_star_m", "T_s"} and line.limit_state in AT_ONSET
 
 

@@ -1,4 +1,4 @@
-"""What the report says of joints: the laws that they obey, and where they are pressed most."""
+"""Sentences on joints: the laws that they obey, and where they are pressed most."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def _bed(echo: Echo, words: Words) -> Iterator[Markup]:
         yield words("text.bed_exact")
 
 
-def pressures_told(results: Results, words: Words) -> Markup:
+def pressure_sentences(results: Results, words: Words) -> Markup:
     """Return what the table of the report holds, or why it is left out; nothing where no forces are known."""
     found = edge_pressures(results)
     if not found:

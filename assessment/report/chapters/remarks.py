@@ -67,7 +67,7 @@ def contacts_of(results: Results) -> list[Contacts]:
     return [contacts for contacts in kinds if contacts in found]
 
 
-def cracks_told(results: Results, words: Words) -> Iterator[Markup]:
+def crack_sentences(results: Results, words: Words) -> Iterator[Markup]:
     """Yield what the table of cracks holds, and what of it is not printed or has no width."""
     yield words("text.cracks", seen=words.comma(f"{1000.0 * SEEN:g}"))
     printed = reported_cracks(results).rows
@@ -77,7 +77,7 @@ def cracks_told(results: Results, words: Words) -> Iterator[Markup]:
         yield words("text.cracks_apart")
 
 
-def damping_told(results: Results, words: Words) -> Markup:
+def damping_sentence(results: Results, words: Words) -> Markup:
     """Return the damping of the circular whose rules apply."""
     return words(f"text.damping_{(results.echo.assessment or {}).get('circular', 2019)}")
 

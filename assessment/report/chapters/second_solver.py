@@ -1,4 +1,4 @@
-"""What the report says of limit analysis by a second program."""
+"""Sentences on limit analysis by a second program."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from assessment.results.schema import Results
 AGREEMENT = 1e-6  # relative: two programs that differ by less agree
 
 
-def told(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield what was compared and with what, or why nothing was; nothing where no rigid curve was asked for."""
+def comparison(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield what was compared and with what, or why nothing was; nothing without rigid curves."""
     rigid = [each for _, _, each in mechanisms(results)]
     if any(each.second_solver for each in rigid):
         yield words("text.second_solver", version=results.software.packages.get("scipy", ""))
@@ -26,7 +26,7 @@ def told(results: Results, words: Words) -> Iterator[Markup]:
 
 
 def agreement(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield how far the two programs are apart at most, and where one of them found nothing."""
+    """Yield how far the two programs are apart at most, and where one of them has no result."""
     found = [each.second_solver for _, _, each in mechanisms(results) if each.second_solver]
     known = [abs(each.relative_difference) for each in found if each.relative_difference is not None]
     if known:

@@ -75,7 +75,7 @@ def animation(results: Results, state: str, entry: History) -> bytes:
 
 
 def _gif(film: FuncAnimation, frame: float) -> bytes:
-    """The bytes of an animation with frames of so many seconds; matplotlib's writer wants a file of its own."""
+    """The bytes of an animation with frames of equal duration; matplotlib's writer wants a file of its own."""
     rate = 1.0 / (round(frame, 2) + 1e-6)  # GIF counts hundredths of a second, and the writer rounds down
     with tempfile.TemporaryDirectory() as scratch:
         path = Path(scratch) / "film.gif"

@@ -1,6 +1,6 @@
 """SVG files as matplotlib writes them, made light: the same picture of a third of the elements.
 
-Whatever sets a page pays for each element. Groups that say nothing go, grid lines and segments of one style become one
+Whatever sets a page pays for each element. Groups without meaning go, grid lines and segments of one style become one
 path, neighbours in one window are clipped together, and coordinates are rounded to what can be seen.
 """
 
@@ -38,7 +38,7 @@ def lightened(svg: bytes) -> bytes:
 
 
 def _flat(parent: Element) -> list[Element]:
-    """Return what is drawn, in its order, out of groups that have nothing but a name; of an axis the lines first."""
+    """Return what is drawn, in its order, out of groups that have only a name; of an axis the lines first."""
     found: list[Element] = []
     for element in parent:
         if element.tag in {_tag("defs"), _tag("metadata")}:
@@ -87,7 +87,7 @@ def _clipped(elements: Iterable[Element]) -> list[Element]:
 
 
 def _simplify(element: Element) -> None:
-    """Write a style as attributes, without what stands for every element; round coordinates."""
+    """Write a style as attributes, without the defaults of every element; round coordinates."""
     for declaration in element.attrib.pop("style", "").split(";"):
         name, _, value = (part.strip() for part in declaration.partition(":"))
         if name and LINES.get(name) != value:

@@ -122,7 +122,7 @@ class Filled:
 def pdf_of(page: str, weasyprint: ModuleType) -> bytes:
     """Return the PDF of a report, its figures placed where they would leave much of a page blank.
 
-    They stay where they are where that is not so, or where heights cannot be told.
+    They stay where they are where that is not so, or where heights are not known.
     """
     start, end = page.find("<main>"), _last_chapter(page)
     blocks = [Block(found[1], found[0]) for found in BLOCK.finditer(page, start, end)]
@@ -181,7 +181,7 @@ def _last_chapter(page: str) -> int:
 
 
 def _measured(head: str, blocks: Sequence[Block], weasyprint: ModuleType) -> list[Block]:
-    """Return the blocks with their heights; none where they cannot be told."""
+    """Return the blocks with their heights; none where they are not known."""
     named = "\n".join(
         _named(number, block.text.replace("<thead>", f'<thead id="head{number}">', 1))
         for number, block in enumerate(blocks)

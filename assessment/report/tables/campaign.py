@@ -55,7 +55,7 @@ LOSS = (
     "left_out",
     "static_loss",
 )
-COUNTS = ("withstood", "failed", "left_out")  # told where they are not all zero
+COUNTS = ("withstood", "failed", "left_out")  # printed where they are not all zero
 OF_ENSEMBLES = ("median_all_collapse_g", "beta_record", "beta_ensemble")  # of a single member there are none
 
 
@@ -78,7 +78,7 @@ def reported_campaign(results: Results) -> list[Table]:
 
 
 def records(results: Results) -> Table:
-    """List the records, scaled or made as asked for."""
+    """List the records, read or made, and scaled."""
     found = results.campaign.records if results.campaign else []
     return Table("campaign_records", [cells(each, RECORDS) for each in found], RECORDS)
 

@@ -11,7 +11,7 @@ from assessment.results.schema import Results
 from assessment.results.table import Table, columns_of
 from mechanics.model import H, V, end_gaps, end_points
 
-SEEN = 0.5e-3  # m: what a survey can tell from nothing
+SEEN = 0.5e-3  # m: the least opening that a survey sees
 DIGITS = 6  # of metres: what is less is rounding, not a crack
 PRINTED = 40  # joints of a state in the report, the widest first; tables/cracks.csv has all
 

@@ -77,7 +77,7 @@ def vertical(results: Results) -> Table:
     return Table("vertical", rows, VERTICAL)
 
 
-def vertical_told(results: Results, words: Words) -> Iterator[Markup]:
+def vertical_sentences(results: Results, words: Words) -> Iterator[Markup]:
     """Yield what became of the vertical component, and why, where there is a check against a demand."""
     demand = (results.spectra or {}).get("SLV")
     if demand is None:

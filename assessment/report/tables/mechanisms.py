@@ -1,4 +1,4 @@
-"""Tables of mechanisms: found, by two programs, and together with those that the engineer chose."""
+"""Tables of mechanisms: those of the analysis, by two programs, and together with those that the engineer chose."""
 
 from __future__ import annotations
 

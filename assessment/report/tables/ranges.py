@@ -1,4 +1,4 @@
-"""Ranges of what scatters: the value that is used, and the ends of what the members of an ensemble found."""
+"""Ranges of what scatters: the value that is used, and the least and the greatest of the members of an ensemble."""
 
 from __future__ import annotations
 

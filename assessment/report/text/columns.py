@@ -15,7 +15,7 @@ from assessment.ntc.limit_states import ROCK, SURFACE
 from assessment.report.text.language import Words, direction_name
 from assessment.results.table import Row
 
-COARSE = 2  # digits of what a few records tell no better, and of what is only shown to be small
+COARSE = 2  # digits of numbers that follow from a few records, or are only shown to be small
 PER_CENT_DECIMALS = 1  # of a reduction
 WHOLE = "*"  # the macro-element of a mechanism in which every layer moves
 COUNTED = re.compile(r"(\d+) \+ (\d+)")  # a mechanism by its hinges and sliding joints
@@ -149,7 +149,7 @@ def is_text(name: str) -> bool:
 
 
 def heading(name: str, words: Words, reference: str) -> Markup:
-    """Write the heading of a column; that of an acceleration says what it refers to.
+    """Write the heading of a column; that of an acceleration names what it refers to.
 
     `reference`: of the a_g of the checks, `ROCK` or `SURFACE`.
     """
@@ -163,7 +163,7 @@ def referenced(label: Label, words: Words, reference: str) -> Label:
 
 
 def cell(name: str, row: Row, words: Words, significant: int = 3) -> Markup:
-    """Write the value of a column in a row: a dash where it was not asked for."""
+    """Write the value of a column in a row: a dash where it was not requested."""
     return written(name, row[name], words, significant) if name in row else words("value.none")
 
 

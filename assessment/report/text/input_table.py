@@ -64,7 +64,7 @@ def _group(path: Path, words: Words) -> Markup:
 
 
 def _inner(name: Markup) -> Markup:
-    """Return a name as it stands behind a comma: "punto di controllo", but SLV."""
+    """Return a name as it is written behind a comma: "punto di controllo", but SLV."""
     return name[:1].lower() + name[1:] if name[1:2].islower() else name
 
 

@@ -101,7 +101,7 @@ def unparted(text: str) -> str:
 
 
 def words_of(results: Results) -> Words:
-    """Return the words of the language that the project's [report] table asks for."""
+    """Return the words of the language that the project's [report] table names. Raises ValueError for any other one."""
     language = results.echo.report.language
     if language not in LANGUAGES:
         raise ValueError(f"report.language = {language!r}: must be one of {', '.join(LANGUAGES)}")

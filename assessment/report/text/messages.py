@@ -102,7 +102,7 @@ def _entries(language: str) -> Sequence[Entry]:
 
 
 def _pattern(english: str) -> re.Pattern[str]:
-    """Return what fits a message: a field stands for as little as will do, of its kind."""
+    """Return the pattern of a message: a field matches as little as it can, of its kind."""
     parts = _FIELD.split(english)
     text = "".join(
         re.escape(part) if number % 2 == 0 else f"(?P<{part}>{KINDS.get(part, '.+?')})"

@@ -34,7 +34,7 @@ def journal(folder: Path, show: Show) -> Iterator[Show]:
 
 @dataclass
 class Journal(Show):
-    """Writes each event as a line of JSON, so that a kill leaves all lines before it; tells `show` as well."""
+    """Writes each event as a line of JSON, so that a kill leaves all lines before it; passes it on to `show`."""
 
     path: Path
     show: Show
@@ -85,7 +85,7 @@ class Journal(Show):
 
 @dataclass
 class Stage:
-    """A stage as its journal tells it; times in s since the epoch."""
+    """A stage as read from its journal; times in s since the epoch."""
 
     name: str
     total: int
@@ -104,7 +104,7 @@ class Stage:
 def read_journal(folder: Path) -> list[Stage]:
     """Return the stages of the journal in a folder; none where there is none.
 
-    An incomplete line is left out, and so is one that tells of no event: the file is what a kill or a full disk left.
+    An incomplete line is left out, and so is one that is no event: the file is what a kill or a full disk left.
     """
     try:
         with (folder / NAME).open("rb") as file:

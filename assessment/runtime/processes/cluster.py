@@ -74,21 +74,21 @@ class Cluster:
         return done
 
     def shares(self) -> Mapping[int, float]:
-        """Return nothing: what workers of a cluster are at is not told."""
+        """Return nothing: workers of a cluster do not report their progress."""
         return {}
 
     def close(self, at_once: bool) -> None:
-        """Leave the cluster; what it is at for this process is given up."""
+        """Leave the cluster; its work for this process is given up."""
         self._closed.set()
         self._client.close()
 
     def _watch(self) -> None:
-        """Have all that waits fail once there has been no worker for WORKERLESS."""
+        """Fail all open tasks once there has been no worker for WORKERLESS."""
         seen = time.monotonic()
         while not self._closed.wait(LOOKED):
             try:
                 workers = self._client.nthreads()
-            except Exception:  # the scheduler is lost: the client tells every future itself
+            except Exception:  # the scheduler is lost: the client fails every future itself
                 continue
             if workers or not self._open:  # one that adapts has none while there is nothing to do
                 seen = time.monotonic()
@@ -108,7 +108,7 @@ def _checked(expected: str, function: Callable[..., Result], arguments: tuple[An
 
 
 def _hand_over(ended: Any, client: Any, done: Future[Any]) -> None:
-    """Give what a task of the client came to on the cluster to the future that stands for it here."""
+    """Pass the result or the error of a task on the cluster to its future in this process."""
     try:
         result = ended.result()
     except BaseException as error:
@@ -120,14 +120,14 @@ def _hand_over(ended: Any, client: Any, done: Future[Any]) -> None:
 
 
 def _fail(done: Future[Any], error: BaseException) -> None:
-    with suppress(InvalidStateError):  # it was told before
+    with suppress(InvalidStateError):  # it had failed before
         done.set_exception(error)
 
 
 def _is_loss(error: BaseException, client: Any) -> bool:
     """Whether the cluster was lost.
 
-    A client that has given up its scheduler raises errors of several kinds, plain RuntimeErrors too: its status tells.
+    A client without its scheduler raises errors of several kinds, plain RuntimeErrors too: its status shows the loss.
     """
     return client.status in GONE or _is_of_cluster(error)
 

@@ -1,4 +1,4 @@
-"""Processes that compute side by side: a functions and their arguments are sent, results returned as they are finished.
+"""Processes that compute side by side: functions and their arguments are sent, results returned as they are finished.
 
 They end with the process that started them, however it ends; if one of them is killed, the others are ended too.
 """
@@ -36,12 +36,12 @@ def cores() -> int:
 
 
 def processes(jobs: int) -> int:
-    """Return how many processes `jobs` stands for, 0: one per core; more than two per core are of no use."""
+    """Return the number of processes for `jobs`, 0: one per core; more than two per core are of no use."""
     return min(jobs or cores(), 2 * cores(), MOST)
 
 
 class Pool:
-    """Computes functions in so many processes, begun when first needed; 0: at once in this one.
+    """Computes functions in a number of processes, started when first needed; 0: at once in this one.
 
     `held`: what each process is given once, however many functions are applied to it. Functions are found by their
     names and arguments are pickled: nothing of this process is assumed to be there in another.
@@ -68,7 +68,7 @@ class Pool:
         try:
             return self._executor.submit(function, *arguments)
         except BrokenProcessPool as error:
-            raise _told(error) from error.__cause__
+            raise _ended(error) from error.__cause__
 
     def apply(self, function: Callable[..., Result], *arguments: Any) -> Future[Result]:
         """Start function(held, *arguments) and return its future."""
@@ -77,7 +77,7 @@ class Pool:
         return self.submit(_apply, function, arguments)
 
     def shares(self) -> Mapping[int, float]:
-        """Return the share that is done of the tasks at work, by the numbers with which they `tell` it."""
+        """Return the share that is done of the tasks at work, by the numbers under which they report it."""
         told = [value for value in self._board or () if value >= 0.0]
         return {int(value): value % 1.0 for value in told}
 
@@ -98,9 +98,9 @@ class Pool:
 
 
 def tell(number: int, share: float | None) -> None:
-    """In a process of a pool: tell the share that is done of the task of a number, None: it has ended.
+    """Report, in a process of a pool, the share that is done of a task, by its number; None: it has ended.
 
-    Number and share are one value, which is written at once. Elsewhere, on a cluster, nobody is told.
+    Number and share are one value, which is written at once. Elsewhere, as on a cluster, it is not reported.
     """
     for board in _board:
         board[number % CELLS] = NOTHING if share is None else number + min(share, 0.999)
@@ -139,10 +139,10 @@ def result_of(future: Future[Result]) -> Result:
     try:
         return future.result()
     except BrokenProcessPool as error:
-        raise _told(error) from error.__cause__
+        raise _ended(error) from error.__cause__
 
 
-def _told(error: BrokenProcessPool) -> Exception:
+def _ended(error: BrokenProcessPool) -> Exception:
     if error.__cause__ is not None:  # a result that cannot be sent: a bug
         return error
     return KilledError(
@@ -155,7 +155,7 @@ def _apply(function: Callable[..., Result], arguments: tuple[Any, ...]) -> Resul
 
 
 def _cells() -> Any:
-    """Return memory that is shared with the processes to come; None where the system gives none: nothing is told."""
+    """Return memory shared with the processes to come; None, and no shares are reported, where there is none."""
     try:
         return multiprocessing.RawArray("d", [NOTHING] * CELLS)
     except OSError:
@@ -163,7 +163,7 @@ def _cells() -> Any:
 
 
 def _begin(held: Any, board: Any) -> None:
-    """Leave interruptions to the parent; end when it says so, and with it however it ends."""
+    """Prepare a process: interruptions are left to the parent, with which it ends however that ends."""
     _held[:], _board[:] = [held], [board] if board is not None else []
     signal.set_wakeup_fd(-1)  # the parent's own
     signal.signal(signal.SIGINT, signal.SIG_IGN)

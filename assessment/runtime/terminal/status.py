@@ -13,7 +13,7 @@ from assessment.runtime.files.lock import holder
 def status(folder: Path) -> str:
     """Return the stages of the run in a folder: done, failed, in flight, time left; failures with their reasons.
 
-    Of a run that has ended, what its results say. Raises ValueError, naming file and key, where they are damaged.
+    Of a run that has ended, what its results hold. Raises ValueError, naming file and key, where they are damaged.
     """
     stages, running = read_journal(folder), holder(folder)
     if not stages and not running:
@@ -41,7 +41,7 @@ def _line(stage: Stage, running: bool) -> str:
 
 
 def _finished(folder: Path) -> Iterator[str]:
-    from assessment.results.file import read_results  # late: a run under way is told of without it
+    from assessment.results.file import read_results  # late: not needed for a run under way
 
     stored = folder / "results.json"
     if not stored.is_file():

@@ -23,7 +23,7 @@ STEP = 1.0  # of Fisher's scoring, at most, in ln of the median and of β
 
 
 class Lognormal(NamedTuple):
-    """Medians (s,) g and dispersions β (s,) of samples; NaN where a sample does not tell them."""
+    """Medians (s,) g and dispersions β (s,) of samples; NaN where a sample does not determine them."""
 
     median: Array
     beta: Array

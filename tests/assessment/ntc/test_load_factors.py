@@ -7,7 +7,7 @@ from assessment.ntc.load_factors import psi_2
 from assessment.ntc.vertical import vertical_component
 from assessment.project.model import build_model
 from assessment.project.project import ProjectError, load_project
-from assessment.report.tables.loads import reported_loads, vertical, vertical_told
+from assessment.report.tables.loads import reported_loads, vertical, vertical_sentences
 from assessment.report.text.language import Words
 from assessment.results.plain import plain
 from assessment.workflow.stages import run
@@ -71,7 +71,7 @@ def check_vertical(capacity, found):
         if line["formula"]:
             assert recomputed(line["formula"], line["inputs"]) == pytest.approx(line["result"], rel=1e-12)
     assert vertical(typed(found)).rows[0]["verified"] is made["verified"]
-    [told] = vertical_told(typed(found), Words.of("it"))
+    [told] = vertical_sentences(typed(found), Words.of("it"))
     assert "0,261" in told and "è ripetuta" in told
 
 
@@ -95,7 +95,7 @@ def test_vertical_leading_governs_beyond_077_g():
 def test_vertical_component_that_is_not_checked_is_told(tmp_path, replaced, key):
     found = results(project(tmp_path, replaced))
     assert "vertical" not in found["states"]["original"]["capacity"]["+x"]
-    [told] = vertical_told(typed(found), Words.of("en"))
+    [told] = vertical_sentences(typed(found), Words.of("en"))
     assert key in told
 
 

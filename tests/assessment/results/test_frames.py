@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.report.chapters.joints import joint_law, pressures_told
+from assessment.report.chapters.joints import joint_law, pressure_sentences
 from assessment.report.tables.joints import edge_pressures, reported_pressures
 from assessment.report.text.language import words_of
 from assessment.results.faces import Met, described, faces_of
@@ -270,7 +270,7 @@ def test_pressures_without_bound_are_a_sentence_and_no_table():
     words = words_of(typed(results))
     assert np.isinf(edge_pressures(typed(results))[0].edge_pressure_kN_m2)
     assert reported_pressures(typed(results)).rows == []
-    assert "press without bound" in pressures_told(typed(results), words)
+    assert "press without bound" in pressure_sentences(typed(results), words)
     assert "greatest edge pressure" not in " ".join(joint_law(typed(results), words, elastic=False))
     assert reported_pressures(typed(analysed())).rows
 

@@ -63,8 +63,8 @@ def test_every_force_acts_on_both_blocks_and_balances():
         normal=np.array([[0.0, 1.0]]),
         friction=np.array([0.5]),
         joint=np.array([0]),
-        pressed=np.array([[1.0, 2.0]]),
-        rubbed=np.array([[1.0, 2.0]]),
+        pressure_at=np.array([[1.0, 2.0]]),
+        friction_at=np.array([[1.0, 2.0]]),
     )
     centroids = np.array([[0.0, 0.0], [0.5, 1.5]])
     matrix = points.equilibrium(centroids, np.array([True, True]), 1.0).toarray()

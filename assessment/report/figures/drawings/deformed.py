@@ -286,7 +286,7 @@ def foot(labels: Sequence[str]) -> float:
 
 
 def labels_of(handles: Sequence[Any]) -> list[str]:
-    """Return what a legend says of its handles."""
+    """Return the text of a legend for its handles."""
     return [str(handle.get_label()) for handle in handles]
 
 

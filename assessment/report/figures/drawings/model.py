@@ -55,7 +55,7 @@ def draw_model(results: Results, words: Words) -> Figure:
 
 
 def _label(layer: str, support: str | None, words: Words) -> str:
-    """Return what the legend says of a layer, in as many letters as it has room for."""
+    """Return the text of the legend for a layer, cut to the room it has."""
     label = words.plain("figure.support_layer", layer=layer, support=support) if support else layer
     return label if len(label) <= LONGEST_NAME else f"{label[: LONGEST_NAME - 1]}…"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from assessment.report.chapters.second_solver import agreement, told
+from assessment.report.chapters.second_solver import agreement, comparison
 from assessment.report.tables.index import second_solver
 from assessment.report.tables.mechanisms import reported_second_solver
 from assessment.report.text.language import words_of
@@ -38,7 +38,7 @@ def test_the_table_has_enough_digits_to_compare(language, number):
     words = words_of(results)
     rows = reported_second_solver(results, words).rows
     assert len(rows) == 4 and [row["relative_difference"] for row in rows] == [words.number(3e-10, 2)] * 4
-    text = " ".join(told(results, words))
+    text = " ".join(comparison(results, words))
     assert "HiGHS" in text and "Coulomb" not in text
     from assessment.report.chapters.printed_tables import printed_tables
 
@@ -49,18 +49,18 @@ def test_the_table_has_enough_digits_to_compare(language, number):
 @pytest.mark.parametrize(("language", "said"), [("en", "not α<sub>0</sub>"), ("it", "non α<sub>0</sub>")])
 def test_with_coulomb_friction_it_says_which_multiplier_is_compared(language, said):
     results = example(language, "coulomb", pair())
-    text = " ".join(told(results, words_of(results)))
+    text = " ".join(comparison(results, words_of(results)))
     assert said in text and "Coulomb" in text
 
 
 def test_without_a_linear_program_it_says_why_and_has_no_table():
     results = example(found=None)
     words = words_of(results)
-    [sentence] = told(results, words)
+    [sentence] = comparison(results, words)
     assert "crush" in sentence and not second_solver(results).rows
     assert not list(agreement(results, words))
     earlier = typed(results_example("en"))  # results without the key
-    assert not list(told(earlier, words))
+    assert not list(comparison(earlier, words))
 
 
 def test_the_judgement_says_whether_they_agree():
