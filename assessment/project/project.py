@@ -20,7 +20,7 @@ from assessment.project.errors import project_error, schema_problems
 from assessment.project.formats.convert import SOURCES
 from assessment.project.formats.toml import read_toml
 from assessment.project.formats.xlsx import read_xlsx
-from assessment.project.schema import ControlTable, Direction, ProjectContent
+from assessment.project.schema import Contacts, ControlTable, Direction, ProjectContent
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files.atomic_files import file_digest
 
@@ -32,17 +32,29 @@ class Project(ProjectContent):
 
     folder: Path = Field(description="absolute folder of the project")
     source: str = Field(description="name of the project file in the folder")
+    moved_contacts: tuple[Contacts, ...] = Field(
+        default=(), description="contacts under which supports move, beside those of the stages that are left"
+    )
 
     def path(self, name: str) -> Path:
         """Return the file that the project calls `name`, relative to its folder."""
         return self.folder / name
 
     @property
+    def pushed_contacts(self) -> tuple[Contacts, ...]:
+        """Contacts of the pushover."""
+        return self.pushover.contacts if self.pushover else ()
+
+    @property
+    def dynamic_contacts(self) -> tuple[Contacts, ...]:
+        """Contacts of the dynamic stages; each needs its own settled state."""
+        tables = [*self.history, self.incremental, self.campaign]
+        return tuple(dict.fromkeys(table.contacts for table in tables if table))
+
+    @property
     def elastic(self) -> bool:
         """Whether any analysis asks for elastic contacts."""
-        asked = [self.pushover.contacts] if self.pushover else []
-        asked += [(motion.contacts,) for motion in (*self.history, self.incremental, self.campaign) if motion]
-        return any("elastic" in contacts for contacts in asked)
+        return "elastic" in (*self.pushed_contacts, *self.dynamic_contacts, *self.moved_contacts)
 
     def control_point(self, name: str | None = None) -> ControlTable:
         """Return the control point of that name, or the first; stages that need one have one."""
@@ -88,7 +100,10 @@ class Project(ProjectContent):
     def content(self, defaults: bool = True) -> dict[str, Any]:
         """Return the content of the file as plain values, without absent tables; by default with all defaults."""
         return self.model_dump(
-            mode="json", exclude={"folder", "source"}, exclude_none=True, exclude_unset=not defaults
+            mode="json",
+            exclude={"folder", "source", "moved_contacts"},
+            exclude_none=True,
+            exclude_unset=not defaults,
         )
 
 

@@ -19,7 +19,6 @@ from assessment.studies.variants import (
     Study,
     Variant,
     analyse,
-    behaviours,
     capacities_of,
     quantity,
     quoted_limit_state,
@@ -109,7 +108,7 @@ def worst(points: Sequence[ScenarioPoint], by: str) -> ScenarioPoint | None:
 
 def _of_state(project: Project, statics: Statics, name: str) -> dict[Direction, Capacities]:
     """Return the capacity of a state of the project, by direction."""
-    own = [stage for stage in statics.stages_of(name) if stage.behaviour in behaviours(project)]
+    own = [stage for stage in statics.stages_of(name) if stage.behaviour in project.pushed_contacts]
     state = statics.states[name]
     return capacities_of(project, own, state.pushover, state.capacity)
 

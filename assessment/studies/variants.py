@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from assessment.results.schema.static import Pushovers
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
-    from mechanics.model import Behaviour, Direction
+    from mechanics.model import Direction
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def analyse(
     requests = [
         Request(variant.project, variant.model, variant.settlement, behaviour, f"{variant.what}: ")
         for variant in variants
-        for behaviour in behaviours(variant.project)
+        for behaviour in variant.project.pushed_contacts
     ]
     each = len(requests) // max(1, len(variants))
     results = iter(analyse_states(requests, workers, name))
@@ -99,11 +99,6 @@ def analyse(
             checked = capacities(assess(variant.project, variant.model, pushovers, demands, notes))
             study.warnings += [f"{variant.title}: {note}" for note in notes]
         yield capacities_of(variant.project, stages, pushovers, checked)
-
-
-def behaviours(project: Project) -> tuple[Behaviour, ...]:
-    """Return the contact behaviours of the pushover."""
-    return project.pushover.contacts if project.pushover else ()
 
 
 def directions(project: Project) -> tuple[Direction, ...]:
@@ -133,10 +128,10 @@ def _capacities(
     project: Project, fallen: bool, pushed: Pushovers | None, capacity: Capacity | None
 ) -> Capacities:
     found = Capacities(collapses=fallen)
-    if "rigid" in behaviours(project):
+    if "rigid" in project.pushed_contacts:
         rigid = pushed.rigid if pushed else None
         found = found.replace(alpha_0=rigid.alpha_0 if rigid else None, d_0_m=rigid.d_0_m if rigid else None)
-    if "elastic" in behaviours(project):
+    if "elastic" in project.pushed_contacts:
         elastic = pushed.elastic if pushed else None
         found = found.replace(alpha_u=elastic.alpha_u if elastic else None)
     if project.assessment:
@@ -153,4 +148,4 @@ def quoted_limit_state(project: Project) -> str | None:
 
 def quantity(project: Project) -> str:
     """Return the key of the quantity that capacities are compared by: a_g with an assessment, else α0, else α_u."""
-    return "a_g_g" if project.assessment else "alpha_0" if "rigid" in behaviours(project) else "alpha_u"
+    return "a_g_g" if project.assessment else "alpha_0" if "rigid" in project.pushed_contacts else "alpha_u"

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from assessment.runtime.tasks import Workers
     from assessment.workflow.draft import Draft
     from mechanics import Assembly
-    from mechanics.model import Behaviour
 
 PERIODS = np.linspace(0.0, 4.0, 201)  # s
 
@@ -60,12 +59,6 @@ def read_motions(project: Project) -> Motions:
     return found
 
 
-def dynamic_contacts(project: Project) -> list[Behaviour]:
-    """Return the contact behaviours of the dynamic stages; each needs its own settled state."""
-    tables = [*project.history, project.incremental, project.campaign]
-    return list(dict.fromkeys(table.contacts for table in tables if table))
-
-
 def add_dynamics(
     draft: Draft,
     project: Project,
@@ -78,7 +71,7 @@ def add_dynamics(
 
     Return whether every analysis was completed. Raises KilledError where a process was ended from outside.
     """
-    starts = starts_of(dynamic_contacts(project), model, stages)
+    starts = starts_of(project.dynamic_contacts, model, stages)
     pushovers = {name: state.pushover for name, state in draft.states.items()}
     campaign = Campaign(project, model, starts, ultimates(pushovers), workers)
     complete = True

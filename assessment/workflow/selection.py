@@ -25,7 +25,8 @@ STAGES = {  # stage: table
 def select(project: Project, only: Iterable[str] | None) -> Project:
     """Return the project with only some of its stages. Raises ProjectError for a stage that does not exist.
 
-    Settlements stay if a stage other than the assessment needs the settled states.
+    Settlements stay if a stage other than the assessment needs the settled states; the stage pushdown moves supports
+    under all contacts that the project asks for.
     """
     if only is None:
         return project
@@ -42,11 +43,15 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
     by_record = project.assessment is not None and project.assessment.spectrum == "record"
     if "assessment" in wanted and "history" not in wanted and by_record:
         raise ProjectError('--only: assessment: spectrum = "record" needs the history stage; add history')
+    moved = (
+        dict.fromkeys((*project.pushed_contacts, *project.dynamic_contacts)) if "pushdown" in wanted else ()
+    )
     dropped: dict[str, Any] = {
         table: () if table == "history" else None
         for stage, table in STAGES.items()
         if stage not in wanted and table != "settlements"
     }
+    dropped["moved_contacts"] = tuple(moved)
     if "scenarios" not in wanted:
         whole = (each.model_copy(update={"steps": None}) for each in project.settlements)
         dropped["settlements"] = tuple(whole)

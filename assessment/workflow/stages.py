@@ -29,10 +29,10 @@ from assessment.runtime.show import SILENCE, Show
 from assessment.runtime.tasks import Workers, large
 from assessment.studies.convergence import Convergence, converge
 from assessment.studies.increments import refined
-from assessment.studies.variants import Statics, behaviours
+from assessment.studies.variants import Statics
 from assessment.workflow.comparison import comparison
 from assessment.workflow.draft import Draft
-from assessment.workflow.dynamic import add_dynamics, dynamic_contacts, read_motions
+from assessment.workflow.dynamic import add_dynamics, read_motions
 from assessment.workflow.skeleton import describe
 from assessment.workflow.studies import add_studies
 
@@ -241,8 +241,8 @@ def _add_second_solver(draft: Draft, assembly: Assembly, converged: Convergence,
 
 def _requests(project: Project, model: Assembly) -> list[Request]:
     """Return every state under every contact behaviour that a stage needs."""
-    pushed = behaviours(project)
-    settled = list(dict.fromkeys([*pushed, *dynamic_contacts(project)])) or ["rigid"]
+    pushed = project.pushed_contacts
+    settled = list(dict.fromkeys([*pushed, *project.dynamic_contacts, *project.moved_contacts])) or ["rigid"]
     states: list[tuple[SettlementTable | None, Behaviour]] = [(None, behaviour) for behaviour in pushed]
     states += [(settlement, behaviour) for settlement in project.settlements for behaviour in settled]
     return [Request(project, model, *state) for state in states]

@@ -26,6 +26,7 @@ from assessment.project.schema.studies import VARIED, CampaignTable, Sensitivity
 from assessment.project.schema.values import (
     MOST_ENTRIES,
     ORIGINAL,
+    Contacts,
     Direction,
     KeyPath,
     LimitState,
@@ -38,6 +39,7 @@ __all__ = [
     "VARIED",
     "AssessmentTable",
     "CampaignTable",
+    "Contacts",
     "ContactsTable",
     "ControlTable",
     "Direction",

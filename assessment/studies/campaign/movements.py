@@ -18,7 +18,6 @@ from assessment.studies.scenarios import part
 from assessment.studies.variants import (
     Statics,
     Study,
-    behaviours,
     capacities_of,
     quantity,
     quoted_limit_state,
@@ -111,7 +110,7 @@ def _parts(
         for share in table.shares:
             if not 0.0 < share < 1.0:
                 continue
-            for behaviour in dict.fromkeys([*behaviours(finer), table.contacts]):
+            for behaviour in dict.fromkeys([*finer.pushed_contacts, table.contacts]):
                 keys.append((whole.name, share))
                 requests.append(Request(finer, model, part(whole, share), behaviour, f"× {share:g}: "))
     parts: dict[tuple[str, float], list[StateResult]] = {}

@@ -178,6 +178,15 @@ def test_only_the_stages_asked_for(project):
     assert all(state["pushover"] == {} for state in states.values())
 
 
+def test_the_stage_pushdown_moves_supports_under_all_contacts_of_the_project(project):
+    edit(project, 'contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]')
+    assert run(project) == 0
+    whole = read_results(project / "output")["states"]["base turned"]["pushdown"]
+    assert run(project, "--only", "pushdown") == 0
+    assert read_results(project / "output")["states"]["base turned"]["pushdown"] == whole
+    assert set(whole) == {"rigid", "elastic"}
+
+
 def test_a_table_that_is_absent_switches_its_stage_off(project):
     (project / "project.toml").write_text(PROJECT.partition("[pushover]")[0], encoding="utf-8")
     assert run(project) == 0
