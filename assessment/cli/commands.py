@@ -55,7 +55,7 @@ def check(options: argparse.Namespace) -> int:
     from assessment.report.figures.drawings.model import draw_model
     from assessment.report.figures.style import save_svg
     from assessment.report.text.language import Words, words_of
-    from assessment.runtime.terminal.progress import model_summary, told
+    from assessment.runtime.terminal.progress import model_summary, warning_lines
     from assessment.workflow.dynamic import read_motions
     from assessment.workflow.skeleton import describe
     from mechanics.faults import FaultyDrawingError
@@ -84,7 +84,7 @@ def check(options: argparse.Namespace) -> int:
     save_svg(lambda: draw_model(results, words_of(results)), drawing)
     say(model_summary(results))
     say(f"drawing of the model: {drawing}")
-    for line in told(warnings):
+    for line in warning_lines(warnings):
         say(line)
     return DONE
 

@@ -44,10 +44,10 @@ def build_model(project: Project) -> Model:
         geometry.sagitta_m,
     )
     tolerance, warnings = _laid_out(project, drawing)
-    lacking = sorted({block.layer for block in drawing.blocks if block.material.normal_stiffness is None})
-    if lacking and project.elastic:
+    unset = sorted({block.layer for block in drawing.blocks if block.material.normal_stiffness is None})
+    if unset and project.elastic:
         raise ProjectError(
-            f"{project.source}: layers.{lacking[0]}.normal_stiffness_kN_m3: missing ({', '.join(lacking)}), "
+            f"{project.source}: layers.{unset[0]}.normal_stiffness_kN_m3: missing ({', '.join(unset)}), "
             "and elastic analyses need it for every block; give it there or in [material]"
         )
     try:

@@ -123,8 +123,8 @@ def load_project(folder: Path | str) -> Project:
         raise project_error(file.name, schema_problems(error, content), places) from None
     if problems := list(content_problems(tables, file.parent)):
         raise project_error(file.name, problems, places)
-    said = {name: getattr(tables, name) for name in tables.model_fields_set}
-    return Project(**said, folder=file.parent, source=file.name)
+    given = {name: getattr(tables, name) for name in tables.model_fields_set}
+    return Project(**given, folder=file.parent, source=file.name)
 
 
 def json_schema() -> dict[str, Any]:

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from assessment.results.plain import plain
 from assessment.results.schema import FORMAT, Results
-from assessment.results.schema.part import said
+from assessment.results.schema.part import first_error
 
 AGAIN = "run the project again"
 MOST_BYTES = (
@@ -44,4 +44,6 @@ def read_results(path: Path) -> Results:
     try:
         return Results.model_validate(content)
     except ValidationError as error:
-        raise ValueError(f"{path}: {said(error)}: damaged, or written by another version; {AGAIN}") from None
+        raise ValueError(
+            f"{path}: {first_error(error)}: damaged, or written by another version; {AGAIN}"
+        ) from None

@@ -105,10 +105,10 @@ def _pictured(
             force.append(None)
             centre.append(None)
             continue
-        told = number >= 0
+        known = number >= 0
         resultant, share = np.zeros((count, 2)), np.full(count, np.nan)
-        resultant[number[told]] = c.forces[told][:, [0, 2]]
-        share[number[told]] = shares(c.contacts.places(at), c.forces)[told]
+        resultant[number[known]] = c.forces[known][:, [0, 2]]
+        share[number[known]] = shares(c.contacts.places(at), c.forces)[known]
         share[resultant[:, 0] <= 1e-9 * model.weight] = np.nan
         force.append(_rounded(resultant, model.weight))
         centre.append(plain(np.round(share, 6).tolist()))

@@ -162,14 +162,14 @@ class Workers:
                 yield number, _packed(function, tasks[number], partial(work.hear, number))
             return
         engine = self._engine()
-        begun = {
+        futures = {
             engine.submit(_packed, function, tasks[number], partial(tell, number)): number
             for number in numbers
         }
         if self.meanwhile is not None:
             self.meanwhile()
             self.meanwhile = None
-        yield from finished(begun, lambda: work.look(engine.shares()))
+        yield from finished(futures, lambda: work.look(engine.shares()))
 
     def _engine(self) -> Engine:
         """Return the processes, or the cluster; started at first use and kept for later stages."""

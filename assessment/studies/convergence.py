@@ -214,9 +214,9 @@ def not_met(title: str, levels: Levels, tolerance: float, what: str) -> list[str
         return [f"{title}: discretisation error not known"]
     if not levels.missed(tolerance):
         return [f"{title}: two increments agree, which may be chance; a third was not reached"]
-    said = "; ".join(levels.missed(tolerance))
+    missed = "; ".join(levels.missed(tolerance))
     return [
-        f"{title}: estimated discretisation error of {said} with {what} 1/{times} of those given, "
+        f"{title}: estimated discretisation error of {missed} with {what} 1/{times} of those given, "
         f"tolerance {100.0 * tolerance:.2g} %; start from smaller {what}"
     ]
 

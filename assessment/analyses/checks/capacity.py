@@ -14,7 +14,7 @@ from assessment.analyses.checks.check_result import check_of, checks_of, curve_o
 from assessment.analyses.checks.chosen_mechanism import Control, MechanismError, compared, evaluate
 from assessment.analyses.checks.demand import Demands, demand_return_periods, ground_of, site_acceleration
 from assessment.analyses.checks.indices import confidence_source
-from assessment.analyses.static.local_loss import loss_told
+from assessment.analyses.static.local_loss import loss_sentence
 from assessment.analyses.static.states import PAST_PEAK
 from assessment.ntc.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
 from assessment.ntc.curve_fit import CapacityError, Curve, CurveFit, fit_curve
@@ -257,7 +257,7 @@ def _beyond_loss(assessment: AssessmentTable, loss: LocalLoss | None) -> Iterato
     """Yield a warning if the project's local limit lies beyond the local loss of the path."""
     given = assessment.local_displacement_limit_m
     if loss is not None and given is not None and given > loss.displacement_m:
-        yield f"local_displacement_limit_m = {given:.4g} m, but {loss_told(loss)}; write no more than that"
+        yield f"local_displacement_limit_m = {given:.4g} m, but {loss_sentence(loss)}; write no more than that"
 
 
 def governing(capacities: Mapping[Direction, Capacity]) -> parts.Governing | None:

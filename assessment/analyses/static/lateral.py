@@ -9,7 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from assessment.analyses.static.curve_numbers import LIFTED, elastic_push, rigid_push
-from assessment.analyses.static.local_loss import loss_told
+from assessment.analyses.static.local_loss import loss_sentence
 from assessment.analyses.static.paths import PathResult, Quality, crossings, turns_on_rounding
 from assessment.results.schema.static import Pushovers, RigidPush
 from mechanics import (
@@ -158,8 +158,8 @@ def _told_of_rigid(title: str, curve: RigidPush, path: Pushover) -> Iterator[str
             "α0 by it is not known"
         )
     if curve.local_loss is not None:
-        said = loss_told(curve.local_loss)
-        yield f"{title}: {said}"
+        sentence = loss_sentence(curve.local_loss)
+        yield f"{title}: {sentence}"
     if path.formed != path.peak:
         yield (
             f"{title}: the control point takes no part in the mechanism at α0: displacements, e*, Γ*, forces and hand "

@@ -54,7 +54,7 @@ def _loss(model: Assembly, joint: int, displacement: float, overlap: Array) -> L
     )
 
 
-def loss_told(loss: LocalLoss) -> str:
+def loss_sentence(loss: LocalLoss) -> str:
     """Return the text of a local loss for messages."""
     a, b = loss.blocks
     return f"the faces of blocks {a} and {b} slide off each other at d = {loss.displacement_m:.4g} m"

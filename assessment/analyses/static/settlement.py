@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
-from assessment.analyses.static.local_loss import local_loss, loss_told
+from assessment.analyses.static.local_loss import local_loss, loss_sentence
 from assessment.analyses.static.paths import PathResult, Quality, configuration, crossings, turns_on_rounding
 from assessment.results.frames import pushdown_frames
 from assessment.results.schema.static import PushdownPath
@@ -100,8 +100,8 @@ def _add_path(
     quality.add(path)
     result.quality.append(quality.row)
     if result.found and result.found.local_loss is not None:
-        said = loss_told(result.found.local_loss)
-        result.warnings.append(f"{title}: {said}")
+        sentence = loss_sentence(result.found.local_loss)
+        result.warnings.append(f"{title}: {sentence}")
 
 
 def _pushdown_path(

@@ -27,9 +27,9 @@ def joint_law(results: Results, words: Words, elastic: bool) -> Iterator[Markup]
     yield from _bed(results.echo, words) if elastic else [words("text.rigid_joints")]
     strengths = [joint.compressive_strength_kN_m2 for joint in results.geometry.joints]
     limits = sorted({each for each in strengths if each is not None})
-    said = "; ".join(words.number(each) for each in limits)
+    strength = "; ".join(words.number(each) for each in limits)
     key = "no_strength" if not limits else "some_strength" if None in strengths else "strength"
-    yield words(f"text.{key}", strength=said)
+    yield words(f"text.{key}", strength=strength)
     pressed = edge_pressures(results)
     if pressed and bounded(pressed):
         most = pressed[0]
@@ -58,5 +58,5 @@ def pressure_sentences(results: Results, words: Words) -> Markup:
         return Markup("")
     if not bounded(found):
         return words("text.unbounded_pressures")
-    said = words("text.edge_pressures", count=min(PRINTED, len(found)))
-    return said + Markup(" ") + words("text.crushing") if crushes(results) else said
+    pressed = words("text.edge_pressures", count=min(PRINTED, len(found)))
+    return pressed + Markup(" ") + words("text.crushing") if crushes(results) else pressed

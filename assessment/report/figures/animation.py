@@ -28,13 +28,13 @@ DOTS_PER_INCH = 110
 def write_animations(pool: Pool, folder: Path) -> list[Future[Path]]:
     """Begin to write `history_N_STATE.gif` into the folder for every history whose project asks for an animation."""
     results: Results = pool.held
-    begun = []
+    futures = []
     for index, motion in enumerate(results.motions or []):
         for state, entry in shaken(results, motion.name).items():
             if entry.frames:
                 path = folder / f"history_{index + 1}_{slug(results, state)}.gif"
-                begun.append(pool.apply(_write_animation, path, state, motion.name))
-    return begun
+                futures.append(pool.apply(_write_animation, path, state, motion.name))
+    return futures
 
 
 def _write_animation(results: Results, path: Path, state: str, record: str) -> Path:

@@ -124,13 +124,13 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
     names, campaign = moved(results), known(results.campaign)
     columns = min(2, len(names))
     figure, panels = chart(words, columns=columns, rows=-(-len(names) // columns), height_mm=70.0)
-    told = [
+    drawn = [
         loss
         for row in campaign.loss
         for loss in (row.dynamic, row.static, *row.dynamic_range)
         if loss is not None
     ]
-    least, most = min([0.0, *told]), max([0.01, *told])
+    least, most = min([0.0, *drawn]), max([0.01, *drawn])
     room = 5.0 * (most - least)  # per cent
     for axes, name in zip(panels, names, strict=False):
         own = [row for row in campaign.loss if row.settlement == name]

@@ -75,8 +75,8 @@ def write_figures(pool: Pool, folder: Path) -> list[Path]:
 
 def write_images(pool: Pool, folder: Path) -> list[Future[None]]:
     """Begin to write every figure as PNG into the folder, and deformed.dxf; the same bytes for the same results."""
-    begun = [pool.apply(_write_raster, folder, number) for number in range(len(pictures(pool.held)))]
-    return [*begun, pool.apply(_write_drawing, folder / "deformed.dxf")]
+    futures = [pool.apply(_write_raster, folder, number) for number in range(len(pictures(pool.held)))]
+    return [*futures, pool.apply(_write_drawing, folder / "deformed.dxf")]
 
 
 def _write_vector(results: Results, folder: Path, number: int) -> Path:

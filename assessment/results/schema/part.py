@@ -54,7 +54,7 @@ def known(value: Value | None) -> Value:
     return value
 
 
-def said(error: ValidationError) -> str:
+def first_error(error: ValidationError) -> str:
     """Return the key of the first error, what is wrong there, and how many more there are."""
     errors = error.errors(include_url=False, include_input=False)
     place = ""

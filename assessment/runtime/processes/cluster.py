@@ -63,14 +63,14 @@ class Cluster:
         self._open.add(done)
         done.add_done_callback(self._open.discard)
         try:
-            begun = self._client.submit(_checked, program(), function, arguments, pure=False)
+            remote = self._client.submit(_checked, program(), function, arguments, pure=False)
         except Exception as error:
             if not _is_loss(error, self._client):
                 raise
             done.set_exception(KilledError(LOST))
             return done
-        begun.add_done_callback(lambda ended: _hand_over(ended, self._client, done))
-        done.remote = begun  # type: ignore[attr-defined]  # released, it would be cancelled
+        remote.add_done_callback(lambda ended: _hand_over(ended, self._client, done))
+        done.remote = remote  # type: ignore[attr-defined]  # released, it would be cancelled
         return done
 
     def shares(self) -> Mapping[int, float]:

@@ -22,7 +22,7 @@ ASKED = (
 _came = threading.Event()
 
 
-def watch(said: str, code: int) -> None:
+def watch(message: str, code: int) -> None:
     """From now on an interruption ends the process, soon after it came if KeyboardInterrupt has not yet.
 
     A callback from C swallows that exception, and a library at work in C does not see it before it comes back: the
@@ -40,7 +40,7 @@ def watch(said: str, code: int) -> None:
         with wake:
             woken.recv(1)
             time.sleep(GRACE)
-            leave(said, code)
+            leave(message, code)
 
     threading.Thread(target=follow, daemon=True).start()
 
@@ -55,8 +55,8 @@ def _interrupt(*_: object) -> NoReturn:
     raise KeyboardInterrupt
 
 
-def leave(said: str, code: int) -> NoReturn:
+def leave(message: str, code: int) -> NoReturn:
     """End the process now: taking its libraries down in order would take a second and more."""
     with suppress(OSError):  # the terminal may be gone
-        print((SHOW_CURSOR if sys.stderr.isatty() else "") + said, file=sys.stderr, flush=True)
+        print((SHOW_CURSOR if sys.stderr.isatty() else "") + message, file=sys.stderr, flush=True)
     os._exit(code)

@@ -78,8 +78,8 @@ class Pool:
 
     def shares(self) -> Mapping[int, float]:
         """Return the share that is done of the tasks at work, by the numbers under which they report it."""
-        told = [value for value in self._board or () if value >= 0.0]
-        return {int(value): value % 1.0 for value in told}
+        reported = [value for value in self._board or () if value >= 0.0]
+        return {int(value): value % 1.0 for value in reported}
 
     def __enter__(self) -> Self:
         return self
@@ -107,7 +107,7 @@ def tell(number: int, share: float | None) -> None:
 
 
 def finished(
-    begun: Mapping[Future[Result], Key], meanwhile: Callable[[], object] = lambda: None
+    futures: Mapping[Future[Result], Key], meanwhile: Callable[[], object] = lambda: None
 ) -> Iterator[tuple[Key, Result]]:
     """Yield key and result of every future as it is finished; `meanwhile`: done every LOOK in which none is.
 
@@ -115,9 +115,9 @@ def finished(
     they raised, KilledError where a process was ended from outside.
     """
     ended: queue.SimpleQueue[Future[Result]] = queue.SimpleQueue()
-    for future in begun:
+    for future in futures:
         future.add_done_callback(ended.put)
-    left = len(begun)
+    left = len(futures)
     while left:
         try:
             done = [ended.get(timeout=LOOK)]
@@ -128,7 +128,7 @@ def finished(
             done.append(ended.get())
         left -= len(done)
         for future in sorted(done, key=lambda each: each.exception() is not None):
-            yield begun[future], result_of(future)
+            yield futures[future], result_of(future)
 
 
 def result_of(future: Future[Result]) -> Result:

@@ -124,7 +124,7 @@ def model_summary(results: Results) -> str:
     )
 
 
-def told(warnings: Iterable[str]) -> list[str]:
+def warning_lines(warnings: Iterable[str]) -> list[str]:
     """Return the warnings as lines, each once."""
     return [f"warning: {text}" for text in dict.fromkeys(warnings)]
 
@@ -152,7 +152,7 @@ def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
             "inputs unchanged (--fresh computes them again)"
         )
     lines.append(f"results: {folder}")
-    return "\n".join([*lines, *told(_warnings(results, warnings))])
+    return "\n".join([*lines, *warning_lines(_warnings(results, warnings))])
 
 
 def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:

@@ -91,8 +91,8 @@ def campaign(
     table = project.campaign
     assert table is not None
     records = record_set(project, table, motions, demands, workers)
-    told = {note for motion in motions for note in motion.notes}
-    study.warnings += [note for motion in records.motions for note in motion.notes if note not in told]
+    reported = {note for motion in motions for note in motion.notes}
+    study.warnings += [note for motion in records.motions for note in motion.notes if note not in reported]
     moved = moved_states(project, model, statics, demands, workers, study)
     asked = _combinations(project, model, table, records, moved)
     scatter = scatter_of(project)

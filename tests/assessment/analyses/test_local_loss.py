@@ -7,7 +7,7 @@ import pytest
 
 from assessment.analyses.checks.capacity import assess, with_loss
 from assessment.analyses.checks.demand import demand_spectra
-from assessment.analyses.static.local_loss import local_loss, loss_told
+from assessment.analyses.static.local_loss import local_loss, loss_sentence
 from assessment.ntc.verification import Method
 from assessment.project.catalogue.new_project import write_drawing
 from assessment.project.model import build_model
@@ -51,7 +51,7 @@ def test_a_block_slides_past_an_edge():
         local_loss(model, states, ways, 0.0 * forces, falls=True) is None
     )  # a joint that bears nothing loses nothing
     words = Words.of("it")
-    assert "perdere l’appoggio a d = 0,4 m" in translated(loss_told(loss), words)
+    assert "perdere l’appoggio a d = 0,4 m" in translated(loss_sentence(loss), words)
 
 
 def test_a_hinge_that_turns_loses_nothing():

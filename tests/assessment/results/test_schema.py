@@ -19,7 +19,7 @@ from assessment.results.schema import FORMAT, Results, json_schema
 from assessment.results.schema.checks import Capacity, Check
 from assessment.results.schema.dynamic import Search
 from assessment.results.schema.model import Echo
-from assessment.results.schema.part import said as first_error
+from assessment.results.schema.part import first_error
 from assessment.results.table import cells
 from tests.support.analysed import analysed
 from tests.support.results_example import results_example

@@ -18,10 +18,32 @@ RAISED |= {"CapacityError", "MechanismError"}
 LISTS = {"warnings", "notes", "failures", "findings"}
 ELSEWHERE = {"mechanics/records/synthetic.py", "assessment/benchmark/cases/dynamics.py"}  # no part of a run
 NAMED = {"_SHAPES", "_COLLAPSE_FIRST", "end"}
-SAYING = {"loss_told", "not_met", "missed", "collapse", "overruns", "passing_through", "_notes", "scatter"}
+SAYING = {
+    "loss_sentence",
+    "not_met",
+    "missed",
+    "collapse",
+    "overruns",
+    "passing_through",
+    "_notes",
+    "scatter",
+}
 SAYING |= {"_gap_texts", "_gap_warnings", "_remedy", "_scattered", "_spread", "_told_of_rigid"}
 MESSAGE = "the whole movement is applied"  # in the place of a message within a message
-WITHIN = {"error", "collapse", "stop", "fall", "refusal", "note", "text", "why", "start", "end", "said"}
+WITHIN = {
+    "error",
+    "collapse",
+    "stop",
+    "fall",
+    "refusal",
+    "note",
+    "text",
+    "why",
+    "start",
+    "end",
+    "sentence",
+    "missed",
+}
 WITHIN |= {"self.end", "unstable", "path.end", "last.collapse_reason", "failed[state]", "warnings[0]"}
 WITHIN |= {"what", "names"}
 ITALIAN, ENGLISH = Words.of("it"), Words.of("en")
