@@ -135,8 +135,8 @@ class Study:
         if tolerance is None or not self._starts or found.numbers.collapsed is None:
             return found
         if self.finest < max(self.members):
-            said = "; ".join(_failures(self.members[self.finest + 1]))
-            found.warnings.append(f"{title}: a finer time step fails: {said}")
+            text = "; ".join(_failures(self.members[self.finest + 1]))
+            found.warnings.append(f"{title}: a finer time step fails: {text}")
         found.convergence = self.refinement.row(state, record, tolerance).replace(halvings=self.finest)
         found.warnings += self.refinement.missed(title, tolerance)
         return found

@@ -120,9 +120,9 @@ def _syntax(text: str, message: str) -> str:
     line = text.split("\n")[number - 1].strip()
     comma = _DECIMAL_COMMA.search(_TEXT.sub('""', line))
     if comma:
-        said = line.partition("#")[0].strip() if '"' not in line else line
+        given = line.partition("#")[0].strip() if '"' not in line else line
         meant = f"write a decimal point, not a comma: {shortened(f'{comma[1]}.{comma[2]}')}"
-        return f"line {number}: {shortened(said)}; {meant}"
+        return f"line {number}: {shortened(given)}; {meant}"
     remedy = "texts stand in quotes, decimals have a point, a table or key appears once"
     return f"line {number}, column {column}: {what[:1].lower()}{what[1:]}: {shortened(line)}; {remedy}"
 
