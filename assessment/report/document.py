@@ -146,7 +146,7 @@ def render_html(
         macro_blocks=list(macro_block_grids(results, words)),
         too_many=list(too_many(results, words)),
         warnings=[sentence(warning, words) for warning in all_warnings(results)],
-        local=displacement_limits(results, words),
+        limits=list(displacement_limits(results, words)),
         second_solver=list(comparison(results, words)),
         vertical=list(vertical_sentences(results, words)),
         refused=[

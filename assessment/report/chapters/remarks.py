@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from markupsafe import Markup
 
 from assessment.ntc.limit_states import QUOTED
-from assessment.report.tables.capacity import directions
+from assessment.report.tables.capacity import capacities, directions
 from assessment.report.tables.cracks import PRINTED, SEEN, cracks, reported_cracks
 from assessment.report.text.language import Words, direction_name
 from assessment.results.echo import limit_states, local_limit
@@ -16,6 +16,7 @@ from assessment.results.schema import Results
 from assessment.results.schema.static import Contacts
 
 PLACES = 2  # of a displacement in mm: what is less is none that a drawing shows
+ELASTIC_END = "end of the elastic curve"  # what governs a check
 ONSET = 0.01  # of α_0: an onset below it by more closes hinges first
 
 
@@ -28,13 +29,25 @@ def too_many(results: Results, words: Words) -> Iterator[Markup]:
             yield words("text.many_macro_blocks", count=count, **where)
 
 
-def displacement_limits(results: Results, words: Words) -> Markup:
-    """Return where the displacement limits come from: shares of d_0, and the local limit where one is given."""
+def displacement_limits(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield where the displacement limits come from: shares of d_0, a local limit, the end of an elastic curve."""
+    yield words(f"text.limits_{_circular(results)}")
+    checks = {name: check for _, _, each in capacities(results) for name, check in each.checks.items()}
+    if "SLV linear" in checks and "SLV" in checks:
+        yield words("text.linear_beside")
     limit, reason = local_limit(results.echo)
     if limit is None:
-        return Markup(" ").join([words("text.limits"), *_losses(results, words)])
-    reason = reason or words.plain("value.no_reason")
-    return words("text.limits") + Markup(" ") + words("text.local_limit", limit=1000.0 * limit, reason=reason)
+        yield from _losses(results, words)
+    else:
+        reason = reason or words.plain("value.no_reason")
+        yield words("text.local_limit", limit=1000.0 * limit, reason=reason)
+    every = (check for _, _, each in capacities(results) for check in each.checks.values())
+    if any(ELASTIC_END in (check.governing or "") for check in every):
+        yield words("text.elastic_end")
+
+
+def _circular(results: Results) -> int:
+    return int((results.echo.assessment or {}).get("circular", 2019))
 
 
 def _losses(results: Results, words: Words) -> Iterator[Markup]:
@@ -79,7 +92,7 @@ def crack_sentences(results: Results, words: Words) -> Iterator[Markup]:
 
 def damping_sentence(results: Results, words: Words) -> Markup:
     """Return the damping of the circular whose rules apply."""
-    return words(f"text.damping_{(results.echo.assessment or {}).get('circular', 2019)}")
+    return words(f"text.damping_{_circular(results)}")
 
 
 def missing_pushovers(results: Results, words: Words) -> Iterator[Markup]:

@@ -111,7 +111,7 @@ def _secant(displacement: float, period: float) -> float:
 def _period_lines(axes: Axes, words: Words, periods: Sequence[float], reach: float, top: float) -> None:
     for period in periods:
         edge = min(reach, top / _secant(1.0, period))
-        axes.plot([0.0, 1000.0 * edge], [0.0, _secant(edge, period)], color="0.7", linewidth=0.5)
+        axes.plot([0.0, 1000.0 * edge], [0.0, _secant(edge, period)], color="0.7", linewidth=0.5, zorder=1.2)
         axes.annotate(
             words.comma(f"{period:g} s"),
             (1000.0 * edge, _secant(edge, period)),
@@ -122,6 +122,7 @@ def _period_lines(axes: Axes, words: Words, periods: Sequence[float], reach: flo
             fontsize=6.0,
             clip_on=True,
             bbox=OVER_LINES,
+            zorder=1.5,  # over its line and the grid, under the curves
             **OFFSET,
         )
 

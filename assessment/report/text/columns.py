@@ -115,7 +115,7 @@ COLUMNS = {
         (ON_ROCK, "a_g_g demand_a_g_g static_pga_g a_g_error_g a_g_low_g a_g_base_g a_g_high_g"),
         (AT_SURFACE, "pga_g demand_pga_g dynamic_pga_g static_surface_pga_g record_pga_g pga_safe_g median_g"),
         (AT_SURFACE, "pga_collapse_g pga_all_collapse_g mean_pga_collapse_g lowest_pga_collapse_g"),
-        (AT_SURFACE, "pga_collapse_error_g"),
+        (AT_SURFACE, "pga_collapse_error_g median_low_g median_high_g median_all_collapse_g"),
         (RETURN_PERIOD, "return_period_years T_SLV_years"),
         (Column(dash=True), "x_C_m z_C_m"),  # a block that does not turn has no centre
         (Column(write=lambda value, words: words.comma(f"{100.0 * value:g}")), "share"),

@@ -87,7 +87,7 @@ def test_the_check_is_made_with_it(tmp_path):
     assert limited.governing == "local limit"
     assert limited.d_star_m == pytest.approx(0.1 * state.capacity["+x"].gamma_star)
     results["states"]["original"]["pushover"]["+x"]["rigid"]["local_loss"] = loss.model_dump()
-    assert "perdere l’appoggio a 100 mm" in displacement_limits(typed(results), Words.of("it"))
+    assert "perdere l’appoggio a 100 mm" in limits_told(results, "it")
     table = project.assessment.model_copy(update={"local_displacement_limit_m": 0.2})
     farther, warnings = project.model_copy(update={"assessment": table}), []
     assess(farther, model.assembly, lost, demands, warnings)
@@ -95,9 +95,25 @@ def test_the_check_is_made_with_it(tmp_path):
 
 
 def test_an_example_without_losses_says_nothing():
-    assert "local_displacement_limit_m" not in displacement_limits(
-        typed(results_example("en")), Words.of("en")
-    )
+    assert "local_displacement_limit_m" not in limits_told(results_example("en"), "en")
+
+
+def limits_told(results, language):
+    return " ".join(displacement_limits(typed(results), Words.of(language)))
+
+
+def test_the_limits_are_those_of_the_checks_that_were_made():
+    """The linear check and the end of an elastic curve were told of an arch of rigid joints checked at SLC alone."""
+    results = results_example("en")
+    check = results["states"]["original"]["capacity"]["+x"]["SLV"]
+    told = limits_told(results, "en")
+    assert "7/2019" in told and "linear check" not in told and "loses equilibrium" not in told
+    results["states"]["original"]["capacity"]["+x"]["SLV linear"] = dict(check)
+    assert "linear check (SLV, linear" in limits_told(results, "en")
+    check["governing"] = "end of the elastic curve"
+    assert "loses equilibrium" in limits_told(results, "en")
+    results["echo"]["assessment"]["circular"] = 2009
+    assert "617/2009" in limits_told(results, "en") and "7/2019" not in limits_told(results, "en")
 
 
 BEAM = """title = "Beam on two piers"

@@ -6,6 +6,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
+from assessment.report.chapters.remarks import crack_sentences, damping_sentence
 from assessment.report.figures.drawings.cracks import LARGEST_PT, NUMBER, draw_cracks, room
 from assessment.report.figures.drawings.labels import POINT_MM, Labels
 from assessment.report.figures.style import STYLE, sheet
@@ -117,3 +118,27 @@ def test_numbers_of_supports_are_light_on_their_dark_ground():
     assert supports <= colours.keys()
     light = {text for text, colour in colours.items() if mpl.colors.to_rgb(colour) == (1.0, 1.0, 1.0)}
     assert light == supports
+
+
+def test_of_cracks_that_is_told_which_there_is(monkeypatch):
+    """ "The 40 widest joints are printed" stood over a table of three; "not reached" without such a row."""
+    block, _ = about(results_example(), 0, 0, 0.05)
+    results = typed(with_motion(block, [0.003, 0.01, 0.0]))
+    words = words_of(results)
+    assert len(cracks(results).rows) > 1 and len(list(crack_sentences(results, words))) == 1
+    monkeypatch.setattr("assessment.report.tables.cracks.PRINTED", 1)
+    assert "are printed and numbered" in " ".join(crack_sentences(results, words))
+    along = np.subtract(*results_example()["geometry"]["joints"][0]["ends_m"])
+    apart = typed(with_motion(block, [*(2.0 * along), 0.0]))
+    assert any(row["opening_m"] is None for row in cracks(apart).rows)
+    assert "slid off" in " ".join(crack_sentences(apart, words))
+
+
+def test_the_damping_is_that_of_the_circular():
+    results = results_example("it")
+    words = words_of(typed(results))
+    assert "8 % e del 10 %" in damping_sentence(typed(results), words)
+    results["echo"]["assessment"]["circular"] = 2009
+    assert "5 %" in damping_sentence(typed(results), words) and "617/2009" in damping_sentence(
+        typed(results), words
+    )
