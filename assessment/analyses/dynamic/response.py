@@ -1,4 +1,4 @@
-"""The response of the structure to a base motion, and its free motion until it rests again."""
+"""The response of the structure to a base motion, and its free motion after it."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 TAIL = 2.0  # s of free motion after the record, where the blocks still move
 TAILS = 10  # at most, while the control point moves farther than before: a fall is followed to its end
+LATELY = 0.5  # s
 STILL = 0.01  # of √(g·size): speed below which a block rests
 STORED = ("kinetic", "potential", "elastic")
 TAKEN = ("friction", "impact", "viscous", "integrator")
@@ -93,8 +94,9 @@ class Response:
 def respond(
     model: Assembly, motion: BaseMotion, setting: Setting, start: State, factor: float = 1.0
 ) -> Response:
-    """Return the response to a base motion times `factor`, and the free motion after it until the structure rests.
+    """Return the response to a base motion times `factor`, and the free motion after it if blocks still move.
 
+    That is followed for TAIL; farther, TAILS times at most, as long as the control point moves farther than before.
     Raises ConvergenceError if a step is not solved.
     """
     table, point = setting.table, setting.control.point_m
@@ -111,17 +113,25 @@ def respond(
     record = motion.record.acceleration.size / (motion.record.acceleration.size + free.size)
     with stretch(0.0, record):
         parts = [run(factor * motion.record.acceleration, vertical, start, setting.ultimate)]
-    still = STILL * np.sqrt(GRAVITY * model.size)
-    while _goes_on(parts, still):
+    while _goes_on(model, parts):
         with stretch(record if len(parts) == 1 else 1.0, 1.0):
             parts.append(run(free, None, parts[-1].final, None))
     return _joined(parts)
 
 
-def _goes_on(parts: list[TimeHistory], still: float) -> bool:
-    """Whether free motion follows: blocks are faster than `still` (m/s) after the record, or a block falls."""
-    last = parts[-1]
-    if last.collapsed or abs(last.final.velocities[:, :2]).max() <= still:
+def speed_at_end(model: Assembly, last: TimeHistory) -> float:
+    """Return the largest component (m/s) of a centroid's velocity in the last LATELY of a run; 0 if all blocks rest.
+
+    At the very end a block that rocks may just be turning back.
+    """
+    lately = last.time >= last.time[-1] - LATELY
+    speed = float(abs(last.velocities[lately, :, :2]).max())
+    return speed if speed > STILL * np.sqrt(GRAVITY * model.size) else 0.0
+
+
+def _goes_on(model: Assembly, parts: list[TimeHistory]) -> bool:
+    """Whether free motion follows: blocks move after the record, or a block falls."""
+    if parts[-1].collapsed or not speed_at_end(model, parts[-1]):
         return False
     moved = abs(_joined(parts).displacement)
     return len(parts) == 1 or (len(parts) <= TAILS and int(moved.argmax()) == len(moved) - 1)

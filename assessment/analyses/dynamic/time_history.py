@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 import numpy as np
 
 from assessment.analyses.dynamic.ensemble import sustained_peak
-from assessment.analyses.dynamic.response import Response, Setting, respond
+from assessment.analyses.dynamic.response import Response, Setting, respond, speed_at_end
 from assessment.project.schema import HistoryTable
 from assessment.results.frames import snapshots
 from assessment.results.schema.dynamic import AnimationFrames, Course, History, Motion
@@ -95,6 +95,11 @@ def history(shaking: Shaking) -> StageResult[History]:
     if last.collapsed:
         result.warnings.append(
             f"{title}: collapse at {result.numbers.time_of_collapse_s:.4g} s: {last.collapse_reason}"
+        )
+    elif speed := speed_at_end(model, last):
+        result.warnings.append(
+            f"{title}: blocks still move at the end, at {speed:.2g} m/s: the residual displacement is that of this "
+            "moment, not of rest; a record with zeros at its end is followed farther"
         )
     return result
 

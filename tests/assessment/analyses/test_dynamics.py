@@ -441,3 +441,17 @@ def test_a_record_is_not_followed_along_the_grid(tmp_path):
     gridded = project.assessment.model_copy(update={"method": "grid"})
     with pytest.raises(ProjectError, match=r"assessment\.method"):
         run(project.model_copy(update={"assessment": gridded}), build_model(project), jobs=1)
+
+
+def test_blocks_that_still_move_at_the_end_are_told_and_those_that_rest_are_not(tmp_path):
+    """Two seconds of free motion do not bring the block to rest; twenty of zeros at the end of the record do."""
+    project = _project(tmp_path / "block", TAIL.format(scale=1.0), 'states = ["original"]\n')
+    moving = run(project, build_model(project), jobs=1).results
+    padded = np.column_stack([STEP * np.arange(1101), np.append(0.5 * WAVE, np.zeros(1000))])
+    np.savetxt(project.folder / "wave.csv", padded, delimiter=",", fmt="%.8f")
+    rests = run(load_project(project.folder), build_model(project), jobs=1).results
+    [told] = [each for each in moving.quality.warnings if "blocks still move" in each]
+    assert "residual displacement is that of this moment" in told
+    assert not [each for each in rests.quality.warnings if "blocks still move" in each]
+    ends = [each.states["original"].history[0].residual_displacement_m for each in (moving, rests)]
+    assert abs(ends[0]) > 1e-3 > abs(ends[1])
