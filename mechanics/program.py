@@ -132,7 +132,10 @@ def bed_gaps(ends: Array, half: Array, law: Array) -> Array:
 
 
 def certify(program: Program, forces: Array, alpha: float, displacement: Array) -> Certificate:
-    """Recompute from the definitions how far a solution is from one (see Certificate)."""
+    """Return the residuals of a solution, from their definitions (see Certificate).
+
+    `forces` (j, 3): N, P and T, kN and kNm; `alpha`; `displacement` (m,), m and rad.
+    """
     p, law, half = program, program.law, program.places[:, H]
     residual = p.resultant(forces) + p.load
     if p.lateral is not None:

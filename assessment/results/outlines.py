@@ -52,7 +52,7 @@ class Outlines:
         return Outline.make_compound_path(*closed)
 
     def nearest(self, point: ArrayLike) -> int:
-        """Return the block whose outline passes nearest to a point."""
+        """Return the block whose outline passes nearest to a point (2,) m."""
         start = self.points
         first = np.r_[True, self.owner[1:] != self.owner[:-1]]
         heads = np.flatnonzero(first)

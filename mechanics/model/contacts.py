@@ -72,7 +72,7 @@ class Contacts:
         return len(self.a)
 
     def take(self, index: Index) -> Contacts:
-        """Return the contacts `index`."""
+        """Return the contacts `index` (k,)."""
         arrays = {f.name: getattr(self, f.name)[index] for f in fields(self) if f.name != "tolerance"}
         return Contacts(**arrays, tolerance=self.tolerance)
 

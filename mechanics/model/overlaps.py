@@ -69,7 +69,7 @@ def name_of(blocks: Sequence[Block], index: int) -> str:
 
 
 def place_of(point: Array) -> str:
-    """Return a point (m), for a message."""
+    """Return a point (2,) m as text, for a message."""
     x, z = np.round(point, 9) + 0.0  # no −0, no rounding's remains
     return f"({x:.6g}, {z:.6g}) m"
 

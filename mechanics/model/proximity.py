@@ -50,7 +50,7 @@ class Outlines:
 
     @cached_property
     def corners(self) -> tuple[Index, Index]:
-        """First corner and number of corners of each block."""
+        """First corner (b,) and number of corners (b,) of each block."""
         count = np.bincount(self.owner, minlength=len(self.blocks))
         return np.cumsum(count) - count, count
 
@@ -73,11 +73,10 @@ class Outlines:
 
 
 def near(outlines: Outlines, drawn: Contacts, now: Contacts, positions: Array, reach: float) -> Contacts:
-    """The contacts of configurations in which no corner is farther than `reach` (m) from where it is at `positions`.
+    """Return the contacts that are possible while no corner moves farther than `reach` (m) from `positions` (b, 3).
 
     The `drawn` ones come first; those without overlap whose blocks do not point at each other any more are out of
-    reach.
-    `now`: the contacts so far, which stay while they overlap.
+    reach. `now`: the contacts so far, which stay while they overlap.
     """
     a, b, edges, at_a, at_b = _pairs(outlines, positions, reach)
     places = now.places(positions)

@@ -32,7 +32,7 @@ class ControlPoint:
         return float(now[0] - then[0])
 
     def velocity(self, model: Assembly, x: Array, v: Array) -> float:
-        """Horizontal velocity, m/s."""
+        """Return the horizontal velocity, m/s, at positions x (b, 3) and velocities v (b, 3)."""
         displaced = model.point_displacement(self.point, self.block, x) + self.point - x[self.block, :2]
         return float(v[self.block, 0] - v[self.block, 2] * displaced[1])
 

@@ -68,7 +68,7 @@ class Mirror:
         return cls(model, axis, block, joint, moment)
 
     def swaps(self, one: ArrayLike, other: ArrayLike) -> bool:
-        """Whether two control points (m), and the blocks that they are fixed to, are each other's image."""
+        """Whether two control points (2,) m, and the blocks that they are fixed to, are each other's image."""
         image = np.asarray(one, dtype=float) * [-1.0, 1.0] + [2.0 * self.axis, 0.0]
         if abs(image - np.asarray(other, dtype=float)).max() > EXACT * self.model.size:
             return False

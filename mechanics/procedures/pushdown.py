@@ -259,7 +259,11 @@ class _Path:
 
 
 def whole_movement(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> float:
-    """Return the largest component of a support's movement, m; of a pure rotation, the arc at its farthest corner."""
+    """Return the largest component of a support's movement, m; of a pure rotation, the arc at its farthest corner.
+
+    `displacement` (2,) m; `rotation` (rad), about the support's drawn centroid. Raises ArgumentError for an unknown
+    support.
+    """
     corners = np.concatenate([model.blocks[i].polygon for i in model.support(support)])
     far = float(np.hypot(*(corners - model.support_centre(support)).T).max())
     return float(abs(np.asarray(displacement, dtype=float)).max()) or abs(rotation) * far

@@ -26,7 +26,7 @@ def narrowest_order(linked: Index, blocks: int, centres: Array | None) -> Index:
 
 
 def half_band(linked: Index, order: Index) -> int:
-    """Return the largest distance of linked blocks in an order."""
+    """Return the largest distance of linked blocks (l, 2) in an order (b,)."""
     rank = np.argsort(order)
     return int(abs(rank[linked[:, 0]] - rank[linked[:, 1]]).max(initial=0))
 

@@ -59,11 +59,11 @@ class Elimination:
         return cls(rows, np.argsort(rows), row, width + PADDING, found)
 
     def take(self, index: Index) -> Elimination:
-        """Return the same order for the joints `index`."""
+        """Return the same order for the joints `index` (k,)."""
         return Elimination(self.order, self.back, self.row[index], self.places, self.fronts)
 
     def matrix(self) -> Array:
-        """Return new work space for a matrix."""
+        """Return new work space (n,) for a matrix."""
         return np.zeros(self.fronts.size or len(self.order) * self.places)
 
     @cached_property

@@ -150,7 +150,10 @@ class StandardForm:
         return cls(program, points, upper, q, a, program.load / scale / w, scale)
 
     def recover(self, z: Array, y: Array) -> Answer:
-        """Return joint forces, multiplier and displacements, with units, from the solution and its multipliers."""
+        """Return joint forces (j, 3), multiplier and displacements (m,), with units.
+
+        z (n,): the solution of the dimensionless program; y (m,): the multipliers of its equations.
+        """
         p, j = self.program, self.points.joint
         rays = p.weight * z[: self.rays].reshape(-1, 2)
         n, t = _ray(p.law[j, FRICTION])

@@ -48,7 +48,7 @@ def taken(iterate: Iterate, index: Index) -> Iterate:
 
 
 def over_all(found: Iterate, index: Index, count: int) -> Iterate:
-    """Return an iterate of all joints from that of the joints `index`; the others, without overlap, carry nothing."""
+    """Return an iterate of all `count` joints from that of the joints `index` (k,); the others carry nothing."""
     return replace(found, forces=spread(found.forces, index, count), gaps=spread(found.gaps, index, count))
 
 

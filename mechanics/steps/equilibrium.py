@@ -38,6 +38,8 @@ def closed_program(
 ) -> ClosedProgram:
     """Return the rigid program over the joints closed in a state; its work γ moves the blocks by about a step.
 
+    `lateral` (b, 3), kN: the load with the free multiplier, None: none.
+
     An end of a joint is closed if its gap is zero within LIMIT.closed. If the joint is known to carry, the gap of its
     nearer end is subtracted first: sliding has lifted that joint.
     """

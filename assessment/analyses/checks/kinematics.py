@@ -181,7 +181,7 @@ class _Parts:
         return dead / abs(lateral)
 
     def drift(self, q: Array) -> float:
-        """Return the largest gap (m) between the two sides of a hinge."""
+        """Return the largest gap (m) between the two sides of a hinge, at the parts' q (n, 3)."""
         apart = [0.0]
         for hinge in self.hinges:
             point = np.array(hinge.point)

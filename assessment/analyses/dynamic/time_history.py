@@ -175,7 +175,7 @@ def quality_row(state: str, stage: str, solves: int, worst: float) -> QualityRow
 
 
 def motion_part(motion: BaseMotion, periods: Array) -> Motion:
-    """Return a base motion for figures: accelerations in the window, thinned, and spectrum at `periods` (s), 5 %."""
+    """Return a base motion for figures: accelerations in the window, thinned, and spectrum at `periods` (k,) s, 5 %."""
     a = motion.record.acceleration
     S_a, S_d = response_spectrum(a, motion.record.time_step, periods)
     kept = thinned(a)
@@ -194,7 +194,7 @@ def motion_part(motion: BaseMotion, periods: Array) -> Motion:
 
 
 def thinned(values: Array, most: int = MOST_POINTS) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
-    """Return indices of at most `most` samples that keep a curve's shape: extremes of equal stretches, and its ends."""
+    """Return indices (k,) of at most `most` of values (n,) that keep a curve's shape: extremes of stretches, ends."""
     if values.size <= most:
         return np.arange(values.size)
     bounds = np.linspace(0, values.size, (most - 2) // 2 + 1).astype(int)

@@ -100,11 +100,11 @@ class FloorSpectrum(_OnGround):
         return self.modes[0].period
 
     def acceleration(self, T: ArrayLike) -> Array:
-        """S_eZ(T), g; at T = 0 the largest acceleration of the floor a_Z(z) ≥ a_g S."""
+        """Return S_eZ(T), g; at T = 0 the largest acceleration of the floor a_Z(z) ≥ a_g S; T (s) of any shape."""
         return np.maximum(self._modes(T), self.ground.acceleration(T))[()]
 
     def displacement(self, T: ArrayLike) -> Array:
-        """S_DeZ(T), m: the larger of the modes' S_eZ (T/2π)² and of the ground's S_De(T)."""
+        """Return S_DeZ(T), m: the larger of the modes' S_eZ (T/2π)² and of the ground's S_De(T); T (s) of any shape."""
         T = np.asarray(T, dtype=float)
         modal = self._modes(T) * GRAVITY * (T / (2.0 * np.pi)) ** 2
         return np.maximum(modal, self.ground.displacement(T))[()]
@@ -223,12 +223,12 @@ class FloorSpectrum2009(_OnGround):
     mode: Mode
 
     def acceleration(self, T: ArrayLike) -> Array:
-        """Return the larger of S_e(T) and S_e(T_1) ψ γ/√((1 − T/T_1)² + 0.02 T/T_1), g."""
+        """Return the larger of S_e(T) and S_e(T_1) ψ γ/√((1 − T/T_1)² + 0.02 T/T_1), g; T in s."""
         floor = self.ground.acceleration(self.mode.period) * self._amplification(T)
         return np.maximum(self.ground.acceleration(T), floor)[()]
 
     def displacement(self, T: ArrayLike) -> Array:
-        """Return the larger of S_De(T) and S_De(T_1) ψ γ (T/T_1)²/√((1 − T/T_1)² + 0.02 T/T_1), m."""
+        """Return the larger of S_De(T) and S_De(T_1) ψ γ (T/T_1)²/√((1 − T/T_1)² + 0.02 T/T_1), m; T in s."""
         ratio = np.asarray(T, dtype=float) / self.mode.period
         floor = self.ground.displacement(self.mode.period) * self._amplification(T) * ratio**2
         return np.maximum(self.ground.displacement(T), floor)[()]

@@ -49,10 +49,10 @@ class Spectrum(Protocol):
         """Soil and topography factor between a_g and the acceleration at the surface."""
 
     def acceleration(self, T: ArrayLike) -> Array:
-        """S_e(T), g."""
+        """Return S_e(T), g, for periods T (s) of any shape."""
 
     def displacement(self, T: ArrayLike) -> Array:
-        """S_De(T), m."""
+        """Return S_De(T), m, for periods T (s) of any shape."""
 
     def largest_displacement(self, T_0: float, T: float) -> tuple[float, float]:
         """Return max S_De over [T_0, T] (m) and the period (s) where it is."""

@@ -57,14 +57,14 @@ class Ring:
         return np.column_stack([r * np.sin(angle), centre + r * np.cos(angle)])
 
     def blocks(self) -> list[Array]:
-        """Return the voussoirs, from left to right."""
+        """Return the voussoirs, each (4, 2) m, from left to right."""
         inner, outer = self.joints(0.0), self.joints(self.thickness)
         return [np.array([inner[k], inner[k + 1], outer[k + 1], outer[k]]) for k in range(self.voussoirs)]
 
     def springer(self, width: float, bottom: float) -> Array:
-        """Return the right-hand block, `width` (m) wide, below the ring; its inner face is flush with the intrados.
+        """Return the right-hand block (5, 2), m, below the ring; its inner face is flush with the intrados.
 
-        `bottom` (m): level of its foot. Raises ValueError for a ring whose foot is wider than the block.
+        `width` (m); `bottom` (m): level of its foot. Raises ValueError for a ring whose foot is wider than the block.
         """
         (xi, zi), (xe, ze) = self.joints(0.0)[-1], self.joints(self.thickness)[-1]
         if xe - xi > width + 1e-9:
@@ -78,14 +78,14 @@ def rectangle(x0: float, x1: float, z0: float, z1: float) -> Array:
 
 
 def course(x0: float, x1: float, z0: float, z1: float, *, blocks: int, shifted: bool) -> list[Array]:
-    """One course of equal blocks; a shifted one begins and ends with half a block."""
+    """Return a course of equal blocks, each (4, 2) m; a shifted one begins and ends with half a block."""
     cuts = np.linspace(x0, x1, 2 * blocks + 1)
     cuts = np.concatenate([cuts[:1], cuts[1::2], cuts[-1:]]) if shifted else cuts[::2]
     return [rectangle(a, b, z0, z1) for a, b in pairwise(cuts)]
 
 
 def running_bond(x0: float, x1: float, levels: Array, blocks: int) -> list[Array]:
-    """Return courses between consecutive levels, every second one shifted by half a block."""
+    """Return courses of blocks (4, 2) m between the levels (k,) m, every second one shifted by half a block."""
     return [
         block
         for k, (z0, z1) in enumerate(pairwise(levels))
@@ -94,7 +94,7 @@ def running_bond(x0: float, x1: float, levels: Array, blocks: int) -> list[Array
 
 
 def fitted(cells: Iterable[Array], region: Polygon) -> list[Array]:
-    """Return the cells cut to a region without gap or overlap; slivers are joined to a neighbour.
+    """Return the cells (n, 2) m cut to a region without gap or overlap; slivers are joined to a neighbour.
 
     Symmetric cells in a symmetric region stay symmetric: of neighbours that share equally much with a sliver
     the one nearer the axis takes it, or both where it stands on the axis itself.
@@ -111,7 +111,7 @@ def fitted(cells: Iterable[Array], region: Polygon) -> list[Array]:
 
 
 def mirrored(blocks: Iterable[Array]) -> list[Array]:
-    """Return the mirror images about x = 0, anticlockwise as before."""
+    """Return the mirror images of polygons (n, 2) about x = 0, anticlockwise as before."""
     return [(block * (-1.0, 1.0))[::-1] for block in blocks]
 
 
@@ -175,7 +175,7 @@ def buttressed_arch(
 
 
 def base_below(inner: float, outer: float) -> Array:
-    """Return a base block, a quarter of the pier wider on either side: a toe that slides stays on it."""
+    """Return a base block (4, 2), m, a quarter of the pier wider on either side: a toe that slides stays on it."""
     margin = 0.25 * (outer - inner)
     return rectangle(inner - margin, outer + margin, -2.0 * margin, 0.0)
 

@@ -62,7 +62,7 @@ class TriumphalArch:
 
     @cached_property
     def foot(self) -> Array:
-        """The right nave wall up to the ring's foot, its top cut to the skewback."""
+        """The right nave wall (5, 2), m, up to the ring's foot, its top cut to the skewback."""
         return self.ring.springer(self.wall_thickness_m, 0.0)
 
     @property
@@ -82,7 +82,7 @@ class TriumphalArch:
 
     @cached_property
     def upper_levels(self) -> Array:
-        """Levels of the courses above the springing."""
+        """Levels (k,), m, of the courses above the springing."""
         return _levels(self.springing_m, self.height_m, self.course_height_m)
 
     def layout(self) -> Layout:
@@ -100,7 +100,7 @@ class TriumphalArch:
         )
 
     def nave_wall(self) -> list[Array]:
-        """Return the right nave wall."""
+        """Return the blocks (n, 2), m, of the right nave wall."""
         lower = _levels(0.0, self.springing_m, self.course_height_m)
         upper, ledge = self.upper_levels, self.foot[3, 1]
         skewback = int((upper < ledge - 1e-9).sum())
@@ -112,13 +112,13 @@ class TriumphalArch:
         return fitted(cut, region) + running_bond(self.face, self.outer, upper[skewback:], across)
 
     def spandrels(self) -> list[Array]:
-        """Return the masonry between the nave walls above the ring."""
+        """Return the blocks (n, 2), m, between the nave walls above the ring."""
         below = np.vstack([[(-self.face, 0.0)], self.ring.joints(self.thickness_m), [(self.face, 0.0)]])
         region = box(-self.face, self.springing_m, self.face, self.height_m).difference(Polygon(below))
         return fitted(running_bond(-self.face, self.face, self.upper_levels, self.spandrel_blocks), region)
 
     def roof(self, masonry: list[Array]) -> list[Array]:
-        """Return square beams at about equal distances, each over the middle of a block of the top course.
+        """Return square beams (4, 2), m, at about equal distances, each over the middle of a block of the top course.
 
         Raises ValueError if they do not fit side by side.
         """
