@@ -195,7 +195,9 @@ def test_columns_say_what_they_are_and_have_no_more_digits_than_are_known():
     _, fits, lost = (
         grid(table, words, words("section.campaign")) for table in reported_campaign(typed(results))
     )
-    assert "Estremo inferiore, 95\u00a0% in superficie [g]" in fits.head[4] and "share" not in "".join(lost.head)
+    assert "Estremo inferiore, 95\u00a0% in superficie [g]" in fits.head[4] and "share" not in "".join(
+        lost.head
+    )
     assert lost.head[-4:] == [words(f"column.{key}") for key in LOSS[-5:] if key != "left_out"]
     assert [row[1] for row in fits.rows] == ["0", "50", "100"]
     assert [row[-1] for row in lost.rows] == ["0", "10", "20"] and [row[4] for row in lost.rows] == [
