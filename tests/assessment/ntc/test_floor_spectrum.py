@@ -126,6 +126,22 @@ def test_the_higher_of_modes_and_ground_is_traced_by_hand():
     assert len(governs) >= 3
 
 
+def test_modes_are_added_by_the_root_of_their_squares_by_hand():
+    """Soil A, a_g = 0.25 g, F0 = 2.4, T_C = 0.3 s, 5 %: T_1 = 0.5 s, γψ = 0.6: a_Z1 = 0.36·0.6·√1.01 = 0.217077 g;
+    T_2 = 0.15 s, γψ = −0.2: a_Z2 = 0.6·0.2·√1.01 = 0.120599 g; A = 1.1/√0.05 = 4.919350.
+
+    T = 0.15 s: the second on its plateau, 4.919350·0.120599 = 0.593267 g; the first 4.919350·0.217077/(1 +
+    3.919350·0.625^1.6) = 1.067877/2.847660 = 0.375002 g; √(0.351966 + 0.140627) = 0.701850 g, above the ground's 0.6.
+    T = 0: √(0.047122 + 0.014544) = 0.248327 g, below the ground's a_g S = 0.25 g, which counts.
+    """
+    ground = ElasticSpectrum(0.25, 2.4, 0.3, "A")
+    floor = FloorSpectrum(ground, (Mode(0.5, 1.2, 0.5), Mode(0.15, -0.4, 0.5)))
+    assert float(floor.acceleration(0.15)) == pytest.approx(0.701850, abs=2e-6)
+    assert float(floor.acceleration(0.0)) == 0.25
+    twice = FloorSpectrum(ground, (Mode(0.5, 2.4, 0.5), Mode(0.15, -0.8, 0.5)))
+    assert float(twice.acceleration(0.0)) == pytest.approx(2.0 * 0.2483275, abs=2e-6)
+
+
 @pytest.mark.parametrize("circular", [2019, 2009])
 def test_a_height_of_zero_means_the_ground(tmp_path, circular):
     """It divided by zero."""

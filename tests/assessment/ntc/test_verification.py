@@ -294,6 +294,31 @@ def test_return_period_scaling_solves_its_own_equation(hazard):
     assert huge.return_period == pytest.approx(2475.0)
 
 
+def test_both_ways_of_scaling_by_hand():
+    """Soil B, a_g = 0.25 g, F0 = 2.5, T_C* = 0.3 s: S = 1.4 − 0.4·2.5·0.25 = 1.15, T_C = 1.1·0.3^0.8 = 0.419842 s,
+    T_D = 4·0.25 + 1.6 = 2.6 s; S_De beyond it, 10 %: η = √(10/15) = 0.816497, 0.25·1.15·0.816497·2.5·0.419842·2.6·
+    9.80665/4π² = 0.159130 m. The block reaches half of that, 0.079565 m, at T = 1.56 π √0.374708 = 3.0 s.
+
+    Shape of the demand kept: ratio 0.5, a_g = 0.125 g. Along the hazard, F0 and T_C* the same at all T_R, S is 1.2 and
+    T_D = 4 a_g + 1.6, so that r (4·r·0.2875/1.2 + 1.6) = 0.5·2.6: 0.958333 r² + 1.6 r − 1.3 = 0,
+    r = (2.746513 − 1.6)/1.916667 = 0.598181, a_g = 0.143314 g. a_g grows tenfold from 30 to 2475 years:
+    T_R = 30·82.5^log10(0.143314/0.05) = 30·82.5^0.457319 = 225.7 years.
+    """
+    spectrum = ElasticSpectrum(0.25, 2.5, 0.3, "B")
+    T_R = np.array([30.0, 50.0, 72.0, 101.0, 140.0, 201.0, 475.0, 975.0, 2475.0])
+    values = np.column_stack(
+        [0.05 * 10.0 ** (np.log(T_R / 30.0) / np.log(82.5)), np.full(9, 2.5), np.full(9, 0.3)]
+    )
+    hazard = HazardCurve("hand-made", values, values[None], np.zeros(1))
+    block = _block(alpha_0=0.079565 / (0.374708 * GRAVITY) / 0.4, d_0=2.0 * 0.079565 / 0.6)
+    shape = verify(block, {"SLC": spectrum}, Method(hazard=hazard))["SLC"]
+    along = verify(block, {"SLC": spectrum}, Method(scaling="return_period", hazard=hazard))["SLC"]
+    assert (shape.d_star, shape.T) == (pytest.approx(0.079565), pytest.approx(3.0, abs=1e-3))
+    assert (shape.zeta_E, shape.a_g) == (pytest.approx(0.5, abs=2e-5), pytest.approx(0.125, abs=5e-6))
+    assert (along.zeta_E, along.a_g) == (pytest.approx(0.598181, abs=2e-5), pytest.approx(0.143314, abs=5e-6))
+    assert along.return_period == pytest.approx(225.7, abs=0.1)
+
+
 def test_zeta_is_one_where_the_capacity_is_the_demand(hazard):
     for method in (Method(hazard=hazard), Method(scaling="return_period", hazard=hazard)):
         there = hazard.at(475.0)
