@@ -27,7 +27,7 @@ class Limit:
     `alpha`: multiplier of the lateral load; `mechanism` (b, 3): virtual displacements, scaled so that the largest
     centroid displacement is 1; `forces` (j, 3): N (kN), P (kNm) and T (kN) of the `contacts`, the drawn joints first.
     `residual` (Coulomb friction): by how much sliding joints are still lifted, over the mechanism's largest
-    displacement; above LimitTolerances.slip_gap the slips have not settled.
+    displacement; above LimitTolerances.slip_gap the slips have not settled. `sliding`: whether what slides lifts.
     """
 
     alpha: float
@@ -36,6 +36,7 @@ class Limit:
     contacts: Contacts
     certificate: Certificate
     residual: float = 0.0
+    sliding: Sliding = "associative"
 
 
 def limit_analysis(
@@ -118,4 +119,5 @@ def limit_in(model: Assembly, direction: Direction, state: State, sliding: Slidi
         closed.contacts,
         solution.certificate,
         residual,
+        sliding,
     )

@@ -56,7 +56,7 @@ class Pushdown:
     movement begins); `states`: of each point; `final`: at rest after the whole movement. `ultimate` (m): movement
     beyond which no equilibrium is found, located to 1/32 of an increment (None: not sought or not reached); `end`: why
     the path ends. `crossed` (n, 2) m: movements between which a part moves by itself, until other blocks hold it again.
-    `steps`: the equilibria.
+    `steps`: the equilibria. `sliding`: whether what slides lifts ("associative") or not ("coulomb").
     """
 
     movement: Array
@@ -68,6 +68,7 @@ class Pushdown:
     crossed: Array
     steps: tuple[Equilibrium, ...]
     certificates: tuple[Certificate, ...]
+    sliding: Sliding
 
 
 def pushdown(
@@ -248,6 +249,7 @@ class _Path:
             np.array(self.crossed).reshape(-1, 2),
             tuple(self.steps),
             tuple(self.certificates),
+            self.system.sliding,
         )
 
     @property

@@ -73,7 +73,7 @@ class Pushover:
     its last point; `end`: why it ends; `crossed` (n, 2) m: displacements between which a part moves by itself, until
     other blocks hold it again. `formed`: index of the point of the mechanism, the first from the peak on in which the
     control point moves; `mechanism` (b, 3): its virtual displacements; `forces` (j, 3): N, P and T of the `contacts`
-    there, kN and kNm.
+    there, kN and kNm. `sliding`: whether what slides lifts ("associative") or not ("coulomb").
     """
 
     displacement: Array
@@ -89,6 +89,7 @@ class Pushover:
     formed: int
     forces: Array
     contacts: Contacts
+    sliding: Sliding
 
     @property
     def peak(self) -> int:
@@ -383,6 +384,7 @@ class _Curve:
             formed,
             forces,
             contacts,
+            self.system.sliding,
         )
 
     def _mechanism(self) -> tuple[int, Array, Array, Contacts]:

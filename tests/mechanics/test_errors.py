@@ -70,6 +70,16 @@ def test_an_unknown_law_of_sliding_is_refused(model, analysis):
         analysis(model)
 
 
+@pytest.mark.parametrize("sliding", ["associative", "coulomb"])
+def test_every_result_says_which_law_of_sliding_it_has(model, sliding):
+    found = [
+        limit_analysis(model, sliding=sliding),
+        pushover(model, TOP, increment=0.05, sliding=sliding),
+        pushdown(model, "base", (0.01, 0.0), increment=0.01, sliding=sliding),
+    ]
+    assert [each.sliding for each in found] == 3 * [sliding]
+
+
 def test_a_block_that_overhangs_less_than_half_can():
     assert limit_analysis(leaning(-0.01)).alpha == pytest.approx(0.01 / 0.5)
 
