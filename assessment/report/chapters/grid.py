@@ -17,7 +17,7 @@ from assessment.results.schema import Results
 from assessment.results.table import Table, reference_of
 
 LETTERS = 109.0  # of a's width in a row of a table
-PADDING = 1.7  # letters, of a cell
+PADDING = 2.0  # letters, of a cell
 SIZES = {
     letter: size
     for letters, size in (("ijl’'|.,;: \u00a0", 0.5), ("frt()[]-/", 0.65), ("mwMW%", 1.5))

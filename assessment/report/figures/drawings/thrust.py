@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -28,7 +29,8 @@ from assessment.results.joint_states import JointStates, Situation, joint_states
 from assessment.results.outlines import Outlines, outlines
 from assessment.results.schema import Results
 
-LONGEST_MM = 12.0  # of a resultant on paper
+UNIT_MM = 10.0  # on paper, of a round force
+LONGEST = 1.3  # times that, the largest resultant
 CROWD = 150  # joints: beyond them marks become finer, so that a wall stays readable
 THRUST: dict[str, Any] = {"color": INK, "linewidth": 1.3}
 RESULTANT: dict[str, Any] = {"color": "0.35", "linewidth": 0.7}
@@ -48,12 +50,13 @@ def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> F
     shapes = [drawing.moved(situation.configuration) for situation in shown]
     joints = [joint_states(results, situation) for situation in shown]
     largest = max(float(np.hypot(*states.force.T).max()) for states in joints)
-    handles = _handles({c for states in joints for c in states.condition}, largest, words)
+    unit = round_force(largest)
+    handles = _handles({c for states in joints for c in states.condition}, unit, words)
     above = 7.0 if any(situation.direction for situation in shown) else 3.0  # the arrow of the loads
     page = sheet(union(shapes), len(shown), border_mm=above, foot_mm=foot(labels_of(handles)))
     for axes, situation, shape, states in zip(page.panels, shown, shapes, joints, strict=True):
         axes.set_title(_title(situation, words))
-        _draw(page, axes, results, shape, states, largest)
+        _draw(page, axes, results, shape, states, unit)
         if situation.direction:
             push_arrow(page, axes, shape.bounds, situation.direction)
     legend(page, handles)
@@ -66,7 +69,7 @@ def _draw(
     results: Results,
     shape: Outlines,
     states: JointStates,
-    largest: float,
+    unit: float,
 ) -> None:
     fill_roles(axes, shape, results)
     fine = min(1.0, (CROWD / len(states.condition)) ** 0.5)
@@ -74,7 +77,7 @@ def _draw(
         width = style["linewidth"] * fine
         ends = states.ends[_are(states, condition)]
         axes.add_collection(LineCollection(list(ends), **(style | {"linewidth": width})))
-    half = 0.5 * page.paper(LONGEST_MM) / largest * states.force
+    half = 0.5 * page.paper(UNIT_MM) / unit * states.force
     resultants = np.stack([states.point - half, states.point + half], axis=1)[~_are(states, "idle")]
     axes.add_collection(LineCollection(list(resultants), **RESULTANT))
     axes.add_collection(LineCollection(thrust_lines(states), **THRUST))
@@ -82,6 +85,13 @@ def _draw(
         *states.point[_are(states, "edge")].T,
         **(HINGE | {"markersize": 3.6 * fine, "markeredgewidth": 0.9 * fine}),
     )
+
+
+def round_force(largest: float) -> float:
+    """Return 1, 2 or 5 times a power of ten, the least of which the largest force is at most `LONGEST` times."""
+    least = largest / LONGEST
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= least * (1.0 - 1e-9))
 
 
 def _are(states: JointStates, condition: str) -> NDArray[np.bool_]:
@@ -95,11 +105,11 @@ def _title(situation: Situation, words: Words) -> str:
     return f"{name}\nα = {words.show(situation.alpha)}"
 
 
-def _handles(conditions: set[str], largest: float, words: Words) -> list[Any]:
-    longest = words.plain("figure.resultant", force=largest, length=words.comma(f"{LONGEST_MM:g}"))
+def _handles(conditions: set[str], unit: float, words: Words) -> list[Any]:
+    scale = words.plain("figure.resultant", force=words.comma(f"{unit:g}"), length=f"{UNIT_MM:g}")
     handles = [
         Line2D([], [], **THRUST, label=words.plain("figure.thrust")),
-        Line2D([], [], **RESULTANT, label=longest),
+        Line2D([], [], **RESULTANT, label=scale),
     ]
     handles += [
         Line2D([], [], **style, label=words.plain(f"figure.joint_{condition}"))

@@ -15,6 +15,7 @@ from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.figures.curves import draw_pushdown, draw_pushover
 from assessment.report.figures.drawings.deformed import draw_settlement
+from assessment.report.figures.drawings.thrust import round_force
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.figures.style import (
     BAND_MM,
@@ -269,3 +270,11 @@ def test_the_labels_of_an_axis_have_the_same_decimals():
     labels = EvenDecimals(words_of(typed(results_example("it"))))
     assert labels.format_ticks([-0.025, 0.0, 0.05, 0.1]) == ["−0,025", "0", "0,050", "0,100"]
     assert labels.format_ticks([0.0, 20.0]) == ["0", "20"] and labels(0.5) == "0,5"
+
+
+@pytest.mark.parametrize(
+    ("largest", "unit"), [(0.124, 0.1), (0.131, 0.2), (999.0, 1000.0), (6.6, 10.0), (1.3, 1.0)]
+)
+def test_resultants_are_drawn_to_a_round_scale(largest, unit):
+    """The legend said "12 mm: 0.124 kN", which no scale reads; the largest is at most 13 mm long."""
+    assert round_force(largest) == pytest.approx(unit)
