@@ -23,7 +23,8 @@ TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
 def run(options: argparse.Namespace) -> int:
     """Carry out the stages and print the summary; INCOMPLETE where an analysis was not completed."""
     from assessment.project.project import load_project
-    from assessment.runtime.terminal.progress import as_json, progress, summary
+    from assessment.runtime.terminal.progress import progress
+    from assessment.runtime.terminal.summary import as_json, summary
     from assessment.workflow.run import carry_out
     from assessment.workflow.selection import select
 
@@ -55,7 +56,7 @@ def check(options: argparse.Namespace) -> int:
     from assessment.report.figures.drawings.model import draw_model
     from assessment.report.figures.style import save_svg
     from assessment.report.text.language import Words, words_of
-    from assessment.runtime.terminal.progress import model_summary, warning_lines
+    from assessment.runtime.terminal.summary import model_summary, warning_lines
     from assessment.workflow.dynamic import read_motions
     from assessment.workflow.skeleton import describe
     from mechanics.faults import FaultyDrawingError

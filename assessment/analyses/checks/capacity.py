@@ -176,16 +176,15 @@ def _vertical(
     if linear is None or ground is None or ground.ag < THRUSTING_A_G or not proportional:
         return None
     assert linear.demand_a_star is not None
-    steps = vertical_component(ground, capacity.fit.alpha_0, capacity.a_0_star, linear.demand_a_star)
-    result = {line.symbol: line.result for line in steps}
+    made = vertical_component(ground, capacity.fit.alpha_0, capacity.a_0_star, linear.demand_a_star)
     return parts.VerticalCheck(
-        a_v_g=result["a_v"],
-        alpha_0=result["alpha_0_v"],
-        a_0_star_g=result["a_0_star_v"],
+        a_v_g=made.a_v,
+        alpha_0=made.alpha_0,
+        a_0_star_g=made.a_0_star,
         demand_a_star_g=linear.demand_a_star,
-        ratio=result["r_v"],
-        verified=result["r_v"] >= 1.0,
-        trace=lines(steps),
+        ratio=made.ratio,
+        verified=made.ratio >= 1.0,
+        trace=lines(made.trace),
     )
 
 

@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from assessment.ntc.limit_states import QUOTED
 from assessment.report.tables.capacity import capacities, directions
-from assessment.report.tables.cracks import PRINTED, SEEN, cracks, reported_cracks
+from assessment.report.tables.cracks import PRINTED, SEEN, cracks_of
 from assessment.report.text.language import Words, direction_name
 from assessment.results.echo import limit_states, local_limit
 from assessment.results.hand_check import BY_HAND, figures_of, governing_mechanisms, mechanisms
@@ -83,10 +83,10 @@ def contacts_of(results: Results) -> list[Contacts]:
 def crack_sentences(results: Results, words: Words) -> Iterator[Markup]:
     """Yield what the table of cracks holds, and what of it is not printed or has no width."""
     yield words("text.cracks", seen=words.comma(f"{1000.0 * SEEN:g}"))
-    printed = reported_cracks(results).rows
-    if len(printed) < len(cracks(results).rows):
+    by_state = [cracks_of(results, state) for state in results.states]
+    if any(len(found) > PRINTED for found in by_state):
         yield words("text.cracks_printed", printed=PRINTED)
-    if any(row["opening_m"] is None for row in printed):
+    if any(crack.opening_m is None for found in by_state for crack in found[:PRINTED]):
         yield words("text.cracks_apart")
 
 

@@ -65,14 +65,12 @@ def draw_pushover(results: Results, words: Words, direction: Direction) -> Figur
             for contacts, push in pushover.by_contacts.items():
                 for other in push.members or []:  # of the ensemble
                     others = sense(direction) * _mm(other.displacement_m), other.multiplier
-                    axes.plot(
-                        *others, color="0.65", linewidth=0.4, linestyle=state_style(number)["linestyle"]
-                    )
+                    axes.plot(*others, color="0.65", linewidth=0.4, linestyle=state_style(number).linestyle)
                 axes.plot(
                     sense(direction) * _mm(push.curve.displacement_m),
                     push.curve.multiplier,
                     linewidth=WIDTHS[contacts],
-                    **state_style(number),
+                    **state_style(number).keywords,
                 )
             _key_points(axes, pushover, COLOURS[number % len(COLOURS)])
         along = words.plain("figure.push_displacement", direction=direction_name(direction))
@@ -84,7 +82,7 @@ def draw_pushover(results: Results, words: Words, direction: Direction) -> Figur
         panels[1].set_title(words.plain("figure.first_branch"))
         panels[1].set_xlim(0.0, 6000.0 * max(yields))
     handles = [
-        Line2D([], [], **state_style(number), label=_key_numbers(name, pushover, words))
+        Line2D([], [], **state_style(number).keywords, label=_key_numbers(name, pushover, words))
         for number, (name, pushover) in enumerate(states.items())
     ]
     if yields:

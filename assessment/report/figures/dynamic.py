@@ -60,7 +60,7 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
         if entry.band:
             low, high = 1000.0 * np.asarray(entry.band.low_m), 1000.0 * np.asarray(entry.band.high_m)
             axes.fill_between(time, low, high, color=BAND, linewidth=0.0)
-        axes.plot(time, 1000.0 * displacement, linewidth=0.9, **state_style(number))
+        axes.plot(time, 1000.0 * displacement, linewidth=0.9, **state_style(number).keywords)
         if entry.collapsed:
             out = int(np.flatnonzero(abs(displacement) <= bound)[-1])
             place = 1000.0 * displacement[out]
@@ -72,7 +72,7 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
     if bound > 0.0:
         axes.set_ylim(-1050.0 * bound, 1050.0 * bound)
     handles: list[Artist] = [
-        Line2D([], [], linewidth=0.9, label=_outcome(state, entry, words), **state_style(number))
+        Line2D([], [], linewidth=0.9, label=_outcome(state, entry, words), **state_style(number).keywords)
         for number, (state, entry) in enumerate(found.items())
     ]
     if falls:
@@ -176,11 +176,11 @@ def draw_fragility(results: Results, words: Words) -> Figure:
         )
         curve = ndtr(np.log(pga / fit.median_g) / fit.dispersion)
         style = state_style(number)
-        axes.plot(pga, curve, label=label, **style)
+        axes.plot(pga, curve, label=label, **style.keywords)
         fallen = sorted(r.pga_collapse_g for r in known(each.records) if r.pga_collapse_g is not None)
         share = (np.arange(len(fallen)) + 0.5) / len(known(each.records))
-        axes.plot(fallen, share, linestyle="none", marker="o", markersize=3.5, color=style["color"],
-                  markerfacecolor="1.0" if state != "original" else style["color"])  # fmt: skip
+        axes.plot(fallen, share, linestyle="none", marker="o", markersize=3.5, color=style.color,
+                  markerfacecolor="1.0" if state != "original" else style.color)  # fmt: skip
     axes.set(xlabel=_at_surface("pga", words), ylabel=words.plain("figure.probability"))
     axes.set(xlim=(0.0, top), ylim=(0.0, 1.0))
     figure.legend(loc="lower center", ncols=1)

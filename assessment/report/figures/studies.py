@@ -51,9 +51,9 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
                 x,
                 y,
                 marker=marker,
-                markerfacecolor=style["color"] if face != "1.0" else face,
+                markerfacecolor=style.color if face != "1.0" else face,
                 markersize=4.5,
-                **style,
+                **style.keywords,
             )
             if own and own[-1][0].state == name:
                 labels.append((str(number), x[-1], y[-1]))
@@ -164,7 +164,7 @@ def _ring(axes: Axes, found: Scenarios) -> None:
 def _scenario_legend(results: Results, names: Sequence[str], words: Words) -> list[Line2D]:
     found = known(results.scenarios)
     handles = [
-        Line2D([], [], label=f"{number}  {name}", **state_style(number - 1))
+        Line2D([], [], label=f"{number}  {name}", **state_style(number - 1).keywords)
         for number, name in enumerate(names, 1)
     ]
     none: dict[str, Any] = {"color": "0.0", "linestyle": "none"}

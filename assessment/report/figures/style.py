@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -66,9 +66,21 @@ SYMBOL = re.compile(r"(?<![\w$\\])(α_[yu]|α₀|d_y|d₀|S_De|S_e|a_g|T₀)(?!\
 SCALES = tuple(step * 10.0**power for power in range(5) for step in (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.5))
 
 
-def state_style(number: int) -> dict[str, Any]:
+class LineStyle(NamedTuple):
+    """How a line is drawn; `keywords` for matplotlib."""
+
+    color: str
+    linestyle: Any
+
+    @property
+    def keywords(self) -> dict[str, Any]:
+        """The style as keyword arguments."""
+        return self._asdict()
+
+
+def state_style(number: int) -> LineStyle:
     """Return the line of the state of that number (from 0): its colour, and dashes for who prints in grey."""
-    return {"color": COLOURS[number % len(COLOURS)], "linestyle": DASHES[number % len(DASHES)]}
+    return LineStyle(COLOURS[number % len(COLOURS)], DASHES[number % len(DASHES)])
 
 
 def typeset(figure: Figure) -> Figure:

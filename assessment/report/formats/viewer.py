@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
 from importlib.resources import files
 from typing import Any
 
@@ -31,6 +31,20 @@ class Viewer:
 
     data: Markup
     script: Markup
+
+
+@dataclass(frozen=True)
+class Series:
+    """A curve of the page: its label and its points, with the digits that can be seen."""
+
+    label: str
+    x: list[float]
+    y: list[float]
+
+    @classmethod
+    def of(cls, label: str, x: Sequence[float], y: Sequence[float]) -> Series:
+        """Return the curve through the points (x, y), in the units of its axes."""
+        return cls(label, _short(x), _short(y))
 
 
 def viewer(results: Results, words: Words) -> Viewer | None:
@@ -67,15 +81,15 @@ def _pushdowns(results: Results, words: Words) -> Iterator[dict[str, Any]]:
         for contacts, path in state.pushdown.items():
             movement = [1000.0 * value for value in path.movement_m]
             series = [
-                _series("Rx", movement, path.reaction_x_kN),
-                _series("Rz", movement, path.reaction_z_kN),
+                Series.of("Rx", movement, path.reaction_x_kN),
+                Series.of("Rz", movement, path.reaction_z_kN),
             ]
             yield {
                 "title": _title(words, "pushdown", name, words.plain(f"value.{contacts}")),
                 "jumps": [],
                 "x_label": words.plain("figure.movement"),
                 "y_label": words.plain("viewer.reactions"),
-                "series": series,
+                "series": [asdict(each) for each in series],
                 "frames": _frames(path.frames, series),
             }
 
@@ -85,14 +99,14 @@ def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
         for direction, pushover in state.pushover.items():
             for contacts, push in pushover.by_contacts.items():
                 along = [1000.0 * value for value in push.curve.displacement_m]
-                series = [_series("α", along, push.curve.multiplier)]
+                series = [Series.of("α", along, push.curve.multiplier)]
                 where = f"{direction_name(direction)}, {words.plain(f'value.{contacts}')}"
                 yield {
                     "title": _title(words, "pushover", name, where),
                     "jumps": list(_jumps(state, direction, max(map(abs, along)))),
                     "x_label": words.plain("figure.x_displacement"),
                     "y_label": words.plain("figure.multiplier"),
-                    "series": series,
+                    "series": [asdict(each) for each in series],
                     "frames": _frames(push.frames, series),
                 }
 
@@ -125,7 +139,7 @@ def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                     "jumps": [],
                     "x_label": words.plain("figure.time"),
                     "y_label": words.plain("figure.x_displacement"),
-                    "series": [_series("d", curve.time_s, displacement)],
+                    "series": [asdict(Series.of("d", curve.time_s, displacement))],
                     "frames": {
                         "x": kept.time_s,
                         "y": [[1000.0 * value for value in kept.displacement_m]],
@@ -134,11 +148,11 @@ def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                 }
 
 
-def _frames(kept: Frames, series: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def _frames(kept: Frames, series: Sequence[Series]) -> dict[str, Any]:
     """Frames of a static path: values on its curves at each, and what the script draws."""
     return {
-        "x": [series[0]["x"][index] for index in kept.index],
-        "y": [[each["y"][index] for index in kept.index] for each in series],
+        "x": [series[0].x[index] for index in kept.index],
+        "y": [[each.y[index] for index in kept.index] for each in series],
         **_drawn(kept),
     }
 
@@ -167,10 +181,6 @@ def _joint(joint: Face) -> dict[str, Any]:
         "strength": joint.compressive_strength_kN_m2,
         "drawn": isinstance(joint, Joint),
     }
-
-
-def _series(label: str, x: Sequence[float], y: Sequence[float]) -> dict[str, Any]:
-    return {"label": label, "x": _short(x), "y": _short(y)}
 
 
 def _short(values: Sequence[float]) -> list[float]:

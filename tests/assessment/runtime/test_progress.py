@@ -11,7 +11,8 @@ from types import SimpleNamespace
 import pytest
 
 from assessment.runtime.terminal import progress as terminal
-from assessment.runtime.terminal.progress import Bars, _table, capacities
+from assessment.runtime.terminal.progress import Bars
+from assessment.runtime.terminal.summary import _table, capacities
 from tests.support.block_project import edit, read_results
 from tests.support.every_stage import assesto, write_every_stage
 from tests.support.typed import typed

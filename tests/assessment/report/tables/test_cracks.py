@@ -126,7 +126,7 @@ def test_of_cracks_that_is_told_which_there_is(monkeypatch):
     results = typed(with_motion(block, [0.003, 0.01, 0.0]))
     words = words_of(results)
     assert len(cracks(results).rows) > 1 and len(list(crack_sentences(results, words))) == 1
-    monkeypatch.setattr("assessment.report.tables.cracks.PRINTED", 1)
+    monkeypatch.setattr("assessment.report.chapters.remarks.PRINTED", 1)
     assert "are printed and numbered" in " ".join(crack_sentences(results, words))
     along = np.subtract(*results_example()["geometry"]["joints"][0]["ends_m"])
     apart = typed(with_motion(block, [*(2.0 * along), 0.0]))
