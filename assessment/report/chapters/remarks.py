@@ -95,6 +95,17 @@ def damping_sentence(results: Results, words: Words) -> Markup:
     return words(f"text.damping_{_circular(results)}")
 
 
+def index_sentences(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield what the indices of the tables are: those that need a return period only where one is known."""
+    found = [state.indices for state in results.states.values() if state.indices]
+    yield words("text.indices")
+    if any(each.I_S is not None for each in found):
+        yield words("text.indices_known")
+    yield words("text.risk")
+    if any(each.PAM is None for each in found):
+        yield words("text.no_pam")
+
+
 def missing_pushovers(results: Results, words: Words) -> Iterator[Markup]:
     """Yield a sentence for each state without the pushover that another state has."""
     for direction in directions(results):

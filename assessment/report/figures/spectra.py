@@ -15,6 +15,7 @@ from assessment.report.text.language import Words
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Check, Direction
 from assessment.results.schema.part import known
+from assessment.results.table import reference_of
 from mechanics.types import GRAVITY
 
 OFFSET: dict[str, Any] = {"textcoords": "offset points"}
@@ -65,7 +66,11 @@ def draw_spectra(
         axes.set(xlabel=words.plain("figure.d_star"), ylabel=words.plain("figure.a_star"))
     for axes in panels[len(states) :]:
         axes.set_axis_off()
-    figure.legend(handles=_spectra_handles(words, limit, shown=demanded), loc="lower center", ncols=2)
+    figure.legend(
+        handles=_spectra_handles(words, limit, reference_of(results), shown=demanded),
+        loc="lower center",
+        ncols=2,
+    )
     return figure
 
 
@@ -159,12 +164,13 @@ def _limit_point(axes: Axes, point: Check, limit: str) -> None:
         )
 
 
-def _spectra_handles(words: Words, limit: str, shown: bool) -> list[Line2D]:
+def _spectra_handles(words: Words, limit: str, reference: str, shown: bool) -> list[Line2D]:
     """Return the legend; `shown`: whether any of the demand is on the sheet, else it says so."""
     demand = "figure.demand_spectrum" if shown else "figure.demand_beyond"
+    borne = words.plain("figure.borne_spectrum", limit=limit, reference=words.plain(f"value.on_{reference}"))
     return [
         Line2D([], [], color="0.0", linewidth=1.9, label=words.plain("figure.capacity_curve")),
-        Line2D([], [], color="0.0", linewidth=0.9, label=words.plain("figure.borne_spectrum", limit=limit)),
+        Line2D([], [], color="0.0", linewidth=0.9, label=borne),
         Line2D([], [], color="0.0", marker="s", markersize=4.5, linestyle="none",
                label=words.plain("figure.limit_point", limit=limit)),
         Line2D([], [], color="0.0", linewidth=0.9, linestyle=DASHES[2],

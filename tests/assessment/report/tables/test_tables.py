@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from assessment.project.project import json_schema
 from assessment.report.chapters.grid import Grid, grid, ranges_grid
+from assessment.report.chapters.remarks import index_sentences
 from assessment.report.tables.capacity import summary, trace, verification
 from assessment.report.tables.index import blocks, layers, write_tables
 from assessment.report.tables.indices import indices, reported_indices
@@ -269,6 +270,19 @@ def test_safety_and_risk_have_a_table_each():
     assert set(safety.columns) | set(risk.columns) == set(indices(results).columns)
     assert set(safety.columns) & set(risk.columns) == {"state"}
     assert [row["IS_V"] for row in risk.rows] == [0.3]
+
+
+def test_an_index_that_needs_a_return_period_is_told_where_one_is_known():
+    """I_S and V_N were explained under a table that had neither."""
+    results = analysed_indices()
+    told = " ".join(index_sentences(typed(results), Words.of("it")))
+    assert "I<sub>S</sub>" in told and "V<sub>N</sub>" in told and "non si danno" not in told
+    unknown = dict.fromkeys(
+        ("T_SLV_years", "I_S", "acceptable_nominal_life_years", "PAM", "PAM_class", "risk_class")
+    )
+    results["states"]["original"]["indices"] |= unknown
+    told = " ".join(index_sentences(typed(results), Words.of("it")))
+    assert "I<sub>S</sub>" not in told and "V<sub>N</sub>" not in told and "non si danno" in told
 
 
 def analysed_indices():
