@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import Future
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,6 +26,9 @@ from assessment.workflow.earlier import (
 
 if TYPE_CHECKING:
     from assessment.results.schema import Results
+
+PRINTED = 4  # figures that the PDF takes as long as, per figure of the results: 3 to 6
+SHEETS = 3  # page, DOCX, tables: each takes about as long as a figure
 
 
 def prepare(report: bool) -> None:
@@ -48,12 +51,13 @@ def write(
     kept: Collection[str] = (),
     jobs: int = 1,
     attachments: Sequence[Path] = (),
+    tell: Callable[[float], object] = lambda _: None,
 ) -> list[str]:
     """Write parts of what is made of results into `folder`, all at once; each set appears whole or not at all.
 
     Parts `kept` stay unchanged; all other files of earlier results are removed. A judgement.md that was edited
     is kept and printed. Return warnings (a PDF that could not be made). `jobs`: processes, 0: one per core;
-    `attachments`: pictures that end the report. Raises
+    `attachments`: pictures that end the report; `tell`: is given the share that is made, about. Raises
     KilledError if one of them was ended from outside, OSError that names a file; the folder is then unchanged.
     """
     folder.mkdir(parents=True, exist_ok=True)
@@ -63,7 +67,7 @@ def write(
         try:
             for name in files_of(folder, kept):  # the report is made with them
                 _linked(folder / name, new / name)
-            warnings = _make(results, folder, new, parts, jobs, attachments)
+            warnings = _make(results, folder, new, parts, jobs, attachments, tell)
             gone = files_of(folder, EVERYTHING - {*kept}) if ours else []
             put_in_place(new, folder, files_of(new, parts), gone)
         except KilledError as error:
@@ -80,12 +84,13 @@ def _make(
     parts: Collection[str],
     jobs: int,
     attachments: Sequence[Path],
+    tell: Callable[[float], object],
 ) -> list[str]:
     """Make the parts in the folder `new`; return warnings."""
     from assessment.report.chapters.judgement_file import NAME, judgement
     from assessment.report.document import write_docx, write_page, write_pdf
     from assessment.report.figures.animation import write_animations
-    from assessment.report.figures.index import write_figures, write_images
+    from assessment.report.figures.index import pictures, write_figures, write_images
     from assessment.report.formats.attachments import write_attachments
     from assessment.report.tables.index import write_tables
     from assessment.report.text.language import words_of
@@ -94,8 +99,16 @@ def _make(
     opinion = judgement(results, words_of(results), folder)
     if JUDGEMENT in parts:
         write_atomically(new / NAME, opinion.content)
-    number = processes(jobs)
-    with Pool(number if number > 1 else 0, results) as pool:
+    number, figures = processes(jobs), len(pictures(results))
+    whole = SHEETS + 2 * figures * (FIGURES in parts) + PRINTED * figures * (REPORT in parts)
+    made = 0
+
+    def ended(function: Callable[..., Any]) -> None:
+        nonlocal made
+        made += PRINTED * figures if function is write_pdf else 1
+        tell(min(made / whole, 1.0))
+
+    with Pool(number if number > 1 else 0, results, ended) as pool:
         begun: list[Future[Any]] = []
         images: list[Future[None]] = []
         printed: Future[list[str]] | None = None

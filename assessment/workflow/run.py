@@ -69,7 +69,9 @@ def carry_out(
         show.begin("report" if report else "figures and tables", 1, 0, 1.0)
         from assessment.workflow.output import write
 
-        warnings = write(outcome.results, folder, parts - standing, standing, jobs, project.attachments())
+        warnings = write(
+            outcome.results, folder, parts - standing, standing, jobs, project.attachments(), show.reached
+        )
         if last and REPORT in standing:
             warnings = [*last.warnings, *warnings]
         remember(folder, outcome, keys, parts | standing, warnings)

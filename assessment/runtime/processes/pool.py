@@ -43,12 +43,15 @@ def processes(jobs: int) -> int:
 class Pool:
     """Computes functions in a number of processes, started when first needed; 0: at once in this one.
 
-    `held`: what each process is given once, however many functions are applied to it. Functions are found by their
-    names and arguments are pickled: nothing of this process is assumed to be there in another.
+    `held`: what each process is given once, however many functions are applied to it; `ended`: is given each of these
+    functions when it has ended, in any thread. Functions are found by their names and arguments are pickled: nothing of
+    this process is assumed to be there in another.
     """
 
-    def __init__(self, processes: int, held: Any = None) -> None:
-        self.held = held
+    def __init__(
+        self, processes: int, held: Any = None, ended: Callable[[Callable[..., Any]], object] | None = None
+    ) -> None:
+        self.held, self._ended = held, ended
         self._board = _cells() if processes else None
         self._executor = (
             ProcessPoolExecutor(processes, initializer=_begin, initargs=(held, self._board))
@@ -72,9 +75,14 @@ class Pool:
 
     def apply(self, function: Callable[..., Result], *arguments: Any) -> Future[Result]:
         """Start function(held, *arguments) and return its future."""
+        future: Future[Result]
         if self._executor is None:
-            return self.submit(function, self.held, *arguments)
-        return self.submit(_apply, function, arguments)
+            future = self.submit(function, self.held, *arguments)
+        else:
+            future = self.submit(_apply, function, arguments)
+        if (ended := self._ended) is not None:
+            future.add_done_callback(lambda _: ended(function))
+        return future
 
     def shares(self) -> Mapping[int, float]:
         """Return the share that is done of the tasks at work, by the numbers under which they report it."""

@@ -130,7 +130,11 @@ def test_long_tables_are_files(products):
 
 
 def test_the_same_results_leave_the_same_bytes(products, tmp_path):
-    write(typed(analysed("it")), tmp_path, jobs=2)  # in two processes what was made in one
+    shares: list[float] = []
+    write(
+        typed(analysed("it")), tmp_path, jobs=2, tell=shares.append
+    )  # in two processes what was made in one
+    assert 0.0 < shares[0] < 0.05 and 0.9 < shares[-1] <= 1.0 and shares == sorted(shares)
     before, after = (
         {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
         for folder in (products, tmp_path)

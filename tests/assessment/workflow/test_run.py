@@ -12,12 +12,15 @@ from types import SimpleNamespace
 import pytest
 
 from assessment.cli.main import main
+from assessment.project.project import load_project
 from assessment.report.chapters.judgement_file import NAME
 from assessment.report.figures import index as figures
 from assessment.runtime.cache import FOLDER, Store
+from assessment.runtime.show import Show
 from assessment.workflow import output
 from assessment.workflow import stages as workflow
 from assessment.workflow.earlier import ENTRY
+from assessment.workflow.run import carry_out
 from tests.support.block_project import PROJECT, command, edit, forget, read_results, timeless, write_block
 from tests.support.every_stage import REPORT
 
@@ -89,6 +92,26 @@ def test_a_run_in_which_nothing_has_changed_writes_nothing(project, capsys, idle
     assert "taken over from earlier runs: 6 of 6 analyses, inputs unchanged" in capsys.readouterr().out
     assert main(["run", str(project), "--no-report", "--jobs", "1"]) == 0
     assert state(project) == before
+
+
+def test_how_far_the_report_is_gets_told_before_it_is_finished(project):
+    told: list[tuple[str, object]] = []
+
+    class Told(Show):
+        def begin(self, stage, total, taken, work):
+            told.append(("begin", stage))
+
+        def reached(self, done):
+            told.append(("reached", done))
+
+        def end(self):
+            told.append(("end", None))
+
+    carry_out(load_project(project), project / "output", 1, True, True, Told())
+    report = told[told.index(("begin", "report")) + 1 : -1]
+    shares = [share for name, share in report if name == "reached"]
+    assert len(shares) == len(report) >= 3 and told[-1] == ("end", None)
+    assert 0.0 < shares[0] <= shares[-1] <= 1.0 and shares == sorted(shares)
 
 
 def test_it_imports_nothing_that_computes_or_draws(project):
