@@ -44,7 +44,7 @@ class Grid:
     def widths(self) -> list[float]:
         """Return the widths of the columns in per cent: numbers stay whole, words make room by wrapping.
 
-        Of the columns of words those give way first in which the fewest rows wrap.
+        Of the columns of words those give way first in which the fewest rows wrap, the left ones, the names, last.
         """
         kept, least, wrapped = [], [], []
         for head, cells, text in zip(self.head, zip(*self.rows, strict=True), self.text, strict=True):
@@ -54,7 +54,7 @@ class Grid:
             kept.append(PADDING + min(36.0, max(6.0, title, *rooms)))
             least.append(PADDING + min(36.0, max(title, words)) if text else kept[-1])
             wrapped.append(sum(PADDING + room > least[-1] for room in rooms))
-        for column in sorted(range(len(kept)), key=wrapped.__getitem__):
+        for column in sorted(range(len(kept)), key=lambda column: (wrapped[column], -column)):
             kept[column] = max(least[column], kept[column] - max(0.0, sum(kept) - LETTERS))
         return [round(100.0 * wide / sum(kept), 2) for wide in kept]
 
