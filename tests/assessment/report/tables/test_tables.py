@@ -263,6 +263,14 @@ def test_those_columns_wrap_first_that_cost_the_fewest_lines():
     assert letters[1] < len(checks[-1])
 
 
+def test_of_columns_that_cost_as_many_lines_the_names_wrap_last():
+    """ "appoggio destro 20 mm" stood in three lines beside "SLV, lineare" in one."""
+    row = ["appoggio destro 20 mm", "SLV, lineare", "4 cerniere e scorrimenti", *["0.12345678"] * 6]
+    made = Grid(Markup(""), [Markup("Stato")] * 9, [list(map(Markup, row))] * 4, [True] * 3 + [False] * 6)
+    name, check, *_ = (109.0 * width / 100.0 for width in made.widths)
+    assert name > 18.0 and check < 10.0
+
+
 def test_safety_and_risk_have_a_table_each():
     """One table of thirteen columns broke the names of states in three; the IS-V of the class was not there."""
     results = typed(analysed_indices())
