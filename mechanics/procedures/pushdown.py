@@ -97,29 +97,27 @@ def pushdown(
     check_self_weight(model)
     moving = _Moving(static_system(model, contacts, sliding), support, target, rotation, full)
     path = _Path(moving, increment)
-    limit = full if not to_collapse else max(full, float(np.ptp(drawn_extent(model), axis=0).max()))
-    final: State | None = None
-    ultimate, end, bisection = None, "the whole movement is applied", Bisection(increment)
+    limit = max(full, _longest(model)) if to_collapse else full
+    final, ultimate, end, bisection = None, None, "the whole movement is applied", Bisection(increment)
     while path.movement[-1] < limit * (1.0 - 1e-9):
         if final is not None and len(path.steps) >= PUSHDOWN.points:
-            key = "increment_m" if target.any() else "increment_rad"
-            end = f"a path has {PUSHDOWN.points} points at most; write a larger {key}"
+            end = path.too_many_points
             break
-        here, aim = path.movement[-1], full if final is None else limit
-        by = min(bisection.length, aim - here)
+        here = path.movement[-1]
+        by = min(bisection.length, (full if final is None else limit) - here)
         try:
             path.advance(by, increment, bisection.shortest)
         except (NoEquilibriumError, ConvergenceError) as stop:
             if bisection.shorter():
                 continue
-            collapses = isinstance(stop, RunawayError)
-            if not collapses and final is None:
+            if final is None and not isinstance(stop, RunawayError):
                 raise
-            ultimate, end = here if collapses else None, str(stop)
+            ultimate, end = here if isinstance(stop, RunawayError) else None, str(stop)
             break
         bisection.longer(path.jumped)
-        share = min(path.movement[-1] / full, 1.0)
-        tell(0.5 * share if to_collapse else share)  # how far away collapse is is not known: the second half
+        tell(
+            (0.5 if to_collapse else 1.0) * path.share
+        )  # how far away collapse is is not known: the second half
         if final is None and path.applied:
             try:
                 final = path.settle()
@@ -129,10 +127,15 @@ def pushdown(
         elif final is not None and rotation == 0.0 and path.moves_as_a_whole(by / full * target):
             end = "the structure moves with its support as a whole"
             break
-    found = path.result(final, ultimate, end)
     if final is None:
-        raise CollapseError(f"the structure collapses {path.reached} of {full:.4g} m: {end}", found)
-    return found
+        message = f"the structure collapses {path.reached} of {full:.4g} m: {end}"
+        raise CollapseError(message, path.result(final, ultimate, end))
+    return path.result(final, ultimate, end)
+
+
+def _longest(model: Assembly) -> float:
+    """Return the longest movement (m) on the way to collapse: the larger side of the drawing."""
+    return float(np.ptp(drawn_extent(model), axis=0).max())
 
 
 def _target(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> tuple[Array, float]:
@@ -213,6 +216,17 @@ class _Path:
         self.reactions.append(reaction(self.model, step, self.index)[:2])
         if self.jumped:
             self.crossed.append((here, here + by))
+
+    @property
+    def share(self) -> float:
+        """Share of the whole movement that is applied."""
+        return min(self.movement[-1] / self.moving.full, 1.0)
+
+    @property
+    def too_many_points(self) -> str:
+        """Why a path to collapse ends after so many points, and what to change."""
+        key = "increment_m" if self.moving.displacement.any() else "increment_rad"
+        return f"a path has {PUSHDOWN.points} points at most; write a larger {key}"
 
     @property
     def applied(self) -> bool:

@@ -123,13 +123,7 @@ def time_history(
     Assembly.check(model)
     base = _base(acceleration, vertical_acceleration, time_step)
     _check(contacts, integrator, damping_ratio, restitution)
-    require(ultimate is None or (control is not None and is_number(ultimate) and ultimate > 0.0), "ultimate", ultimate,
-            "positive, in m, and given with a control point")  # fmt: skip
-    point = None
-    if control is not None:
-        point = ControlPoint(
-            array_of("control", control, "a point (x, z) in m"), model.block_at(control), ultimate
-        )
+    point = _control_point(model, control, ultimate)
     used, chosen = _chosen(model, contacts, integrator)
     system, start, motion = _begun(
         model, contacts, model.starting(state), used, time_step, damping_ratio, restitution
@@ -139,16 +133,34 @@ def time_history(
     done, reason = 0, ""
     while done < len(base) - 1 and not reason:
         system = system.around(motion)
-        part = system.march(motion, base[done : done + CHUNK + 1], time_step)
-        for k in range(1, len(part.x)):
-            reason = collapse(model, system.contacts, start, part.x[k], part.v[k], point)
-            if reason:
-                part = part.until(k)
-                break
+        part, reason = _until_collapse(
+            system, system.march(motion, base[done : done + CHUNK + 1], time_step), start, point
+        )
         parts.append(part)
         done += len(part.x) - 1
         tell(done / (len(base) - 1))
     return _history(system, start, motion, parts, time_step, point, reason, used, chosen)
+
+
+def _control_point(model: Assembly, control: ArrayLike | None, ultimate: float | None) -> ControlPoint | None:
+    """Return the control point, None: none. Raises ArgumentError for an ultimate displacement without one."""
+    require(ultimate is None or (control is not None and is_number(ultimate) and ultimate > 0.0), "ultimate", ultimate,
+            "positive, in m, and given with a control point")  # fmt: skip
+    if control is None:
+        return None
+    return ControlPoint(
+        array_of("control", control, "a point (x, z) in m"), model.block_at(control), ultimate
+    )
+
+
+def _until_collapse(
+    system: DynamicSystem, part: Recorded, start: State, point: ControlPoint | None
+) -> tuple[Recorded, str]:
+    """Return a part of a motion up to the step at which it has collapsed, and why; "" where it has not."""
+    for k in range(1, len(part.x)):
+        if reason := collapse(system.model, system.contacts, start, part.x[k], part.v[k], point):
+            return part.until(k), reason
+    return part, ""
 
 
 def _check(contacts: Behaviour, integrator: Integrator, damping_ratio: float, restitution: float) -> None:
@@ -197,24 +209,33 @@ def _begun(
         # dilatant sliding leaves gaps in joints that carry: loose blocks must not fall through them
         gap = end_gaps(statics.contacts.places(start.positions)).min(axis=1).clip(0.0)
         gaps = np.where(carried(statics.contacts, start), gap, 0.0)
-    damping = 0.0
-    if damping_ratio > 0.0:
-        frequency = first_frequency(model)
-        require(frequency > 0.0, "damping_ratio", damping_ratio,
-                "0 where nothing holds some block as drawn: there is no frequency to refer it to")  # fmt: skip
-        damping = 2.0 * damping_ratio / frequency
     theta = 1.0 if integrator == "implicit-euler" else 0.5
-    halving = UNSOLVED
-    if theta < 1.0:
-        halving = LOCATED if integrator == "second-order" else RESOLVED
-        if contacts == "elastic":
-            halving = CLOSING if integrator == "second-order" else RESOLVED
-            finer = np.ceil(np.log2(max(time_step / contact_period(model), 1.0)))
-            halving = replace(halving, levels=min(halving.levels, int(finer)))
-    system = DynamicSystem(statics, theta, damping, restitution, halving)
+    halving = _halving(model, contacts, integrator, time_step)
+    system = DynamicSystem(statics, theta, _damping(model, damping_ratio), restitution, halving)
     if forces is not None and len(forces) != len(statics.contacts):
         forces = None
     return system, start, system.begun(start, forces, gaps)
+
+
+def _damping(model: Assembly, damping_ratio: float) -> float:
+    """Return viscous forces over elastic ones, s, that damp the first frequency as drawn by a share of critical."""
+    if damping_ratio == 0.0:
+        return 0.0
+    frequency = first_frequency(model)
+    require(frequency > 0.0, "damping_ratio", damping_ratio,
+            "0 where nothing holds some block as drawn: there is no frequency to refer it to")  # fmt: skip
+    return 2.0 * damping_ratio / frequency
+
+
+def _halving(model: Assembly, contacts: Behaviour, integrator: Integrator, time_step: float) -> Halving:
+    """Return when steps are halved, and how often; steps of elastic joints not below the time of an impact."""
+    if integrator == "implicit-euler":
+        return UNSOLVED
+    if contacts == "rigid":
+        return LOCATED if integrator == "second-order" else RESOLVED
+    halving = CLOSING if integrator == "second-order" else RESOLVED
+    finer = np.ceil(np.log2(max(time_step / contact_period(model), 1.0)))
+    return replace(halving, levels=min(halving.levels, int(finer)))
 
 
 def _settled(model: Assembly, contacts: Behaviour, state: State) -> tuple[State, Array | None]:
