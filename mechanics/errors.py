@@ -70,7 +70,7 @@ def is_whole(value: object) -> bool:
 
 
 def array_of(name: str, value: object, must_be: str) -> NDArray[np.float64]:
-    """Return the value of an argument as an array of numbers; ArgumentError naming it if it is none."""
+    """Return the value of an argument as an array of numbers. Raises ArgumentError naming it if it is none."""
     try:
         found: NDArray[np.float64] = np.array(value, dtype=float)
     except (TypeError, ValueError):

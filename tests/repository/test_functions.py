@@ -1,0 +1,86 @@
+"""Functions are short, take few arguments, and say what they raise; what does not has its reason written there."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+MOST_LINES, MOST_ARGUMENTS = 60, 8
+KERNELS = (
+    ROOT / "mechanics" / "kernels"
+)  # compiled loops, for which mechanics/kernels/__init__.py has the reason
+REASONS = ("arguments: ", "lines: ")
+
+
+def functions() -> Iterator[tuple[Path, str, ast.FunctionDef, str]]:
+    """Every function and method with its file, its source and the docstring of its class, if it has one."""
+    for folder in ("assessment", "mechanics"):
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            source = path.read_text(encoding="utf-8")
+            yield from _within(path, source, ast.parse(source), "")
+
+
+def _within(
+    path: Path, source: str, node: ast.AST, about: str
+) -> Iterator[tuple[Path, str, ast.FunctionDef, str]]:
+    for inner in ast.iter_child_nodes(node):
+        if isinstance(inner, ast.FunctionDef):
+            yield path, ast.get_source_segment(source, inner) or "", inner, about
+        elif isinstance(inner, ast.ClassDef):
+            yield from _within(path, source, inner, ast.get_docstring(inner) or "")
+
+
+ALL = list(functions())
+
+
+def _arguments(function: ast.FunctionDef) -> int:
+    given = function.args
+    named = [each.arg for each in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
+    return len([name for name in named if name not in {"self", "cls"}])
+
+
+def test_a_long_function_or_one_of_many_arguments_says_why():
+    found = []
+    for path, source, function, _ in ALL:
+        lines = (function.end_lineno or 0) - function.lineno + 1
+        large = lines > MOST_LINES or _arguments(function) > MOST_ARGUMENTS
+        if large and KERNELS not in path.parents and not any(reason in source for reason in REASONS):
+            found.append(f"{path.relative_to(ROOT)}:{function.lineno} {function.name}")
+    assert found == []
+
+
+def _raised(node: ast.AST) -> Iterator[str]:
+    """Names of what is raised in a function: not what a handler of its own catches, nor what is raised again."""
+    for inner in ast.iter_child_nodes(node):
+        if isinstance(inner, ast.Try):
+            caught = " ".join(ast.unparse(each.type) for each in inner.handlers if each.type)
+            yield from (name for name in _raised(ast.Module(inner.body, [])) if name not in caught)
+            rest = [*inner.handlers, *inner.orelse, *inner.finalbody]
+            yield from (name for each in rest for name in _raised(each))
+            continue
+        if isinstance(inner, ast.Raise) and inner.exc is not None:
+            yield ast.unparse(inner.exc).partition("(")[0]
+        elif isinstance(inner, ast.Call) and ast.unparse(inner.func) == "require":
+            yield "ArgumentError"
+        yield from _raised(inner)
+
+
+@pytest.mark.parametrize("package", ["assessment", "mechanics"])
+def test_a_public_function_says_what_it_raises(package):
+    found = []
+    for path, _, function, about in ALL:
+        public = not function.name.startswith("_") or function.name in {"__init__", "__post_init__"}
+        if public and path.relative_to(ROOT).parts[0] == package and any(_raised(function)):
+            docstrings = (ast.get_docstring(function) or "") + about
+            if "aise" not in docstrings:
+                found.append(f"{path.relative_to(ROOT)}:{function.lineno} {function.name}")
+    assert found == []
+
+
+def test_what_a_handler_catches_is_not_raised():
+    tree = ast.parse("def f():\n try:\n  raise A('x')\n except A:\n  raise B from None\n raise\n")
+    assert list(_raised(tree.body[0])) == ["B"]
