@@ -15,8 +15,9 @@ from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError
 from mechanics.kernels.joint import H
 from mechanics.model.assembly import State
 from mechanics.model.contacts import end_gaps
-from mechanics.program import bed_gaps, end_forces
+from mechanics.program import Program, bed_gaps, end_forces
 from mechanics.solvers import ACCEPTED, USABLE, interior, solve
+from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.contact_values import iterate_over, moved_over, over_all, spread, taken
 from mechanics.steps.geometry_iteration import Round, certified, find_equilibrium
@@ -109,7 +110,7 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
     """Return the round of one step from rest at positions (b, 3), sought near the last one."""
     system = problem.system
     program, index = problem.pose(at, None if last is None else last.forces)
-    layout, solves = system.layout.take(index), 0
+    layout, solves, accepted = system.layout.take(index), 0, 1e3 * ACCEPTED
     # what falls is unstable in the geometry that its forces change: then with the geometry held
     held = interior.frozen(program)
     programs = (held,) if program.curved is None else (program, held)
@@ -118,10 +119,13 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
         warm = taken(last.iterate, index)
         attempts = [(tried, warm.warm(tried, STEP.begin)) for tried in programs] + attempts
     for tried, start in attempts:
-        found, outcome = interior.run(tried, layout, start, 1e3 * ACCEPTED)
+        found, outcome = interior.run(tried, layout, start, accepted)
         solves += 1
         if outcome.accepted:
-            solution = interior.solution(tried, found)
+            if tried is held:
+                found = _with_curvature(program, layout, found, accepted)
+                solves += program.curved is not None
+            solution = interior.solution(program, found)
             iterate: Iterate | None = found
             break
     else:
@@ -137,6 +141,18 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
         alpha=solution.alpha,
         solves=solves,
     )
+
+
+def _with_curvature(program: Program, layout: Elimination, held: Iterate, accepted: float) -> Iterate:
+    """Return the solution of a program that is near that with its geometry `held`; the latter where there is none.
+
+    Steps with the geometry held follow a slow motion at a fraction of its speed: it would seem to come to rest.
+    """
+    if program.curved is None:
+        return held
+    start = replace(held.warm(program, REST.near), displacement=held.displacement)
+    found, outcome = interior.run(program, layout, start, accepted)
+    return found if outcome.accepted else held
 
 
 def lifted(equilibrium: Equilibrium, weight: float) -> float:

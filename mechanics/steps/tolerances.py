@@ -80,7 +80,8 @@ class RestTolerances:
     `still`, motion in a step of unit time at rest; `balanced`, motion in a step that is rounding; `lifted`, gap of
     joints that carry; `farthest`, way beyond which a block runs away (1 rad counts as 1): a block that leaves its
     seat or topples has collapsed, even if it comes to rest where it
-    falls. `steps`: largest number of steps.
+    falls. `near`: distance from the bounds, per weight and step, at which the program of a step begins near that with
+    its geometry held. `steps`: largest number of steps.
     """
 
     first: float = 0.5
@@ -90,6 +91,7 @@ class RestTolerances:
     still: float = 1e-5
     balanced: float = 1e-12
     lifted: float = 5e-5
+    near: float = 1e-2
     steps: int = 200
     farthest: float = 0.3
 

@@ -94,7 +94,7 @@ def test_e_and_gamma_star_follow_from_the_virtual_displacements_printed(state, d
 
 def test_a_settled_arch_has_its_mechanism_at_the_largest_multiplier():
     """Its onset closes a hinge of the settlement, and does not move the control point."""
-    project, model = template("buttressed-arch"), assembly("buttressed-arch", 1.0)
+    project, model = template("buttressed-arch"), assembly("buttressed-arch", 1)
     (table,) = project.settlements
     state = pushdown(model, table.support, table.displacement_m, increment=0.004).final
     for direction in ("+x", "-x"):
@@ -209,7 +209,7 @@ def test_figures_count_along_the_push_and_the_page_along_x():
 @pytest.mark.parametrize("direction", ["+x", "-x"])
 def test_forces_at_every_point_of_a_settled_curve_balance_its_loads(direction):
     """Where the arch came to rest under gravity and is pushed again, the forces were those of the rest, without α."""
-    project, model = template("buttressed-arch"), assembly("buttressed-arch", 1.0)
+    project, model = template("buttressed-arch"), assembly("buttressed-arch", 1)
     (table,) = project.settlements
     state = pushdown(model, table.support, table.displacement_m, increment=0.001).final
     control = project.pushover_control(direction).point_m
