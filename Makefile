@@ -2,7 +2,7 @@
 .PHONY: run test docs benchmark setup clean
 
 run: setup
-	.venv/bin/assesto run projects/buttressed_arch
+	.venv/bin/assesto run projects/buttressed_arch --only assessment
 
 test: setup
 	.venv/bin/ruff check .
