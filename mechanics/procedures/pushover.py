@@ -120,7 +120,8 @@ def pushover(
     Every point is an equilibrium in its own displaced geometry: the multiplier is free, and the lateral loads do a
     given work (eq. 5; with elastic joints the same program follows the curve through its peak). If no equilibrium lies
     near, the blocks are released with that work held constant; at α = 0 they are released under gravity. If they come
-    to rest, the curve goes on (with rigid joints at the multiplier that moves them again). If they do not, or the
+    to rest, the curve goes on (with rigid joints at the multiplier that moves them again; with elastic ones, where it
+    has come down to `until`, at the largest load so far). If they do not, or the
     control point goes back, or α jumps below zero, the structure has collapsed: the last equilibrium before is located.
 
     Raises UnstableError if the state cannot stand, ArgumentError for a control point outside every block, ControlError
@@ -176,7 +177,7 @@ class _Curve:
         self.control_rate = self._control_rate(self.first.state.positions)
         self.plateau = (0.0, self.first.alpha)  # displacement at which α last changed, and its value since
         self.crossed: list[tuple[float, float]] = []
-        self.end, self.reached, self.lost = "", False, False
+        self.end, self.reached, self.lost, self.cut = "", False, False, False
 
     def _start(self, state: State | None) -> PathStart:
         """Return the start of a curve from a state (None: as drawn)."""
@@ -220,6 +221,8 @@ class _Curve:
             return  # rigid blocks rest under a range of multipliers: the curve takes the one that moves them again
         if step.alpha >= 0.0:
             self._append(work, step, jumped)
+            if self.cut and not self.system.rigid:
+                self._snap_through()
             return
         nearest = self._down_to_zero(work, fastest, step)
         if nearest is not None:
@@ -286,6 +289,22 @@ class _Curve:
             held if self.along(held.state.positions) >= self.displacement[-1] - self.push.increment else None
         )
 
+    def _snap_through(self) -> None:
+        """Go on where the structure comes to rest farther on with its largest load held: no capacity ends there.
+
+        Beyond a peak a load that stays moves the structure on, to a fall or, as an arch that snaps through, to a rest.
+        """
+        peak, here = max(self.multiplier), self.states[-1]
+        load = self.model.dead_load + peak * self.lateral
+        problem = StepProblem(self.system, here, load, max(self.push.increment, 1e-3 * self.model.size))
+        try:
+            held = motion_to_rest(problem, here.positions)
+        except (NoEquilibriumError, ConvergenceError):
+            return
+        if self.along(held.state.positions) > self.displacement[-1]:
+            self.end, self.cut = "", False
+            self._append(1.0, replace(held, alpha=peak), jumped=True)
+
     def _go_on_from(self, held: Equilibrium) -> bool:
         """Add the onset of a new push where the structure rests again; return False if no push moves it there."""
         try:
@@ -324,6 +343,7 @@ class _Curve:
             and alpha <= self.push.until * max(self.multiplier)
         ):
             self.end = f"α has come down to {self.push.until:g} of its peak"
+            self.cut = True
         if len(self.states) == self.tolerances.points and not self.end:
             self.end = f"a curve has {self.tolerances.points} points at most; write a larger increment_m"
 
