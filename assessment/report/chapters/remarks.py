@@ -66,7 +66,7 @@ def _losses(results: Results, words: Words) -> Iterator[Markup]:
 
 
 def farthest_limit_state(results: Results) -> str:
-    """Return the farthest limit state that was asked for, of which losses are told; empty where none was."""
+    """Return the farthest limit state asked for, that of the losses printed; empty where none was."""
     asked = limit_states(results.echo)
     return next((limit for limit in QUOTED if limit in asked), "")
 
