@@ -120,8 +120,8 @@ def pushover(
     Every point is an equilibrium in its own displaced geometry: the multiplier is free, and the lateral loads do a
     given work (eq. 5; with elastic joints the same program follows the curve through its peak). If no equilibrium lies
     near, the blocks are released with that work held constant; at α = 0 they are released under gravity. If they come
-    to rest, the curve goes on (with rigid joints at the multiplier that moves them again; with elastic ones, where it
-    has come down to `until`, at the largest load so far). If they do not, or the
+    to rest, the curve goes on (with rigid joints at the multiplier that moves them again; with elastic ones, past its
+    peak, at the largest load so far). If they do not, or the
     control point goes back, or α jumps below zero, the structure has collapsed: the last equilibrium before is located.
 
     Raises UnstableError if the state cannot stand, ArgumentError for a control point outside every block, ControlError
@@ -177,7 +177,7 @@ class _Curve:
         self.control_rate = self._control_rate(self.first.state.positions)
         self.plateau = (0.0, self.first.alpha)  # displacement at which α last changed, and its value since
         self.crossed: list[tuple[float, float]] = []
-        self.end, self.reached, self.lost, self.cut = "", False, False, False
+        self.end, self.reached, self.lost = "", False, False
 
     def _start(self, state: State | None) -> PathStart:
         """Return the start of a curve from a state (None: as drawn)."""
@@ -205,6 +205,12 @@ class _Curve:
         Raises RunawayError where a part or the structure falls, NoEquilibriumError or ConvergenceError where no point
         is found.
         """
+        self._next(length, shortest)
+        if self.end and not self.system.rigid and len(self.states) < self.tolerances.points:
+            self._snap_through()
+
+    def _next(self, length: float, shortest: bool) -> None:
+        """Add the next point, or the last one before α = 0; the errors are those of `advance`."""
         fastest = float(abs(self.rate[:, :2]).max())
         work = length / max(self.control_rate, fastest / self.tolerances.largest)
         step, jumped = self._step(work, fastest, shortest)
@@ -221,8 +227,6 @@ class _Curve:
             return  # rigid blocks rest under a range of multipliers: the curve takes the one that moves them again
         if step.alpha >= 0.0:
             self._append(work, step, jumped)
-            if self.cut and not self.system.rigid:
-                self._snap_through()
             return
         nearest = self._down_to_zero(work, fastest, step)
         if nearest is not None:
@@ -302,7 +306,7 @@ class _Curve:
         except (NoEquilibriumError, ConvergenceError):
             return
         if self.along(held.state.positions) > self.displacement[-1]:
-            self.end, self.cut = "", False
+            self.end, self.reached, self.lost = "", False, False
             self._append(1.0, replace(held, alpha=peak), jumped=True)
 
     def _go_on_from(self, held: Equilibrium) -> bool:
@@ -343,7 +347,6 @@ class _Curve:
             and alpha <= self.push.until * max(self.multiplier)
         ):
             self.end = f"α has come down to {self.push.until:g} of its peak"
-            self.cut = True
         if len(self.states) == self.tolerances.points and not self.end:
             self.end = f"a curve has {self.tolerances.points} points at most; write a larger increment_m"
 

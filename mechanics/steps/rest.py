@@ -150,7 +150,7 @@ def _with_curvature(program: Program, layout: Elimination, held: Iterate, accept
     """
     if program.curved is None:
         return held
-    start = replace(held.warm(program, REST.near), displacement=held.displacement)
+    start = replace(held.warm(program, STEP.bend), displacement=held.displacement)
     found, outcome = interior.run(program, layout, start, accepted)
     return found if outcome.accepted else held
 

@@ -15,10 +15,11 @@ class StepTolerances:
     geometry is updated (rigid joints yield nothing in a wrong geometry; gaps of blocks that carry little are known to
     the root of the residual, and they are the next geometry); a program with the last residual is repeated at most
     `rigid_rounds` or `elastic_rounds` times; `solved`: the residual with which a program counts as solved where
-    rounding keeps it from a smaller one. `begin`: distance from the bounds, per weight and step, at which
-    the first program begins near an earlier solution; `go_on`: the same for the next ones, over the residual of the
-    last. `slip_rounds`: number of programs in which Coulomb slips are updated; `slip_gap`: gap left by a change of the
-    slips that is accepted, as a share of a step.
+    rounding keeps it from a smaller one. `begin`: distance from the bounds, per weight and step, at which the first
+    program begins near an earlier solution; `go_on`: the same for the next ones, over the residual of the last;
+    `bend`: the same for a program that begins near that with its geometry held. `slip_rounds`: number of programs in
+    which Coulomb slips are updated; `slip_gap`: gap left by a change of the slips that is accepted, as a share of a
+    step.
 
     Acceptance. `rigid_certificate`, `elastic_certificate`: residuals of the forces in the geometry that they lead
     to; `slow`: the same of rigid joints if forces and geometry approach each other only slowly. `fall`: a motion of
@@ -41,6 +42,7 @@ class StepTolerances:
     solved: float = 1e-8
     begin: float = 0.3
     go_on: float = 0.1
+    bend: float = 1e-2
     slip_rounds: int = 6
     slip_gap: float = 1e-3
     rigid_certificate: float = 1e-8
@@ -79,9 +81,7 @@ class RestTolerances:
     is not solved; `longest`, time of a step that hardly moves. As shares of the block size: `way`, motion in a step;
     `still`, motion in a step of unit time at rest; `balanced`, motion in a step that is rounding; `lifted`, gap of
     joints that carry; `farthest`, way beyond which a block runs away (1 rad counts as 1): a block that leaves its
-    seat or topples has collapsed, even if it comes to rest where it
-    falls. `near`: distance from the bounds, per weight and step, at which the program of a step begins near that with
-    its geometry held. `steps`: largest number of steps.
+    seat or topples has collapsed, even if it comes to rest where it falls. `steps`: largest number of steps.
     """
 
     first: float = 0.5
@@ -91,7 +91,6 @@ class RestTolerances:
     still: float = 1e-5
     balanced: float = 1e-12
     lifted: float = 5e-5
-    near: float = 1e-2
     steps: int = 200
     farthest: float = 0.3
 
