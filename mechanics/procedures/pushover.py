@@ -202,8 +202,8 @@ class _Curve:
     def advance(self, length: float, shortest: bool) -> None:
         """Add the next point, about a length (m) further on; `shortest`: whether no shorter one is tried after it.
 
-        Raises RunawayError where a part or the structure falls, NoEquilibriumError or ConvergenceError where no point
-        is found.
+        Where an elastic curve ends, go on if the structure snaps through. Raises RunawayError where a part or the
+        structure falls, NoEquilibriumError or ConvergenceError where no point is found.
         """
         self._next(length, shortest)
         if self.end and not self.system.rigid and len(self.states) < self.tolerances.points:
