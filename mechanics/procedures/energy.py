@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mechanics.kernels.motion import ELASTIC, IMPACT, INPUT, RUBBED, STEPPING, VISCOUS
+from mechanics.kernels.dynamics.motion import ELASTIC, IMPACT, INPUT, RUBBED, STEPPING, VISCOUS
 from mechanics.model.assembly import Assembly
 from mechanics.types import Array
 

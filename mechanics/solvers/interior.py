@@ -1,4 +1,4 @@
-"""The program by the iteration of kernels.interior_iteration: from a cold start, or near an earlier solution."""
+"""The program by the iteration of kernels.interior.iteration: from a cold start, or near an earlier solution."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mechanics.kernels.interior_iteration import HOLDING, STIFFEST, iterate
+from mechanics.kernels.interior.inertia import inertia
+from mechanics.kernels.interior.iteration import HOLDING, STIFFEST, iterate
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import FRICTION, STRENGTH
-from mechanics.kernels.tangent_inertia import inertia
 from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, certify
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.threads import one_thread

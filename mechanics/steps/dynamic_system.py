@@ -13,12 +13,12 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from mechanics.errors import ConvergenceError
+from mechanics.kernels.dynamics.march import march
+from mechanics.kernels.dynamics.motion import ELASTIC, ENERGIES, JOINT, SPRING, SUNK, strain_energy
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import BED, SHEAR
 from mechanics.kernels.linalg.cholesky import factorise, substitute
-from mechanics.kernels.march import march
 from mechanics.kernels.matrix import diagonal, stiffen
-from mechanics.kernels.motion import ELASTIC, ENERGIES, JOINT, SPRING, SUNK, strain_energy
 from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.program import end_forces
@@ -37,7 +37,7 @@ class Motion:
     """Blocks in motion, changed step by step.
 
     `blocks` (3, b, 3): positions, velocities and mean accelerations of the last step, 0 after an impact; `joints`
-    (j, JOINT) and `energy` (ENERGIES,) kNm: see kernels.motion.
+    (j, JOINT) and `energy` (ENERGIES,) kNm: see kernels.dynamics.motion.
     """
 
     blocks: Array
@@ -84,7 +84,7 @@ class Halving:
 
     @property
     def limits(self) -> tuple[int, float, int, float, bool]:
-        """Levels, share, unsolved levels, unsure share and of_moment, in the order of kernels.march."""
+        """Levels, share, unsolved levels, unsure share and of_moment, in the order of kernels.dynamics.march."""
         return self.levels, self.share, max(self.levels, self.unsolved), self.unsure, self.of_moment
 
 

@@ -25,8 +25,8 @@ from assessment.ntc.curve_fit import SECANT_SHARE
 from assessment.project.catalogue.record import RECORD
 from mechanics import TimeHistory, pushover, time_history
 from mechanics.errors import NoEquilibriumError
-from mechanics.kernels.motion import GAPS, SPRING
-from mechanics.kernels.step_program import COLD
+from mechanics.kernels.dynamics.motion import GAPS, SPRING
+from mechanics.kernels.dynamics.program import COLD
 from mechanics.model.assembly import Behaviour, Direction
 from mechanics.procedures import time_history as histories
 from mechanics.procedures.collapse import TURNED

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.interior_iteration import iterate
+from mechanics.kernels.dynamics.newton import newton
+from mechanics.kernels.interior.iteration import iterate
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, H, U
 from mechanics.kernels.law import FRICTION
-from mechanics.kernels.newton_iteration import newton
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -59,50 +59,57 @@ def _begin_near(laws: Array, weight: float, span: float, central: float, f: Arra
 
 
 @compiled
+def _interior_point(
+    rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any,
+    stored_matrix: Array, packed: Any, chosen: Any,
+) -> tuple[int, float, float, float]:  # fmt: skip
+    """`iterate` without lateral load and curvature; returns as `solve` does."""
+    done, _, force, gap, product = iterate(
+        rows, at, laws, load, np.empty(0), 0.0, mass, np.empty((0, 7)), dx, 0.0, f, y, scale, MOST_ITERATIONS,
+        stored_matrix, packed, chosen,
+    )  # fmt: skip
+    return abs(done), force, gap, product
+
+
+@compiled
 def solve(
     rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any, cold: bool,
     elastic: bool, stops: float, stored_matrix: Array, packed: Any, chosen: Any,
 ) -> tuple[int, float, float, float]:  # fmt: skip
-    """Solve for displacements dx (m,), forces f (j, 3) and gaps y (j, 4) of a step; return as `iterate` does, but no α.
+    """Solve for displacements dx (m,), forces f (j, 3) and gaps y (j, 4) of a step.
 
     With elastic joints Newton's method is tried from the start of the step; if it fails since many joints slide, from
     a rough solution (ROUGHLY) of the interior point. Otherwise, and with rigid joints, the interior point begins near
-    the dx, f and y given.
+    the dx, f and y given. Returns the number of iterations and the residuals of forces, gaps and products.
     """
     # many arguments: arrays one by one, see mechanics.kernels
     weight, size, span, accepted, _ = scale
-    done, none = 0, np.empty(0)
+    done = 0
     if elastic and not cold:
-        moved = np.zeros(len(dx))
-        more, force, gap = newton(
-            rows, at, laws, load, mass, moved, f, y, scale[:4], stored_matrix, packed, chosen
+        done, force, gap = newton(
+            rows, at, laws, load, mass, np.zeros(len(dx)), dx, f, y, scale[:4], stored_matrix, packed, chosen
         )
-        done += more
         if force <= accepted:
-            dx[:] = moved
             return done, force, gap, 0.0
     if cold:
         _begin_cold(at, span, stops, f, y)
     else:
         _begin_near(laws, weight, span, CENTRAL_ELASTIC if elastic else CENTRAL_RIGID, f, y)
     if elastic:
-        more, _, force, gap, product = iterate(
-            rows, at, laws, load, none, 0.0, mass, np.empty((0, 7)), dx, 0.0, f, y,
-            (weight, size, span, ROUGHLY, ROUGHLY), MOST_ITERATIONS, stored_matrix, packed, chosen,
-        )  # fmt: skip
-        done += abs(more)
+        rough = (weight, size, span, ROUGHLY, ROUGHLY)
+        more, force, gap, product = _interior_point(
+            rows, at, laws, load, mass, dx, f, y, rough, stored_matrix, packed, chosen
+        )
+        done += more
         if not max(force, product) <= ROUGHLY:
             return done, force, gap, product
-        moved = dx.copy()
         more, force, gap = newton(
-            rows, at, laws, load, mass, moved, f, y, scale[:4], stored_matrix, packed, chosen
+            rows, at, laws, load, mass, dx, dx, f, y, scale[:4], stored_matrix, packed, chosen
         )
         done += more
         if force <= accepted:
-            dx[:] = moved
             return done, force, gap, 0.0
-    more, _, force, gap, product = iterate(
-        rows, at, laws, load, none, 0.0, mass, np.empty((0, 7)), dx, 0.0, f, y, scale, MOST_ITERATIONS, stored_matrix,
-        packed, chosen,
-    )  # fmt: skip
-    return done + abs(more), force, gap, product
+    more, force, gap, product = _interior_point(
+        rows, at, laws, load, mass, dx, f, y, scale, stored_matrix, packed, chosen
+    )
+    return done + more, force, gap, product

@@ -2,7 +2,7 @@
 
 Balance, loads and springs are taken at a share θ of the step (θ = 1: implicit Euler, the paper's; θ = ½: the middle).
 
-Elastic joints: M(v₁ − v₀)/h = f + BᵀF and Δx/h = v₀ + θ(v₁ − v₀), hence the mass M/(θh²). The forces F: step_gaps.
+Elastic joints: M(v₁ − v₀)/h = f + BᵀF and Δx/h = v₀ + θ(v₁ − v₀), hence the mass M/(θh²). The forces F: gaps.
 
 Rigid joints, at velocity level: M(v₁ − v₀)/h = f + BᵀF and the gap g₀ + h Bv₁ ≥ 0 (Moreau and Jean, without bounce),
 with x₁ = x₀ + h((1 − θ)v₀ + θv₁). What a joint that closes takes of the energy is an impact's, but for what a block
@@ -16,10 +16,8 @@ from typing import Any
 import numpy as np
 
 from mechanics.kernels.bed import crushed
-from mechanics.kernels.jit import compiler
-from mechanics.kernels.joint import PHI, PLACE, H, U, place
-from mechanics.kernels.law import BED, FRICTION, SHEAR
-from mechanics.kernels.motion import (
+from mechanics.kernels.dynamics.gaps import posed, sunk
+from mechanics.kernels.dynamics.motion import (
     ELASTIC,
     ENERGIES,
     GAPS,
@@ -37,8 +35,10 @@ from mechanics.kernels.motion import (
     elastic_beds,
     relative,
 )
-from mechanics.kernels.step_gaps import posed, sunk
-from mechanics.kernels.step_program import COLD, solve
+from mechanics.kernels.dynamics.program import COLD, solve
+from mechanics.kernels.jit import compiler
+from mechanics.kernels.joint import PHI, PLACE, H, U, place
+from mechanics.kernels.law import BED, FRICTION, SHEAR
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")

@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 
 from mechanics.kernels.bed import pressed, stored
+from mechanics.kernels.dynamics.motion import GAPS, GONE, RATE, SPEED, SPRING, SUNK, elastic_beds, relative
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID
-from mechanics.kernels.motion import GAPS, GONE, RATE, SPEED, SPRING, SUNK, elastic_beds, relative
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics.kernels import newton_iteration as loops
 from mechanics.kernels.bed import points
+from mechanics.kernels.dynamics import newton as loops
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.program import certify
@@ -82,7 +82,7 @@ def test_where_it_converges_it_finds_the_solution_of_the_interior_point(model, b
     count, order = len(law), layout.order
     x, f, y = solution.displacement[order], iterate.forces.copy(), iterate.gaps.copy()
     _, force, _ = loops.newton(
-        layout.row, program.places, law, program.load[order], program.mass[order], x, f, y,
+        layout.row, program.places, law, program.load[order], program.mass[order], x, x, f, y,
         (program.weight, program.size, program.step, 1e-7), layout.work_space, layout.packed, np.arange(count),
     )  # fmt: skip
     assert force <= 1e-7

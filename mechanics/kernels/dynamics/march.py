@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from mechanics.kernels.dynamics.motion import LARGEST, SPRING, STANDARD_GRAVITY, elastic_beds
+from mechanics.kernels.dynamics.step import attempt
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.motion import LARGEST, SPRING, STANDARD_GRAVITY, elastic_beds
-from mechanics.kernels.motion_step import attempt
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")

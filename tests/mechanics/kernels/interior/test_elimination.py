@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics.kernels import joint_elimination as loops
+from mechanics.kernels.interior import elimination as loops
+from mechanics.kernels.interior.elimination import KNOWN, LANES
 from mechanics.kernels.joint import H, curvature
-from mechanics.kernels.joint_elimination import KNOWN, LANES
 from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
 from mechanics.model.contacts import rows

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.interior_iteration import Joints, assemble, dot, evaluate
+from mechanics.kernels.interior.elimination import KNOWN, LANES
+from mechanics.kernels.interior.joint_loops import Joints, assemble, dot, evaluate
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.joint_elimination import KNOWN, LANES
 from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.kernels.linalg.signed_factors import factorise_signed, substitute_signed
 from mechanics.types import Array

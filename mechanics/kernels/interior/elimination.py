@@ -1,6 +1,6 @@
 """The laws of a joint about an iterate of the interior point: linearised, and eliminated one joint at a time.
 
-Unknown are N₁, N₂, T, the gaps y₁, y₂ and the slips λ₊, λ₋ (see interior_iteration). Their changes follow from that of
+Unknown are N₁, N₂, T, the gaps y₁, y₂ and the slips λ₊, λ₋ (see iteration). Their changes follow from that of
 the joint's motion (u, φ, v): forces by D, which is written in sums of positive terms, then gaps and slips.
 
 What is known of joints is kept in rows of LANES of them (rows, KNOWN): the same quantity of eight joints side by side,

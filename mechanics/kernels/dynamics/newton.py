@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mechanics.kernels.bed import crushed, points
-from mechanics.kernels.interior_iteration import unbalanced
+from mechanics.kernels.interior.joint_loops import unbalanced
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
@@ -170,10 +170,10 @@ def _end(joints: Any, x: Array, known: Array, f: Array, y: Array) -> None:
 
 @compiled
 def newton(
-    row: Any, places: Array, law: Array, load: Array, mass: Array, x: Array, f: Array, y: Array, scale: Any,
-    stored: Array, packed: Any, which: Any,
+    row: Any, places: Array, law: Array, load: Array, mass: Array, begun: Array, x: Array, f: Array, y: Array,
+    scale: Any, stored: Array, packed: Any, which: Any,
 ) -> tuple[int, float, float]:  # fmt: skip
-    """Iterate on x (m,) from where it is; f (j, 3) and y (j, 4) as in interior_iteration, changed where it converges.
+    """Iterate from displacements `begun` (m,); x (m,), f (j, 3) and y (j, 4), as in `iterate`, change if it converges.
 
     `scale`: weight, size and step, and what is accepted of unbalanced forces per weight. Returns the number of
     iterations, the unbalanced force per weight, infinite where it has not converged, and the gaps missed, per step.
@@ -182,14 +182,15 @@ def newton(
     pattern = unpacked(packed)
     weight, size, step, accepted = scale
     joints, known = Joints(row, places, law, which), np.empty((len(row), KNOWN))
-    residual, least = np.empty(len(x)), STICKING * step / weight
+    moved, residual, least = begun.copy(), np.empty(len(x)), STICKING * step / weight
     _begin(law, f, y, step / weight, known)
     for iteration in range(MOST + 1):
-        residual[:] = load - mass * x
-        changed, missed = _evaluate(joints, x, weight, least, known, residual)
+        residual[:] = load - mass * moved
+        changed, missed = _evaluate(joints, moved, weight, least, known, residual)
         force, gap = unbalanced(residual, size) / weight, missed / step
         if force <= accepted and gap <= STUCK and changed == 0:
-            _end(joints, x, known, f, y)
+            _end(joints, moved, known, f, y)
+            x[:] = moved
             return iteration, force, gap
         unsettled = iteration > 0 and changed > FEW + MANY * len(row)
         if iteration == MOST or unsettled or not force < np.inf:
@@ -198,5 +199,5 @@ def newton(
         if not solve(stored, pattern, residual):
             break
         _follow(joints, known, residual)
-        x += residual
+        moved += residual
     return iteration, np.inf, gap

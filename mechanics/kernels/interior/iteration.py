@@ -1,0 +1,228 @@
+"""The program over joints by a primal-dual interior-point method: static or dynamic, rigid or elastic.
+
+Unknown are the displacements x, the multiplier α and per joint the forces N₁, N₂ > 0 at the ends of the overlap and T,
+with |T| < μN, their gaps y₁, y₂ > 0 and the slips λ₊, λ₋ > 0:
+
+    equilibrium    f + αf_L + Bᵀ(N, P, T) + Gx − M̄x = 0
+    ends           u ∓ hφ − μ(λ₊ + λ₋) = ∂W*/∂N₁,₂ + Σ y ∂g/∂N₁,₂       W* = 0: rigid
+    slip           λ₊ − λ₋ = v − v₀ + T/k_t
+    products       g₁y₁ = g₂y₂ = (μN + T)λ₊ = (μN − T)λ₋ = τ → 0        g₁,₂ = N₁,₂ − κN², κ = 1/(4hσ)
+    work           f_L·x = γ
+
+with σ the strength per length, and G what the forces of an earlier solution change as the geometry does. All but x and
+α are eliminated joint by joint (elimination), which leaves BᵀDB + M̄ − G, three rows a block. Predictor and
+corrector after Mehrotra, one more corrector after Gondzio; the forces that follow from stiff joints are refined until
+equilibrium holds to rounding.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mechanics.kernels.interior.elimination import CHANGES, CN1, KNOWN, LANES
+from mechanics.kernels.interior.joint_loops import (
+    TO_THE_BOUND,
+    Joints,
+    advance,
+    aim_all,
+    assemble,
+    change_all,
+    clear_corrections,
+    correct_stray,
+    dot,
+    evaluate,
+    follow_all,
+    predicted,
+    push_all,
+    unbalanced,
+    within_strength,
+)
+from mechanics.kernels.jit import compiler
+from mechanics.kernels.law import BED
+from mechanics.kernels.linalg.cholesky import factorise, substitute
+from mechanics.kernels.linalg.pattern import unpacked
+from mechanics.kernels.linalg.signed_factors import factorise_signed, substitute_signed
+from mechanics.types import Array
+
+compiled = compiler("contract", "reassoc")
+
+STIFFEST = 1e-11  # compliance, per step and weight, that bounds the stiffness of closed and of stuck joints
+CENTRED = 0.3  # of the mean product is the least target while gaps are missed by more,
+BEHIND = 0.01  # and all of it where the products are smaller than this share of what is missed
+HOLDING = 1e-8  # stiffness, per weight and step, that holds blocks
+FIRMER = 10.0  # by which it grows where there is no factor
+FIRM = 1.0  # the most of it
+REFINEMENTS = 3  # of the forces of an iteration
+ROUNDING = 1e-3  # share of the unbalanced force, or of what is accepted, that a refinement may leave
+ROUNDED = 3e-15  # an imbalance, per weight, that is none
+WIDE = 1e-4  # gaps count for so much less than forces and products in what is accepted
+FARTHER = 1.5  # times as far as a step leads, products are looked at
+IDLE = 10  # iterations without progress after which the method ends
+
+
+@compiled
+def _back(stored: Array, pattern: Any, signed: bool, x: Array) -> None:
+    if signed:
+        substitute_signed(stored, pattern.places, pattern.last, x)
+    else:
+        substitute(stored, pattern, x)
+
+
+@compiled
+def _factorised(joints: Any, known: Array, held: Array, tied: bool, stored: Array, pattern: Any) -> bool:
+    """Whether the matrix has a factor, then in its place. `tied`: a multiplier, whose work holds one motion.
+
+    With curvature the matrix may then have one negative pivot, beyond the peak.
+    """
+    assemble(joints, known, held, stored, pattern)
+    if len(joints.curved):
+        negative = factorise_signed(stored, pattern.places, pattern.last)
+        return bool(negative == 0 or (negative == 1 and tied))
+    return bool(factorise(stored, pattern))
+
+
+@compiled
+def _refine(
+    joints: Any, known: Array, load: Array, lateral: Array, mass: Array, swayed: Array, gives: float, dalpha: float,
+    dx: Array, enough: float, size: float, target: float, stiff: float, fine: Array, stored: Array, pattern: Any,
+) -> float:  # fmt: skip
+    """Refine displacements dx and changes of forces until they balance the residual `load` (m,); the new Δα.
+
+    Closed and stuck joints are stiff: forces that follow from motions lose their digits there.
+    """
+    # many arguments: arrays one by one, see mechanics.kernels
+    for _ in range(REFINEMENTS):
+        fine[:] = load
+        if len(lateral):
+            fine += dalpha * lateral
+        if len(mass):
+            fine -= mass * dx
+        push_all(joints, known, dx, fine)
+        if unbalanced(fine, size) <= enough:
+            break
+        _back(stored, pattern, len(joints.curved) > 0, fine)
+        if len(lateral):
+            more = -dot(lateral, fine) / gives
+            dalpha += more
+            fine += more * swayed
+        follow_all(joints, known, fine, target, stiff, True)
+        dx += fine
+    return dalpha
+
+
+@compiled
+def iterate(
+    row: Any, places: Array, law: Array, load: Array, lateral: Array, work: float, mass: Array, curved: Array,
+    x: Array, alpha: float, f: Array, y: Array, scale: Any, most: int, stored: Array, packed: Any, which: Any,
+) -> tuple[int, float, float, float, float]:  # fmt: skip
+    """Iterate on x (m,), α, f (j, 3): N₁, N₂, T, and y (j, 4): y₁, y₂, λ₊, λ₋, in one geometry and in place.
+
+    `places` (j, PLACE), `law` (j, LAW); `lateral`, `mass` (m,) and `curved` (j, 7: joint.curvature) may be empty;
+    `scale`: weight, size and step; what is accepted of unbalanced forces per weight and of gaps, 1/WIDE times as much,
+    per step; and of products per weight and step. `which` (j,): their places among the joints of the pattern, that of
+    `packed`. Returns the number of iterations, negative if no iteration leads on (with curvature: if equilibrium is not
+    stable), α, and the residuals of forces, gaps and products, scaled likewise.
+    """
+    # many arguments and lines: arrays one by one, and a loop whose stages share a dozen arrays, see mechanics.kernels
+    pattern = unpacked(packed)
+    weight, size, step, accepted, closed = scale
+    count, c, unit = len(x), len(row), step / weight
+    joints = Joints(row, places, law, curved, which)
+    known = np.empty(((c + LANES - 1) // LANES, KNOWN))
+    tied = len(mass) > 0 or (law[:, BED] < np.inf).any()  # forces and gaps, to each other
+    pushed, signed, stiff, holding = len(lateral) > 0, len(curved) > 0, 1.0 / unit, HOLDING
+    kept_dx, kept_change = np.empty(count), np.empty((len(known), KNOWN - CN1))
+    residual, dx, swayed = np.empty(count), np.empty(count), np.empty(count)
+    held, fine = np.empty(count), np.empty(count)
+    best, since, iteration = np.inf, 0, 0
+    best_x, best_f, best_y = x.copy(), f.copy(), y.copy()
+    best_alpha, best_off = alpha, (np.inf, np.inf, np.inf)
+    while True:
+        residual[:] = load
+        if pushed:
+            residual += alpha * lateral
+        if len(mass):
+            residual -= mass * x
+        gap_off, mean = evaluate(joints, x, f, y, unit * STIFFEST, known, residual)
+        force_off = unbalanced(residual, size)
+        lacking = work - dot(lateral, x) if pushed else 0.0
+        force, gap, product = (
+            max(force_off / weight, abs(lacking) / (weight * step)), gap_off / step, mean / (weight * step),
+        )  # fmt: skip
+        off = max(force, gap)
+        if not (off < np.inf and product < np.inf):
+            return -1, alpha, np.inf, np.inf, np.inf
+        if max(force, WIDE * gap) <= accepted and product <= closed:
+            return iteration, alpha, force, gap, product
+        since += 1
+        if max(off, product) < 0.5 * best:
+            best, since = max(off, product), 0
+            best_x[:], best_alpha, best_f[:], best_y[:], best_off = x, alpha, f, y, (force, gap, product)
+        if iteration == most or since > IDLE:  # rounding may throw back what is near the end
+            x[:], f[:], y[:] = best_x, best_f, best_y
+            return iteration, best_alpha, best_off[0], best_off[1], best_off[2]
+        iteration += 1
+        while True:  # firmer where rounding outweighs the hold
+            held[:] = holding * stiff
+            held[2::3] *= size**2
+            if len(mass):
+                held += mass
+            if _factorised(joints, known, held, pushed, stored, pattern):
+                break
+            if holding >= FIRM:
+                return -iteration, alpha, force, gap, product
+            holding *= FIRMER
+        gives = 1.0
+        if pushed:
+            swayed[:] = lateral
+            _back(stored, pattern, signed, swayed)
+            gives = dot(lateral, swayed)
+        clear_corrections(known)
+        target, dalpha, most_f, most_g = 0.0, 0.0, 0.0, 0.0
+        kept_f, kept_g, kept_alpha = 0.0, 0.0, 0.0
+        for corrects in range(3):
+            dx[:] = residual
+            aim_all(joints, known, target, dx)
+            _back(stored, pattern, signed, dx)
+            if pushed:
+                dalpha = (lacking - dot(lateral, dx)) / gives
+                dx += dalpha * swayed
+            follow_all(joints, known, dx, target, stiff, corrects > 0)
+            if corrects:
+                enough = max(ROUNDING * max(force_off, accepted * weight), ROUNDED * weight)
+                dalpha = _refine(
+                    joints, known, residual, lateral, mass, swayed, gives, dalpha, dx, enough, size, target, stiff,
+                    fine, stored, pattern,
+                )  # fmt: skip
+            most_f, most_g = change_all(joints, known, target, stiff)
+            if tied:
+                most_f = most_g = max(most_f, most_g)
+            if corrects == 2:
+                if max(most_f, most_g) > max(kept_f, kept_g):  # the earlier step leads farther
+                    most_f, most_g, dalpha = kept_f, kept_g, kept_alpha
+                    dx[:], known[:, CHANGES] = kept_dx, kept_change
+                break
+            reach_f, reach_g = 1.0 / max(most_f, 1.0), 1.0 / max(most_g, 1.0)
+            if corrects == 1:
+                if max(most_f, most_g) <= 1.0:
+                    break
+                kept_f, kept_g, kept_alpha = most_f, most_g, dalpha
+                kept_dx[:], kept_change[:] = dx, known[:, CHANGES]
+                to_f, to_g = min(1.0, FARTHER * reach_f + 0.1), min(1.0, FARTHER * reach_g + 0.1)
+                correct_stray(joints, known, to_f, to_g, target)
+            else:
+                ahead = predicted(joints, known, reach_f, reach_g)
+                centre = (ahead / (4.0 * c * mean)) ** 3 if mean > 0.0 else 0.0
+                if off > product:
+                    centre = max(centre, CENTRED if product > BEHIND * off else 1.0)
+                target = centre * mean
+        reach_f = 1.0 if most_f < TO_THE_BOUND else TO_THE_BOUND / most_f
+        reach_g = 1.0 if most_g < TO_THE_BOUND else TO_THE_BOUND / most_g
+        reach_f = within_strength(joints, known, reach_f)
+        if tied:
+            reach_f = reach_g = min(reach_f, reach_g)
+        advance(joints, known, reach_f, reach_g, f, y)
+        x += reach_g * dx
+        alpha += reach_f * dalpha
