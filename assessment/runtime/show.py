@@ -6,7 +6,12 @@ from collections.abc import Sequence
 
 
 class Show:
-    """Receives the progress of the analyses; this one ignores it."""
+    """Receives the progress of the analyses; this one ignores it.
+
+    `interval` (s): between two reports of how far an analysis at work is.
+    """
+
+    interval = 0.25
 
     def begin(self, stage: str, total: int, taken: int, work: float) -> None:
         """A stage begins: of `total` analyses all but `taken` are to be computed, `work` in all."""

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar, TypeVarTuple
 
 from assessment.runtime.cache import Store, packed, unpacked
 from assessment.runtime.fingerprint import fingerprint
-from assessment.runtime.processes.pool import LOOK, KilledError, Pool, finished, processes, tell
+from assessment.runtime.processes.pool import KilledError, Pool, finished, processes, tell
 from assessment.runtime.show import SILENCE, Show
 
 if TYPE_CHECKING:
@@ -59,8 +59,8 @@ class _Work:
         self.show.advance(self._reached())
 
     def hear(self, number: int, share: float | None) -> None:
-        """Take over the share that is done of an analysis in this process; it is reported every LOOK at most."""
-        if share is not None and time.monotonic() - self.looked >= LOOK:
+        """Take over the share that is done of an analysis in this process; reported at the `interval` of `show`."""
+        if share is not None and time.monotonic() - self.looked >= self.show.interval:
             self.looked = time.monotonic()
             self.look({number: share})
 

@@ -28,7 +28,7 @@ Flags = NDArray[np.bool_]
 class Overlaps:
     """`faults`; `pairs` (p, 2) of blocks that overlap; `surplus` (b,): copies, and frames around other blocks.
 
-    `cut_short`: there are more than MOST_PAIRS, and no more were looked for.
+    `cut_short`: there are more than the most that are looked for.
     """
 
     faults: list[Fault]
@@ -37,20 +37,20 @@ class Overlaps:
     cut_short: bool
 
 
-def overlaps_of(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> Overlaps:
-    """Find the blocks that overlap by more than the tolerance (m).
+def overlaps_of(
+    blocks: Sequence[Block], polygons: Polygons, tolerance: float, most: int = MOST_PAIRS
+) -> Overlaps:
+    """Find the blocks that overlap by more than the tolerance (m), `most` pairs.
 
     A circle of that diameter fits into the common area, or a vertex lies that deep inside.
     """
-    pairs, cut_short = _overlapping(blocks, polygons, tolerance)
+    pairs, cut_short = _overlapping(blocks, polygons, tolerance, most)
     surplus = np.zeros(len(blocks), dtype=bool)
     faults = [*_copies(blocks, polygons, pairs, tolerance, surplus)]
     others = pairs[~surplus[pairs].any(axis=1)]
     faults += _overlap_faults(blocks, polygons, others, surplus)
     if cut_short:
-        text = (
-            f"more than {MOST_PAIRS} pairs of blocks overlap, and no more were looked for; mend these first"
-        )
+        text = f"more than {most} pairs of blocks overlap, and no more were looked for; mend these first"
         faults.append(Fault("overlap", text))
     return Overlaps(faults, pairs, surplus, cut_short)
 
@@ -74,8 +74,10 @@ def place_of(point: Array) -> str:
     return f"({x:.6g}, {z:.6g}) m"
 
 
-def _overlapping(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> tuple[Index, bool]:
-    """Return the pairs (p, 2) of blocks that overlap, in order, and whether there are more than MOST_PAIRS."""
+def _overlapping(
+    blocks: Sequence[Block], polygons: Polygons, tolerance: float, most: int
+) -> tuple[Index, bool]:
+    """Return the pairs (p, 2) of blocks that overlap, in order, and whether there are more than the `most`."""
     owner = np.repeat(np.arange(len(blocks)), [len(b.polygon) for b in blocks])
     vertices = shapely.points(np.concatenate([b.polygon for b in blocks]))
     rims = shapely.boundary(polygons)
@@ -95,8 +97,8 @@ def _overlapping(blocks: Sequence[Block], polygons: Polygons, tolerance: float) 
         near = np.concatenate([np.stack([i + first, j], 1), np.stack([owner[v], k], 1)[deep]])
         near = np.sort(near[near[:, 0] != near[:, 1]], axis=1)
         found = np.unique(np.concatenate([found, near]), axis=0) if len(near) else found
-        if len(found) > MOST_PAIRS:
-            return found[:MOST_PAIRS], True
+        if len(found) > most:
+            return found[:most], True
     return found, False
 
 

@@ -80,6 +80,7 @@ def pushdown(
     contacts: Behaviour = "rigid",
     to_collapse: bool = False,
     sliding: Sliding = "associative",
+    tolerances: PushdownTolerances = PUSHDOWN,
 ) -> Pushdown:
     """Move a support by `displacement` (2,) m and `rotation` (rad, about its drawn centroid), in increments.
 
@@ -91,16 +92,17 @@ def pushdown(
     is applied (the error carries the path so far), NoEquilibriumError or ConvergenceError if that cannot be decided,
     ArgumentError for an argument out of its range.
     """
+    # nine arguments: the public function of the package, called with keywords
     Assembly.check(model)
     target, full = _target(model, support, displacement, rotation)
     require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
     check_self_weight(model)
     moving = _Moving(static_system(model, contacts, sliding), support, target, rotation, full)
-    path = _Path(moving, increment)
+    path = _Path(moving, increment, tolerances)
     limit = max(full, _longest(model)) if to_collapse else full
     final, ultimate, end, bisection = None, None, "the whole movement is applied", Bisection(increment)
     while path.movement[-1] < limit * (1.0 - 1e-9):
-        if final is not None and len(path.steps) >= PUSHDOWN.points:
+        if final is not None and len(path.steps) >= tolerances.points:
             end = path.too_many_points
             break
         here = path.movement[-1]
@@ -177,14 +179,15 @@ class _Moving:
 class _Path:
     """The path as far as it has been followed."""
 
-    def __init__(self, moving: _Moving, increment: float) -> None:
+    def __init__(self, moving: _Moving, increment: float, tolerances: PushdownTolerances) -> None:
         self.moving, self.system, self.model = moving, moving.system, moving.system.model
+        self.tolerances = tolerances
         self.index = self.model.support(moving.support)
         self.smallest = 0.0 if self.system.rigid else rest_size(self.model, "elastic")
         start = rest(self.system, self.model.initial)
         begun = start
         if self.system.rigid:
-            onset = PUSHDOWN.onset * min(increment, self.model.size)
+            onset = tolerances.onset * min(increment, self.model.size)
             begun = self._step(start, np.zeros_like(start.state.positions), 0.0, onset, onset, True)
         self.steps, self.movement = [start], [0.0]
         self.reactions = [reaction(self.model, begun, self.index)[:2]]
@@ -197,7 +200,7 @@ class _Path:
     ) -> Equilibrium:
         guess = self.moving.moved(last.state.positions + past * by, here + by)
         expected = max(self.moving.lever * max(by, size), self.smallest)
-        self.system = self.system.around(last.state.positions, PUSHDOWN.look_ahead * expected)
+        self.system = self.system.around(last.state.positions, self.tolerances.look_ahead * expected)
         problem = StepProblem(self.system, last.state, self.model.dead_load, expected)
         # the forces at rest do not show which hinges will open: the first step has a cold start
         found, self.jumped = reach(problem, guess, last if past.any() else None, shortest)
@@ -226,7 +229,7 @@ class _Path:
     def too_many_points(self) -> str:
         """Why a path to collapse ends after so many points, and what to change."""
         key = "increment_m" if self.moving.displacement.any() else "increment_rad"
-        return f"a path has {PUSHDOWN.points} points at most; write a larger {key}"
+        return f"a path has {self.tolerances.points} points at most; write a larger {key}"
 
     @property
     def applied(self) -> bool:
@@ -248,7 +251,7 @@ class _Path:
         """Whether every movable block moved by just the support's translation (2,) m in the last step."""
         before, after = (step.state.positions for step in self.steps[-2:])
         apart = abs((after - before)[self.model.movable] - [*moved, 0.0]).max()
-        return bool(apart < PUSHDOWN.whole * float(abs(moved).max()))
+        return bool(apart < self.tolerances.whole * float(abs(moved).max()))
 
     def result(self, final: State | None, ultimate: float | None, end: str) -> Pushdown:
         """Return the path as a result."""

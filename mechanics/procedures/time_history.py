@@ -39,16 +39,36 @@ from mechanics.types import GRAVITY, Array
 
 Integrator = Literal["auto", "moreau-jean", "second-order", "implicit-euler"]
 
-FEW = 3  # most movable blocks for which every impact is located
-LOCATED = Halving(10, 1e-4, of_moment=True)  # second order, rigid: steps down to 1/1024 at impacts
-RESOLVED = Halving(6, 4e-3, unsure=1e-4)  # Moreau-Jean: steps down to 1/64 where impacts take energy
-# second order, elastic: steps down to 1/16, but not shorter than an impact lasts
-CLOSING = Halving(4, 0.02, unsure=1e-4)
-UNSOLVED = Halving(0, np.inf)  # implicit Euler: only steps that are not solved are halved
-CHUNK = 200  # steps after which collapse is looked for
-BALANCED = 1e-4  # imbalance, as a share of the energy turned over, that needs no warning
-TAKEN = 0.2  # share of the integrator in the dissipated energy above which a warning is given
-NOTHING = 1e-6  # energy, as a share of the weight lifted by a block's size, below which nothing moves
+
+@dataclass(frozen=True, slots=True)
+class HistoryTolerances:
+    """Tolerances of a time history.
+
+    Halving of steps. `few`: most movable blocks for which every impact is located; `located`, second order with rigid
+    joints: steps down to 1/1024 at impacts; `resolved`, Moreau and Jean: down to 1/64 where impacts take energy;
+    `closing`, second order with elastic joints: down to 1/16, but not shorter than an impact lasts; `unsolved`,
+    implicit Euler: only steps that are not solved are halved.
+
+    `accepted`: residual of a program, per weight and span; `chunk`: steps after which collapse is looked for.
+
+    Warnings. `balanced`: imbalance, as a share of the energy turned over, that needs none; `taken`: share of the
+    integrator in the dissipated energy above which one is given; `nothing`: energy, as a share of the weight lifted by
+    a block's size, below which nothing moves.
+    """
+
+    few: int = 3
+    located: Halving = Halving(10, 1e-4, of_moment=True)
+    resolved: Halving = Halving(6, 4e-3, unsure=1e-4)
+    closing: Halving = Halving(4, 0.02, unsure=1e-4)
+    unsolved: Halving = Halving(0, np.inf)
+    accepted: float = 1e-7
+    chunk: int = 200
+    balanced: float = 1e-4
+    taken: float = 0.2
+    nothing: float = 1e-6
+
+
+HISTORY = HistoryTolerances()
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +120,7 @@ def time_history(
     control: ArrayLike | None = None,
     ultimate: float | None = None,
     restitution: float = 0.0,
+    tolerances: HistoryTolerances = HISTORY,
 ) -> TimeHistory:
     """Integrate the motion under base accelerations (k,) in g, sampled at `time_step` (s) and linear in between.
 
@@ -119,14 +140,14 @@ def time_history(
     falls, or is out of reach of all its contacts; or the control point is past its `ultimate` displacement (m) and
     moves outward. Raises ArgumentError for an argument out of its range, ConvergenceError if a step is not solved.
     """
-    # eleven arguments: the public function of the package, called with keywords
+    # twelve arguments: the public function of the package, called with keywords
     Assembly.check(model)
     base = _base(acceleration, vertical_acceleration, time_step)
     _check(contacts, integrator, damping_ratio, restitution)
     point = _control_point(model, control, ultimate)
-    used, chosen = _chosen(model, contacts, integrator)
+    used, chosen = _chosen(model, contacts, integrator, tolerances.few)
     system, start, motion = _begun(
-        model, contacts, model.starting(state), used, time_step, damping_ratio, restitution
+        model, contacts, model.starting(state), used, time_step, damping_ratio, restitution, tolerances
     )
 
     parts: list[Recorded] = []
@@ -134,12 +155,12 @@ def time_history(
     while done < len(base) - 1 and not reason:
         system = system.around(motion)
         part, reason = _until_collapse(
-            system, system.march(motion, base[done : done + CHUNK + 1], time_step), start, point
+            system, system.march(motion, base[done : done + tolerances.chunk + 1], time_step), start, point
         )
         parts.append(part)
         done += len(part.x) - 1
         tell(done / (len(base) - 1))
-    return _history(system, start, motion, parts, time_step, point, reason, used, chosen)
+    return _history(system, start, motion, parts, time_step, point, reason, used, chosen, tolerances)
 
 
 def _control_point(model: Assembly, control: ArrayLike | None, ultimate: float | None) -> ControlPoint | None:
@@ -180,14 +201,14 @@ def _check(contacts: Behaviour, integrator: Integrator, damping_ratio: float, re
             "0 except with rigid contacts and an integrator of second order")  # fmt: skip
 
 
-def _chosen(model: Assembly, contacts: Behaviour, integrator: Integrator) -> tuple[Integrator, str]:
-    """Return the integrator that is used, and why."""
+def _chosen(model: Assembly, contacts: Behaviour, integrator: Integrator, few: int) -> tuple[Integrator, str]:
+    """Return the integrator that is used, and why; `few`: see HistoryTolerances."""
     if integrator != "auto":
         return integrator, "as asked for"
     if contacts == "elastic":
         return "second-order", "elastic joints: steps are halved where closing joints take energy"
     movable = int(model.movable.sum())
-    if movable <= FEW:
+    if movable <= few:
         return "second-order", f"{movable} movable blocks: every impact is located"
     return "moreau-jean", f"{movable} movable blocks: many impacts, resolved where they take energy"
 
@@ -200,6 +221,7 @@ def _begun(
     time_step: float,
     damping_ratio: float,
     restitution: float,
+    tolerances: HistoryTolerances,
 ) -> tuple[DynamicSystem, State, Motion]:
     """Return the system, the state in which the motion begins, and the motion."""
     start, forces = _settled(model, contacts, state)
@@ -210,8 +232,9 @@ def _begun(
         gap = end_gaps(statics.contacts.places(start.positions)).min(axis=1).clip(0.0)
         gaps = np.where(carried(statics.contacts, start), gap, 0.0)
     theta = 1.0 if integrator == "implicit-euler" else 0.5
-    halving = _halving(model, contacts, integrator, time_step)
-    system = DynamicSystem(statics, theta, _damping(model, damping_ratio), restitution, halving)
+    halving = _halving(model, contacts, integrator, time_step, tolerances)
+    damping = _damping(model, damping_ratio)
+    system = DynamicSystem(statics, theta, damping, restitution, halving, tolerances.accepted)
     if forces is not None and len(forces) != len(statics.contacts):
         forces = None
     return system, start, system.begun(start, forces, gaps)
@@ -227,13 +250,19 @@ def _damping(model: Assembly, damping_ratio: float) -> float:
     return 2.0 * damping_ratio / frequency
 
 
-def _halving(model: Assembly, contacts: Behaviour, integrator: Integrator, time_step: float) -> Halving:
+def _halving(
+    model: Assembly,
+    contacts: Behaviour,
+    integrator: Integrator,
+    time_step: float,
+    tolerances: HistoryTolerances,
+) -> Halving:
     """Return when steps are halved, and how often; steps of elastic joints not below the time of an impact."""
     if integrator == "implicit-euler":
-        return UNSOLVED
+        return tolerances.unsolved
     if contacts == "rigid":
-        return LOCATED if integrator == "second-order" else RESOLVED
-    halving = CLOSING if integrator == "second-order" else RESOLVED
+        return tolerances.located if integrator == "second-order" else tolerances.resolved
+    halving = tolerances.closing if integrator == "second-order" else tolerances.resolved
     finer = np.ceil(np.log2(max(time_step / contact_period(model), 1.0)))
     return replace(halving, levels=min(halving.levels, int(finer)))
 
@@ -264,10 +293,10 @@ def _settled(model: Assembly, contacts: Behaviour, state: State) -> tuple[State,
 
 def _history(
     system: DynamicSystem, start: State, motion: Motion, parts: list[Recorded], time_step: float,
-    point: ControlPoint | None, reason: str, integrator: Integrator, chosen: str,
+    point: ControlPoint | None, reason: str, integrator: Integrator, chosen: str, tolerances: HistoryTolerances,
 ) -> TimeHistory:  # fmt: skip
     """Join the recorded parts of a motion to its result."""
-    # nine arguments: all that the run has, used once
+    # ten arguments: all that the run has, used once
     model, drawn = system.model, len(system.model.contacts)
     x, v, energies = (
         np.concatenate([parts[0].__dict__[name][:1], *(part.__dict__[name][1:] for part in parts)])
@@ -299,8 +328,8 @@ def _history(
         halvings=halvings,
         cold=cold,
         worst=float(system.counts[4]),
-        unsure=float(system.counts[5]) / max(energy.turnover, NOTHING * model.weight * model.size),
-        notes=_notes(model, x[-1], energy),
+        unsure=float(system.counts[5]) / max(energy.turnover, tolerances.nothing * model.weight * model.size),
+        notes=_notes(model, x[-1], energy, tolerances),
     )
 
 
@@ -321,16 +350,16 @@ def _base(horizontal: ArrayLike, vertical: ArrayLike | None, time_step: float) -
     return base
 
 
-def _notes(model: Assembly, last: Array, energy: Energy) -> tuple[str, ...]:
+def _notes(model: Assembly, last: Array, energy: Energy, tolerances: HistoryTolerances) -> tuple[str, ...]:
     """Return warnings: blocks that overlap, an energy balance with an error, energy that the integrator dissipated."""
     notes = () if model.collisions else passing_through(model, last)
-    moves = energy.turnover > NOTHING * model.weight * model.size
-    if moves and energy.imbalance > BALANCED:
+    moves = energy.turnover > tolerances.nothing * model.weight * model.size
+    if moves and energy.imbalance > tolerances.balanced:
         notes += (
             f"the energy balance leaves {energy.imbalance:.1%} of what was turned over open: "
             "a step is not solved as accurately as it should be; take a shorter one",
         )
-    if moves and energy.integrator_share > TAKEN:
+    if moves and energy.integrator_share > tolerances.taken:
         notes += (
             f"the integrator itself took {energy.integrator_share:.0%} of the energy dissipated: "
             "impacts are shorter than the steps and the peak may be too small; take a shorter step and compare",

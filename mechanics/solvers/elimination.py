@@ -16,8 +16,23 @@ from mechanics.solvers.dissection import dissected, fronts
 from mechanics.types import Array, Index
 
 PADDING = 13  # places of a band beyond its width, for tiles that reach over its edge
-WORTH_WHILE = 4e6  # products of a factorisation in the band, from which dissection is tried
-DEARER = 1.5  # cost of a product in a front over that of one in the band
+
+
+@dataclass(frozen=True, slots=True)
+class Storage:
+    """When matrices are stored in fronts.
+
+    `worth_while`: products of a factorisation in the band from which dissection is tried; `dearer`: cost of a product
+    in a front over that of one in the band.
+    """
+
+    worth_while: float = 4e6
+    dearer: float = 1.5
+
+
+CHEAPER = Storage()
+BANDED = Storage(worth_while=np.inf)
+"""Without fronts, whatever the size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,21 +51,18 @@ class Elimination:
     fronts: Fronts
 
     @classmethod
-    def of(cls, dof: Index, centres: Array | None = None, banded: bool = False) -> Elimination:
-        """Return the order for joints with the rows `dof` (c, 6), as in Program; `centres` (m/3, 2), m: of the blocks.
-
-        `banded`: without fronts, whatever the size.
-        """
+    def of(cls, dof: Index, centres: Array | None = None, storage: Storage = CHEAPER) -> Elimination:
+        """Return the order for joints with the rows `dof` (c, 6), as in Program; `centres` (m/3, 2), m: of blocks."""
         blocks = (int(dof.max(initial=-1)) + 1) // 3 if centres is None else len(centres)
         pairs = dof[:, [0, 3]] // 3
         linked = np.unique(np.sort(pairs[(pairs >= 0).all(axis=1)], axis=1), axis=0)
         order, found = narrowest_order(linked, blocks, centres), NO_FRONTS
         width = 3 * half_band(linked, order) + 3
         in_band = 0.5 * 3 * blocks * width**2
-        if centres is not None and in_band >= WORTH_WHILE and not banded:
+        if centres is not None and in_band >= storage.worth_while:
             other, bounds = dissected(linked, centres)
             panels = fronts(np.argsort(other)[linked], bounds)
-            if DEARER * panels.products() < in_band:
+            if storage.dearer * panels.products() < in_band:
                 order, found = other, panels
         rank = np.argsort(order)
         rows = (3 * order[:, None] + np.arange(3)).ravel()

@@ -28,7 +28,6 @@ from mechanics.steps.contact_values import moved_over, spring_forces
 from mechanics.steps.static_system import StaticSystem, static_system
 from mechanics.types import Array, Index
 
-ACCEPTED = 1e-7  # residual of a program, per weight and span, that is accepted
 AHEAD = 0.05  # of the block size: how far a corner may move before contacts are looked for again
 
 
@@ -93,9 +92,9 @@ class DynamicSystem:
     """The system of a motion.
 
     `theta`: share of a step at which the equations of motion hold; `damping` (s): viscous contact force over the
-    stiffness and the rate of the gap; `restitution`: of normal velocities at impacts; `halving`: of steps. `counts`
-    (6,): programs, iterations, halvings, cold starts, the worst residual of force, per weight, and the largest energy
-    (kNm) that errors of velocities may have.
+    stiffness and the rate of the gap; `restitution`: of normal velocities at impacts; `halving`: of steps; `accepted`:
+    residual of a program, per weight and span, that is accepted. `counts` (6,): programs, iterations, halvings, cold
+    starts, the worst residual of force, per weight, and the largest energy (kNm) that errors of velocities may have.
     """
 
     system: StaticSystem
@@ -103,6 +102,7 @@ class DynamicSystem:
     damping: float
     restitution: float
     halving: Halving
+    accepted: float
     counts: Array = field(default_factory=lambda: np.zeros(6))
 
     @property
@@ -185,7 +185,7 @@ class DynamicSystem:
         done, reason = march(
             c.a, c.b, c.faces, self.system.law, self.layout.row, self.first, model.mass, model.dead_load,
             base, motion.blocks, motion.joints, motion.energy, step, self.theta, self.damping, self.restitution,
-            (self.system.weight, model.size, ACCEPTED), self.halving.limits, self.margin,
+            (self.system.weight, model.size, self.accepted), self.halving.limits, self.margin,
             model.radius, xs[0].copy(), xs, vs, fs, es, self.counts, self.layout.work_space, self.layout.packed,
         )  # fmt: skip
         if reason == 2:

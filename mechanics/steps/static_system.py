@@ -14,7 +14,7 @@ from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.model.assembly import Assembly, Behaviour
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.model.proximity import near
-from mechanics.solvers.elimination import Elimination
+from mechanics.solvers.elimination import BANDED, CHEAPER, Elimination
 from mechanics.steps.tolerances import STEP
 from mechanics.types import Array, Index
 
@@ -90,7 +90,7 @@ class StaticSystem:
     def layout(self) -> Elimination:
         """The order of elimination of the matrices; the signed factors of elastic joints are banded."""
         centres = self.model.initial.positions[self.model.movable, :2]
-        return Elimination.of(self.dof, centres, banded=not self.rigid)
+        return Elimination.of(self.dof, centres, CHEAPER if self.rigid else BANDED)
 
     @property
     def weight(self) -> float:

@@ -139,13 +139,13 @@ def _limit(seconds: int) -> None:
     threading.Thread(target=look, daemon=True).start()
 
 
-def apart(case: Case) -> Outcome:
+def apart(case: Case, seconds: int = SECONDS) -> Outcome:
     """Run a case in a process of its own: a crash or a hang is a failure of it alone."""
     context = multiprocessing.get_context(START)
     if START == "forkserver":
         context.set_forkserver_preload(["tests.stress.warm"])
     here, there = context.Pipe(duplex=False)
-    limit = LONG_SECONDS if case.long else SECONDS
+    limit = LONG_SECONDS if case.long else seconds
     process = context.Process(target=_send, args=(case, there, limit))
     process.start()
     there.close()

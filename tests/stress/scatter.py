@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from assessment.analyses.static.ensemble import INCREMENTS, shaken_corners
+from assessment.analyses.static.ensemble import ENSEMBLE, shaken_corners
 from mechanics import Assembly, ControlError, pushover
 from mechanics.steps.static_system import Sliding
 from tests.stress.harness import Case
@@ -37,7 +37,7 @@ def member(model: Assembly, top: np.ndarray, increment: float, sliding: Sliding)
 
 def ensemble(model: Assembly, top: np.ndarray, seed: int, sliding: Sliding) -> tuple[Range, Range]:
     """The least and the largest α0 and d_0 (m) of five members."""
-    factors = np.geomspace(*INCREMENTS, 4)
+    factors = np.geomspace(*ENSEMBLE.increments, 4)
     found = [member(model, top, INCREMENT * model.size, sliding)]
     for k, factor in enumerate(factors):
         varied = shaken_corners(model, 100 * seed + k)

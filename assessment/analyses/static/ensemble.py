@@ -7,7 +7,7 @@ block. If the first such member agrees with the state itself, nothing scatters a
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,15 +20,33 @@ if TYPE_CHECKING:
     from assessment.project.project import Project
     from mechanics import Assembly
 
-INCREMENTS = (0.7, 1.4)  # of the project: the smallest and the largest of the members
-NOISE = 1e-7  # of a block's size, by which its corners are moved
-AGREE = 1e-3  # relative: results of two members that are the same
 QUANTITIES = ("alpha_0", "d_0_m", "alpha_u")  # of a curve
 
 Members = dict[str, list[list[StateResult]]]
 
 
-def members(requests: Sequence[Request], found: Sequence[StateResult], workers: Workers) -> Members:
+@dataclass(frozen=True, slots=True)
+class EnsembleTolerances:
+    """How members differ, and when their results are the same.
+
+    `increments`: of the project, the smallest and the largest of the members; `noise`: of a block's size, by which its
+    corners are moved; `agree`: relative difference of two results that are the same.
+    """
+
+    increments: tuple[float, float] = (0.7, 1.4)
+    noise: float = 1e-7
+    agree: float = 1e-3
+
+
+ENSEMBLE = EnsembleTolerances()
+
+
+def members(
+    requests: Sequence[Request],
+    found: Sequence[StateResult],
+    workers: Workers,
+    tolerances: EnsembleTolerances = ENSEMBLE,
+) -> Members:
     """Return the further members of each state's ensemble, each with its results under every behaviour.
 
     A state whose paths do not scatter has none.
@@ -38,24 +56,25 @@ def members(requests: Sequence[Request], found: Sequence[StateResult], workers: 
     own = {(result.state, result.behaviour): result for result in found}
     suspected = {result.state for result in found if result.scatters}
     together = [request for request in requests if request.project.scatter > 1 and request.state in suspected]
-    first = _follow(together, (0,), workers)
+    first = _follow(together, (0,), workers, tolerances)
     scattering = {
         state
         for state, ((*results,),) in first.items()
-        if any(apart(own[state, result.behaviour], result) for result in results)
+        if any(apart(own[state, result.behaviour], result, tolerances.agree) for result in results)
     }
     together = [request for request in together if request.state in scattering]
-    others = _follow(together, range(1, together[0].project.scatter - 1), workers) if together else {}
+    rest = range(1, together[0].project.scatter - 1) if together else ()
+    others = _follow(together, rest, workers, tolerances)
     return {state: first[state] + others.get(state, []) for state in first if state in scattering}
 
 
-def apart(one: StateResult, other: StateResult) -> bool:
-    """Whether two members differ in a quantity of their paths."""
+def apart(one: StateResult, other: StateResult, agree: float = ENSEMBLE.agree) -> bool:
+    """Whether two members differ in a quantity of their paths, by more than a relative `agree`."""
     values, others = dict(quantities(one)), dict(quantities(other))
     if values.keys() != others.keys():
         return True
     return any(
-        (a is None) != (b is None) or (a is not None and b is not None and abs(a - b) > AGREE * abs(a))
+        (a is None) != (b is None) or (a is not None and b is not None and abs(a - b) > agree * abs(a))
         for a, b in ((values[key], others[key]) for key in values)
     )
 
@@ -70,16 +89,18 @@ def quantities(result: StateResult) -> Iterator[tuple[tuple[str, str], float | N
                 yield (direction, name), value
 
 
-def _follow(requests: Sequence[Request], numbers: Sequence[int], workers: Workers) -> Members:
+def _follow(
+    requests: Sequence[Request], numbers: Sequence[int], workers: Workers, tolerances: EnsembleTolerances
+) -> Members:
     """Return the results of requests as members of those numbers, computed side by side."""
     if not requests or not numbers:
         return {}
-    factors = np.geomspace(*INCREMENTS, max(requests[0].project.scatter - 1, 2))
+    factors = np.geomspace(*tolerances.increments, max(requests[0].project.scatter - 1, 2))
     varied = [
         replace(
             request,
             project=in_increments(request.project, float(factors[number])),
-            model=shaken_corners(request.model, number),
+            model=shaken_corners(request.model, number, tolerances.noise),
         )
         for number in numbers
         for request in requests
@@ -117,8 +138,8 @@ def in_increments(project: Project, factor: float) -> Project:
     )
 
 
-def shaken_corners(model: Assembly, seed: int) -> Assembly:
-    """Return the assembly with every corner of its movable blocks moved by NOISE of the block, each at random."""
+def shaken_corners(model: Assembly, seed: int, noise: float = ENSEMBLE.noise) -> Assembly:
+    """Return the assembly with every corner of its movable blocks moved by `noise` of the block, each at random."""
     from mechanics import Assembly
 
     random = np.random.default_rng(seed)
@@ -128,7 +149,7 @@ def shaken_corners(model: Assembly, seed: int) -> Assembly:
         else replace(
             block,
             vertices=block.polygon
-            + NOISE * np.ptp(block.polygon, axis=0).max() * random.uniform(-1.0, 1.0, block.polygon.shape),
+            + noise * np.ptp(block.polygon, axis=0).max() * random.uniform(-1.0, 1.0, block.polygon.shape),
         )
         for block in model.blocks
     ]

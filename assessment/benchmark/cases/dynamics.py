@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
-from unittest.mock import patch
 
 import numpy as np
 
@@ -14,9 +12,7 @@ from assessment.benchmark.cases.structures import assembly, block_on_base, recta
 from assessment.benchmark.measure import FAILURES, SAMPLES, Row, beside_piqp, history_programs
 from mechanics import Assembly, Block, Material, State, TimeHistory, time_history
 from mechanics.model.assembly import Behaviour
-from mechanics.procedures.time_history import Integrator
-from mechanics.steps import dynamic_system
-from mechanics.steps.dynamic_system import ACCEPTED
+from mechanics.procedures.time_history import HISTORY, HistoryTolerances, Integrator
 from mechanics.types import Array
 
 INTEGRATORS: dict[Behaviour, tuple[Integrator, ...]] = {
@@ -28,7 +24,7 @@ QUICK_STEPS = (0.02, 0.005)
 REFERENCE = 0.0003125  # s
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)  # of a step
 EXACT = 1e-8
-DEFAULT_STEP, DEFAULT_TOLERANCE = 0.005, ACCEPTED
+DEFAULT_STEP, DEFAULT_TOLERANCE = 0.005, HISTORY.accepted
 DAMPING = 0.05
 
 
@@ -49,11 +45,13 @@ class Case:
     state: State | None = None
     after: float = 0.0
 
-    def run(self, step: float, integrator: Integrator) -> TimeHistory:
+    def run(
+        self, step: float, integrator: Integrator, tolerances: HistoryTolerances = HISTORY
+    ) -> TimeHistory:
         """The motion at a time step (s)."""
         return time_history(
             self.model, self.acceleration(step), step, self.contacts, self.state, integrator, control=self.control,
-            damping_ratio=self.damping,
+            damping_ratio=self.damping, tolerances=tolerances,
         )  # fmt: skip
 
     def acceleration(self, step: float) -> Array:
@@ -146,20 +144,23 @@ def dynamics(quick: bool) -> Iterator[Row]:
             for step in steps:
                 yield measured(case, integrator, "time step [s]", step, exact)
         if len(case.model.blocks) > 2 and case.contacts == "elastic":
-            with certified_to(EXACT):
-                converged = peak(case.run(DEFAULT_STEP, "second-order"), case.after)
+            strict = HistoryTolerances(accepted=EXACT)
+            converged = peak(case.run(DEFAULT_STEP, "second-order", strict), case.after)
             for tolerance in TOLERANCES:
-                with certified_to(tolerance):
-                    yield measured(case, "second-order", "tolerance", tolerance, converged)
+                yield measured(case, "second-order", "tolerance", tolerance, converged)
 
 
 def measured(
     case: Case, integrator: Integrator, parameter: str, value: float, exact: tuple[float, float]
 ) -> Row:
     """A row of dynamics: `exact` are the largest displacement (m) and its time (s)."""
-    step = value if parameter == "time step [s]" else DEFAULT_STEP
+    step, tolerances = DEFAULT_STEP, HISTORY
+    if parameter == "tolerance":
+        tolerances = HistoryTolerances(accepted=value)
+    else:
+        step = value
     row = _row(case, integrator, parameter, value)
-    run = partial(case.run, step, integrator)
+    run = partial(case.run, step, integrator, tolerances)
     try:
         motion = run()
     except FAILURES as error:
@@ -199,13 +200,6 @@ def _row(case: Case, integrator: Integrator, parameter: str, value: float) -> Ro
 def _every(motion: TimeHistory) -> int:
     """Of so many steps the baseline solves one: SAMPLES of them, or all of a short motion."""
     return max((len(motion.time) - 1) // SAMPLES, 1)
-
-
-@contextmanager
-def certified_to(tolerance: float) -> Iterator[None]:
-    """Have every step of the motions within solved to a tolerance other than the program's own."""
-    with patch.object(dynamic_system, "ACCEPTED", tolerance):
-        yield
 
 
 def dissipation(

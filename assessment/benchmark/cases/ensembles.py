@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from unittest.mock import patch
 
 import numpy as np
 
@@ -15,8 +14,7 @@ from assessment.benchmark.cases.structures import assembly, running_bond, templa
 from assessment.benchmark.measure import Row, history_programs, piqp
 from assessment.benchmark.table import number, percent, pivoted
 from mechanics import ConvergenceError, TimeHistory
-from mechanics.procedures import time_history as histories
-from mechanics.procedures.time_history import RESOLVED, Integrator
+from mechanics.procedures.time_history import HISTORY, HistoryTolerances, Integrator
 from mechanics.types import Array
 
 AMPLITUDES = np.linspace(0.99, 1.01, 9)
@@ -37,14 +35,21 @@ class Way:
     integrator: Integrator
     levels: int | None = None
 
+    @property
+    def tolerances(self) -> HistoryTolerances:
+        """Those of the program, but for the levels."""
+        if self.levels is None:
+            return HISTORY
+        return HistoryTolerances(resolved=replace(HISTORY.resolved, levels=self.levels))
+
     def __str__(self) -> str:
         return self.integrator if self.levels is None else f"{self.integrator}, {self.levels} levels"
 
 
-DEFAULT = Way("moreau-jean", RESOLVED.levels)
+DEFAULT = Way("moreau-jean", HISTORY.resolved.levels)
 WAYS = (
     Way("implicit-euler"),
-    *(Way("moreau-jean", levels) for levels in (0, 2, 4, RESOLVED.levels, 8)),
+    *(Way("moreau-jean", levels) for levels in (0, 2, 4, HISTORY.resolved.levels, 8)),
     Way("second-order"),
 )
 QUICK_WAYS = (WAYS[0], DEFAULT)
@@ -80,10 +85,9 @@ def _finest(quick: bool) -> float:
 def members(case: Case, way: Way, step: float, factors: Array) -> list[TimeHistory]:
     """The motions of a case shaken at some factors of its amplitude, those that are solved."""
     found = []
-    with halved(way.levels):
-        for factor in factors:
-            with suppress(ConvergenceError):
-                found.append(scaled(case, float(factor)).run(step, way.integrator))
+    for factor in factors:
+        with suppress(ConvergenceError):
+            found.append(scaled(case, float(factor)).run(step, way.integrator, way.tolerances))
     return found
 
 
@@ -159,14 +163,6 @@ def measured(case: Case, way: Way, step: float, factors: Array, resolved: Array)
         "integrator_share": float(np.median([m.energy.integrator_share for m in motions])),
         "imbalance": max(m.energy.imbalance for m in motions),
     }
-
-
-@contextmanager
-def halved(levels: int | None) -> Iterator[None]:
-    """Have Moreau and Jean's steps within halved at most `levels` times; None: as the program does."""
-    chosen = RESOLVED if levels is None else replace(RESOLVED, levels=levels)
-    with patch.object(histories, "RESOLVED", chosen):
-        yield
 
 
 def millimetres(rows: Sequence[Row]) -> str:

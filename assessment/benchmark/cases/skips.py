@@ -32,6 +32,7 @@ from mechanics.procedures import time_history as histories
 from mechanics.procedures.collapse import TURNED
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.pushover import Pushover
+from mechanics.procedures.time_history import HISTORY, HistoryTolerances
 from mechanics.records.record import read_record
 from mechanics.steps.dynamic_system import DynamicSystem, Motion, Recorded
 from mechanics.steps.geometry_iteration import find_equilibrium
@@ -306,15 +307,17 @@ def started_cold() -> tuple[Array, int]:
         joints[:, GAPS:SPRING] = COLD * max(GRAVITY * step**2, speed * step)
         return march(system, motion, base, step)
 
-    with patch.object(histories, "CHUNK", 1), patch.object(DynamicSystem, "march", forgetful):
-        motion = _shaken()
+    with patch.object(DynamicSystem, "march", forgetful):
+        motion = _shaken(HistoryTolerances(chunk=1))
     return _way(motion), motion.iterations
 
 
-def _shaken() -> TimeHistory:
+def _shaken(tolerances: HistoryTolerances = HISTORY) -> TimeHistory:
     """The arch with rigid joints, whose programs the interior point solves; those of elastic ones are Newton's."""
     wave = shaking(0.2)(_times(150))
-    return time_history(assembly("buttressed-arch"), wave, STEP, "rigid", integrator="implicit-euler")
+    return time_history(
+        assembly("buttressed-arch"), wave, STEP, "rigid", integrator="implicit-euler", tolerances=tolerances
+    )
 
 
 def _way(motion: TimeHistory) -> Array:

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from assessment.analyses.static.ensemble import INCREMENTS, shaken_corners
+from assessment.analyses.static.ensemble import ENSEMBLE, shaken_corners
 from assessment.benchmark.cases.structures import assembly, in_frame, running_bond, template
 from assessment.benchmark.measure import FAILURES, Row, seconds_of
 from mechanics import Assembly, limit_analysis, pushover
@@ -16,7 +16,7 @@ from mechanics.procedures.pushover import Pushover
 from mechanics.steps.static_system import Sliding
 
 LAWS: tuple[Sliding, ...] = ("associative", "coulomb")
-FACTORS = tuple(np.linspace(*INCREMENTS, 5))  # of the increment
+FACTORS = tuple(np.linspace(*ENSEMBLE.increments, 5))  # of the increment
 SEEDS = range(3)  # of moved corners
 
 

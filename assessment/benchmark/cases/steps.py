@@ -23,7 +23,7 @@ from assessment.project.catalogue.record import RECORD
 from mechanics import Assembly, TimeHistory, time_history
 from mechanics.model.assembly import Behaviour
 from mechanics.procedures import time_history as histories
-from mechanics.procedures.time_history import Integrator
+from mechanics.procedures.time_history import HistoryTolerances, Integrator
 from mechanics.program import Program
 from mechanics.records.record import read_record
 from mechanics.steps.dynamic_system import DynamicSystem
@@ -142,8 +142,8 @@ def _programs(model: Assembly, contacts: Behaviour, motion: TimeHistory, record:
     return history_programs(model, contacts, motion, record, every)
 
 
-def _blocks(run: Callable[[], TimeHistory]) -> Array:
-    """Time (s) of a motion in blocks of at most CHUNK steps (k, 2): inside its compiled steps, and between them.
+def _blocks(run: Callable[..., TimeHistory]) -> Array:
+    """Time (s) of a motion in blocks of at most BLOCK steps (k, 2): inside its compiled steps, and between them.
 
     Without the state at rest from which it begins.
     """
@@ -168,9 +168,8 @@ def _blocks(run: Callable[[], TimeHistory]) -> Array:
 
     with (
         patch.object(histories, "_settled", at_rest),
-        patch.object(histories, "CHUNK", BLOCK),
         patch.object(DynamicSystem, "march", marching),
     ):
-        run()
+        run(tolerances=HistoryTolerances(chunk=BLOCK))
     times.append((0.0, time.perf_counter() - last))
     return np.array(times)

@@ -106,11 +106,11 @@ def _tables(results: Results, words: Words) -> list[Table]:
     ]
 
 
-def macro_block_grids(results: Results, words: Words) -> Iterator[Grid]:
-    """Yield the macro-blocks of each state's weakest direction, with the sums of the virtual work."""
+def macro_block_grids(results: Results, words: Words, most: int = BY_HAND) -> Iterator[Grid]:
+    """Yield the macro-blocks of each state's weakest direction, `most` or fewer, with the sums of the virtual work."""
     for name, direction in governing_mechanisms(results):
         figures = figures_of(results, name, direction)
-        if len(figures) > BY_HAND:
+        if len(figures) > most:
             continue
         caption = words("caption.macro_blocks", state=words.state(name), direction=direction_name(direction))
         yield grid(virtual_work_table(figures), words, caption, 4)

@@ -20,11 +20,11 @@ ELASTIC_END = "end of the elastic curve"  # what governs a check
 ONSET = 0.01  # of α_0: an onset below it by more closes hinges first
 
 
-def too_many(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield a sentence for each mechanism of more macro-blocks than a hand works out."""
+def too_many(results: Results, words: Words, most: int = BY_HAND) -> Iterator[Markup]:
+    """Yield a sentence for each mechanism of more macro-blocks than a hand works out, which are `most`."""
     for name, direction in governing_mechanisms(results):
         count = len(figures_of(results, name, direction))
-        if count > BY_HAND:
+        if count > most:
             where = {"state": words.state(name), "direction": direction_name(direction)}
             yield words("text.many_macro_blocks", count=count, **where)
 
@@ -80,13 +80,13 @@ def contacts_of(results: Results) -> list[Contacts]:
     return [contacts for contacts in kinds if contacts in found]
 
 
-def crack_sentences(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield what the table of cracks holds, and what of it is not printed or has no width."""
+def crack_sentences(results: Results, words: Words, printed: int = PRINTED) -> Iterator[Markup]:
+    """Yield what the table of cracks holds, what of it is not among those `printed`, or has no width."""
     yield words("text.cracks", seen=words.comma(f"{1000.0 * SEEN:g}"))
     by_state = [cracks_of(results, state) for state in results.states]
-    if any(len(found) > PRINTED for found in by_state):
-        yield words("text.cracks_printed", printed=PRINTED)
-    if any(crack.opening_m is None for found in by_state for crack in found[:PRINTED]):
+    if any(len(found) > printed for found in by_state):
+        yield words("text.cracks_printed", printed=printed)
+    if any(crack.opening_m is None for found in by_state for crack in found[:printed]):
         yield words("text.cracks_apart")
 
 

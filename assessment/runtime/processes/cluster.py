@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, InvalidStateError
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any, TypeVar, TypeVarTuple
 
 from assessment.runtime.errors import ProjectError
@@ -20,15 +21,27 @@ from assessment.runtime.processes.pool import KilledError
 
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
-PATIENCE = 10  # s that a scheduler has to answer
-WORKERLESS = 300.0  # s in which work waits and no worker is there: a scheduler would wait for ever
-LOOKED = 2.0  # s between two looks at the workers
 GONE = ("closing", "closed")  # status of a client without its scheduler
 LOST = "the Dask scheduler or its workers were lost; start them and run again: finished analyses are kept"
 NONE_LEFT = (
     "the Dask scheduler has had no worker for {seconds:g} s; start one (dask worker) and run again: "
     "finished analyses are kept"
 )
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """Times, s. `answer`: that a scheduler has to answer; `look`: between two looks at the workers.
+
+    `workerless`: in which work waits and no worker is there: a scheduler would wait for ever.
+    """
+
+    answer: float = 10.0
+    workerless: float = 300.0
+    look: float = 2.0
+
+
+PATIENCE = Patience()
 
 
 class Cluster:
@@ -38,7 +51,8 @@ class Cluster:
     is not installed or no scheduler answers.
     """
 
-    def __init__(self, address: str) -> None:
+    def __init__(self, address: str, patience: Patience = PATIENCE) -> None:
+        self._patience = patience
         try:
             from distributed import Client
         except ImportError:
@@ -47,7 +61,7 @@ class Cluster:
             ) from None
         connect: Any = Client
         try:
-            self._client = connect(address, timeout=PATIENCE, set_as_default=False)
+            self._client = connect(address, timeout=patience.answer, set_as_default=False)
         except (OSError, ValueError, RuntimeError) as error:
             raise ProjectError(
                 f"--scheduler: {address}: no Dask scheduler answers there ({type(error).__name__}); start one "
@@ -83,18 +97,18 @@ class Cluster:
         self._client.close()
 
     def _watch(self) -> None:
-        """Fail all open tasks once there has been no worker for WORKERLESS."""
+        """Fail all open tasks once there has been no worker for too long."""
         seen = time.monotonic()
-        while not self._closed.wait(LOOKED):
+        while not self._closed.wait(self._patience.look):
             try:
                 workers = self._client.nthreads()
             except Exception:  # the scheduler is lost: the client fails every future itself
                 continue
             if workers or not self._open:  # one that adapts has none while there is nothing to do
                 seen = time.monotonic()
-            elif time.monotonic() - seen > WORKERLESS:
+            elif time.monotonic() - seen > self._patience.workerless:
                 for done in tuple(self._open):
-                    _fail(done, KilledError(NONE_LEFT.format(seconds=WORKERLESS)))
+                    _fail(done, KilledError(NONE_LEFT.format(seconds=self._patience.workerless)))
 
 
 def _checked(expected: str, function: Callable[..., Result], arguments: tuple[Any, ...]) -> Result:

@@ -25,9 +25,9 @@ from assessment.report.figures.index import pictures, write_figures
 from assessment.report.tables.index import tables
 from assessment.report.text.language import words_of
 from assessment.results.plain import plain
-from assessment.runtime import tasks
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.processes.pool import Pool
+from assessment.runtime.show import Show
 from assessment.workflow.dynamic import read_motions
 from assessment.workflow.stages import run
 from mechanics import ConvergenceError
@@ -82,7 +82,7 @@ def outcome(tmp_path_factory):
     return run(project, build_model(project), jobs=1)
 
 
-class Told:
+class Told(Show):
     """What was told of the analyses under way."""
 
     def __init__(self):
@@ -127,7 +127,7 @@ def test_incremental_analysis_tells_its_progress_and_is_the_same_on_several_proc
 
 def test_the_time_left_of_a_run_of_one_history_is_told_before_it_is_finished(tmp_path, monkeypatch):
     """It was not known until the end. Of 501 steps 200 and 400 are reached, and the free motion after them counts."""
-    monkeypatch.setattr(tasks, "LOOK", 0.0)  # however fast the machine is
+    monkeypatch.setattr(Told, "interval", 0.0)  # however fast the machine is
     project = _project(tmp_path / "block", TAIL.format(scale=0.2), 'states = ["original"]\n')
     long = np.column_stack([STEP * np.arange(501), 0.3 * np.resize(WAVE, 501)])
     np.savetxt(project.folder / "wave.csv", long, delimiter=",", fmt="%.8f")

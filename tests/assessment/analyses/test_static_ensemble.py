@@ -9,8 +9,13 @@ import pytest
 
 from assessment.analyses.checks.capacity import Assessed
 from assessment.analyses.checks.ranges import Paths, with_ranges
-from assessment.analyses.static import ensemble
-from assessment.analyses.static.ensemble import NOISE, in_increments, members, shaken_corners
+from assessment.analyses.static.ensemble import (
+    ENSEMBLE,
+    EnsembleTolerances,
+    in_increments,
+    members,
+    shaken_corners,
+)
 from assessment.analyses.static.paths import turns_on_rounding
 from assessment.analyses.static.states import Request, analyse_states
 from assessment.project.model import build_model
@@ -51,15 +56,15 @@ def test_one_member_is_enough_where_it_finds_the_same(request_of):
         assert workers.computed == computed + 1
 
 
-def test_where_a_member_differs_all_are_run(request_of, monkeypatch):
-    monkeypatch.setattr(ensemble, "AGREE", 0.0)
+def test_where_a_member_differs_all_are_run(request_of):
+    strict = EnsembleTolerances(agree=0.0)
     with Workers() as workers:
         found = analyse_states([request_of], workers)
         found[0].scatters = True
-        (others,) = members([request_of], found, workers).values()
+        (others,) = members([request_of], found, workers, strict).values()
         assert len(others) == request_of.project.scatter - 1
         alone = replace(request_of, project=request_of.project.model_copy(update={"scatter": 1}))
-        assert members([alone], found, workers) == {}
+        assert members([alone], found, workers, strict) == {}
     alphas = {member[0].pushover["+x"].rigid.alpha_0 for member in others}
     assert len(alphas) == len(others), "each member has corners of its own"
     assert max(alphas) - min(alphas) < 1e-5
@@ -72,7 +77,7 @@ def test_members_differ_by_their_increments_and_by_the_last_digits_of_corners(re
     assert len(moved.joints.a) == len(drawn.joints.a)
     for one, other in zip(drawn.blocks, moved.blocks, strict=True):
         far = abs(one.polygon - other.polygon).max()
-        assert far == 0.0 if one.support else 0.0 < far <= NOISE * np.ptp(one.polygon, axis=0).max()
+        assert far == 0.0 if one.support else 0.0 < far <= ENSEMBLE.noise * np.ptp(one.polygon, axis=0).max()
     again = shaken_corners(drawn, 1)
     assert all(np.array_equal(a.polygon, b.polygon) for a, b in zip(moved.blocks, again.blocks, strict=True))
 

@@ -13,7 +13,7 @@ import pytest
 
 from assessment.benchmark import command, table
 from assessment.benchmark.cases import campaigns, ensembles, skips, sliding, statics, steps, walls
-from assessment.benchmark.cases.dynamics import Case, certified_to, pulse, sine, stack
+from assessment.benchmark.cases.dynamics import Case, pulse, sine, stack
 from assessment.benchmark.command import BENCHMARKS, Benchmark
 from assessment.benchmark.measure import history_programs, path_programs
 from assessment.cli import arguments, exit_codes
@@ -22,6 +22,7 @@ from assessment.runtime.tasks import Workers
 from assessment.studies.campaign.search import Combination, Judged
 from mechanics import ConvergenceError, pushover, time_history
 from mechanics.procedures import time_history as histories
+from mechanics.procedures.time_history import HistoryTolerances
 from mechanics.program import certify
 from mechanics.solvers import qp_piqp
 from mechanics.steps.dynamic_system import DynamicSystem
@@ -48,11 +49,11 @@ def test_a_window_of_a_rocking_block_is_no_exact_skip():
 
 def test_a_looser_tolerance_solves_less():
     """The tolerance that the benchmark varies is the one that the solver keeps."""
-    record = 0.3 * pulse(1.0, 0.2)(0.005 * np.arange(60))
-    worst = []
-    for tolerance in (1e-3, 1e-7):
-        with certified_to(tolerance):
-            worst.append(time_history(block_on_base(0.6, 4.2), record, 0.005, "elastic").worst)
+    block, record = block_on_base(0.6, 4.2), 0.3 * pulse(1.0, 0.2)(0.005 * np.arange(60))
+    worst = [
+        time_history(block, record, 0.005, "elastic", tolerances=HistoryTolerances(accepted=each)).worst
+        for each in (1e-3, 1e-7)
+    ]
     assert worst[1] <= 1e-7 < worst[0] <= 1e-3
 
 
@@ -151,7 +152,7 @@ def test_members_of_an_ensemble_are_scaled_and_halved(overturning, monkeypatch):
     seen = []
 
     def noted(model, acceleration, *arguments, **more):
-        seen.append((float(acceleration.max()), histories.RESOLVED.levels))
+        seen.append((float(acceleration.max()), more["tolerances"].resolved.levels))
         return time_history(model, acceleration, *arguments, **more)
 
     monkeypatch.setattr("assessment.benchmark.cases.dynamics.time_history", noted)
@@ -161,7 +162,7 @@ def test_members_of_an_ensemble_are_scaled_and_halved(overturning, monkeypatch):
     assert [size for size, _ in seen] == pytest.approx([0.15, 0.3, 0.36])
     assert row["least_m"] <= row["median_m"] <= row["most_m"] and row["not_solved"] == 0
     assert row["error"] == pytest.approx(abs(row["median_m"] / 0.2 - 1.0))
-    assert histories.RESOLVED.levels == ensembles.DEFAULT.levels
+    assert ensembles.Way("moreau-jean").tolerances.resolved.levels == ensembles.DEFAULT.levels
 
 
 def test_the_table_says_how_sure_the_resolved_median_is(overturning):

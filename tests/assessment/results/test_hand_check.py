@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 import shapely
 
+from assessment.report.chapters.printed_tables import macro_block_grids
+from assessment.report.chapters.remarks import too_many
 from assessment.report.document import render_html
 from assessment.report.figures.drawings.deformed import found_mechanism
 from assessment.report.text.language import words_of
@@ -127,12 +129,11 @@ def overlap(shape):
 
 
 def test_a_mechanism_of_many_macro_blocks_is_left_to_the_table(tmp_path, monkeypatch):
-    results = results_example("en")
+    results = typed(results_example("en"))
+    words = words_of(results)
     monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
-    printed = render_html(typed(results), tmp_path, words_of(typed(results)))
-    for module in ("printed_tables", "remarks"):
-        monkeypatch.setattr(f"assessment.report.chapters.{module}.BY_HAND", 0)
-    left_out = render_html(typed(results), tmp_path, words_of(typed(results)))
+    printed = render_html(results, tmp_path, words)
     assert "Macro-blocks of the mechanism" in printed and "too many" not in printed
-    assert "Macro-blocks of the mechanism" not in left_out and "too many for a check by hand" in left_out
-    assert "Multiplier at activation from the program" in left_out
+    assert list(macro_block_grids(results, words)) and not list(too_many(results, words))
+    assert not list(macro_block_grids(results, words, most=0))
+    assert "too many for a check by hand" in " ".join(too_many(results, words, most=0))

@@ -15,7 +15,7 @@ from assessment.results.plain import plain
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.processes import cluster
-from assessment.runtime.processes.cluster import Cluster
+from assessment.runtime.processes.cluster import Cluster, Patience
 from assessment.runtime.processes.pool import KilledError
 from assessment.runtime.show import Show
 from assessment.workflow.stages import run
@@ -112,12 +112,10 @@ def test_a_lost_cluster_is_told_apart_from_an_error_of_the_analysis(error, ended
     assert str(found) == cluster.LOST if lost else found is error
 
 
-def test_work_for_which_no_worker_is_left_is_not_waited_for_without_end(monkeypatch):
+def test_work_for_which_no_worker_is_left_is_not_waited_for_without_end():
     """The scheduler keeps what the last worker was at until another one comes: the run hung."""
-    monkeypatch.setattr(cluster, "LOOKED", 0.01)
-    monkeypatch.setattr(cluster, "WORKERLESS", 0.1)
     with distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=":0") as found:
-        engine = Cluster(found.scheduler_address)
+        engine = Cluster(found.scheduler_address, Patience(workerless=0.1, look=0.01))
         assert engine.submit(pow, 2, 3).result(timeout=LONG) == 8
         found.scale(0)
         found.sync(found._correct_state)
@@ -131,8 +129,7 @@ def test_work_for_which_no_worker_is_left_is_not_waited_for_without_end(monkeypa
         engine.close(at_once=False)
 
 
-def test_no_scheduler_at_the_address_is_told(monkeypatch):
-    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+def test_no_scheduler_at_the_address_is_told():
     for address in ("tcp://127.0.0.1:1", "nowhere"):
         with pytest.raises(ProjectError, match=f"--scheduler: {address}: no Dask scheduler answers"):
-            Cluster(address)
+            Cluster(address, Patience(answer=0.5))

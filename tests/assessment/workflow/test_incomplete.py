@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from assessment.analyses.static import lateral
+from assessment.analyses.static import lateral, settlement
 from assessment.cli.main import main
 from assessment.project.catalogue.new_project import write_drawing
-from mechanics import ConvergenceError, pushover
+from mechanics import ConvergenceError, pushdown, pushover
 from mechanics.procedures.pushdown import PushdownTolerances
 from mechanics.procedures.pushover import PushoverTolerances
 from tests.support.block_project import ASSESSMENT, PROJECT, edit, read_results, run
@@ -94,8 +94,8 @@ def test_a_path_cut_short_has_no_capacity(project, monkeypatch):
 
 
 def test_a_settlement_cut_short_says_what_to_write(project, monkeypatch):
-    procedure = importlib.import_module("mechanics.procedures.pushdown")
-    monkeypatch.setattr(procedure, "PUSHDOWN", PushdownTolerances(points=5))
+    few = PushdownTolerances(points=5)
+    monkeypatch.setattr(settlement, "pushdown", partial(pushdown, tolerances=few))
     edit(project, "rotation_rad = -0.02\n", "rotation_rad = -0.02\nto_collapse = true\n")
     assert run(project, "--jobs", "1") == 0
     [text] = [each for each in read_results(project / "output")["quality"]["warnings"] if "points" in each]

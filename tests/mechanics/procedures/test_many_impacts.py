@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from mechanics import Assembly, TimeHistory, time_history
-from mechanics.procedures import time_history as procedure
-from mechanics.procedures.time_history import Integrator
+from mechanics.procedures.time_history import HISTORY, HistoryTolerances, Integrator
 from mechanics.steps.dynamic_system import Halving, contact_period
 from tests.support.drawn_projects import drawn
 from tests.support.structures import block_on_base, running_bond, semicircular_arch
@@ -76,12 +74,16 @@ def test_stiff_joints_move_as_rigid_ones_in_the_limit() -> None:
     assert beyond[0] > 3.0 and beyond[1] < 0.25 * beyond[0] and 0.0 < beyond[2] < 0.5 * beyond[1]
 
 
-def test_a_bed_that_is_stiff_for_its_step_gives_no_energy(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_bed_that_is_stiff_for_its_step_gives_no_energy() -> None:
     """Even where nothing is halved, and slides stop: gaps wrong by microns are no blows."""
-    monkeypatch.setattr(procedure, "CLOSING", Halving(0, np.inf))
+    whole = HistoryTolerances(closing=Halving(0, np.inf))
     model = buttressed_arch(1e8)
     for integrator in ("second-order", "implicit-euler"):
-        sound(time_history(model, shaking(0.12, STEP, 1.5), STEP, "elastic", integrator=integrator))
+        sound(
+            time_history(
+                model, shaking(0.12, STEP, 1.5), STEP, "elastic", integrator=integrator, tolerances=whole
+            )
+        )
 
 
 def test_steps_are_halved_no_further_than_impacts_last() -> None:
@@ -121,15 +123,15 @@ def test_an_arch_without_many_impacts_falls_at_one_level_by_every_integrator(int
 
 
 @pytest.fixture
-def levels(monkeypatch: pytest.MonkeyPatch) -> Iterator[dict[int, TimeHistory]]:
+def levels() -> dict[int, TimeHistory]:
     """The arch with rigid joints, its steps halved so many times."""
     found = {}
     for count in (0, 6):
-        monkeypatch.setattr(procedure, "RESOLVED", replace(procedure.RESOLVED, levels=count))
+        halved = replace(HISTORY, resolved=replace(HISTORY.resolved, levels=count))
         found[count] = time_history(
-            drawn("buttressed_arch"), shaking(0.12, STEP, 3.0), STEP, control=SPRINGING
+            drawn("buttressed_arch"), shaking(0.12, STEP, 3.0), STEP, control=SPRINGING, tolerances=halved
         )
-    yield found
+    return found
 
 
 def test_what_coarse_steps_take_is_no_impact(levels: dict[int, TimeHistory]) -> None:

@@ -29,15 +29,19 @@ def test_a_structure_that_rides_with_its_support_has_no_ultimate_movement():
     assert len(path.movement) < 20
 
 
-def test_a_path_to_collapse_has_a_bound_on_its_points(monkeypatch):
+def test_a_path_to_collapse_has_a_bound_on_its_points():
     """An increment of 1e-7 m after a small movement made a path of tens of millions of points."""
-    monkeypatch.setattr(MODULE["pushdown"], "PUSHDOWN", PushdownTolerances(points=12))
-    path = pushdown(block_on_base(), "base", rotation=-0.001, increment=1e-4, to_collapse=True)
+    few = PushdownTolerances(points=12)
+    path = pushdown(
+        block_on_base(), "base", rotation=-0.001, increment=1e-4, to_collapse=True, tolerances=few
+    )
     assert len(path.movement) == 12 and path.end == (
         "a path has 12 points at most; write a larger increment_rad"
     )
     assert path.ultimate is None and path.movement[-1] >= 0.001
-    path = pushdown(block_on_base(), "base", (1e-3, 0.0), -0.001, increment=1e-4, to_collapse=True)
+    path = pushdown(
+        block_on_base(), "base", (1e-3, 0.0), -0.001, increment=1e-4, to_collapse=True, tolerances=few
+    )
     assert path.end.endswith("write a larger increment_m")
 
 

@@ -11,9 +11,8 @@ from mechanics.kernels.joint import PLACE
 from mechanics.kernels.linalg import cholesky
 from mechanics.kernels.linalg.pattern import Pattern
 from mechanics.kernels.matrix import diagonal, stiffen
-from mechanics.solvers import elimination
 from mechanics.solvers.dissection import SMALLEST, dissected, fronts
-from mechanics.solvers.elimination import Elimination
+from mechanics.solvers.elimination import BANDED, CHEAPER, Elimination, Storage
 from mechanics.steps.static_system import static_system
 from mechanics.types import Array, Index
 from tests.support.structures import arch_on_piers, running_bond
@@ -33,14 +32,19 @@ def scattered(blocks: int, share: float) -> tuple[Array, Index]:
     return centres, neighbours(centres, share)
 
 
-def in_fronts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whatever is solved from now on is solved in fronts."""
-    monkeypatch.setattr(elimination, "WORTH_WHILE", 0)
-    monkeypatch.setattr(elimination, "DEARER", 0.0)
+IN_FRONTS = Storage(0.0, 0.0)
 
 
-def in_a_band(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(elimination, "WORTH_WHILE", np.inf)
+def store_in(storage: Storage, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From now on all matrices but those of signed factors, which are banded."""
+    monkeypatch.setattr(
+        Elimination,
+        "of",
+        lambda dof, centres, given=CHEAPER: LAID_OUT(dof, centres, BANDED if given is BANDED else storage),
+    )
+
+
+LAID_OUT = Elimination.of
 
 
 CASES = [(5, 1.0), (SMALLEST + 1, 1.0), (60, 1.0), (60, 0.3), (400, 1.0), (400, 0.1)]
@@ -119,17 +123,14 @@ def filled(layout: Elimination, mass: float) -> Array:
 
 
 def laid_out(blocks: int, share: float) -> Elimination:
-    """One joint for each pair, and one of every fifth block with a support."""
+    """In fronts: one joint for each pair, and one of every fifth block with a support."""
     centres, linked = scattered(blocks, share)
     dof = np.concatenate([3 * linked[:, [1, 0]], [(3 * i, -3) for i in range(0, blocks, 5)]])
-    return Elimination.of((dof[:, :, None] + np.arange(3)).reshape(-1, 6).clip(-1), centres)
+    return Elimination.of((dof[:, :, None] + np.arange(3)).reshape(-1, 6).clip(-1), centres, IN_FRONTS)
 
 
 @pytest.mark.parametrize(("blocks", "share"), CASES)
-def test_factors_in_fronts_solve_the_dense_system(
-    blocks: int, share: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    in_fronts(monkeypatch)
+def test_factors_in_fronts_solve_the_dense_system(blocks: int, share: float) -> None:
     layout = laid_out(blocks, share)
     stored = filled(layout, 1.0)
     matrix = dense(stored, layout.row, layout.pattern)
@@ -140,8 +141,7 @@ def test_factors_in_fronts_solve_the_dense_system(
     assert x == pytest.approx(np.linalg.solve(matrix, b), rel=1e-9, abs=1e-11)
 
 
-def test_fronts_tell_a_matrix_that_is_not_positive_definite(monkeypatch: pytest.MonkeyPatch) -> None:
-    in_fronts(monkeypatch)
+def test_fronts_tell_a_matrix_that_is_not_positive_definite() -> None:
     layout = laid_out(60, 1.0)
     for block in (0, 31, 59):
         for value in (-1e3, np.nan):
@@ -150,8 +150,7 @@ def test_fronts_tell_a_matrix_that_is_not_positive_definite(monkeypatch: pytest.
             assert not cholesky.factorise(stored, layout.pattern)
 
 
-def test_a_choice_of_joints_keeps_its_places(monkeypatch: pytest.MonkeyPatch) -> None:
-    in_fronts(monkeypatch)
+def test_a_choice_of_joints_keeps_its_places() -> None:
     layout = laid_out(60, 1.0)
     index = np.arange(0, len(layout.row), 3)
     some = layout.take(index)
@@ -180,8 +179,8 @@ def test_a_motion_is_the_same_in_fronts_and_in_a_band(
     model = running_bond(6, 8, stiffness=1e6)
     shaking = 0.4 * np.sin(np.arange(30))
     motions = []
-    for choose in (in_a_band, in_fronts):
-        choose(monkeypatch)
+    for storage in (BANDED, IN_FRONTS):
+        store_in(storage, monkeypatch)
         motions.append(time_history(model, shaking, 0.005, behaviour, integrator="implicit-euler"))
     band, found = motions
     assert found.worst <= 1e-6
@@ -190,8 +189,8 @@ def test_a_motion_is_the_same_in_fronts_and_in_a_band(
 
 def test_a_pushover_is_the_same_in_fronts_and_in_a_band(monkeypatch: pytest.MonkeyPatch) -> None:
     curves = []
-    for choose in (in_a_band, in_fronts):
-        choose(monkeypatch)
+    for storage in (BANDED, IN_FRONTS):
+        store_in(storage, monkeypatch)
         model = running_bond(6, 8)
         curves.append(pushover(model, model.blocks[-1].centroid, increment=0.02, until=0.5))
     band, found = curves

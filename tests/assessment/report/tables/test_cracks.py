@@ -120,14 +120,13 @@ def test_numbers_of_supports_are_light_on_their_dark_ground():
     assert light == supports
 
 
-def test_of_cracks_that_is_told_which_there_is(monkeypatch):
+def test_of_cracks_that_is_told_which_there_is():
     """ "The 40 widest joints are printed" stood over a table of three; "not reached" without such a row."""
     block, _ = about(results_example(), 0, 0, 0.05)
     results = typed(with_motion(block, [0.003, 0.01, 0.0]))
     words = words_of(results)
     assert len(cracks(results).rows) > 1 and len(list(crack_sentences(results, words))) == 1
-    monkeypatch.setattr("assessment.report.chapters.remarks.PRINTED", 1)
-    assert "are printed and numbered" in " ".join(crack_sentences(results, words))
+    assert "are printed and numbered" in " ".join(crack_sentences(results, words, printed=1))
     along = np.subtract(*results_example()["geometry"]["joints"][0]["ends_m"])
     apart = typed(with_motion(block, [*(2.0 * along), 0.0]))
     assert any(row["opening_m"] is None for row in cracks(apart).rows)
