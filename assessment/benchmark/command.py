@@ -56,7 +56,7 @@ def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
     say(summary[0])
     for name in names or BENCHMARKS:
         chosen = BENCHMARKS[name]
-        rows = list(_told(name, chosen.rows(quick)))
+        rows = list(_named(name, chosen.rows(quick)))
         write_atomically(folder / f"{name}.csv", as_csv(rows))
         for parameter in dict.fromkeys(row["parameter"] for row in rows) if chosen.series else ():
             some = [row for row in rows if row["parameter"] == parameter]
@@ -69,7 +69,7 @@ def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
     write_atomically(folder / SUMMARY, ("\n\n".join(summary) + "\n").encode())
 
 
-def _told(name: str, rows: Iterator[Row]) -> Iterator[Row]:
+def _named(name: str, rows: Iterator[Row]) -> Iterator[Row]:
     """The rows, each named on a terminal as soon as it is measured."""
     for row in rows:
         if sys.stderr.isatty():

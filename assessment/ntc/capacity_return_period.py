@@ -6,7 +6,7 @@ from assessment.ntc.calculation import Step, step
 from assessment.ntc.demand.hazard import HazardCurve
 from assessment.ntc.demand.hazard_grid import RETURN_PERIODS
 
-EXPONENT = 0.41  # slope of log a_g over log T_R for Italy as a whole (known, not re-read [k])
+EXPONENT = 0.41  # slope of log a_g over log T_R for Italy as a whole (not compared with the text [k])
 _LAW = "D.M. 58/2017, Allegato A; NTC 2018, §3.2.1"
 
 

@@ -1,7 +1,7 @@
 """Indices of seismic safety and risk that follow from the capacities: what Italian practice asks for beside ζ_E.
 
 D.P.C.M. 9/2/2011 (heritage): I_S, f_a, acceptable nominal life. D.M. 58/2017, Allegato A: IS-V, PAM, risk class.
-NTC 2018, §8.4: what interventions must reach. All known, not re-read [k].
+NTC 2018, §8.4: what interventions must reach. None of it is compared with the texts [k].
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Variable loads in the seismic combination: ψ₂ of NTC 2018, Tab. 2.5.I, from knowledge, not re-read [k].
+"""Variable loads in the seismic combination: ψ₂ of NTC 2018, Tab. 2.5.I, not compared with the text [k].
 
 G_1 + G_2 + P + E + Σ ψ₂ Q ([2.5.5]); the seismic masses are those of G_1 + G_2 + Σ ψ₂ Q ([3.2.4]).
 """

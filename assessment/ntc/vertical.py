@@ -1,6 +1,6 @@
 """The vertical component of the seismic action in the linear check of a mechanism.
 
-NTC 2018, §3.2.3.2.2, §7.2.2, §7.3.5. Numbers of the vertical spectrum and thresholds from knowledge, not re-read [k].
+NTC 2018, §3.2.3.2.2, §7.2.2, §7.3.5. Its numbers and thresholds are not compared with the text [k].
 """
 
 from __future__ import annotations

@@ -43,10 +43,10 @@ class Motions:
     @property
     def notes(self) -> list[str]:
         """What the user should know about the records."""
-        told = [
+        notes = [
             note for motion in (*self.history, *self.incremental, *self.campaign) for note in motion.notes
         ]
-        return [*told, *doubtful_records(self.campaign)]
+        return [*notes, *doubtful_records(self.campaign)]
 
 
 def read_motions(project: Project) -> Motions:

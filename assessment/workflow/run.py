@@ -63,8 +63,8 @@ def carry_out(
         if last and last.results == keys.results and last.intact(folder, RESULTS):
             outcome = _retitled(last.outcome(folder), project)
         else:
-            with journal(folder, show) as told:
-                outcome = _analysed(project, folder, jobs, fresh, report, told, scheduler)
+            with journal(folder, show) as recorded:
+                outcome = _analysed(project, folder, jobs, fresh, report, recorded, scheduler)
         standing = last.standing(folder, keys) if last else frozenset()
         show.begin("report" if report else "figures and tables", 1, 0, 1.0)
         from assessment.workflow.output import write

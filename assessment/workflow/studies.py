@@ -61,8 +61,8 @@ def add_studies(
     return complete
 
 
-def _in_short(name: str, told: Sequence[str], what: str = "warnings") -> list[str]:
+def _in_short(name: str, texts: Sequence[str], what: str = "warnings") -> list[str]:
     """Return up to FEW messages as they are, more as their number: a study repeats those of the states it varies."""
-    if len(told) <= FEW:
-        return list(told)
-    return [f"{name}: {len(told)} {what} of single runs, in results.json; the first: {told[0]}"]
+    if len(texts) <= FEW:
+        return list(texts)
+    return [f"{name}: {len(texts)} {what} of single runs, in results.json; the first: {texts[0]}"]

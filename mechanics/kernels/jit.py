@@ -1,4 +1,4 @@
-"""numba's compiler, with a cache on disk that is never out of date and never in the way."""
+"""numba's compiler, with a cache on disk that follows the sources; where none can be written there is none."""
 
 from __future__ import annotations
 
@@ -125,8 +125,8 @@ def _users_caches() -> Path:
         return Path(os.environ["LOCALAPPDATA"])
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Caches"
-    told = Path(os.environ.get("XDG_CACHE_HOME", ""))
-    return told if told.is_absolute() else Path.home() / ".cache"
+    given = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    return given if given.is_absolute() else Path.home() / ".cache"
 
 
 def _is_ours_alone(folder: Path) -> bool:

@@ -169,16 +169,16 @@ def _overlap_faults(
 def _one_with_many(
     blocks: Sequence[Block], polygons: Polygons, i: int, others: list[int], frame: bool
 ) -> Fault:
-    told = ", ".join(str(j) for j in others[:3]) + (", …" if len(others) > 3 else "")
+    some = ", ".join(str(j) for j in others[:3]) + (", …" if len(others) > 3 else "")
     if frame:
         text = (
-            f"encloses {len(others)} other blocks ({told}); if it is a frame freeze its layer, else delete it"
+            f"encloses {len(others)} other blocks ({some}); if it is a frame freeze its layer, else delete it"
         )
         corner = blocks[i].polygon[:1]
         ring = np.concatenate([blocks[i].polygon, corner])
         return Fault("frame", f"{name_of(blocks, i)} at {place_of(corner[0])} {text}", corner, (ring,))
     common, where = _common(polygons[i], shapely.union_all(polygons[others[:SHOWN]]))
-    text = f"overlaps {len(others)} other blocks ({told}); correct its outline"
+    text = f"overlaps {len(others)} other blocks ({some}); correct its outline"
     return Fault("overlap", f"{name_of(blocks, i)} around {place_of(where[0])} {text}", where, _rings(common))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mechanics.kernels.dynamics.motion import ELASTIC, IMPACT, INPUT, RUBBED, STEPPING, VISCOUS
+from mechanics.kernels.dynamics.motion import ELASTIC, FRICTION_WORK, IMPACT, INPUT, STEPPING, VISCOUS
 from mechanics.model.assembly import Assembly
 from mechanics.types import Array
 
@@ -43,7 +43,7 @@ class Energy:
             potential,
             energy[:, ELASTIC],
             energy[:, INPUT] + potential,  # INPUT is the work of all loads; the dead loads are in `potential`
-            energy[:, RUBBED],
+            energy[:, FRICTION_WORK],
             energy[:, IMPACT],
             energy[:, VISCOUS],
             energy[:, STEPPING],

@@ -37,7 +37,7 @@ def compatible_record(
     `spectrum` gives S_a (m,), g, at periods (m,), s; it is matched over the `band` of periods (s). The
     amplitude grows to a `plateau` (s) of constant intensity and decays after it, a third and two thirds of
     the remaining time; plateau = duration makes a stationary record. The base ends at rest and without
-    displacement. The same `seed` gives the same record. NTC 2018 §3.2.3.6 [k: known, not re-read] wants a
+    displacement. The same `seed` gives the same record. NTC 2018 §3.2.3.6 [k] wants a
     plateau of 10 s or more, 25 s or more in all, and the mean of the records at no period more than 10 % below the
     spectrum for 0.15-2 s (or 0.15 s to twice the structure's period).
 

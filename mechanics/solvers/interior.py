@@ -138,7 +138,7 @@ def stable(program: Program, layout: Elimination, solution: Iterate) -> bool:
     assert p.curved is not None
     held = np.full(len(p.load), HOLDING * p.weight / p.step)
     held[2::3] *= p.size**2
-    negative, gives = inertia(
+    negative, lateral_work = inertia(
         layout.row,
         p.places,
         p.law,
@@ -153,4 +153,4 @@ def stable(program: Program, layout: Elimination, solution: Iterate) -> bool:
         layout.packed,
         np.arange(len(layout.row)),
     )
-    return negative == 0 or (negative == 1 and gives < 0.0)
+    return negative == 0 or (negative == 1 and lateral_work < 0.0)

@@ -82,14 +82,14 @@ def largest_multiplier(
     scale = np.array([1.0, 1.0, size]) * weight
     dead, lateral = ((each[movable] / scale).reshape(-1, 1) for each in loads)
     matrix = sparse.hstack([points.equilibrium(centroids, movable, size), lateral], format="csc")
-    presses, rubs = len(points.joint), len(points.a)
+    presses, shears = len(points.joint), len(points.a)
     result = linprog(
-        np.r_[np.zeros(presses + rubs), -1.0],
+        np.r_[np.zeros(presses + shears), -1.0],
         A_ub=points.friction_bounds(),
-        b_ub=np.zeros(2 * rubs),
+        b_ub=np.zeros(2 * shears),
         A_eq=matrix,
         b_eq=-dead.ravel(),
-        bounds=[(0.0, None)] * presses + [(None, None)] * rubs + [(None, LARGEST)],
+        bounds=[(0.0, None)] * presses + [(None, None)] * shears + [(None, LARGEST)],
         method=METHOD,
     )
     return float(result.x[-1]) if result.status == 0 else None

@@ -157,8 +157,8 @@ class StandardForm:
         p, j = self.program, self.points.joint
         rays = p.weight * z[: self.rays].reshape(-1, 2)
         n, t = _ray(p.law[j, FRICTION])
-        bears, rubs = n * rays.sum(axis=1), t * (rays[:, 0] - rays[:, 1])
-        parts = (bears, bears * self.points.s, rubs)
+        bears, shears = n * rays.sum(axis=1), t * (rays[:, 0] - rays[:, 1])
+        parts = (bears, bears * self.points.s, shears)
         sums = [np.asarray(np.bincount(j, part, minlength=len(p.law)), dtype=float) for part in parts]
         forces = np.stack(sums, axis=1)
         alpha = float(z[self.rays]) if p.lateral is not None else 0.0

@@ -106,8 +106,8 @@ def _assessed(
     method = with_loss(method_of(project, demands.hazard), rigid.local_loss)
     warnings += [f"{direction}: {note}" for note in _beyond_loss(assessment, rigid.local_loss)]
     checks = verify(capacity, demands.spectra, method)
-    said = dict.fromkeys(note for check in checks.values() for note in check.notes)
-    warnings += [f"{direction}: {note}" for note in said]
+    notes = dict.fromkeys(note for check in checks.values() for note in check.notes)
+    warnings += [f"{direction}: {note}" for note in notes]
 
     made = _capacity(mechanism, part, fit, capacity, checks)
     if vertical := _vertical(model, capacity, checks.get("SLV linear"), demands.spectra):
@@ -126,11 +126,11 @@ def _refuse_other_mechanism(rigid: RigidPush) -> None:
 
     No finite multiplier is a contradiction too: the mechanism moves, and the horizontal load does no work on it.
     """
-    told, by_work = rigid.mechanism.alpha, rigid.virtual_work_alpha
+    alpha, by_work = rigid.mechanism.alpha, rigid.virtual_work_alpha
     virtual_work = math.inf if by_work is None else by_work
-    if abs(virtual_work - told) > CONTRADICTION * abs(told):
+    if abs(virtual_work - alpha) > CONTRADICTION * abs(alpha):
         raise CapacityError(
-            f"virtual work on the mechanism gives α = {virtual_work:.3g}, the curve {told:.3g}: blocks "
+            f"virtual work on the mechanism gives α = {virtual_work:.3g}, the curve {alpha:.3g}: blocks "
             "slide or move by themselves there, and e*, Γ* are not those of a mechanism"
         )
 

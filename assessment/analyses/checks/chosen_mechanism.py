@@ -66,14 +66,14 @@ class JointMotion:
     """Motion in the joints of a configuration under virtual displacements.
 
     `penetration`: the deepest one, between the blocks `pair`, over the largest displacement; `shut` (j,): which
-    `contacts` are closed at one end or both; `rubs` (j,): which slide against friction.
+    `contacts` are closed at one end or both; `slides` (j,): which slide against friction.
     """
 
     penetration: float
     pair: tuple[int, int]
     contacts: Contacts
     shut: Mask
-    rubs: Mask
+    slides: Mask
 
     def closed(self, positions: Array) -> Closed:
         """Return blocks and ends of the closed contacts at `positions` (b, 3)."""
@@ -84,15 +84,15 @@ class JointMotion:
         )
 
     @property
-    def rubbing(self) -> Index:
+    def sliding(self) -> Index:
         """Indices of the contacts that slide against friction."""
-        return np.flatnonzero(self.rubs)
+        return np.flatnonzero(self.slides)
 
 
 def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion:
     """Return the motion of virtual displacements (b, 3) in the joints that are closed at `positions` (b, 3).
 
-    Only closed ends of faces that overlap count. A joint slides against friction (rubs) if its slip exceeds that of
+    Only closed ends of faces that overlap count. A joint slides against friction if its slip exceeds that of
     associative friction at the opening of a closed end, u_t > u_n/μ: friction would do work.
     """
     contacts = static_system(model, "rigid").around(positions, LIMIT.onset * model.size).contacts
@@ -104,13 +104,13 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion
     opening = np.where(closed, np.stack([u - half, u + half], axis=1), np.inf).min(axis=1)
     largest = float(abs(delta[:, :2]).max())
     worst = int(np.argmin(opening))
-    least = np.maximum(contacts.friction, 1e-99)  # without friction nothing rubs
-    rubs = closed.any(axis=1) & (
+    least = np.maximum(contacts.friction, 1e-99)  # without friction nothing slides against it
+    slides = closed.any(axis=1) & (
         abs(v) > np.maximum(opening, 0.0) / least + ROUNDING * largest / np.minimum(least, 1.0)
     )
     pair = (int(contacts.a[worst]), int(contacts.b[worst]))
     return JointMotion(
-        max(0.0, -float(opening[worst]) / largest), pair, contacts, np.asarray(closed.any(axis=1)), rubs
+        max(0.0, -float(opening[worst]) / largest), pair, contacts, np.asarray(closed.any(axis=1)), slides
     )
 
 
@@ -143,8 +143,8 @@ def evaluate(
         method = replace(method, local_limits={})  # the local loss is a displacement of another point
 
     met = Met(model)
-    rubbing = met.numbers(motion.contacts, motion.rubs)[motion.rubbing].tolist()
-    notes = _notes(motion.penetration, motion.pair, rubbing)
+    sliding = met.numbers(motion.contacts, motion.slides)[motion.sliding].tolist()
+    notes = _notes(motion.penetration, motion.pair, sliding)
     fit = fit_rigid(([0.0, 1.0], [work.alpha_0, work.alpha_0]))
     if demands.keys() & {"SLV", "SLC"}:
         try:
@@ -158,7 +158,7 @@ def evaluate(
     steps = [*by_hand, *(line for line in capacity.steps() if line.symbol in CURVE)]
     found = _given(chosen, delta, direction, work, capacity, control).replace(
         penetration=motion.penetration,
-        sliding_joints=rubbing,
+        sliding_joints=sliding,
         met=met.joints,
         notes=notes,
         trace=lines(steps),
@@ -287,16 +287,16 @@ def compared(
     return found.replace(alpha_0_limit=alpha_0, notes=notes)
 
 
-def _notes(penetration: float, pair: tuple[int, int], rubbing: list[int]) -> list[str]:
+def _notes(penetration: float, pair: tuple[int, int], sliding: list[int]) -> list[str]:
     notes = []
     if penetration > ROUNDING:
         notes.append(
             f"block {pair[0]} penetrates block {pair[1]} by {100.0 * penetration:.2g} % of the largest displacement, "
             "as with a hinge set back from the edge"
         )
-    if rubbing:
+    if sliding:
         notes.append(
-            f"joints that slide as the mechanism moves: {len(rubbing)}; their friction is left out, so that alpha_0 is "
+            f"joints that slide as the mechanism moves: {len(sliding)}; their friction is left out, so that alpha_0 is "
             "lower than with it"
         )
     return notes

@@ -263,7 +263,7 @@ class Standard(NamedTuple):
 def standard_value(records: Sequence[tuple[float | None, float | None]]) -> Standard:
     """Return the PGA at collapse by NTC 2018 §7.3.5; `records`: PGA at collapse and largest safe PGA of each, g.
 
-    §7.3.5 [k: known, not re-read]: with seven records or more the mean of the effects counts, with three to six the
+    §7.3.5 [k]: with seven records or more the mean of the effects counts, with three to six the
     most unfavourable: the lowest PGA at collapse. With fewer the lowest is given. A mean or lowest that a record
     without collapse leaves undecided is None.
     """

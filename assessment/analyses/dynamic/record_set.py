@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
     from assessment.project.schema import CampaignTable
 
-DURATION, PLATEAU, TIME_STEP = 25.0, 10.0, 0.01  # s: NTC 2018 §3.2.3.6 [k: known, not re-read]
+DURATION, PLATEAU, TIME_STEP = 25.0, 10.0, 0.01  # s: NTC 2018 §3.2.3.6 [k]
 DAMPING = 0.05  # of spectra and of Sa(T)
 LOW, HIGH = -0.10, 0.30  # of the target: least and largest deviation of the mean spectrum
 PERIODS = 60  # at which spectra are compared

@@ -134,7 +134,7 @@ def add_curve(
         result.activated = path.states[path.peak]
         curve = rigid_push(model, control, setting.sliding, direction, path)
         result.found = Pushovers(control=control.name, rigid=curve)
-        result.warnings += _told_of_rigid(title, curve, path)
+        result.warnings += _rigid_notes(title, curve, path)
     else:
         elastic = elastic_push(model, setting.sliding, direction, path)
         result.found = Pushovers(control=control.name, elastic=elastic)
@@ -145,7 +145,7 @@ def add_curve(
         )
 
 
-def _told_of_rigid(title: str, curve: RigidPush, path: Pushover) -> Iterator[str]:
+def _rigid_notes(title: str, curve: RigidPush, path: Pushover) -> Iterator[str]:
     """Yield what to know about a rigid curve: the other law of friction, local losses, where the mechanism is from."""
     if curve.alpha_0_coulomb is not None:
         yield (

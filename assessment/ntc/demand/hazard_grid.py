@@ -82,7 +82,7 @@ def read_site_table(path: str | Path) -> Array | None:
     unit = next((unit for unit in ("g/10", "g") if f"[{unit}]" in header.replace(" ", "")), None)
     if unit is None:
         raise HazardError(
-            f"{path}: the unit of a_g is not said; write it in a header line: T_R; a_g [g]; F0; T_C*"
+            f"{path}: the unit of a_g is not given; write it in a header line: T_R; a_g [g]; F0; T_C*"
         )
     values = table[:, 1:] / np.array([10.0 if unit == "g/10" else 1.0, 1.0, 1.0])
     _check_values(path, values[None], [rows[0][0]], f"in {unit}, as the header says")

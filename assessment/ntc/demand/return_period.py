@@ -15,7 +15,7 @@ SHORTEST, LONGEST = 30.0, 2475.0  # years, of the reference hazard
 def return_period(limit_state: str, nominal_life: float = 50.0, use_class: str = "II") -> float:
     """Return T_R = −V_R/ln(1 − P_VR), V_R = V_N C_U, in years (NTC 2018, §2.4 and §3.2.1).
 
-    The bounds 30 and 2475 years are [k]: known, not re-read. Raises ValueError naming the argument.
+    The bounds 30 and 2475 years are not compared with the text [k]. Raises ValueError naming the argument.
     """
     if limit_state not in EXCEEDANCE:
         raise ValueError(f"limit_state = {limit_state!r}: must be one of SLO, SLD, SLV, SLC")

@@ -73,7 +73,7 @@ class ElasticSpectrum:
 
     ag in g, Tc_star in s, soil A–E, topography T1–T4, damping as a fraction of critical. The coefficients
     S_S, C_C and S_T are those of Tab. 3.2.IV–V; the branches, T_D and the displacement branch above T_E
-    are [k]: known, not re-read in the text. Raises ValueError naming the argument.
+    are not compared with the text [k]. Raises ValueError naming the argument.
     """
 
     ag: float

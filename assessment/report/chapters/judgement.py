@@ -158,7 +158,7 @@ def _losses(results: Results, words: Words) -> Iterator[Markup]:
             increase = _percent(max(0.0, -largest), words)
             none.append(words("judgement.no_reduction", **place, increase=increase, reference=reference))
     if losses:
-        told = [
+        by_curve = [
             words(
                 "judgement.reduction_at",
                 state=words.state(state),
@@ -167,7 +167,7 @@ def _losses(results: Results, words: Words) -> Iterator[Markup]:
             )
             for (state, direction), found in losses.items()
         ]
-        yield words("judgement.reduction", losses=Markup("; ").join(told), reference=reference)
+        yield words("judgement.reduction", losses=Markup("; ").join(by_curve), reference=reference)
     yield from none
     for (state, direction), checks in lost.items():
         yield words(

@@ -91,8 +91,9 @@ def moved_states(
                 stages = parts[whole.name, share]
                 _take(study, whole.name, share, stages)
                 state = _Reviewed(_rest(stages, table), stages, curves(stages))
-            told = study.warnings if 0.0 < share < 1.0 else []  # the others are told with their states
-            capacity = _static(beside, model, state, demands, told)
+            # those of the whole and of none are among the warnings of their states
+            warnings = study.warnings if 0.0 < share < 1.0 else []
+            capacity = _static(beside, model, state, demands, warnings)
             ultimate = _ultimate(project, table, state.curves)
             found.append(Moved(whole.name, share, share * length, state.start, capacity, ultimate))
     return found

@@ -6,7 +6,7 @@ at one that closes.
 
 No step leaves a bed deeper than its forces pressed it, nor with more stored than was done on it (it may give more):
 where the blocks come closer than that, by the geometry of the step or a slide that stops, the bed has `sunk` until they
-part. Otherwise a stiff bed would turn a gap wrong by microns into a blow.
+part. Otherwise a stiff bed would turn an error of microns in a gap into an impact.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def _storing(u: float, phi: float, half: float, stiffness: float, most: float) -
 
 @compiled
 def _begins(p: Array, s: Array, rate: tuple[float, float], h: float, closed: float) -> None:
-    """Let u and φ of an elastic joint at a place p be what its forces count from: g of the ends, see above.
+    """Set u and φ of an elastic joint at a place p so that its ends have the gaps g, see above.
 
     `s` (PLACE,): at the start, where its gap changes at the `rate` (u, φ); `closed`: 1/(θ + β/h).
     """
@@ -73,7 +73,7 @@ def _begins(p: Array, s: Array, rate: tuple[float, float], h: float, closed: flo
 def _rigid_gaps(
     p: Array, s: Array, a: int, b: int, v: Array, h: float, size: float, restitution: float
 ) -> None:
-    """Let u and φ of a rigid joint at a place p be those that its velocity has to respect.
+    """Set u and φ of a rigid joint at a place p to those that its velocity has to respect.
 
     The velocity at the end is along the rows of the end, which differ from those of the middle as these do from those
     of the start, s (PLACE,).

@@ -14,7 +14,7 @@ compiled = compiler("contract", "reassoc")
 
 # where the energy of a motion is (energy, 7): stored in springs; taken by friction, impacts, dashpots and the
 # stepping; put in; and the largest kinetic energy so far, by which what steps take is measured
-ELASTIC, RUBBED, IMPACT, VISCOUS, STEPPING, INPUT, LARGEST = range(7)
+ELASTIC, FRICTION_WORK, IMPACT, VISCOUS, STEPPING, INPUT, LARGEST = range(7)
 ENERGIES = 7
 # columns of the state of a joint (joints, j × 11): N₁, N₂, T and y₁, y₂, λ₊, λ₋ of the last program; force of the
 # spring in shear, kN; speed of the slide, m/s, and its acceleration; gap of the blocks less that of the bed, m

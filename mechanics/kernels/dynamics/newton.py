@@ -1,4 +1,4 @@
-"""The dynamic program over elastic joints by Newton's method on the displacements, joints that slide taken as such.
+"""The dynamic program over elastic joints by Newton's method on the displacements, with a guess which joints slide.
 
 The bed's forces N and P are functions of the motion, T is that of the slide or, in a joint that sticks, an unknown:
 
@@ -8,7 +8,7 @@ The bed's forces N and P are functions of the motion, T is that of the slide or,
 
 A joint that finds itself beyond its bound changes from one to the other (a primal-dual active set). Near a solution
 this takes two to four iterations. Nothing guarantees that it converges: where it does not, or where many joints change,
-the interior point is asked.
+the interior point solves it.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ def _stick(law: Array, h: float, u: float, phi: float, v: float, least: float, s
 def _evaluate(
     joints: Any, x: Array, weight: float, least: float, known: Array, residual: Array
 ) -> tuple[int, float]:
-    """Forces of all joints at x onto `residual`; how many change between sticking and sliding; the most they miss."""
+    """Forces of all joints at x onto `residual`; how many change to sliding or sticking; the largest slip left."""
     row, places, law = joints.row, joints.places, joints.law
     changed, missed = 0, 0.0
     for k in range(len(row)):
@@ -122,7 +122,7 @@ def _evaluate(
 
 @looped
 def _assemble(joints: Any, known: Array, mass: Array, dx: Array, stored: Array, pattern: Any) -> None:
-    """The matrix; and onto `dx` (m,) the forces that bear what joints that stick miss."""
+    """The matrix; and onto `dx` (m,) the forces that cancel the slips of joints that stick."""
     row, places = joints.row, joints.places
     diagonal(mass, stored, pattern)
     for k in range(len(row)):
@@ -144,7 +144,7 @@ def _follow(joints: Any, known: Array, dx: Array) -> None:
 
 @looped
 def _begin(law: Array, f: Array, y: Array, unit: float, known: Array) -> None:
-    """Joints whose slip in the solution f, y was wider, per step, than their force was below its bound slide on."""
+    """Let joints slide whose slip in the solution f, y, per step, was larger than the distance of T from its bound."""
     for k in range(len(f)):
         s, n = known[k], f[k, 0] + f[k, 1]
         bound, slid = law[k, FRICTION] * n, y[k, 2] - y[k, 3]

@@ -6,7 +6,7 @@ Elastic joints: M(v₁ − v₀)/h = f + BᵀF and Δx/h = v₀ + θ(v₁ − v�
 
 Rigid joints, at velocity level: M(v₁ − v₀)/h = f + BᵀF and the gap g₀ + h Bv₁ ≥ 0 (Moreau and Jean, without bounce),
 with x₁ = x₀ + h((1 − θ)v₀ + θv₁). What a joint that closes takes of the energy is an impact's, but for what a block
-that falls for the time of the step alone would have brought: that is the stepping's.
+that falls for the time of the step alone would have brought: that is a loss of the time stepping.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from mechanics.kernels.dynamics.gaps import posed, sunk
 from mechanics.kernels.dynamics.motion import (
     ELASTIC,
     ENERGIES,
+    FRICTION_WORK,
     GAPS,
     IMPACT,
     INPUT,
     N1,
     RATE,
-    RUBBED,
     SPEED,
     SPRING,
     STANDARD_GRAVITY,
@@ -122,7 +122,7 @@ def attempt(
         place(a, b, faces, x + moved, end)
         spent[ELASTIC] += sunk(start, end, basic, closest, done_on, joints, size)
     # computed from the forces, not as what is missing: the balance is a check
-    taken = (theta - 0.5) * jerked - contact - spent[RUBBED] - spent[VISCOUS] - spent[ELASTIC]
+    taken = (theta - 0.5) * jerked - contact - spent[FRICTION_WORK] - spent[VISCOUS] - spent[ELASTIC]
     if not elastic and theta < 1.0:
         spent[IMPACT] = taken - spent[STEPPING]
     else:
@@ -166,7 +166,7 @@ def _worked(
         contact += normal * du + moment * dphi + t * dv
         limit = laws[q, FRICTION] * normal
         if elastic:
-            spent[RUBBED] -= t * (dv + laws[q, SHEAR] * (t - shear[k]))
+            spent[FRICTION_WORK] -= t * (dv + laws[q, SHEAR] * (t - shear[k]))
             joints[k, SPRING] = min(max(shear[k] + (t - shear[k]) / stretch, -limit), limit)
             spent[ELASTIC] += 0.5 * basic[k, SHEAR] * joints[k, SPRING] ** 2
             if beta > 0.0:
@@ -176,7 +176,7 @@ def _worked(
                 spent[VISCOUS] += beta / h * (c0 * du * du + 2.0 * c1 * du * dphi + c2 * dphi * dphi)
                 spent[VISCOUS] += beta / h * basic[k, SHEAR] * ((t - shear[k]) / stretch) ** 2
         else:
-            spent[RUBBED] -= t * dv
+            spent[FRICTION_WORK] -= t * dv
             # faces that meet no faster than a step makes a block that falls may not have met at all
             met = -(normal * du + moment * dphi)
             unsure = 0.5 * STANDARD_GRAVITY * h * h * normal

@@ -40,8 +40,9 @@ LANES = 8  # joints side by side
 # at; λ± aimed at; corrections of the products; compliance of the bed; half-length, friction, compliance in shear and κ;
 # motion in an iteration, and the part of it that is new; D; changes of N, P, T; changes of all unknowns
 (N1, N2, T, Y1, Y2, LP, LM, G1, G2, BETA, E1, E2, SLIP, OFF, ZP, ZM, PP, PM, D11, D12, D22, A, LEVER, SUM, Q, RN, RP,
- RT, KP, KM, C1, C2, BP, BM, S11, S12, S22, HALF, RUBS, SPRING, KAPPA, DU, DPHI, DV, MU, MPHI, MV, DUU, DUP, DUV, DPP,
- DPV, DVV, FN, FP, FT, CN1, CN2, CT, CY1, CY2, CLP, CLM, CG1, CG2, CZP, CZM) = range(0, 67 * LANES, LANES)  # fmt: skip
+ RT, KP, KM, C1, C2, BP, BM, S11, S12, S22, HALF, COULOMB, SPRING, KAPPA, DU, DPHI, DV, MU, MPHI, MV, DUU, DUP, DUV,
+ DPP, DPV, DVV, FN, FP, FT, CN1, CN2, CT, CY1, CY2, CLP, CLM, CG1, CG2, CZP,
+ CZM) = range(0, 67 * LANES, LANES)  # fmt: skip
 KNOWN = 67 * LANES
 CHANGES = slice(CN1, KNOWN)  # all unknowns' changes
 
@@ -50,7 +51,7 @@ CHANGES = slice(CN1, KNOWN)  # all unknowns' changes
 def read(
     p: Array, law: Array, i: int, j: int, x: Array, f: Array, y: Array, s: Array, k: int
 ) -> None:  # fmt: skip
-    """The iterate of a joint, its law and what its bed and its slip miss, into lane k of s.
+    """The iterate of a joint, its law and the residuals of its bed and its slip, into lane k of s.
 
     Gaps y (4,) of the ends change where the bed's own can be told from them.
     """
@@ -64,20 +65,20 @@ def read(
     s[N1 + k], s[N2 + k], s[T + k] = n1, n2, f[2]
     s[Y1 + k], s[Y2 + k], s[LP + k], s[LM + k] = y[0], y[1], y[2], y[3]
     s[SLIP + k] = y[2] - y[3] - (p[V] + dv - law[SLID]) - law[SHEAR] * f[2]
-    s[HALF + k], s[RUBS + k], s[SPRING + k] = h, mu, law[SHEAR]
+    s[HALF + k], s[COULOMB + k], s[SPRING + k] = h, mu, law[SHEAR]
     s[KAPPA + k] = 0.25 / (h * law[STRENGTH])
 
 
 @inlined
 def missing(s: Array, k: int, least: float) -> None:
-    """What an iterate misses of the laws of a joint, and the terms of its elimination.
+    """The residuals of the laws of a joint, and the terms of its elimination.
 
     `least` (m/kN): added to compliances, bounds the stiffness.
     """
     n1, n2, t, y1, y2, lp, lm = (
         s[N1 + k], s[N2 + k], s[T + k], s[Y1 + k], s[Y2 + k], s[LP + k], s[LM + k],
     )  # fmt: skip
-    h, mu, kappa = s[HALF + k], s[RUBS + k], s[KAPPA + k]
+    h, mu, kappa = s[HALF + k], s[COULOMB + k], s[KAPPA + k]
     n = n1 + n2
     beta, crushed = 2.0 * kappa * n, kappa * n * n
     g1, g2 = n1 - crushed, n2 - crushed
@@ -107,10 +108,10 @@ def missing(s: Array, k: int, least: float) -> None:
 def _bed(
     law: Array, h: float, n1: float, n2: float, first: float, second: float, y: Array
 ) -> tuple[float, float, float, float, float, float]:
-    """Gaps of a bed's ends under N₁ and N₂, its compliance C₁₁, −C₁₂, C₂₂, and by how much it misses `first`, `second`.
+    """Gaps of a bed's ends under N₁ and N₂, its compliance C₁₁, −C₁₂, C₂₂, and its residual beside `first`, `second`.
 
-    The last is negative where it is what the ends miss of the gaps returned. An open end's gap may be the bed's as well
-    as y (4,): where it can, y takes what is missing.
+    The last is negative where it is the distance of the ends from the gaps returned. An open end's gap may be the
+    bed's as well as y (4,): where it can, y takes what is missing.
     """
     if law[BED] == np.inf:
         return 0.0, 0.0, 0.0, 0.0, 0.0, -1.0
@@ -138,7 +139,7 @@ def _taken(missed: float, y: float) -> float:
 @inlined
 def stiffness(s: Array, k: int) -> None:
     """D of a joint: −∂(N, P, T)/∂(u, φ, v) at the iterate."""
-    a, lever, q, h, mu = s[A + k], s[LEVER + k], s[Q + k], s[HALF + k], s[RUBS + k]
+    a, lever, q, h, mu = s[A + k], s[LEVER + k], s[Q + k], s[HALF + k], s[COULOMB + k]
     d11, d12, d22, pp, pm = s[D11 + k], s[D12 + k], s[D22 + k], s[PP + k], s[PM + k]
     skew, uu = -a * mu * (pp - pm) / q, a * s[SUM + k] / q
     s[DUU + k], s[DUP + k], s[DUV + k] = uu, lever * uu, skew
@@ -149,8 +150,8 @@ def stiffness(s: Array, k: int) -> None:
 
 @inlined
 def aim(s: Array, k: int, target: float) -> None:
-    """Changes of N, P, T of a joint that bear what it misses, its products becoming `target` less the corrections."""
-    h, mu, a, q = s[HALF + k], s[RUBS + k], s[A + k], s[Q + k]
+    """Changes of N, P, T of a joint that cancel its residuals; its products become `target` less the corrections."""
+    h, mu, a, q = s[HALF + k], s[COULOMB + k], s[A + k], s[Q + k]
     kp = (target - s[LP + k] * s[ZP + k] - s[BP + k]) / s[ZP + k]
     km = (target - s[LM + k] * s[ZM + k] - s[BM + k]) / s[ZM + k]
     both, apart = kp + km, kp - km + s[SLIP + k]
@@ -185,11 +186,11 @@ def follow(s: Array, k: int) -> None:
 
 @inlined
 def agree(s: Array, k: int, target: float, stiff: float) -> None:
-    """Let forces that are nearly nothing be those that their wide gaps and slips ask for: changes of N, P and T.
+    """Take forces that nearly vanish from the products with their wide gaps and slips: changes of N, P and T.
 
     As differences of large forces they would have lost their digits. `stiff`: weight per step.
     """
-    u, phi, v, mu, h = s[DU + k], s[DPHI + k], s[DV + k], s[RUBS + k], s[HALF + k]
+    u, phi, v, mu, h = s[DU + k], s[DPHI + k], s[DV + k], s[COULOMB + k], s[HALF + k]
     fn, fp, ft, give = s[FN + k], s[FP + k], s[FT + k], 1.0 / stiff
     one, other = s[LP + k] * stiff > s[ZP + k], s[LM + k] * stiff > s[ZM + k]
     wide = (one != other) & (s[BETA + k] <= 0.0)
@@ -221,7 +222,7 @@ def change(s: Array, k: int, target: float, stiff: float) -> None:
     Of a wide gap or slip the change is that of the motion, of one that is narrow beside the bed's own compliance, and
     where joints crush, that which the product asks for.
     """
-    u, phi, v, beta, mu, h = s[DU + k], s[DPHI + k], s[DV + k], s[BETA + k], s[RUBS + k], s[HALF + k]
+    u, phi, v, beta, mu, h = s[DU + k], s[DPHI + k], s[DV + k], s[BETA + k], s[COULOMB + k], s[HALF + k]
     fn, fp, ft, give = s[FN + k], s[FP + k], s[FT + k], 1.0 / stiff
     d1, d2 = 0.5 * (fn - fp / h), 0.5 * (fn + fp / h)
     g1, g2 = d1 - beta * fn, d2 - beta * fn

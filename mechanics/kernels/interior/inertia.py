@@ -35,6 +35,6 @@ def inertia(
     negative = factorise_signed(stored, pattern.places, pattern.last)
     if negative < 0 or len(lateral) == 0:
         return negative, 0.0
-    swayed = lateral.copy()
-    substitute_signed(stored, pattern.places, pattern.last, swayed)
-    return negative, dot(lateral, swayed)
+    lateral_solution = lateral.copy()
+    substitute_signed(stored, pattern.places, pattern.last, lateral_solution)
+    return negative, dot(lateral, lateral_solution)

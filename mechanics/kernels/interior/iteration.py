@@ -85,8 +85,9 @@ def _factorised(joints: Any, known: Array, held: Array, tied: bool, stored: Arra
 
 @compiled
 def _refine(
-    joints: Any, known: Array, load: Array, lateral: Array, mass: Array, swayed: Array, gives: float, dalpha: float,
-    dx: Array, enough: float, size: float, target: float, stiff: float, fine: Array, stored: Array, pattern: Any,
+    joints: Any, known: Array, load: Array, lateral: Array, mass: Array, lateral_solution: Array, lateral_work: float,
+    dalpha: float, dx: Array, enough: float, size: float, target: float, stiff: float, fine: Array, stored: Array,
+    pattern: Any,
 ) -> float:  # fmt: skip
     """Refine displacements dx and changes of forces until they balance the residual `load` (m,); the new Δα.
 
@@ -104,9 +105,9 @@ def _refine(
             break
         _back(stored, pattern, len(joints.curved) > 0, fine)
         if len(lateral):
-            more = -dot(lateral, fine) / gives
+            more = -dot(lateral, fine) / lateral_work
             dalpha += more
-            fine += more * swayed
+            fine += more * lateral_solution
         follow_all(joints, known, fine, target, stiff, True)
         dx += fine
     return dalpha
@@ -134,7 +135,7 @@ def iterate(
     tied = len(mass) > 0 or (law[:, BED] < np.inf).any()  # forces and gaps, to each other
     pushed, signed, stiff, holding = len(lateral) > 0, len(curved) > 0, 1.0 / unit, HOLDING
     kept_dx, kept_change = np.empty(count), np.empty((len(known), KNOWN - CN1))
-    residual, dx, swayed = np.empty(count), np.empty(count), np.empty(count)
+    residual, dx, lateral_solution = np.empty(count), np.empty(count), np.empty(count)
     held, fine = np.empty(count), np.empty(count)
     best, since, iteration = np.inf, 0, 0
     best_x, best_f, best_y = x.copy(), f.copy(), y.copy()
@@ -147,9 +148,9 @@ def iterate(
             residual -= mass * x
         gap_off, mean = evaluate(joints, x, f, y, unit * STIFFEST, known, residual)
         force_off = unbalanced(residual, size)
-        lacking = work - dot(lateral, x) if pushed else 0.0
+        work_residual = work - dot(lateral, x) if pushed else 0.0
         force, gap, product = (
-            max(force_off / weight, abs(lacking) / (weight * step)), gap_off / step, mean / (weight * step),
+            max(force_off / weight, abs(work_residual) / (weight * step)), gap_off / step, mean / (weight * step),
         )  # fmt: skip
         off = max(force, gap)
         if not (off < np.inf and product < np.inf):
@@ -174,11 +175,11 @@ def iterate(
             if holding >= FIRM:
                 return -iteration, alpha, force, gap, product
             holding *= FIRMER
-        gives = 1.0
+        lateral_work = 1.0
         if pushed:
-            swayed[:] = lateral
-            _back(stored, pattern, signed, swayed)
-            gives = dot(lateral, swayed)
+            lateral_solution[:] = lateral
+            _back(stored, pattern, signed, lateral_solution)
+            lateral_work = dot(lateral, lateral_solution)
         clear_corrections(known)
         target, dalpha, most_f, most_g = 0.0, 0.0, 0.0, 0.0
         kept_f, kept_g, kept_alpha = 0.0, 0.0, 0.0
@@ -187,14 +188,14 @@ def iterate(
             aim_all(joints, known, target, dx)
             _back(stored, pattern, signed, dx)
             if pushed:
-                dalpha = (lacking - dot(lateral, dx)) / gives
-                dx += dalpha * swayed
+                dalpha = (work_residual - dot(lateral, dx)) / lateral_work
+                dx += dalpha * lateral_solution
             follow_all(joints, known, dx, target, stiff, corrects > 0)
             if corrects:
                 enough = max(ROUNDING * max(force_off, accepted * weight), ROUNDED * weight)
                 dalpha = _refine(
-                    joints, known, residual, lateral, mass, swayed, gives, dalpha, dx, enough, size, target, stiff,
-                    fine, stored, pattern,
+                    joints, known, residual, lateral, mass, lateral_solution, lateral_work, dalpha, dx, enough, size,
+                    target, stiff, fine, stored, pattern,
                 )  # fmt: skip
             most_f, most_g = change_all(joints, known, target, stiff)
             if tied:

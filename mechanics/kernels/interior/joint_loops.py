@@ -1,4 +1,4 @@
-"""The interior point's loops over all joints, each a call of `elimination` a joint.
+"""The interior point's loops over all joints, by the functions of `elimination` for one.
 
 Rows of `known` are those of elimination: LANES joints side by side.
 """
@@ -68,8 +68,8 @@ looped = compiler("contract", "reassoc", allocates=False)
 inlined = compiler("contract", "reassoc", allocates=False, inline=True)
 
 TO_THE_BOUND = 0.995  # share of the way to the bounds that an iteration goes
-LEAST = 0.1  # of the target: smaller products stray
-MOST = 10.0  # of the target: larger products stray
+LEAST = 0.1  # of the target: smaller products are corrected
+MOST = 10.0  # of the target: larger products are corrected
 
 
 class Joints(NamedTuple):
@@ -87,7 +87,7 @@ class Joints(NamedTuple):
 
 @looped
 def _lanes(joints: Any, r: int) -> int:
-    """How many joints row r of what is known of them has."""
+    """Number of joints in row r of `known`."""
     return min(LANES, len(joints.row) - r * LANES)
 
 
@@ -113,7 +113,7 @@ def dot(a: Array, b: Array) -> float:
 def evaluate(
     joints: Any, x: Array, f: Array, y: Array, least: float, known: Array, residual: Array
 ) -> tuple[float, float]:
-    """What all joints miss, into `known`; their forces onto `residual`; the most that gaps miss, the mean product."""
+    """Residuals of all joints into `known`, their forces onto `residual`; the largest of gaps, and the mean product."""
     row, places = joints.row, joints.places
     off, total = 0.0, 0.0
     for r in range(len(known)):
@@ -154,7 +154,7 @@ def assemble(joints: Any, known: Array, held: Array, stored: Array, pattern: Any
 
 @looped
 def aim_all(joints: Any, known: Array, target: float, dx: Array) -> None:
-    """Forces that bear what all joints miss, which are added to the right-hand side `dx` (m,)."""
+    """Add to the right-hand side `dx` (m,) the forces that cancel the residuals of all joints."""
     row, places = joints.row, joints.places
     for r in range(len(known)):
         s, lanes = known[r], _lanes(joints, r)
@@ -212,7 +212,7 @@ def change_all(joints: Any, known: Array, target: float, stiff: float) -> tuple[
 
 @looped
 def predicted(joints: Any, known: Array, reach_f: float, reach_g: float) -> float:
-    """The sum of products after a predictor so long; its terms of the second order become their corrections."""
+    """The sum of products after a predictor of these lengths; its terms of second order become their corrections."""
     total = 0.0
     for r in range(len(known)):
         s = known[r]
@@ -229,7 +229,7 @@ def predicted(joints: Any, known: Array, reach_f: float, reach_g: float) -> floa
 
 @looped
 def correct_stray(joints: Any, known: Array, reach_f: float, reach_g: float, target: float) -> None:
-    """Correct the products that would stray from their target (Gondzio)."""
+    """Correct the products that would be far from their target (Gondzio)."""
     for r in range(len(known)):
         s = known[r]
         for k in range(_lanes(joints, r)):
@@ -245,7 +245,7 @@ def correct_stray(joints: Any, known: Array, reach_f: float, reach_g: float, tar
 
 @inlined
 def _stray(product: float, target: float) -> float:
-    """What is added to the correction of a product that would become this."""
+    """Addition to the correction of a product that would become this."""
     wanted = -larger(-larger(product, LEAST * target), -MOST * target)
     return -larger(wanted - product, -MOST * target)
 

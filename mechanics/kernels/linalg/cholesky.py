@@ -185,7 +185,7 @@ def _take_off(panels: Array, fronts: Any, k: int, update: Array, tall: int) -> N
 
 @compiled
 def _room(fronts: Any) -> tuple[Array, Any]:
-    """For what a front sees of x, and the last rows of its columns."""
+    """Work space for the part of x that a front uses, and for the last rows of its columns."""
     tallest = fronts.height.max()
     return np.empty(tallest), np.empty(tallest, np.intp)
 
@@ -213,7 +213,7 @@ def _backward_through(panels: Array, fronts: Any, x: Array) -> None:
 
 @compiled
 def _see(fronts: Any, k: int, x: Array, seen: Array, last: Any) -> tuple[int, int]:
-    """The first row of a front and the number of its own: those of x that it reaches go to `seen`."""
+    """The first row of a front and the number of its own: the part of x that it reaches is copied to `seen`."""
     first = fronts.first[k]
     own = fronts.first[k + 1] - first
     seen[:own] = x[first : first + own]
@@ -228,7 +228,7 @@ def _see(fronts: Any, k: int, x: Array, seen: Array, last: Any) -> tuple[int, in
 
 @compiled
 def _forward(matrix: Array, height: int, own: int, last: Any, x: Array) -> None:
-    """X of so many columns by threes, each from the diagonal to its `last` row, and what the rows below lose by it.
+    """Substitute forward in so many columns by threes, each from the diagonal to its `last` row, and in the rows below.
 
     `height`: from a number of the matrix to its neighbour in the same row.
     """

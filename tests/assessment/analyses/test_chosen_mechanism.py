@@ -263,7 +263,7 @@ def test_a_joint_that_slides_is_told():
     delta = virtual_displacements(model, model.initial.positions, part)
     motion = joint_motion(model, model.initial.positions, delta)
     assert motion.penetration == pytest.approx(0.0, abs=1e-12)
-    assert len(motion.rubbing) == 1
+    assert len(motion.sliding) == 1
     assert any(
         "slide as the mechanism moves: 1;" in note for note in found(model, ((1.2, 0.0), -1.0, [2])).notes
     )

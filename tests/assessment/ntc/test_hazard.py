@@ -172,7 +172,7 @@ def test_the_return_period_of_an_acceleration_ends_at_the_bounds(tmp_path):
 
 
 def test_bad_site_tables_are_named(tmp_path, small):
-    with pytest.raises(ValueError, match=r"none\.csv: the unit of a_g is not said"):
+    with pytest.raises(ValueError, match=r"none\.csv: the unit of a_g is not given"):
         site_curve(_site_table(tmp_path / "none.csv", "T_R;a_g;F0;T_C*"))
     path = _site_table(tmp_path / "short.csv")
     path.write_text("\n".join(path.read_text(encoding="latin-1").splitlines()[:-1]))

@@ -28,7 +28,7 @@ SAYING = {
     "_notes",
     "scatter",
 }
-SAYING |= {"_gap_texts", "_gap_warnings", "_remedy", "_scattered", "_spread", "_told_of_rigid"}
+SAYING |= {"_gap_texts", "_gap_warnings", "_remedy", "_scattered", "_spread", "_rigid_notes"}
 MESSAGE = "the whole movement is applied"  # in the place of a message within a message
 WITHIN = {
     "error",
