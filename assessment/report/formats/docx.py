@@ -125,6 +125,8 @@ def _table(document: Any, table: Element) -> None:
     for column, width in zip(native.columns, widths, strict=True):
         column.width = width
     small = headed and len(widths) > styles.MANY_COLUMNS
+    texts = [[SPACES.sub(" ", cell.text_content()).strip() for cell in cells] for cells in rows]
+    kept = styles.kept_with_next(texts, widths) if headed else ()
     for number, (row, cells) in enumerate(zip(native.rows, rows, strict=True)):
         styles.keep_whole(row, head=headed and number == 0)
         for cell, width, source in zip(row.cells, widths, cells, strict=True):
@@ -140,7 +142,7 @@ def _table(document: Any, table: Element) -> None:
                 styles.ruled(cell)
             if "tall" in source.classes:
                 row.height = styles.STAMP
-            if headed and len(rows) <= styles.SHORT and number < len(rows) - 1:
+            if number in kept:
                 paragraph.paragraph_format.keep_with_next = True
             _words(paragraph, source)
     styles.paragraph(document, styles.AFTER_TABLE)

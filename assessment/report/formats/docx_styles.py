@@ -23,7 +23,10 @@ TABLE_TEXT, TABLE_HEAD, SMALL_TEXT, AFTER_TABLE = (
     "After Table",
 )
 CONTENTS, CONTENTS_HEADING = "toc 1", "Contents Heading"
-SHORT = 12  # rows: a table with no more of them stands on one page
+WHOLE = 0.5 * (PAGE[1] - Mm(24) - MARGIN)  # of height: a table of no more stands on one page
+LINE, BETWEEN = Pt(9.8), Pt(2)  # of a row of a table: each of its lines, and above and below them
+LETTER = Pt(4.2)  # of width, in the mean
+TOGETHER = 3  # rows at the head and at the end of a longer table
 STAMP = Mm(22)  # of height, for a stamp and a signature
 MANY_COLUMNS = 9  # of a table: its text is smaller from there on
 LOCALES = {"it": "it-IT", "en": "en-GB"}
@@ -130,6 +133,21 @@ def running_heads(section: Any, title: str, subtitle: str, program: str) -> None
         paragraph.text = f"{left}\t{right}"
         paragraph.paragraph_format.tab_stops.add_tab_stop(WIDTH, WD_TAB_ALIGNMENT.RIGHT)
     _field(section.footer.paragraphs[0], "PAGE", "1")
+
+
+def kept_with_next(rows: Sequence[Sequence[str]], widths: Sequence[int]) -> set[int]:
+    """Return which rows of a table, texts of cells, go with the next: all of one of up to half a page.
+
+    Of a longer one those at its head and its end, so that no row stands alone. `widths` of the columns in EMU; heights
+    are estimated, as only the program that shows the document knows them.
+    """
+    lines = [
+        max(1 + int(len(text) * LETTER / width) for text, width in zip(row, widths, strict=True))
+        for row in rows
+    ]
+    height = sum(LINE * count + BETWEEN for count in lines)
+    together = len(rows) if height <= WHOLE else TOGETHER
+    return {*range(min(together, len(rows) - 1)), *range(max(0, len(rows) - together), len(rows) - 1)}
 
 
 def contents_field(document: Any, chapters: Sequence[str]) -> None:

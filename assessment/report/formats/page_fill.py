@@ -1,8 +1,9 @@
-"""Figures placed so that pages of the PDF are filled: where one would leave much of a page blank, it moves.
+"""Figures and tables placed so that pages of the PDF are filled: a figure that would leave much of one blank moves.
 
-The page is laid out once on a single endless sheet, which gives the height of every block. A search then fills pages of
-A4 with them: figures move past the text and tables of their chapter, charts are set a little smaller. The order of the
-figures among themselves and that of all else stay as they are, and so do their numbers.
+A table of up to half a page is not parted. The page is laid out once on a single endless sheet, which gives the height
+of every block. A search then fills pages of A4 with them: figures move past the text and tables of their chapter, charts
+are set a little smaller. The order of the figures among themselves and that of all else stay as they are, and so do their
+numbers.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ MARGINS = {  # above and below a block, as in report.css; that above is dropped 
 }
 BLANK = 0.22  # of a page: more at its foot is worth a move
 TAIL = 0.10  # of a page: less is no fault
+WHOLE = PAGE / 2.0  # of a table: one that is no higher is not parted
 LEAST = {"table": 28.0 * MM, "p": 9.0 * MM, "ul": 9.0 * MM}  # of what breaks, where it begins on a page
 WIDOWS = 9.0 * MM  # of a text, the least that goes on on the next page
 SHIFT = 3  # blocks that a figure may move past
@@ -125,16 +127,19 @@ def pdf_of(page: str, weasyprint: ModuleType) -> bytes:
     They stay where they are where that is not so, or where heights are not known.
     """
     start, end = page.find("<main>"), _last_chapter(page)
-    blocks = [Block(found[1], found[0]) for found in BLOCK.finditer(page, start, end)]
-    between = BLOCK.sub("", page[start + len("<main>") : end]).strip()
-    measured = [] if between else _measured(page[:start], blocks, weasyprint)
+    placed = list(BLOCK.finditer(page, start, end))
+    tables = [found for found in BLOCK.finditer(page, end or start) if found[1] == "table"]
+    measured = _measured(page, [*placed, *tables], weasyprint)
+    page = _with_texts(page, measured)
+    blocks = [block for _, block in measured[: len(placed)]]
+    start, end = page.find("<main>"), _last_chapter(page)
+    if BLOCK.sub("", page[start + len("<main>") : end]).strip():
+        blocks = []  # what is no block might be lost
     made: list[tuple[float, Any]] = []
-    for slack in (
-        SLACKS if any(_as_it_stands(measured, PAGE - slack).worst > BLANK for slack in SLACKS) else ()
-    ):
-        order = _best(measured, PAGE - slack)
-        placed = "\n".join(_named(number, _sized(measured[number].text, size)) for number, size in order)
-        document = weasyprint.HTML(string=f"{page[:start]}<main>\n{placed}\n{page[end:]}").render()
+    for slack in SLACKS if any(_as_it_stands(blocks, PAGE - slack).worst > BLANK for slack in SLACKS) else ():
+        order = _best(blocks, PAGE - slack)
+        filled = "\n".join(_named(number, _sized(blocks[number].text, size)) for number, size in order)
+        document = weasyprint.HTML(string=f"{page[:start]}<main>\n{filled}\n{page[end:]}").render()
         made.append((_most_blank(document), document))
         if made[-1][0] <= BLANK:
             break
@@ -180,15 +185,18 @@ def _last_chapter(page: str) -> int:
     return found if last >= 0 and found >= 0 else 0
 
 
-def _measured(head: str, blocks: Sequence[Block], weasyprint: ModuleType) -> list[Block]:
-    """Return the blocks with their heights; none where they are not known."""
-    named = "\n".join(
-        _named(number, block.text.replace("<thead>", f'<thead id="head{number}">', 1))
-        for number, block in enumerate(blocks)
-    )
-    body = f"{head.replace('</head>', ENDLESS)}<main>{named}</main></body></html>"
-    sheets = weasyprint.HTML(string=body).render().pages if blocks else []
-    boxes = sheets[-1].anchors if sheets else {}
+def _measured(
+    page: str, found: Sequence[re.Match[str]], weasyprint: ModuleType
+) -> list[tuple[re.Match[str], Block]]:
+    """Return what was found in the page, each with its block and heights; nothing where these are not known."""
+    blocks = [Block(each[1], each[0]) for each in found]
+    named = [
+        (each, Block("", _named(number, each[0].replace("<thead>", f'<thead id="head{number}">', 1))))
+        for number, each in enumerate(found)
+    ]
+    endless = _with_texts(page, named).replace("</head>", ENDLESS, 1)
+    sheets = weasyprint.HTML(string=endless).render().pages if blocks else []
+    boxes = {name: box for sheet in sheets for name, box in sheet.anchors.items()}
     if any(len(boxes.get(f"block{number}", ())) != 4 for number in range(len(blocks))):  # an older WeasyPrint
         return []
 
@@ -197,9 +205,25 @@ def _measured(head: str, blocks: Sequence[Block], weasyprint: ModuleType) -> lis
         return float(foot - top)
 
     return [
-        replace(block, height=high(f"block{number}"), head=high(f"head{number}"))
-        for number, block in enumerate(blocks)
+        (each, _kept_whole(replace(block, height=high(f"block{number}"), head=high(f"head{number}"))))
+        for number, (each, block) in enumerate(zip(found, blocks, strict=True))
     ]
+
+
+def _kept_whole(block: Block) -> Block:
+    """Return a block that may not be parted, if it is a table of up to half a page; else as it is."""
+    if not block.breakable or block.kind != "table" or block.height > WHOLE:
+        return block
+    return replace(block, text=block.text.replace(" long", "", 1))
+
+
+def _with_texts(page: str, blocks: Sequence[tuple[re.Match[str], Block]]) -> str:
+    """Return the page with the text of each block in the place where it was found."""
+    pieces, last = [], 0
+    for found, block in blocks:
+        pieces += [page[last : found.start()], block.text]
+        last = found.end()
+    return "".join([*pieces, page[last:]])
 
 
 def _chapters(blocks: Sequence[Block]) -> Iterator[range]:

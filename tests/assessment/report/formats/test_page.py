@@ -297,3 +297,5 @@ def test_nothing_is_wider_than_a_telephone(html):
         for whole in ("caption", ".fields td"):  # not cut, as wide tables are, which can be scrolled
             right = f"[...document.querySelectorAll('{whole}')].map(e => e.getBoundingClientRect().right)"
             assert narrow.ask(f"Math.max(...{right})") <= 390
+        # legends of 7.5 pt on 168 mm are of 8.5 px: figures scroll too, and only figures
+        assert narrow.ask("[...document.querySelectorAll('figure img')].every(e => e.offsetWidth >= 540)")

@@ -76,10 +76,33 @@ def test_text_behind_a_figure_fills_the_page_that_it_would_leave_blank():
 
 
 def test_a_long_table_goes_on_beyond_a_figure_that_stood_behind_it():
-    page = report(text("first", 10), table("rows", 18), figure("mechanism", 130.0))
+    page = report(text("first", 2), table("rows", 26), figure("mechanism", 130.0))
     made = pdf_of(page, weasyprint)
     assert max(blanks(as_it_stands(page))) > 0.3 and max(blanks(made)) < 0.25
     assert sum(each.count("head") for each in pages(made)) == 2
+
+
+def rows_by_page(made: bytes, name: str) -> list[int]:
+    found = (len(re.findall(rf"{name} \d+", each)) for each in pages(made))
+    return [count for count in found if count]
+
+
+@pytest.mark.parametrize("in_annex", [False, True])
+def test_a_table_of_up_to_half_a_page_is_not_parted_and_a_longer_one_leaves_no_row_alone(in_annex):
+    """A row is 5.1 mm, caption and head 11 mm: 21 rows are less than half of 251 mm, 26 are more.
+
+    Forty lines of text, 176 mm, and a heading leave room for some ten of them.
+    """
+    parted = []
+    for rows in (21, 26):
+        for lines in range(35, 48, 3):
+            blocks = [text("first", lines), table("rows", rows)]
+            page = report(figure("model", 5.0), *(() if in_annex else blocks))
+            page = page.replace("</main>", f"{''.join(blocks if in_annex else ())}</main>")
+            split = rows_by_page(pdf_of(page, weasyprint), "rows")
+            assert sum(split) == rows and (rows == 26 or split == [21]) and min(split) >= 3
+            parted.append(split)
+    assert any(len(split) == 2 for split in parted)
 
 
 def test_a_chart_is_set_smaller_and_a_drawing_to_scale_is_not():
