@@ -1,9 +1,9 @@
 """Figures and tables placed so that pages of the PDF are filled: a figure that would leave much of one blank moves.
 
 A table of up to half a page is not parted. The page is laid out once on a single endless sheet, which gives the height
-of every block. A search then fills pages of A4 with them: figures move past the text and tables of their chapter, charts
-are set a little smaller. The order of the figures among themselves and that of all else stay as they are, and so do their
-numbers.
+of every block. A search then fills pages of A4 with them: figures move past the text and tables of their chapter, and
+charts are set a little smaller. The order of the figures among themselves and that of all else stay as they are, and so
+do their numbers.
 """
 
 from __future__ import annotations
