@@ -132,14 +132,15 @@ def _pam_formula(names: list[str]) -> str:
 def required_zeta(zeta: float, use_class: str) -> dict[str, float | None]:
     """Return the ζ_E that each kind of intervention must reach from the present one (NTC 2018, §8.4).
 
-    Repair, §8.4.1: none, but not below the present; improvement, §8.4.2: 0.1 more, in class IV (and schools of class
-    III) 0.6 at least; retrofit, §8.4.3: 0.8 for changes of use and class (cases c, e), 1.0 otherwise (a, b, d).
+    Repair, §8.4.1: none, but not below the present; improvement, §8.4.2: 0.1 more in classes II and III, 0.6 at least
+    in class IV and for schools of class III, nothing said of class I; retrofit, §8.4.3: 0.8 for changes of use and
+    class (cases c, e), 1.0 otherwise (a, b, d).
     """
-    improved = min(1.0, zeta + 0.1)
+    more, enough = min(1.0, zeta + 0.1), max(0.6, min(1.0, zeta))
     return {
         "repair": None,
-        "improvement": max(0.6, improved) if use_class == "IV" else improved,
-        "improvement_school": max(0.6, improved) if use_class == "III" else None,
+        "improvement": {"I": None, "II": more, "III": more, "IV": enough}[use_class],
+        "improvement_school": enough if use_class == "III" else None,
         "retrofit_use": 0.8,
         "retrofit": 1.0,
     }

@@ -64,6 +64,7 @@ def test_a_capacity_lost_at_once_costs_no_more_than_all():
 
 
 def test_thresholds_of_interventions():
+    """§8.4.2: 0.1 more in class II and the rest of class III; 0.6 in class IV and for schools of class III."""
     assert required_zeta(0.35, "II") == {
         "repair": None,
         "improvement": pytest.approx(0.45),
@@ -72,7 +73,11 @@ def test_thresholds_of_interventions():
         "retrofit": 1.0,
     }
     assert required_zeta(0.35, "IV")["improvement"] == 0.6
-    assert required_zeta(0.35, "III")["improvement_school"] == 0.6
+    assert required_zeta(0.55, "IV")["improvement"] == 0.6  # not 0.1 more
+    assert required_zeta(0.7, "IV")["improvement"] == 0.7
+    assert required_zeta(0.35, "III")["improvement"] == pytest.approx(0.45)
+    assert required_zeta(0.55, "III")["improvement_school"] == 0.6
+    assert required_zeta(0.35, "I")["improvement"] is None
     assert required_zeta(0.95, "II")["improvement"] == 1.0
 
 
