@@ -9,9 +9,9 @@ _HOME = {
     "ElasticSpectrum": "ntc.demand.spectrum",
     "RecordSpectrum": "ntc.demand.spectrum",
     "site_hazard": "ntc.demand.hazard",
-    "fit_curve": "ntc.curve_fit",
-    "capacity_curve": "ntc.capacity",
-    "participation": "ntc.capacity",
+    "fit_curve": "ntc.capacity.curve_fit",
+    "capacity_curve": "ntc.capacity.curve",
+    "participation": "ntc.capacity.curve",
     "verify": "ntc.verification",
 }
 __all__ = [

@@ -8,8 +8,8 @@ from math import pi, sqrt
 import numpy as np
 
 from assessment.ntc.calculation import Step, Trace, step
-from assessment.ntc.capacity import CapacityCurve
-from assessment.ntc.curve_fit import CapacityError
+from assessment.ntc.capacity.curve import CapacityCurve
+from assessment.ntc.capacity.curve_fit import CapacityError
 from assessment.ntc.demand.spectrum import Spectrum
 from assessment.ntc.demand.spectrum_scaling import Demand, spectrum_at_return_period
 from assessment.ntc.methods import ACTIVATION_DAMPING, LAW, RULES, Method, Nonlinear

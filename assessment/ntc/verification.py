@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from assessment.ntc.calculation import Trace, datum, step
-from assessment.ntc.capacity import CapacityCurve
-from assessment.ntc.capacity_return_period import capacity_return_period
-from assessment.ntc.curve_fit import CapacityError
+from assessment.ntc.capacity.curve import CapacityCurve
+from assessment.ntc.capacity.curve_fit import CapacityError
+from assessment.ntc.capacity.return_period import capacity_return_period
 from assessment.ntc.demand.return_period import EXCEEDANCE
 from assessment.ntc.demand.spectrum import RecordSpectrum, Spectrum
 from assessment.ntc.demand_capacity import (

@@ -12,7 +12,7 @@ import numpy as np
 from assessment.analyses.accuracy import accuracy_of
 from assessment.ntc.load_factors import psi_2
 from assessment.project.schema import ORIGINAL, LayerTable
-from assessment.results.faces import described
+from assessment.results.configurations.faces import described
 from assessment.results.schema import FORMAT, Results, State
 from assessment.results.schema.dynamic import Incremental
 from assessment.results.schema.model import (

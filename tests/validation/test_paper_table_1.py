@@ -25,8 +25,8 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from assessment.ntc.capacity import capacity_curve
-from assessment.ntc.curve_fit import CurveFit
+from assessment.ntc.capacity.curve import capacity_curve
+from assessment.ntc.capacity.curve_fit import CurveFit
 from assessment.ntc.demand.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.ntc.verification import Method, verify
 

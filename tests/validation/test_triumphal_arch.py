@@ -6,7 +6,7 @@ The template's dimensions were searched for so that α0 = 0.074 and d_0 = 380 mm
 
 import pytest
 
-from assessment.ntc.capacity import mechanism_participation
+from assessment.ntc.capacity.curve import mechanism_participation
 from mechanics import limit_analysis
 from tests.support.drawn_projects import drawn, tables
 

@@ -16,8 +16,13 @@ from assessment.analyses.checks.demand import Demands, demand_return_periods, gr
 from assessment.analyses.checks.indices import confidence_source
 from assessment.analyses.static.local_loss import loss_sentence
 from assessment.analyses.static.states import PAST_PEAK
-from assessment.ntc.capacity import CapacityCurve, Participation, capacity_curve, mechanism_participation
-from assessment.ntc.curve_fit import CapacityError, Curve, CurveFit, fit_curve
+from assessment.ntc.capacity.curve import (
+    CapacityCurve,
+    Participation,
+    capacity_curve,
+    mechanism_participation,
+)
+from assessment.ntc.capacity.curve_fit import CapacityError, Curve, CurveFit, fit_curve
 from assessment.ntc.demand.hazard import HazardCurve
 from assessment.ntc.demand.spectrum import Spectrum
 from assessment.ntc.limit_states import QUOTED

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
-from assessment.ntc import capacity, verification
-from assessment.ntc.capacity_return_period import stated
+from assessment.ntc import verification
+from assessment.ntc.capacity import curve as capacity
+from assessment.ntc.capacity.return_period import stated
 from assessment.results.lines import lines
 from assessment.results.plain import finite
 from assessment.results.schema.checks import CapacityCurve, Check

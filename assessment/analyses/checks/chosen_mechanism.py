@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from assessment.analyses.checks.check_result import checks_of, curve_of
 from assessment.analyses.checks.kinematics import Closed, KinematicsError, finite_motion, hinges_of
 from assessment.analyses.checks.virtual_work import VirtualWork, virtual_displacements, virtual_work
-from assessment.ntc.capacity import CapacityCurve, capacity_curve
+from assessment.ntc.capacity.curve import CapacityCurve, capacity_curve
+from assessment.ntc.capacity.curve_fit import CapacityError, CurveFit, fit_rigid
 from assessment.ntc.confidence import CONFIDENCE_FACTOR
-from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
 from assessment.ntc.verification import Method, verify
-from assessment.results.faces import Met
+from assessment.results.configurations.faces import Met
 from assessment.results.lines import lines
 from assessment.results.plain import finite
 from assessment.results.schema import checks as parts

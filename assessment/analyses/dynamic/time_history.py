@@ -13,7 +13,7 @@ import numpy as np
 from assessment.analyses.dynamic.ensemble import sustained_peak
 from assessment.analyses.dynamic.response import Response, Setting, respond, speed_at_end
 from assessment.project.schema import HistoryTable
-from assessment.results.frames import snapshots
+from assessment.results.configurations.frames import snapshots
 from assessment.results.schema.dynamic import AnimationFrames, Course, History, Motion
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import Part

@@ -8,10 +8,10 @@ import numpy as np
 
 from assessment.analyses.static.local_loss import local_loss
 from assessment.analyses.static.paths import configuration
-from assessment.ntc.capacity import mechanism_participation
-from assessment.ntc.curve_fit import CapacityError
-from assessment.results.faces import Met
-from assessment.results.frames import pushover_frames
+from assessment.ntc.capacity.curve import mechanism_participation
+from assessment.ntc.capacity.curve_fit import CapacityError
+from assessment.results.configurations.faces import Met
+from assessment.results.configurations.frames import pushover_frames
 from assessment.results.plain import finite
 from assessment.results.schema.static import Curve, ElasticPush, Mechanism, RigidPush
 from assessment.results.table import sense

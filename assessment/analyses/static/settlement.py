@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from assessment.analyses.static.local_loss import local_loss, loss_sentence
 from assessment.analyses.static.paths import PathResult, Quality, configuration, crossings, turns_on_rounding
-from assessment.results.frames import pushdown_frames
+from assessment.results.configurations.frames import pushdown_frames
 from assessment.results.schema.static import PushdownPath
 from mechanics import (
     Assembly,

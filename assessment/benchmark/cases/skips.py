@@ -21,7 +21,7 @@ from assessment.analyses.static.states import PAST_PEAK
 from assessment.benchmark.cases.dynamics import DAMPING, pulse, shaking
 from assessment.benchmark.cases.structures import assembly, block_on_base, template
 from assessment.benchmark.measure import Row, in_turn
-from assessment.ntc.curve_fit import SECANT_SHARE
+from assessment.ntc.capacity.curve_fit import SECANT_SHARE
 from assessment.project.catalogue.record import RECORD
 from mechanics import TimeHistory, pushover, time_history
 from mechanics.errors import NoEquilibriumError

@@ -17,8 +17,8 @@ from assessment.report.tables.capacity import capacities, directions
 from assessment.report.tables.studies import bars
 from assessment.report.text.columns import COARSE, PER_CENT_DECIMALS, check_name
 from assessment.report.text.language import Words, direction_name
-from assessment.results.hand_check import hand_checks, mechanisms
-from assessment.results.reactions import balances
+from assessment.results.configurations.hand_check import hand_checks, mechanisms
+from assessment.results.configurations.reactions import balances
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.part import known, present

@@ -32,15 +32,15 @@ from assessment.report.tables.ranges import ranges
 from assessment.report.tables.studies import reported_studies
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import Words, direction_name
-from assessment.results.echo import printed
-from assessment.results.hand_check import (
+from assessment.results.configurations.hand_check import (
     BY_HAND,
     figures_of,
     governing_mechanisms,
     hand_check,
     virtual_work_table,
 )
-from assessment.results.reactions import balance, reactions
+from assessment.results.configurations.reactions import balance, reactions
+from assessment.results.echo import printed
 from assessment.results.schema import Results
 from assessment.results.table import COMPARISON, Row, Table, cells, reference_of
 

@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from assessment.report.text.columns import COARSE
 from assessment.report.text.language import Words
-from assessment.results.hand_check import mechanisms
+from assessment.results.configurations.hand_check import mechanisms
 from assessment.results.schema import Results
 
 AGREEMENT = 1e-6  # relative: two programs that differ by less agree

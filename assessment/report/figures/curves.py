@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from assessment.report.figures.style import COLOURS, DASHES, chart, state_style
 from assessment.report.text.language import Words, direction_name
-from assessment.results.outlines import Array
+from assessment.results.configurations.outlines import Array
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.static import PushdownPath, Pushovers

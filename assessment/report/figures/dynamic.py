@@ -17,7 +17,7 @@ from assessment.report.figures.drawings.deformed import GHOST, INK, SUPPORT
 from assessment.report.figures.style import DASHES, chart, sheet, state_style
 from assessment.report.text.columns import referenced
 from assessment.report.text.language import Words
-from assessment.results.outlines import Outlines, outlines
+from assessment.results.configurations.outlines import Outlines, outlines
 from assessment.results.schema import Results
 from assessment.results.schema.dynamic import History, Incremental, Search
 from assessment.results.schema.part import known

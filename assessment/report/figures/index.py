@@ -42,7 +42,7 @@ from assessment.report.figures.studies import draw_scenarios, draw_tornado, vari
 from assessment.report.figures.style import save_png, save_svg
 from assessment.report.tables.cracks import cracks_of
 from assessment.report.text.language import Words, direction_name, slug, words_of
-from assessment.results.joint_states import situations
+from assessment.results.configurations.joint_states import situations
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.part import known

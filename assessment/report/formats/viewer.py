@@ -14,7 +14,7 @@ from markupsafe import Markup
 
 from assessment.ntc.limit_states import QUOTED
 from assessment.report.text.language import Words, direction_name
-from assessment.results.joint_states import EDGE, FRICTION, IDLE
+from assessment.results.configurations.joint_states import EDGE, FRICTION, IDLE
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.dynamic import Snapshots

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from assessment.results.faces import faces_of
+from assessment.results.configurations.faces import faces_of
 from assessment.results.schema import Results
 from assessment.results.table import Table, columns_of
 from mechanics.model import H, V, end_gaps, end_points

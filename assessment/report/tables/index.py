@@ -27,9 +27,9 @@ from assessment.report.tables.loads import loads, vertical
 from assessment.report.tables.mechanisms import all_mechanisms, mechanisms, second_solver
 from assessment.report.tables.ranges import static_ranges
 from assessment.report.tables.studies import study_tables
+from assessment.results.configurations.hand_check import hand_check, macro_block_table, outline_area
+from assessment.results.configurations.reactions import balance, joint_table, reactions
 from assessment.results.echo import material, taken_to_collapse
-from assessment.results.hand_check import hand_check, macro_block_table, outline_area
-from assessment.results.reactions import balance, joint_table, reactions
 from assessment.results.schema import Results
 from assessment.results.schema.model import Block
 from assessment.results.table import COMPARISON, Row, Table, cells

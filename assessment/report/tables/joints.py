@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
-from assessment.results.joint_states import joint_states, loaded
+from assessment.results.configurations.joint_states import joint_states, loaded
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.part import present

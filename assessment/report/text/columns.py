@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from markupsafe import Markup
 
-from assessment.ntc.capacity_return_period import stated
+from assessment.ntc.capacity.return_period import stated
 from assessment.ntc.demand.hazard_grid import RETURN_PERIODS
 from assessment.ntc.limit_states import ROCK, SURFACE
 from assessment.report.text.language import Words, direction_name

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assessment.ntc.capacity import capacity_curve, participation
-from assessment.ntc.curve_fit import CurveFit, fit_curve, fit_rigid
+from assessment.ntc.capacity.curve import capacity_curve, participation
+from assessment.ntc.capacity.curve_fit import CurveFit, fit_curve, fit_rigid
 from assessment.ntc.demand.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
 from assessment.ntc.demand.hazard import HazardCurve, return_period_steps, site_curve
 from assessment.ntc.demand.return_period import return_period

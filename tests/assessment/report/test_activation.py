@@ -23,8 +23,8 @@ from assessment.report.figures.drawings.thrust import draw_thrust
 from assessment.report.formats.viewer import viewer
 from assessment.report.tables.index import tables
 from assessment.report.text.language import direction_name, words_of
-from assessment.results.hand_check import hand_checks, mechanisms
-from assessment.results.joint_states import situations
+from assessment.results.configurations.hand_check import hand_checks, mechanisms
+from assessment.results.configurations.joint_states import situations
 from assessment.results.table import sense
 from assessment.runtime.terminal.summary import capacities
 from tests.support.analysed import SETTLED, analysed, arch

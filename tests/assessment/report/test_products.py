@@ -13,8 +13,13 @@ from assessment.report.tables.capacity import summary
 from assessment.report.tables.indices import reported_indices
 from assessment.report.text.columns import cell
 from assessment.report.text.language import words_of
-from assessment.results.hand_check import figures_of, governing_mechanisms, hand_check, virtual_work_table
-from assessment.results.reactions import balance, reactions
+from assessment.results.configurations.hand_check import (
+    figures_of,
+    governing_mechanisms,
+    hand_check,
+    virtual_work_table,
+)
+from assessment.results.configurations.reactions import balance, reactions
 from assessment.workflow.output import write
 from tests.support.analysed import SETTLED, analysed
 from tests.support.typed import typed

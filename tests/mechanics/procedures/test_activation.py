@@ -10,7 +10,7 @@ from assessment.analyses.checks.capacity import along_push
 from assessment.analyses.static.lateral import PushSetting, add_curve
 from assessment.analyses.static.paths import PathResult
 from assessment.benchmark.cases.structures import assembly, template
-from assessment.ntc.capacity import participation
+from assessment.ntc.capacity.curve import participation
 from assessment.project.schema import ControlTable
 from assessment.report.figures.curves import draw_pushover
 from assessment.report.figures.drawings.deformed import found_mechanism
@@ -18,11 +18,11 @@ from assessment.report.formats.viewer import viewer
 from assessment.report.tables.index import mechanisms, pushover_curves
 from assessment.report.text.language import words_of
 from assessment.report.text.messages import translated
-from assessment.results.hand_check import hand_check, weights
-from assessment.results.joint_states import situations
-from assessment.results.outlines import field, outlines, place
+from assessment.results.configurations.hand_check import hand_check, weights
+from assessment.results.configurations.joint_states import situations
+from assessment.results.configurations.outlines import field, outlines, place
+from assessment.results.configurations.reactions import balance, reactions
 from assessment.results.plain import plain
-from assessment.results.reactions import balance, reactions
 from assessment.results.table import sense
 from mechanics import pushdown, pushover
 from mechanics.procedures.mechanism import virtual_work_multiplier

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mechanics import pushdown, pushover, time_history
-from mechanics.procedures.time_history import CHUNK
+from mechanics.procedures.time_history import HISTORY
 from mechanics.progress import listening, stretch, tell
 from tests.support.structures import column
 
@@ -24,7 +24,7 @@ def told(procedure):
 
 
 def test_a_time_history_tells_the_share_of_its_record():
-    wave = 0.05 * np.sin(2.0 * np.pi * STEP * np.arange(5 * CHUNK + 1))
+    wave = 0.05 * np.sin(2.0 * np.pi * STEP * np.arange(5 * HISTORY.chunk + 1))
     assert told(lambda model: time_history(model, wave, STEP)) == pytest.approx([0.2, 0.4, 0.6, 0.8, 1.0])
 
 

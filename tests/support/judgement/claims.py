@@ -17,8 +17,8 @@ from assessment.report.tables import studies as study_tables
 from assessment.report.tables.convergence import convergence_tables
 from assessment.report.text.columns import check_name
 from assessment.report.text.language import direction_name, words_of
-from assessment.results.hand_check import hand_check
-from assessment.results.reactions import balance
+from assessment.results.configurations.hand_check import hand_check
+from assessment.results.configurations.reactions import balance
 from assessment.results.table import reference_of
 from tests.support.results_example import results_example
 from tests.support.typed import typed

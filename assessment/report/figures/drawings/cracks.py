@@ -14,7 +14,7 @@ from assessment.report.figures.drawings.labels import LETTER, POINT_MM, Labels
 from assessment.report.figures.style import Sheet, sheet
 from assessment.report.tables.cracks import PRINTED, cracks_of
 from assessment.report.text.language import Words
-from assessment.results.outlines import Array, Outlines, outlines
+from assessment.results.configurations.outlines import Array, Outlines, outlines
 from assessment.results.schema import Results
 
 SMALLEST_PT, LARGEST_PT = 3.5, 6.5  # of the number of a block, as large as the block has room for

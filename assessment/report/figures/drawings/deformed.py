@@ -15,9 +15,9 @@ from matplotlib.patches import Patch, PathPatch
 from assessment.report.figures.drawings.labels import Labels
 from assessment.report.figures.style import WIDTH_MM, Sheet, nice, sheet
 from assessment.report.text.language import Words, direction_name
-from assessment.results.faces import faces_of
-from assessment.results.hand_check import BY_HAND, MacroBlock, macro_blocks, rigid_push
-from assessment.results.outlines import Array, Outlines, field, outlines
+from assessment.results.configurations.faces import faces_of
+from assessment.results.configurations.hand_check import BY_HAND, MacroBlock, macro_blocks, rigid_push
+from assessment.results.configurations.outlines import Array, Outlines, field, outlines
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction, GivenMechanism
 from assessment.results.schema.model import Face

@@ -14,9 +14,9 @@ from ezdxf.filemanagement import new
 
 from assessment.report.figures.drawings.deformed import found_mechanism
 from assessment.report.text.language import slug
-from assessment.results.hand_check import mechanisms
-from assessment.results.joint_states import joint_states, situations, thrust_lines
-from assessment.results.outlines import Array, Outlines, outlines
+from assessment.results.configurations.hand_check import mechanisms
+from assessment.results.configurations.joint_states import joint_states, situations, thrust_lines
+from assessment.results.configurations.outlines import Array, Outlines, outlines
 from assessment.results.schema import Results, State
 from assessment.results.schema.part import Configuration, Point
 from assessment.runtime.files.atomic_files import write_atomically

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from assessment.report.figures.style import Sheet
-from assessment.results.outlines import Array
+from assessment.results.configurations.outlines import Array
 
 POINT_MM = 25.4 / 72.0
 LETTER, LINE = 0.65, 1.2  # of the size of a font: the width of a digit and the height of a line

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch, Rectangle
 from assessment.report.figures.drawings.deformed import ARROW, INK, SUPPORT, Bounds, fill, foot, legend
 from assessment.report.figures.style import Sheet, nice, sheet
 from assessment.report.text.language import Words
-from assessment.results.outlines import outlines
+from assessment.results.configurations.outlines import outlines
 from assessment.results.schema import Results
 from assessment.results.schema.model import Block
 

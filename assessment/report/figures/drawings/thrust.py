@@ -25,8 +25,8 @@ from assessment.report.figures.drawings.deformed import (
 )
 from assessment.report.figures.style import Sheet, sheet
 from assessment.report.text.language import Words
-from assessment.results.joint_states import JointStates, Situation, joint_states, thrust_lines
-from assessment.results.outlines import Outlines, outlines
+from assessment.results.configurations.joint_states import JointStates, Situation, joint_states, thrust_lines
+from assessment.results.configurations.outlines import Outlines, outlines
 from assessment.results.schema import Results
 
 UNIT_MM = 10.0  # on paper, of a round force

@@ -11,7 +11,7 @@ from assessment.analyses.checks.capacity import assess, assess_chosen, capacitie
 from assessment.analyses.checks.demand import demand_parts, demand_spectra
 from assessment.analyses.checks.indices import confidence_source
 from assessment.cli.main import main
-from assessment.ntc.capacity_return_period import stated
+from assessment.ntc.capacity.return_period import stated
 from assessment.ntc.demand.hazard import RETURN_PERIODS
 from assessment.ntc.limit_states import CHECKS
 from assessment.project.model import build_model

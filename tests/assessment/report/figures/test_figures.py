@@ -32,7 +32,7 @@ from assessment.report.figures.style import (
     typeset,
 )
 from assessment.report.text.language import slug, words_of
-from assessment.results.outlines import Outlines, outlines
+from assessment.results.configurations.outlines import Outlines, outlines
 from assessment.runtime.processes.pool import Pool
 from assessment.workflow.stages import run
 from tests.support.block_project import TURNED, write_block

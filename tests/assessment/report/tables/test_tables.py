@@ -18,7 +18,7 @@ from assessment.report.tables.ranges import Range
 from assessment.report.text.columns import cell
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import LANGUAGES, Words
-from assessment.results.hand_check import hand_check
+from assessment.results.configurations.hand_check import hand_check
 from assessment.results.table import Table
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assessment.ntc.capacity import capacity_curve
-from assessment.ntc.curve_fit import fit_rigid, fit_trilinear
+from assessment.ntc.capacity.curve import capacity_curve
+from assessment.ntc.capacity.curve_fit import fit_rigid, fit_trilinear
 from assessment.ntc.demand.floor_spectrum import (
     FloorSpectrum,
     FloorSpectrum2009,

@@ -9,7 +9,7 @@ from assessment.report.chapters.remarks import too_many
 from assessment.report.document import render_html
 from assessment.report.figures.drawings.deformed import found_mechanism
 from assessment.report.text.language import words_of
-from assessment.results.hand_check import (
+from assessment.results.configurations.hand_check import (
     figures_of,
     governing_mechanisms,
     hand_check,

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from assessment.results.configurations.outlines import Array, field, outlines, place
 from assessment.results.echo import material
-from assessment.results.outlines import Array, field, outlines, place
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.model import Joint

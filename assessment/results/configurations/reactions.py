@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assessment.results.hand_check import weights
-from assessment.results.joint_states import Situation, joint_states, loaded, situations
-from assessment.results.outlines import Array
+from assessment.results.configurations.hand_check import weights
+from assessment.results.configurations.joint_states import Situation, joint_states, loaded, situations
+from assessment.results.configurations.outlines import Array
 from assessment.results.schema import Results
 from assessment.results.table import Row, Table, sense
 

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from assessment.ntc.calculation import Trace, datum, step
+from assessment.ntc.capacity.curve_fit import CapacityError, CurveFit
 from assessment.ntc.confidence import CONFIDENCE_FACTOR
-from assessment.ntc.curve_fit import CapacityError, CurveFit
 from mechanics.errors import require
 from mechanics.types import GRAVITY
 

@@ -24,7 +24,7 @@ from assessment.results.schema.dynamic import Search
 from assessment.runtime.cache import Store
 from assessment.runtime.tasks import Workers
 from assessment.workflow.stages import run
-from tests.assessment.analyses.test_incremental import Trial
+from tests.assessment.analyses.dynamic.test_incremental import Trial
 from tests.support.block_project import block, write_block
 from tests.support.typed import made
 

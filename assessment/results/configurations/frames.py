@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from assessment.results.faces import Met, shares
+from assessment.results.configurations.faces import Met, shares
 from assessment.results.plain import plain
 from assessment.results.schema.dynamic import Snapshots
 from assessment.results.schema.part import Configuration, Point

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assessment.results.faces import faces_of
-from assessment.results.outlines import Array
+from assessment.results.configurations.faces import faces_of
+from assessment.results.configurations.outlines import Array
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.model import Face

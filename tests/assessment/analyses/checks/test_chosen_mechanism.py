@@ -14,7 +14,7 @@ from assessment.analyses.checks.chosen_mechanism import (
 )
 from assessment.analyses.checks.virtual_work import virtual_displacements
 from assessment.cli.main import main
-from assessment.ntc.capacity import mechanism_participation
+from assessment.ntc.capacity.curve import mechanism_participation
 from assessment.ntc.demand.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method
 from assessment.project.formats.toml import read_toml

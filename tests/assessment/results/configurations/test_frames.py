@@ -8,11 +8,17 @@ from hypothesis import strategies as st
 from assessment.report.chapters.joints import joint_law, pressure_sentences
 from assessment.report.tables.joints import edge_pressures, reported_pressures
 from assessment.report.text.language import words_of
-from assessment.results.faces import Met, described, faces_of
-from assessment.results.frames import MOST, chosen, pushdown_frames, pushover_frames, snapshots
-from assessment.results.joint_states import Situation, joint_states, pressed, situations, thrust_lines
-from assessment.results.outlines import outlines
-from assessment.results.reactions import balance, joint_table, reactions
+from assessment.results.configurations.faces import Met, described, faces_of
+from assessment.results.configurations.frames import MOST, chosen, pushdown_frames, pushover_frames, snapshots
+from assessment.results.configurations.joint_states import (
+    Situation,
+    joint_states,
+    pressed,
+    situations,
+    thrust_lines,
+)
+from assessment.results.configurations.outlines import outlines
+from assessment.results.configurations.reactions import balance, joint_table, reactions
 from mechanics import Assembly, Block, Material, pushdown, pushover, time_history
 from mechanics.steps.equilibrium import reaction
 from tests.support.analysed import SETTLED, analysed
