@@ -38,7 +38,8 @@ def _draw_nothing(monkeypatch):
         folder.mkdir()
         (folder / "model.svg").write_text("<?xml?>", encoding="utf-8")
 
-    printed = SimpleNamespace(write_pdf=lambda: b"%PDF-")
+    empty = SimpleNamespace(pages=[])  # heights of blocks cannot be told: the page stays as it is
+    printed = SimpleNamespace(write_pdf=lambda: b"%PDF-", render=lambda: empty)
     monkeypatch.setitem(sys.modules, "weasyprint", SimpleNamespace(HTML=lambda string: printed))
     monkeypatch.setattr(figures, "write_figures", blank)
     monkeypatch.setattr(figures, "write_images", lambda *_: [])
