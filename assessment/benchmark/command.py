@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any, Generic, TypeVar
 
 from assessment.benchmark.cases import (
     campaigns,
@@ -20,9 +21,8 @@ from assessment.benchmark.cases import (
     walls,
 )
 from assessment.benchmark.machine import load, machine
-from assessment.benchmark.measure import Row
 from assessment.benchmark.plots import shown, work_precision
-from assessment.benchmark.table import Column, as_csv, listed, number, percent, pivoted
+from assessment.benchmark.table import Column, Precision, Row, as_csv, listed, number, percent, pivoted
 from assessment.report.figures.style import save_png, save_svg
 from assessment.runtime.errors import nearest
 from assessment.runtime.files.atomic_files import write_atomically
@@ -31,16 +31,19 @@ from assessment.runtime.terminal.console import say
 SUMMARY = "summary.md"
 
 
+Kind = TypeVar("Kind", bound=Row)
+
+
 @dataclass(frozen=True)
-class Benchmark:
+class Benchmark(Generic[Kind]):
     """What is measured, `about` in a sentence, the `rows`, and how they are shown in the summary.
 
-    `series`: key of the rows by which its plots have lines; empty: no plots.
+    `series`: field of the rows, which are Precision, by which its plots have lines; empty: no plots.
     """
 
     about: str
-    rows: Callable[[bool], Iterator[Row]]
-    show: Callable[[Sequence[Row]], str]
+    rows: Callable[[bool], Iterator[Kind]]
+    show: Callable[[Sequence[Kind]], str]
     series: str = ""
 
 
@@ -58,8 +61,8 @@ def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
         chosen = BENCHMARKS[name]
         rows = list(_named(name, chosen.rows(quick)))
         write_atomically(folder / f"{name}.csv", as_csv(rows))
-        for parameter in dict.fromkeys(row["parameter"] for row in rows) if chosen.series else ():
-            some = [row for row in rows if row["parameter"] == parameter]
+        for parameter in dict.fromkeys(row.parameter for row in rows) if chosen.series else ():
+            some = [row for row in rows if row.parameter == parameter]
             plot = partial(work_precision, some, chosen.series)
             save_svg(plot, folder / f"{name}-{parameter.split()[0]}.svg")
             save_png(plot, folder / f"{name}-{parameter.split()[0]}.png")
@@ -69,37 +72,37 @@ def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
     write_atomically(folder / SUMMARY, ("\n\n".join(summary) + "\n").encode())
 
 
-def _named(name: str, rows: Iterator[Row]) -> Iterator[Row]:
+def _named(name: str, rows: Iterator[Kind]) -> Iterator[Kind]:
     """The rows, each named on a terminal as soon as it is measured."""
     for row in rows:
         if sys.stderr.isatty():
-            print(f"\r\033[K{name}: {row['case']}", end="", file=sys.stderr, flush=True)
+            print(f"\r\033[K{name}: {row.case}", end="", file=sys.stderr, flush=True)
         yield row
     if sys.stderr.isatty():
         print("\r\033[K", end="", file=sys.stderr, flush=True)
 
 
-def by_parameter(index: Sequence[str]) -> Callable[[Sequence[Row]], str]:
+def by_parameter(index: Sequence[str]) -> Callable[[Sequence[Precision]], str]:
     """A table for each parameter: error and ratio to PIQP once a step, over its values; the program's own in bold."""
 
-    def show(rows: Sequence[Row]) -> str:
+    def show(rows: Sequence[Precision]) -> str:
         tables = []
-        for parameter in dict.fromkeys(row["parameter"] for row in rows):
-            some = [row for row in rows if row["parameter"] == parameter]
+        for parameter in dict.fromkeys(row.parameter for row in rows):
+            some = [row for row in rows if row.parameter == parameter]
             tables.append(f"{parameter}:\n\n" + pivoted(some, index, ["value"], _value, _error_and_ratio))
         return "\n\n".join(tables)
 
     return show
 
 
-def _value(row: Row) -> str:
-    times = "× " if row["parameter"] == "increment" else ""
-    text = f"{times}{shown(row['value'])}"
-    return f"**{text}**" if row["default"] else text
+def _value(row: Precision) -> str:
+    times = "× " if row.parameter == "increment" else ""
+    text = f"{times}{shown(row.value)}"
+    return f"**{text}**" if row.default else text
 
 
-def _error_and_ratio(row: Row) -> str:
-    return "fails" if "failed" in row else f"{percent(row['error'])}; {number(row['ratio'])}"
+def _error_and_ratio(row: Precision) -> str:
+    return "fails" if row.failed is not None else f"{percent(row.error)}; {number(row.ratio)}"
 
 
 def plain(*columns: Column) -> Callable[[Sequence[Row]], str]:
@@ -107,23 +110,23 @@ def plain(*columns: Column) -> Callable[[Sequence[Row]], str]:
     return lambda rows: listed(rows, columns)
 
 
-def _dissipation(rows: Sequence[Row]) -> str:
+def _dissipation(rows: Sequence[dynamics.Dissipation]) -> str:
     return pivoted(
         rows,
         ["case"],
         ["integrator", "step_s"],
-        lambda row: f"{row['integrator']}, {1e3 * row['step_s']:g} ms",
-        lambda row: f"{100 * row['dissipated']:.3g} ({100 * row['by_integrator']:.3g})",
+        lambda row: f"{row.integrator}, {1e3 * row.step_s:g} ms",
+        lambda row: f"{100 * row.dissipated:.3g} ({100 * row.by_integrator:.3g})",
     )
 
 
-def _collapse(rows: Sequence[Row]) -> str:
+def _collapse(rows: Sequence[dynamics.Collapse]) -> str:
     return pivoted(
         rows,
         ["case", "integrator"],
         ["step_s"],
-        lambda row: f"{1e3 * row['step_s']:g} ms",
-        lambda row: "fails" if "failed" in row else f"{row['collapse_g']:.3f} g",
+        lambda row: f"{1e3 * row.step_s:g} ms",
+        lambda row: "fails" if row.failed is not None else f"{row.collapse_g:.3f} g",
     )
 
 
@@ -153,7 +156,7 @@ STEP_COLUMNS: tuple[Column, ...] = (
     ("failed", "fails", str),
 )
 
-BENCHMARKS = {
+BENCHMARKS: dict[str, Benchmark[Any]] = {
     "statics": Benchmark(
         "relative error; and processor time as a ratio to PIQP once a step. Increments are "
         "multiples of the template's, segments those of a joint, tolerances those of PIQP.",
@@ -217,7 +220,7 @@ BENCHMARKS = {
         "pushdown and pushover, rigid and elastic, both states and directions, on one processor, then on all, "
         "as whole commands are. Each analysis is in the CSV.",
         chain.chain,
-        lambda rows: listed([row for row in rows if row.get("whole")], CHAIN_COLUMNS),
+        lambda rows: listed([row for row in rows if row.whole], CHAIN_COLUMNS),
     ),
     "campaigns": Benchmark(
         "searches of the level at collapse of an arch, elapsed: motions a minute, and what a combination takes as a "

@@ -15,7 +15,7 @@ from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -44,10 +44,16 @@ try:
 except ImportError:  # Windows
     resource = None  # type: ignore[assignment]
 
-Row = dict[str, Any]
-"""A line of a table: what was measured, by column."""
-
 Answer = TypeVar("Answer")
+
+
+class Sized(Protocol):
+    """A row of a structure of so many blocks."""
+
+    @property
+    def blocks(self) -> int | None:
+        """Movable blocks."""
+
 
 FAILURES = (CollapseError, ControlError, ConvergenceError, NoEquilibriumError, UnstableError)
 """What an analysis that does not succeed raises: a row says so."""
@@ -147,9 +153,10 @@ def euler_step(
     return problem.pose(state.positions, None)[0]
 
 
-def exponent(rows: Sequence[Row], column: str) -> float:
+def exponent(rows: Sequence[Sized], column: str) -> float:
     """Of what a column holds, as a power of the number of blocks: the slope of a straight line in logarithms."""
-    return float(np.polyfit(np.log([r["blocks"] for r in rows]), np.log([r[column] for r in rows]), 1)[0])
+    sizes = np.array([row.blocks for row in rows], dtype=float)
+    return float(np.polyfit(np.log(sizes), np.log([getattr(row, column) for row in rows]), 1)[0])
 
 
 def peak_memory() -> float:

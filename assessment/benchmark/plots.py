@@ -10,42 +10,42 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter, StrMethodFormatter
 
-from assessment.benchmark.measure import Row
+from assessment.benchmark.table import Precision
 from assessment.report.figures.style import DASHES, MM, WIDTH_MM
 
 COLUMNS, HEIGHT_MM = 3, 58.0
 EXACT = 1e-12  # an error that is none, for a logarithmic axis
 
 
-def work_precision(rows: Sequence[Row], series: str) -> Figure:
+def work_precision(rows: Sequence[Precision], series: str) -> Figure:
     """The rows of one parameter; what the program takes by itself is a filled mark, the others are open.
 
     Rows that failed have no place in it.
     """
-    rows = [row for row in rows if "failed" not in row]
-    cases = list(dict.fromkeys(row["case"] for row in rows))
+    rows = [row for row in rows if row.failed is None]
+    cases = list(dict.fromkeys(row.case for row in rows))
     height = math.ceil(len(cases) / COLUMNS) * HEIGHT_MM
     figure = Figure(figsize=(WIDTH_MM * MM, height * MM), layout="constrained")
     panels = figure.subplots(math.ceil(len(cases) / COLUMNS), COLUMNS, squeeze=False).ravel()
     for axes, case in zip(panels, cases, strict=False):
-        _panel(axes, case, [row for row in rows if row["case"] == case], series)
+        _panel(axes, case, [row for row in rows if row.case == case], series)
     for axes in panels[len(cases) :]:
         axes.set_axis_off()
     return figure
 
 
-def _panel(axes: Axes, case: str, rows: Sequence[Row], series: str) -> None:
-    for dashes, name in zip(cycle(DASHES), dict.fromkeys(row[series] for row in rows), strict=False):
-        line = [row for row in rows if row[series] == name]
-        seconds, errors = ([max(row[key], EXACT) for row in line] for key in ("seconds", "error"))
+def _panel(axes: Axes, case: str, rows: Sequence[Precision], series: str) -> None:
+    for dashes, name in zip(cycle(DASHES), dict.fromkeys(getattr(row, series) for row in rows), strict=False):
+        line = [row for row in rows if getattr(row, series) == name]
+        seconds, errors = [row.seconds for row in line], [max(row.error, EXACT) for row in line]
         axes.plot(seconds, errors, color="0.0", linestyle=dashes, linewidth=0.8, label=name)
         for row, x, y in zip(line, seconds, errors, strict=True):
-            axes.plot(x, y, "o", markersize=3.5, color="0.0", fillstyle="full" if row["default"] else "none")
-            axes.annotate(shown(row["value"]), (x, y), (3, 2), textcoords="offset points", fontsize=5)
+            axes.plot(x, y, "o", markersize=3.5, color="0.0", fillstyle="full" if row.default else "none")
+            axes.annotate(shown(row.value), (x, y), (3, 2), textcoords="offset points", fontsize=5)
     where, _, what = case.partition(", ")
     axes.set(xscale="log", yscale="log", title=f"{where}\n{what}")
     axes.set(
-        xlim=_decades([row["seconds"] for row in rows]), ylim=_decades([max(r["error"], EXACT) for r in rows])
+        xlim=_decades([row.seconds for row in rows]), ylim=_decades([max(row.error, EXACT) for row in rows])
     )
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))  # powers as formulas are not typeset in figures

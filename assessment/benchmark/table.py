@@ -6,46 +6,81 @@ import csv
 import io
 import math
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any
-
-from assessment.benchmark.measure import Row
+from dataclasses import dataclass, fields
+from operator import attrgetter
+from typing import Any, TypeVar
 
 Column = tuple[str, str, Callable[[Any], str]]
-"""Key of the rows, heading, and how a value is written."""
+"""Field of the rows, heading, and how a value is written."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """A line of a table: what was measured. None or NaN: it was not; `failed`: why."""
+
+    case: str
+    failed: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Precision(Row):
+    """Relative error and processor time (s) at a value of a parameter, the program's own by `default`.
+
+    `ratio`: of the time to PIQP once a step.
+    """
+
+    parameter: str
+    value: float
+    default: bool = False
+    error: float = math.nan
+    seconds: float = math.nan
+    ratio: float = math.nan
+
+
+Kind = TypeVar("Kind", bound=Row)
+
+
+def is_known(value: object) -> bool:
+    """Whether a cell has a value."""
+    return value is not None and not (isinstance(value, float) and math.isnan(value))
 
 
 def as_csv(rows: Sequence[Row]) -> bytes:
-    """All columns that any row has, in the order in which they appear; a value that a row lacks is empty."""
-    columns = list(dict.fromkeys(key for row in rows for key in row))
+    """All fields that are known of any row; one that is not is empty."""
+    names = dict.fromkeys(field.name for row in rows for field in fields(row))
+    columns = [name for name in names if any(is_known(getattr(row, name, None)) for row in rows)]
     text = io.StringIO()
-    writer = csv.DictWriter(text, columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    for row in rows:
+        cells = (getattr(row, name, None) for name in columns)
+        writer.writerow([cell if is_known(cell) else "" for cell in cells])
     return text.getvalue().encode()
 
 
 def listed(rows: Iterable[Row], columns: Sequence[Column]) -> str:
     """A Markdown table with a line for each row."""
     lines = [
-        [write(row[key]) if row.get(key) is not None else "" for key, _, write in columns] for row in rows
+        [write(value) if is_known(value := getattr(row, name)) else "" for name, _, write in columns]
+        for row in rows
     ]
     return _markdown([heading for _, heading, _ in columns], lines)
 
 
 def pivoted(
-    rows: Sequence[Row],
+    rows: Sequence[Kind],
     index: Sequence[str],
     columns: Sequence[str],
-    heading: Callable[[Row], str],
-    cell: Callable[[Row], str],
+    heading: Callable[[Kind], str],
+    cell: Callable[[Kind], str],
 ) -> str:
-    """A Markdown table with a line for each value of the `index` keys, and a column for each of the `columns` keys."""
-    across: dict[tuple[Any, ...], str] = {}
-    down: dict[tuple[Any, ...], dict[tuple[Any, ...], str]] = {}
+    """A Markdown table with a line for each value of the `index` fields, a column for each of the `columns` fields."""
+    across: dict[object, str] = {}
+    down: dict[tuple[object, ...], dict[object, str]] = {}
     for row in rows:
-        at = tuple(row[key] for key in columns)
+        at = attrgetter(*columns)(row)
         across[at] = heading(row)
-        down.setdefault(tuple(row[key] for key in index), {})[at] = cell(row)
+        down.setdefault(tuple(getattr(row, name) for name in index), {})[at] = cell(row)
     lines = [[*map(str, line), *(cells.get(at, "") for at in across)] for line, cells in down.items()]
     return _markdown([*index, *across.values()], lines)
 

@@ -9,6 +9,7 @@ import heapq
 import pickle
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import cycle, islice
 from typing import Any
 
@@ -18,7 +19,7 @@ from assessment.analyses.dynamic.ensemble import Scatter
 from assessment.analyses.dynamic.response import Setting
 from assessment.benchmark.cases.dynamics import shaking
 from assessment.benchmark.cases.structures import assembly, template
-from assessment.benchmark.measure import Row
+from assessment.benchmark.table import Row
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import MotionTable
 from assessment.runtime.cache import packed
@@ -36,7 +37,26 @@ LINK = 1.25e7  # bytes/s in and out of the machine that asks: 100 Mbit/s
 DISPATCH = 1e-3  # s that the scheduler takes for a task, one after the other: the figure of Dask's manual
 
 
-def campaigns(quick: bool) -> Iterator[Row]:
+@dataclass(frozen=True, kw_only=True)
+class Engine(Row):
+    """What an engine takes for the searches of so many combinations; `ideal`: the least `ratio`.
+
+    `equal`: whether the results are those of this process; of a combination `sent_kB` and `returned_kB`, in the mean.
+    """
+
+    workers: int
+    combinations: int
+    motions: int
+    elapsed_s: float
+    motions_per_minute: float
+    ratio: float
+    ideal: float
+    sent_kB: float | None = None
+    returned_kB: float | None = None
+    equal: bool | None = True
+
+
+def campaigns(quick: bool) -> Iterator[Engine]:
     """Elapsed time of some searches on an arch by each engine; `ratio`: of a combination to that in this process.
 
     Each engine has computed one search in every process before it is timed. The results are the same. Of a simulated
@@ -89,10 +109,10 @@ def _compared(
     tasks: list[tuple[Any, ...]],
     expected: list[Combination],
     alone: float,
-) -> Row:
+) -> Engine:
     seconds, found = _timed(workers, tasks, count)
     row = _row(name, count, found, seconds, alone)
-    return row | {"equal": [_levels(each) for each in found] == [_levels(each) for each in expected]}
+    return replace(row, equal=[_levels(each) for each in found] == [_levels(each) for each in expected])
 
 
 def _levels(found: Combination) -> tuple[object, ...]:
@@ -100,7 +120,7 @@ def _levels(found: Combination) -> tuple[object, ...]:
     return found.judged, found.reason, found.runs, found.points
 
 
-def _simulated_rows(tasks: Sequence[tuple[Any, ...]], found: Sequence[Combination]) -> Iterator[Row]:
+def _simulated_rows(tasks: Sequence[tuple[Any, ...]], found: Sequence[Combination]) -> Iterator[Engine]:
     """Rows of clusters that are simulated; `sent_kB`, `returned_kB`: of a combination, in the mean."""
     sent = [len(pickle.dumps(task)) for task in tasks]
     returned = [len(packed(each).encode()) for each in found]
@@ -110,12 +130,13 @@ def _simulated_rows(tasks: Sequence[tuple[Any, ...]], found: Sequence[Combinatio
     many = list(islice(cycle(found), MANY))
     for count in SIMULATED:
         row = _row(f"{count} workers, simulated", count, many, simulated(work, count), alone)
-        yield row | {
-            "ideal": 1.0 / count,
-            "equal": None,
-            "sent_kB": float(np.mean(sent)) / 1e3,
-            "returned_kB": float(np.mean(returned)) / 1e3,
-        }
+        yield replace(
+            row,
+            ideal=1.0 / count,
+            equal=None,
+            sent_kB=float(np.mean(sent)) / 1e3,
+            returned_kB=float(np.mean(returned)) / 1e3,
+        )
 
 
 def simulated(work: Sequence[tuple[float, int, int]], workers: int) -> float:
@@ -138,16 +159,15 @@ def simulated(work: Sequence[tuple[float, int, int]], workers: int) -> float:
     return arrived
 
 
-def _row(name: str, count: int, found: list[Combination], seconds: float, alone: float) -> Row:
+def _row(name: str, count: int, found: list[Combination], seconds: float, alone: float) -> Engine:
     motions = sum(each.runs for each in found)
-    return {
-        "case": name,
-        "workers": count,
-        "combinations": len(found),
-        "motions": motions,
-        "elapsed_s": seconds,
-        "motions_per_minute": 60.0 * motions / seconds,
-        "ratio": seconds / alone,
-        "ideal": 1.0 / min(count, cores()),
-        "equal": True,
-    }
+    return Engine(
+        case=name,
+        workers=count,
+        combinations=len(found),
+        motions=motions,
+        elapsed_s=seconds,
+        motions_per_minute=60.0 * motions / seconds,
+        ratio=seconds / alone,
+        ideal=1.0 / min(count, cores()),
+    )

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from assessment.analyses.static.states import PAST_PEAK
 from assessment.benchmark.cases.structures import assembly, template
-from assessment.benchmark.measure import FAILURES, ROUNDS, Row, once_a_step
+from assessment.benchmark.measure import FAILURES, ROUNDS, once_a_step
+from assessment.benchmark.table import Row
 from assessment.project.model import build_model
 from assessment.runtime.processes.garbage import collect_rarely
 from assessment.workflow.selection import select
@@ -28,7 +31,18 @@ WAYS: tuple[Direction, ...] = ("+x", "-x")
 CONTACTS: tuple[Behaviour, ...] = ("rigid", "elastic")
 
 
-def chain(quick: bool) -> Iterator[Row]:
+@dataclass(frozen=True, kw_only=True)
+class Analysis(Row):
+    """An analysis, or `whole` chains and commands: processor time and time elapsed (s)."""
+
+    whole: bool = False
+    steps: int | None = None
+    seconds: float = math.nan
+    ratio: float = math.nan
+    elapsed_s: float = math.nan
+
+
+def chain(quick: bool) -> Iterator[Analysis]:
     """Pushdown, rigid and elastic pushover of both states and directions, one by one and together; whole commands."""
     names = ("buttressed-arch",) if quick else ("buttressed-arch", "triumphal-arch")
     for name in names:
@@ -37,14 +51,14 @@ def chain(quick: bool) -> Iterator[Row]:
     yield from commands(quick)
 
 
-def analyses(name: str) -> Iterator[Row]:
+def analyses(name: str) -> Iterator[Analysis]:
     """Processor time of every analysis of a template on one processor; last, of all together."""
     project, model = template(name), assembly(name)
     (table,) = project.settlements
     assert project.pushover is not None
     assert table.increment_m is not None
     increment, spoken = project.pushover.increment_m, name.replace("-", " ")
-    rows: list[Row] = []
+    rows: list[Analysis] = []
     for contacts in CONTACTS:
         mirror = Mirror.of(model, contacts)
         settle = partial(
@@ -69,31 +83,32 @@ def analyses(name: str) -> Iterator[Row]:
                 row, curve = _row(f"{spoken}, {title}, pushover {way}, {contacts}", push)
                 rows.append(row)
                 yield row
-    whole: Row = {"case": f"{spoken}, static chain", "whole": True}
-    solved = [row for row in rows if "failed" not in row]
-    if len(solved) < len(rows):
-        whole["failed"] = f"{len(rows) - len(solved)} of {len(rows)}, and what depends on them"
-    total = sum(row["seconds"] for row in solved)
-    baseline = sum(row["seconds"] / row["ratio"] for row in solved)
-    yield whole | {
-        "steps": sum(row["steps"] for row in solved),
-        "seconds": total,
-        "ratio": total / baseline,
-    }
+    solved = [row for row in rows if row.failed is None]
+    failed = len(rows) - len(solved)
+    total = sum(row.seconds for row in solved)
+    baseline = sum(row.seconds / row.ratio for row in solved)
+    yield Analysis(
+        case=f"{spoken}, static chain",
+        whole=True,
+        steps=sum(row.steps or 0 for row in solved),
+        seconds=total,
+        ratio=total / baseline,
+        failed=f"{failed} of {len(rows)}, and what depends on them" if failed else None,
+    )
 
 
-def _row(case: str, work: Callable[[], object]) -> tuple[Row, object]:
+def _row(case: str, work: Callable[[], object]) -> tuple[Analysis, object]:
     """A row, and what the work returns."""
     try:
         path = work()
     except FAILURES as error:
-        return {"case": case, "failed": str(error)}, None
+        return Analysis(case=case, failed=str(error)), None
     assert isinstance(path, Pushdown | Pushover)
     seconds, ratio = once_a_step(work, path)
-    return {"case": case, "steps": len(path.steps), "seconds": seconds, "ratio": ratio}, path
+    return Analysis(case=case, steps=len(path.steps), seconds=seconds, ratio=ratio), path
 
 
-def side_by_side(name: str) -> Row:
+def side_by_side(name: str) -> Analysis:
     """Time elapsed of the same analyses on all processors, from the drawing to the curves: the least of some."""
     runs = []
     for _ in range(ROUNDS):
@@ -101,11 +116,8 @@ def side_by_side(name: str) -> Row:
             [sys.executable, "-m", __name__, name], check=True, capture_output=True, text=True
         )
         runs.append(float(done.stdout))
-    return {
-        "case": f"{name.replace('-', ' ')}, static chain, from the drawing, on all processors",
-        "whole": True,
-        "elapsed_s": min(runs),
-    }
+    case = f"{name.replace('-', ' ')}, static chain, from the drawing, on all processors"
+    return Analysis(case=case, whole=True, elapsed_s=min(runs))
 
 
 def _elapsed(name: str) -> float:
@@ -120,7 +132,7 @@ def _elapsed(name: str) -> float:
     return time.perf_counter() - began
 
 
-def commands(quick: bool) -> Iterator[Row]:
+def commands(quick: bool) -> Iterator[Analysis]:
     """Processor time and time elapsed of whole commands."""
     yield _command("assesto --help", "--help")
     if not quick:
@@ -131,15 +143,11 @@ def commands(quick: bool) -> Iterator[Row]:
             assert (Path(out) / "report.html").is_file()
 
 
-def _command(case: str, *arguments: str) -> Row:
+def _command(case: str, *arguments: str) -> Analysis:
     before, began = _children(), time.perf_counter()
     subprocess.run([sys.executable, "-m", "assessment.cli", *arguments], check=True, capture_output=True)
-    return {
-        "case": case,
-        "whole": True,
-        "seconds": _children() - before,
-        "elapsed_s": time.perf_counter() - began,
-    }
+    elapsed = time.perf_counter() - began
+    return Analysis(case=case, whole=True, seconds=_children() - before, elapsed_s=elapsed)
 
 
 def _children() -> float:

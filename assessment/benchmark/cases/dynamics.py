@@ -9,7 +9,8 @@ from functools import partial
 import numpy as np
 
 from assessment.benchmark.cases.structures import assembly, block_on_base, rectangle, running_bond, template
-from assessment.benchmark.measure import FAILURES, SAMPLES, Row, beside_piqp, history_programs
+from assessment.benchmark.measure import FAILURES, SAMPLES, beside_piqp, history_programs
+from assessment.benchmark.table import Precision, Row
 from mechanics import Assembly, Block, Material, State, TimeHistory, time_history
 from mechanics.model.assembly import Behaviour
 from mechanics.procedures.time_history import HISTORY, HistoryTolerances, Integrator
@@ -130,7 +131,23 @@ def peak(motion: TimeHistory, after: float) -> tuple[float, float]:
     return float(b - 0.25 * (a - c) * shift), float(motion.time[k] + shift * step)
 
 
-def dynamics(quick: bool) -> Iterator[Row]:
+@dataclass(frozen=True, kw_only=True)
+class Point(Precision):
+    """The largest displacement found (m), its error, that of its time (s), and what its motion took."""
+
+    integrator: Integrator
+    found_m: float = np.nan
+    time_error_s: float = np.nan
+    steps: int | None = None
+    programs_per_step: float = np.nan
+    iterations_per_step: float = np.nan
+    integrator_share: float = np.nan
+    imbalance: float = np.nan
+    cold: int | None = None
+    collapsed: bool | None = None
+
+
+def dynamics(quick: bool) -> Iterator[Point]:
     """Error of the largest displacement against processor time, of every case, integrator and step or tolerance."""
     steps = QUICK_STEPS if quick else STEPS
     for case in cases(quick):
@@ -138,7 +155,7 @@ def dynamics(quick: bool) -> Iterator[Row]:
         try:
             exact = peak(case.run(finest, "second-order"), case.after)
         except FAILURES as error:
-            yield _row(case, "second-order", "time step [s]", finest) | {"failed": str(error)}
+            yield replace(_point(case, "second-order", "time step [s]", finest), failed=str(error))
             continue
         for integrator in INTEGRATORS[case.contacts]:
             for step in steps:
@@ -152,49 +169,46 @@ def dynamics(quick: bool) -> Iterator[Row]:
 
 def measured(
     case: Case, integrator: Integrator, parameter: str, value: float, exact: tuple[float, float]
-) -> Row:
+) -> Point:
     """A row of dynamics: `exact` are the largest displacement (m) and its time (s)."""
     step, tolerances = DEFAULT_STEP, HISTORY
     if parameter == "tolerance":
         tolerances = HistoryTolerances(accepted=value)
     else:
         step = value
-    row = _row(case, integrator, parameter, value)
+    row = _point(case, integrator, parameter, value)
     run = partial(case.run, step, integrator, tolerances)
     try:
         motion = run()
     except FAILURES as error:
-        return row | {"failed": str(error)}
+        return replace(row, failed=str(error))
     programs = history_programs(case.model, case.contacts, motion, case.acceleration(step), _every(motion))
     seconds, each = beside_piqp(run, programs)
     size, at = peak(motion, case.after)
     count = len(motion.time) - 1
-    return row | {
-        "found_m": size,
-        "error": abs(size / exact[0] - 1.0),
-        "time_error_s": at - exact[1],
-        "steps": count,
-        "seconds": seconds,
-        "ratio": seconds / count / each,
-        "programs_per_step": motion.programs / count,
-        "iterations_per_step": motion.iterations / count,
-        "integrator_share": motion.energy.integrator_share,
-        "imbalance": motion.energy.imbalance,
-        "cold": motion.cold,
-        "collapsed": motion.collapsed,
-    }
+    return replace(
+        row,
+        found_m=size,
+        error=abs(size / exact[0] - 1.0),
+        time_error_s=at - exact[1],
+        steps=count,
+        seconds=seconds,
+        ratio=seconds / count / each,
+        programs_per_step=motion.programs / count,
+        iterations_per_step=motion.iterations / count,
+        integrator_share=motion.energy.integrator_share,
+        imbalance=motion.energy.imbalance,
+        cold=motion.cold,
+        collapsed=motion.collapsed,
+    )
 
 
-def _row(case: Case, integrator: Integrator, parameter: str, value: float) -> Row:
+def _point(case: Case, integrator: Integrator, parameter: str, value: float) -> Point:
     """What a row is about."""
     default = DEFAULT_STEP if parameter == "time step [s]" else DEFAULT_TOLERANCE
-    return {
-        "case": case.name,
-        "parameter": parameter,
-        "value": value,
-        "default": value == default,
-        "integrator": integrator,
-    }
+    return Point(
+        case=case.name, parameter=parameter, value=value, default=value == default, integrator=integrator
+    )
 
 
 def _every(motion: TimeHistory) -> int:
@@ -202,10 +216,33 @@ def _every(motion: TimeHistory) -> int:
     return max((len(motion.time) - 1) // SAMPLES, 1)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Dissipation(Row):
+    """Energies of a cycle of rocking over that at release; `stiffness_kN_m3`: None with rigid contacts."""
+
+    stiffness_kN_m3: float | None
+    integrator: Integrator
+    step_s: float
+    dissipated: float
+    by_integrator: float
+    by_impact: float
+    by_friction: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Collapse(Row):
+    """Amplitudes (g) that a structure stands, and that collapse it."""
+
+    integrator: Integrator
+    step_s: float
+    stands_g: float = np.nan
+    collapse_g: float = np.nan
+
+
 def dissipation(
     steps: Sequence[float] = (0.01, 0.005, 0.002, 0.001),
     stiffness: Sequence[float] = (5e5, 5e6, 5e7, np.inf),
-) -> Iterator[Row]:
+) -> Iterator[Dissipation]:
     """The paper's Fig. 9: energy dissipated in the first cycle of free rocking, per cent of that at release.
 
     Specimen 2 of its §6.1: 0.17 × 1.0 m, μ = 0.58, released at 0.64 of the slenderness angle. `stiffness` kN/m³ of the
@@ -225,19 +262,19 @@ def dissipation(
                 left = np.flatnonzero(rotation > 0.0)
                 back = left[0] + np.flatnonzero(rotation[left[0] :] < 0.0)
                 end = int(back[0] + rotation[back[0] : back[0] + round(0.6 / step)].argmin())
-                yield {
-                    "case": "rigid" if np.isinf(k) else f"k = {k:.0e} kN/m³",
-                    "stiffness_kN_m3": None if np.isinf(k) else k,
-                    "integrator": integrator,
-                    "step_s": step,
-                    "dissipated": float(energy.dissipated[end]) / released,
-                    "by_integrator": float(energy.integrator[end]) / released,
-                    "by_impact": float(energy.impact[end]) / released,
-                    "by_friction": float(energy.friction[end]) / released,
-                }
+                yield Dissipation(
+                    case="rigid" if np.isinf(k) else f"k = {k:.0e} kN/m³",
+                    stiffness_kN_m3=None if np.isinf(k) else k,
+                    integrator=integrator,
+                    step_s=step,
+                    dissipated=float(energy.dissipated[end]) / released,
+                    by_integrator=float(energy.integrator[end]) / released,
+                    by_impact=float(energy.impact[end]) / released,
+                    by_friction=float(energy.friction[end]) / released,
+                )
 
 
-def collapse(steps: Sequence[float] = (0.01, 0.005, 0.0025)) -> Iterator[Row]:
+def collapse(steps: Sequence[float] = (0.01, 0.005, 0.0025)) -> Iterator[Collapse]:
     """Least amplitude (g) found to collapse a structure, by bisection, for every integrator and step.
 
     The arch with elastic joints to 2 %; to half a per cent a stack of two blocks: it falls at 0.571 g under one sine.
@@ -246,13 +283,13 @@ def collapse(steps: Sequence[float] = (0.01, 0.005, 0.0025)) -> Iterator[Row]:
     for case, motion, accuracy in ((shaken, shaking, 1.02), (stack(), sine, 1.005)):
         for integrator in INTEGRATORS[case.contacts]:
             for step in steps:
-                row: Row = {"case": case.name, "integrator": integrator, "step_s": step}
+                row = Collapse(case=case.name, integrator=integrator, step_s=step)
                 try:
                     low, high = _bracketed(case, motion, integrator, step, accuracy)
                 except FAILURES as error:
-                    yield row | {"failed": str(error)}
+                    yield replace(row, failed=str(error))
                     continue
-                yield row | {"stands_g": low, "collapse_g": high}
+                yield replace(row, stands_g=low, collapse_g=high)
 
 
 def _bracketed(

@@ -11,8 +11,8 @@ import numpy as np
 
 from assessment.benchmark.cases.dynamics import Case, peak, shaking
 from assessment.benchmark.cases.structures import assembly, running_bond, template
-from assessment.benchmark.measure import Row, history_programs, piqp
-from assessment.benchmark.table import number, percent, pivoted
+from assessment.benchmark.measure import history_programs, piqp
+from assessment.benchmark.table import Precision, number, percent, pivoted
 from mechanics import ConvergenceError, TimeHistory
 from mechanics.procedures.time_history import HISTORY, HistoryTolerances, Integrator
 from mechanics.types import Array
@@ -55,7 +55,34 @@ WAYS = (
 QUICK_WAYS = (WAYS[0], DEFAULT)
 
 
-def ensembles(quick: bool) -> Iterator[Row]:
+@dataclass(frozen=True, kw_only=True)
+class Point(Precision):
+    """Least, median and largest displacement (m) of an ensemble, and the `resolved` median, known between two bounds.
+
+    Of `members` so many `collapsed`, others were `not_solved`; `seconds` of all, `step_ms` of one step.
+    """
+
+    way: str
+    integrator: Integrator
+    levels: int | None
+    resolved_m: float
+    resolved_low_m: float
+    resolved_high_m: float
+    resolved_members: int
+    members: int = 0
+    not_solved: int = 0
+    least_m: float = np.nan
+    median_m: float = np.nan
+    most_m: float = np.nan
+    collapsed: int | None = None
+    steps: int | None = None
+    step_ms: float = np.nan
+    programs_per_step: float = np.nan
+    integrator_share: float = np.nan
+    imbalance: float = np.nan
+
+
+def ensembles(quick: bool) -> Iterator[Point]:
     """A row for every case, way and time step: median, range, distance from the resolved median, and cost."""
     for case in cases(quick):
         factors = QUICK if quick else AMPLITUDES
@@ -118,29 +145,30 @@ def median_between(values: Array) -> tuple[float, float]:
     return float(ordered[below - 1]), float(ordered[count - below])
 
 
-def measured(case: Case, way: Way, step: float, factors: Array, resolved: Array) -> Row:
+def measured(case: Case, way: Way, step: float, factors: Array, resolved: Array) -> Point:
     """A row of ensembles; `resolved` (k,) m: peaks of members at a time step that resolves the impacts."""
     low, high = median_between(resolved)
     middle = float(np.median(resolved))
-    row: Row = {
-        "case": case.name,
-        "parameter": "time step",
-        "value": step,
-        "way": str(way),
-        "integrator": way.integrator,
-        "levels": way.levels,
-        "default": step == DEFAULT_STEP and way == DEFAULT,
-        "resolved_m": middle,
-        "resolved_low_m": low,
-        "resolved_high_m": high,
-        "resolved_members": len(resolved),
-    }
     began = time.process_time()
     motions = members(case, way, step, factors)
     seconds = time.process_time() - began
-    row |= {"members": len(motions), "not_solved": len(factors) - len(motions)}
-    if len(motions) <= row["not_solved"]:
-        return row | {"failed": "most members are not solved"}
+    row = Point(
+        case=case.name,
+        parameter="time step",
+        value=step,
+        default=step == DEFAULT_STEP and way == DEFAULT,
+        way=str(way),
+        integrator=way.integrator,
+        levels=way.levels,
+        resolved_m=middle,
+        resolved_low_m=low,
+        resolved_high_m=high,
+        resolved_members=len(resolved),
+        members=len(motions),
+        not_solved=len(factors) - len(motions),
+    )
+    if len(motions) <= row.not_solved:
+        return replace(row, failed="most members are not solved")
     found = peaks(case, motions)
     steps = sum(len(m.time) - 1 for m in motions)
     some = motions[len(motions) // 2]
@@ -149,39 +177,40 @@ def measured(case: Case, way: Way, step: float, factors: Array, resolved: Array)
     )
     each = float(np.mean([min(piqp(program) for _ in range(3)) for program in programs]))
     median = float(np.median(found))
-    return row | {
-        "least_m": float(found.min()),
-        "median_m": median,
-        "most_m": float(found.max()),
-        "error": abs(median / middle - 1.0),
-        "collapsed": sum(m.collapsed for m in motions),
-        "steps": steps,
-        "seconds": seconds,
-        "step_ms": 1e3 * seconds / steps,
-        "ratio": seconds / steps / each,
-        "programs_per_step": sum(m.programs for m in motions) / steps,
-        "integrator_share": float(np.median([m.energy.integrator_share for m in motions])),
-        "imbalance": max(m.energy.imbalance for m in motions),
-    }
+    return replace(
+        row,
+        least_m=float(found.min()),
+        median_m=median,
+        most_m=float(found.max()),
+        error=abs(median / middle - 1.0),
+        collapsed=sum(m.collapsed for m in motions),
+        steps=steps,
+        seconds=seconds,
+        step_ms=1e3 * seconds / steps,
+        ratio=seconds / steps / each,
+        programs_per_step=sum(m.programs for m in motions) / steps,
+        integrator_share=float(np.median([m.energy.integrator_share for m in motions])),
+        imbalance=max(m.energy.imbalance for m in motions),
+    )
 
 
-def millimetres(rows: Sequence[Row]) -> str:
+def millimetres(rows: Sequence[Point]) -> str:
     """A table of ensembles: least, median and largest displacement in mm, and ms a step; then the resolved medians."""
 
-    def cell(row: Row) -> str:
-        if "failed" in row:
+    def cell(row: Point) -> str:
+        if row.failed is not None:
             return "fails"
-        three = " – ".join(f"{1e3 * row[key]:.1f}" for key in ("least_m", "median_m", "most_m"))
-        text = f"{three}; {number(row['step_ms'])} ms"
-        if row["not_solved"]:
-            text += f"; {row['not_solved']} not solved"
-        return f"**{text}**" if row["default"] else text
+        three = " – ".join(f"{1e3 * size:.1f}" for size in (row.least_m, row.median_m, row.most_m))
+        text = f"{three}; {number(row.step_ms)} ms"
+        if row.not_solved:
+            text += f"; {row.not_solved} not solved"
+        return f"**{text}**" if row.default else text
 
-    lines = [pivoted(rows, ["case", "way"], ["value"], lambda row: f"{1e3 * row['value']:g} ms", cell)]
-    for row in {row["case"]: row for row in rows}.values():
-        middle, low, high = (1e3 * row[key] for key in ("resolved_m", "resolved_low_m", "resolved_high_m"))
+    lines = [pivoted(rows, ["case", "way"], ["value"], lambda row: f"{1e3 * row.value:g} ms", cell)]
+    for row in {row.case: row for row in rows}.values():
+        middle, low, high = (1e3 * m for m in (row.resolved_m, row.resolved_low_m, row.resolved_high_m))
         lines.append(
-            f"{row['case']}: resolved, the median is {middle:.1f} mm of {row['resolved_members']} members, with "
+            f"{row.case}: resolved, the median is {middle:.1f} mm of {row.resolved_members} members, with "
             f"{percent(CONFIDENCE)} confidence between {low:.1f} and {high:.1f} mm."
         )
     return "\n\n".join(lines)

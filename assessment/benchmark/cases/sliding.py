@@ -10,7 +10,8 @@ import numpy as np
 
 from assessment.analyses.static.ensemble import ENSEMBLE, shaken_corners
 from assessment.benchmark.cases.structures import assembly, in_frame, running_bond, template
-from assessment.benchmark.measure import FAILURES, Row, seconds_of
+from assessment.benchmark.measure import FAILURES, seconds_of
+from assessment.benchmark.table import Row
 from mechanics import Assembly, limit_analysis, pushover
 from mechanics.procedures.pushover import Pushover
 from mechanics.steps.static_system import Sliding
@@ -53,7 +54,22 @@ def cases(quick: bool) -> list[Case]:
     return walls + arches
 
 
-def sliding(quick: bool) -> Iterator[Row]:
+@dataclass(frozen=True, kw_only=True)
+class Ends(Row):
+    """α_0 under a law of sliding, and least, median and largest end (m) of the curves of all variants solved."""
+
+    law: Sliding
+    blocks: int
+    alpha: float
+    least_m: float = np.nan
+    median_m: float = np.nan
+    most_m: float = np.nan
+    variants: int
+    not_solved: int
+    seconds: float = np.nan
+
+
+def sliding(quick: bool) -> Iterator[Ends]:
     """A row for each case and law: α_0, where the curve ends over its variants, and time a curve."""
     for case in cases(quick):
         for law in LAWS:
@@ -86,10 +102,9 @@ def variants(case: Case) -> list[tuple[float, Case]]:
     ]
 
 
-def measured(case: Case, law: Sliding) -> Row:
+def measured(case: Case, law: Sliding) -> Ends:
     """A row of the table: least, median and largest end (m) of the curves of all variants that are solved."""
-    row: Row = {"case": case.name, "law": law, "blocks": int(case.model.movable.sum())}
-    row["alpha"] = limit_analysis(case.model, sliding=law).alpha
+    alpha = limit_analysis(case.model, sliding=law).alpha
     ends, seconds, failed = [], [], 0
     tried = variants(case)
     for length, variant in tried:
@@ -100,12 +115,14 @@ def measured(case: Case, law: Sliding) -> Row:
             continue
         seconds.append(taken)
         ends.append(float(curve.displacement[-1]) / length)
-    row |= {"variants": len(tried), "not_solved": failed}
+    blocks = int(case.model.movable.sum())
+    row = Ends(case=case.name, law=law, blocks=blocks, alpha=alpha, variants=len(tried), not_solved=failed)
     if not ends:
-        return row | {"failed": "no variant is solved"}
-    return row | {
-        "least_m": min(ends),
-        "median_m": float(np.median(ends)),
-        "most_m": max(ends),
-        "seconds": float(np.median(seconds)),
-    }
+        return replace(row, failed="no variant is solved")
+    return replace(
+        row,
+        least_m=min(ends),
+        median_m=float(np.median(ends)),
+        most_m=max(ends),
+        seconds=float(np.median(seconds)),
+    )

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any, Literal
 
 import numpy as np
 
 from assessment.benchmark.cases.structures import assembly, block_on_base, rectangle, running_bond, template
-from assessment.benchmark.measure import FAILURES, Row, beside_piqp, once_a_step
+from assessment.benchmark.measure import FAILURES, beside_piqp, once_a_step
+from assessment.benchmark.table import Precision
 from mechanics import Assembly, Block, Material, State, pushdown, pushover
 from mechanics.model.assembly import Behaviour
 from mechanics.procedures.pushdown import Pushdown
@@ -51,27 +52,36 @@ class Case:
     default: float = 1.0
 
 
-def statics(quick: bool) -> Iterator[Row]:
+@dataclass(frozen=True, kw_only=True)
+class Point(Precision):
+    """A `quantity` `found` at a value of the parameter, of a path of so many steps."""
+
+    quantity: str = ""
+    found: float = np.nan
+    steps: int | None = None
+
+
+def statics(quick: bool) -> Iterator[Point]:
     """Every case: a row for each value of its parameter and each quantity that is measured."""
     for case in cases(quick):
         yield from precision(case)
 
 
-def precision(case: Case) -> Iterator[Row]:
+def precision(case: Case) -> Iterator[Point]:
     """Processor time, its ratio to PIQP once a step, and the relative errors; a failure is a row too."""
-    row: Row = {"case": case.name, "parameter": case.parameter, "quantity": ""}
+    row = Point(case=case.name, parameter=case.parameter, value=case.reference)
     try:
         exact = case.exact or case.measure(case.run(case.reference))
     except FAILURES as error:
-        yield row | {"value": case.reference, "default": False, "failed": str(error)}
+        yield replace(row, failed=str(error))
         return
     for value in case.values:
-        row |= {"value": value, "default": value == case.default}
+        row = replace(row, value=value, default=value == case.default)
         run = partial(case.run, value)
         try:
             result = run()
         except FAILURES as error:
-            yield from (row | {"quantity": quantity, "failed": str(error)} for quantity in exact)
+            yield from (replace(row, quantity=quantity, failed=str(error)) for quantity in exact)
             continue
         if isinstance(result, tuple):
             steps, (seconds, each) = 1, beside_piqp(run, [result[0]])
@@ -79,14 +89,15 @@ def precision(case: Case) -> Iterator[Row]:
         else:
             steps, (seconds, ratio) = len(result.steps), once_a_step(run, result)
         for quantity, found in case.measure(result).items():
-            yield row | {
-                "quantity": quantity,
-                "found": found,
-                "error": abs(found / exact[quantity] - 1.0),
-                "steps": steps,
-                "seconds": seconds,
-                "ratio": ratio,
-            }
+            yield replace(
+                row,
+                quantity=quantity,
+                found=found,
+                error=abs(found / exact[quantity] - 1.0),
+                steps=steps,
+                seconds=seconds,
+                ratio=ratio,
+            )
 
 
 def cases(quick: bool) -> list[Case]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 from unittest.mock import patch
@@ -18,7 +19,8 @@ from assessment.benchmark.cases.structures import (
     running_bond,
     template,
 )
-from assessment.benchmark.measure import FAILURES, Row, exponent, history_programs, peak_memory, piqp
+from assessment.benchmark.measure import FAILURES, exponent, history_programs, peak_memory, piqp
+from assessment.benchmark.table import Row
 from assessment.project.catalogue.record import RECORD
 from mechanics import Assembly, TimeHistory, time_history
 from mechanics.model.assembly import Behaviour
@@ -39,7 +41,29 @@ SAMPLES = 20  # programs that PIQP solves
 ROUNDS, ENOUGH, QUICK = 6, 8.0, 0.0  # at least; and s of a row
 
 
-def steps(quick: bool) -> Iterator[Row]:
+@dataclass(frozen=True, kw_only=True)
+class StepTime(Row):
+    """Time of a step, ms, of it in compiled steps (`march_ms`), and PIQP's; counts; largest memory, MB."""
+
+    blocks: int | None = None
+    joints: int | None = None
+    contacts: Behaviour
+    integrator: Integrator | None = None
+    step_ms: float = np.nan
+    march_ms: float = np.nan
+    piqp_ms: float = np.nan
+    ratio: float = np.nan
+    rounds: int | None = None
+    steps: int | None = None
+    programs_per_step: float = np.nan
+    iterations_per_step: float = np.nan
+    halvings: int | None = None
+    cold: int | None = None
+    collapsed: bool | None = None
+    peak_memory_MB: float = np.nan
+
+
+def steps(quick: bool) -> Iterator[StepTime]:
     """A row for every case, contact behaviour and integrator."""
     record = strong_record(QUICK_WINDOW if quick else WINDOW)
     for name, model, pga, share in cases(quick):
@@ -49,12 +73,12 @@ def steps(quick: bool) -> Iterator[Row]:
                 yield measured(name, model, shaking, contacts, integrator, QUICK if quick else ENOUGH)
 
 
-def growth(quick: bool) -> Iterator[Row]:
+def growth(quick: bool) -> Iterator[StepTime]:
     """A row for every wall, implicit Euler; and the exponent of the time of a step over the number of blocks."""
     record = strong_record(WINDOW)
     record = 0.55 * record[: round(SHARE * len(record))]
 
-    def wall(columns: int, courses: int, contacts: Behaviour) -> Row:
+    def wall(columns: int, courses: int, contacts: Behaviour) -> StepTime:
         model = running_bond(columns, courses, stiffness=1e7)
         enough = QUICK if quick else ENOUGH
         return measured(f"wall {columns} × {courses}", model, record, contacts, "implicit-euler", enough)
@@ -62,9 +86,9 @@ def growth(quick: bool) -> Iterator[Row]:
     for contacts in INTEGRATORS:
         rows = [wall(*size, contacts) for size in (QUICK_WALLS if quick else WALLS)]
         yield from rows
-        solved = [row for row in rows if "failed" not in row]
+        solved = [row for row in rows if row.failed is None]
         if len(solved) > 1:
-            yield {"case": "exponent", "contacts": contacts, "step_ms": exponent(solved, "step_ms")}
+            yield StepTime(case="exponent", contacts=contacts, step_ms=exponent(solved, "step_ms"))
 
 
 def strong_record(window: tuple[float, float]) -> Array:
@@ -91,7 +115,7 @@ def cases(quick: bool) -> list[tuple[str, Assembly, float, float]]:
 
 def measured(
     case: str, model: Assembly, record: Array, contacts: Behaviour, integrator: Integrator, enough: float
-) -> Row:
+) -> StepTime:
     """Milliseconds a step, their ratio to PIQP once a step, and the counts that do not depend on the clock.
 
     The motion, and PIQP on some of its programs, evenly spaced, are repeated in turn until they have taken `enough`
@@ -99,17 +123,17 @@ def measured(
     is left out of both.
     """
     run = partial(time_history, model, record, STEP, contacts, integrator=integrator)
-    row: Row = {
-        "case": case,
-        "blocks": int(model.movable.sum()),
-        "joints": len(model.contacts),
-        "contacts": contacts,
-        "integrator": integrator,
-    }
+    row = StepTime(
+        case=case,
+        blocks=int(model.movable.sum()),
+        joints=len(model.contacts),
+        contacts=contacts,
+        integrator=integrator,
+    )
     try:
         motion = run()
     except FAILURES as error:
-        return row | {"failed": str(error)}
+        return replace(row, failed=str(error))
     programs = _programs(model, contacts, motion, record)
     blocks: list[Array] = []
     solved: list[list[float]] = []
@@ -121,20 +145,21 @@ def measured(
     inside, outside = np.min(blocks, axis=0).T
     step = 1e3 * float(inside.sum() + outside.sum()) / n
     each = 1e3 * float(np.min(solved, axis=0).mean())
-    return row | {
-        "step_ms": step,
-        "march_ms": 1e3 * float(inside.sum()) / n,
-        "piqp_ms": each,
-        "ratio": step / each,
-        "rounds": len(blocks),
-        "steps": n,
-        "programs_per_step": motion.programs / n,
-        "iterations_per_step": motion.iterations / n,
-        "halvings": motion.halvings,
-        "cold": motion.cold,
-        "collapsed": motion.collapsed,
-        "peak_memory_MB": peak_memory(),
-    }
+    return replace(
+        row,
+        step_ms=step,
+        march_ms=1e3 * float(inside.sum()) / n,
+        piqp_ms=each,
+        ratio=step / each,
+        rounds=len(blocks),
+        steps=n,
+        programs_per_step=motion.programs / n,
+        iterations_per_step=motion.iterations / n,
+        halvings=motion.halvings,
+        cold=motion.cold,
+        collapsed=motion.collapsed,
+        peak_memory_MB=peak_memory(),
+    )
 
 
 def _programs(model: Assembly, contacts: Behaviour, motion: TimeHistory, record: Array) -> list[Program]:

@@ -6,9 +6,13 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+
+import numpy as np
 
 from assessment.benchmark.cases.structures import running_bond
-from assessment.benchmark.measure import Row, exponent, in_turn, peak_memory, piqp, seconds_of
+from assessment.benchmark.measure import exponent, in_turn, peak_memory, piqp, seconds_of
+from assessment.benchmark.table import Row
 from mechanics import Assembly, limit_analysis
 from mechanics.solvers import lp_highs
 from mechanics.steps.equilibrium import closed_program
@@ -20,20 +24,36 @@ REPEATED = 3000  # blocks of the largest wall that is measured more than once
 FITTED = 200  # blocks from which the exponent is fitted
 
 
-def walls(quick: bool) -> Iterator[Row]:
+@dataclass(frozen=True, kw_only=True)
+class Wall(Row):
+    """Time (s) of building a wall and of its limit analysis, memory (MB), α_0 and its residual; what HiGHS finds."""
+
+    blocks: int | None = None
+    joints: int | None = None
+    building_s: float = np.nan
+    seconds: float
+    ratio: float = np.nan
+    memory_MB: float = np.nan
+    alpha: float = np.nan
+    certificate: float = np.nan
+    error: float = np.nan
+    highs_s: float = np.nan
+
+
+def walls(quick: bool) -> Iterator[Wall]:
     """A row for every wall; last, the exponent of time over the number of blocks."""
     rows = []
     for blocks, size in WALLS.items():
         if not quick or blocks <= QUICK:
             rows.append(apart(*size))
             yield rows[-1]
-    yield {
-        "case": f"exponent, from {FITTED} blocks",
-        "seconds": exponent([row for row in rows if row["blocks"] >= FITTED], "seconds"),
-    }
+    yield Wall(
+        case=f"exponent, from {FITTED} blocks",
+        seconds=exponent([row for row in rows if (row.blocks or 0) >= FITTED], "seconds"),
+    )
 
 
-def apart(columns: int, courses: int) -> Row:
+def apart(columns: int, courses: int) -> Wall:
     """The row of a wall, measured in another process."""
     done = subprocess.run(
         [sys.executable, "-m", __name__, str(columns), str(courses)],
@@ -41,11 +61,10 @@ def apart(columns: int, courses: int) -> Row:
         capture_output=True,
         text=True,
     )
-    row: Row = json.loads(done.stdout)
-    return row
+    return Wall(**json.loads(done.stdout))
 
 
-def measured(columns: int, courses: int) -> Row:
+def measured(columns: int, courses: int) -> Wall:
     """Processor time of building the model and of limit analysis, its check under self-weight included.
 
     HiGHS is the reference of walls that it solves in seconds.
@@ -60,26 +79,29 @@ def measured(columns: int, courses: int) -> Row:
         seconds, baseline = in_turn(lambda: limit_analysis(model), lambda: piqp(program))
     else:
         baseline = piqp(program)
-    return {
-        "case": f"wall {columns} × {courses}",
-        "blocks": blocks,
-        "joints": len(model.contacts),
-        "building_s": building,
-        "seconds": seconds,
-        "ratio": seconds / baseline,
-        "memory_MB": memory,
-        "alpha": limit.alpha,
-        "certificate": limit.certificate.worst(1e-3 * model.size),
-        **(_by_highs(model, limit.alpha) if blocks <= COMPARED else {}),
-    }
+    error, highs = _by_highs(model, limit.alpha) if blocks <= COMPARED else (np.nan, np.nan)
+    return Wall(
+        case=f"wall {columns} × {courses}",
+        blocks=blocks,
+        joints=len(model.contacts),
+        building_s=building,
+        seconds=float(seconds),
+        ratio=float(seconds / baseline),
+        memory_MB=memory,
+        alpha=limit.alpha,
+        certificate=limit.certificate.worst(1e-3 * model.size),
+        error=error,
+        highs_s=highs,
+    )
 
 
-def _by_highs(model: Assembly, alpha: float) -> Row:
+def _by_highs(model: Assembly, alpha: float) -> tuple[float, float]:
+    """The relative difference from the multiplier that HiGHS finds, and its time (s)."""
     program = closed_program(model, model.initial, model.lateral_load("+x")).program
     seconds, answer = seconds_of(lambda: lp_highs.solve(program))
     assert answer is not None
-    return {"error": abs(alpha / answer[1] - 1.0), "highs_s": seconds}
+    return abs(alpha / answer[1] - 1.0), seconds
 
 
 if __name__ == "__main__":
-    print(json.dumps(measured(int(sys.argv[1]), int(sys.argv[2]))))
+    print(json.dumps(asdict(measured(int(sys.argv[1]), int(sys.argv[2])))))

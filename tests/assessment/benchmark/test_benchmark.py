@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from assessment.benchmark import command, table
-from assessment.benchmark.cases import campaigns, ensembles, skips, sliding, statics, steps, walls
+from assessment.benchmark.cases import campaigns, chain, ensembles, skips, sliding, statics, steps, walls
 from assessment.benchmark.cases.dynamics import Case, pulse, sine, stack
 from assessment.benchmark.command import BENCHMARKS, Benchmark
 from assessment.benchmark.measure import history_programs, path_programs
@@ -106,8 +106,8 @@ def test_the_baseline_solves_the_steps_of_a_curve():
 def test_peak_memory_of_limit_analysis():
     """Python and its libraries take 190 MB of it; dense matrices of this wall would take 500 MB more."""
     row = walls.apart(*walls.WALLS[300])
-    assert row["memory_MB"] < 260.0
-    assert row["error"] < 1e-8
+    assert row.memory_MB < 260.0
+    assert row.error < 1e-8
 
 
 def test_errors_of_the_rocking_block_are_those_of_closed_forms():
@@ -160,8 +160,8 @@ def test_members_of_an_ensemble_are_scaled_and_halved(overturning, monkeypatch):
     row = ensembles.measured(overturning, way, 0.01, np.array([0.5, 1.0, 1.2]), RESOLVED_PEAKS)
     assert [levels for _, levels in seen] == [2, 2, 2]
     assert [size for size, _ in seen] == pytest.approx([0.15, 0.3, 0.36])
-    assert row["least_m"] <= row["median_m"] <= row["most_m"] and row["not_solved"] == 0
-    assert row["error"] == pytest.approx(abs(row["median_m"] / 0.2 - 1.0))
+    assert row.least_m <= row.median_m <= row.most_m and row.not_solved == 0
+    assert row.error == pytest.approx(abs(row.median_m / 0.2 - 1.0))
     assert ensembles.Way("moreau-jean").tolerances.resolved.levels == ensembles.DEFAULT.levels
 
 
@@ -191,11 +191,11 @@ def test_an_ensemble_counts_members_that_are_not_solved(overturning, monkeypatch
     factors = np.array([0.5, 0.6, 1.0])
     limit = 0.29
     row = ensembles.measured(overturning, ensembles.DEFAULT, 0.01, factors, RESOLVED_PEAKS)
-    assert (row["members"], row["not_solved"]) == (2, 1)
+    assert (row.members, row.not_solved) == (2, 1)
     assert "1 not solved" in ensembles.millimetres([row])
     limit = 0.17
     row = ensembles.measured(overturning, ensembles.DEFAULT, 0.01, factors, RESOLVED_PEAKS)
-    assert "fails" in ensembles.millimetres([row]) and "median_m" not in row
+    assert "fails" in ensembles.millimetres([row]) and np.isnan(row.median_m)
 
 
 def test_a_case_that_fails_says_so_in_its_rows():
@@ -208,7 +208,7 @@ def test_a_case_that_fails_says_so_in_its_rows():
     rows = list(
         statics.precision(statics.Case("block", "increment", (4.0, 0.5), fails, case.measure, case.exact))
     )
-    assert [row.get("failed") for row in rows] == [None, None, "not solved", "not solved"]
+    assert [row.failed for row in rows] == [None, None, "not solved", "not solved"]
     assert "| block | α |" in command.by_parameter(("case", "quantity"))(rows)
     assert "fails" in command.by_parameter(("case", "quantity"))(rows)
 
@@ -222,12 +222,12 @@ def test_engines_of_a_campaign_are_compared_by_time_and_by_result(monkeypatch):
     monkeypatch.setattr(campaigns, "cores", lambda: 2)
     monkeypatch.setitem(sys.modules, "distributed", None)  # not installed
     alone, four, sixteen, two = campaigns.campaigns(True)
-    assert (alone["combinations"], alone["motions"], alone["ratio"], alone["ideal"]) == (4, 12, 1.0, 1.0)
-    assert (two["case"], two["ideal"], two["equal"]) == ("2 processes", 0.5, True) and two["ratio"] > 0.0
-    assert four["ratio"] == pytest.approx(0.25, rel=0.01)
-    assert (sixteen["combinations"], sixteen["motions"]) == (200, 600)
-    assert sixteen["ratio"] == pytest.approx(13 / 200, rel=0.01)  # seconds each: the last of 13 rounds has 8
-    assert 10.0 < sixteen["sent_kB"] < 100.0 and sixteen["returned_kB"] < 1.0
+    assert (alone.combinations, alone.motions, alone.ratio, alone.ideal) == (4, 12, 1.0, 1.0)
+    assert (two.case, two.ideal, two.equal) == ("2 processes", 0.5, True) and two.ratio > 0.0
+    assert four.ratio == pytest.approx(0.25, rel=0.01)
+    assert (sixteen.combinations, sixteen.motions) == (200, 600)
+    assert sixteen.ratio == pytest.approx(13 / 200, rel=0.01)  # seconds each: the last of 13 rounds has 8
+    assert 10.0 < sixteen.sent_kB < 100.0 and sixteen.returned_kB < 1.0
 
 
 def test_a_simulated_cluster_computes_side_by_side_what_has_arrived():
@@ -248,16 +248,16 @@ def test_the_command_line_knows_every_benchmark():
 def measured(monkeypatch):
     """One benchmark of rows made up."""
     rows = [
-        {
-            "case": f"arch, {name}",
-            "parameter": "increment",
-            "quantity": "α",
-            "value": value,
-            "default": value == 1.0,
-            "error": 1e-3 * value,
-            "seconds": 0.1 / value,
-            "ratio": 2.0,
-        }
+        statics.Point(
+            case=f"arch, {name}",
+            parameter="increment",
+            quantity="α",
+            value=value,
+            default=value == 1.0,
+            error=1e-3 * value,
+            seconds=0.1 / value,
+            ratio=2.0,
+        )
         for name in ("rigid", "elastic")
         for value in (2.0, 1.0, 0.5)
     ]
@@ -275,7 +275,7 @@ def test_tables_plots_and_summary_are_written(measured, tmp_path, capsys):
         "summary.md",
     }
     with (tmp_path / "out" / "made.csv").open(encoding="utf-8") as file:
-        assert [float(row["error"]) for row in csv.DictReader(file)] == [row["error"] for row in measured]
+        assert [float(row["error"]) for row in csv.DictReader(file)] == [row.error for row in measured]
     plot = (tmp_path / "out" / "made-increment.svg").read_text(encoding="utf-8")
     assert ">0.001<" in plot and "$" not in plot  # decades of the errors in plain figures
     summary = (tmp_path / "out" / "summary.md").read_text(encoding="utf-8")
@@ -298,17 +298,24 @@ def test_numbers_of_the_tables():
 
 
 def test_a_value_that_a_row_lacks_is_empty():
-    rows = [{"case": "a", "x": 1.0}, {"case": "b", "y": 2.0}]
-    assert table.as_csv(rows).decode().splitlines() == ["case,x,y", "a,1.0,", "b,,2.0"]
-    columns = (("case", "case", str), ("y", "y", table.number))
+    rows = [
+        chain.Analysis(case="a", seconds=1.0, whole=True),
+        chain.Analysis(case="b", steps=2, failed="not solved"),
+    ]
+    assert table.as_csv(rows).decode().splitlines() == [
+        "case,failed,whole,steps,seconds",
+        "a,,True,,1.0",
+        "b,not solved,False,2,",
+    ]
+    columns = (("case", "case", str), ("steps", "steps", table.number))
     assert table.listed(rows, columns).splitlines()[2:] == ["| a |  |", "| b | 2.0 |"]
 
 
 def test_the_table_of_the_chain_shows_what_is_whole():
     rows = [
-        {"case": "arch, pushdown, rigid", "steps": 28, "seconds": 0.1, "ratio": 3.7},
-        {"case": "arch, static chain", "whole": True, "steps": 497, "seconds": 5.8, "ratio": 4.3},
-        {"case": "assesto --help", "whole": True, "seconds": 0.06, "elapsed_s": 0.07},
+        chain.Analysis(case="arch, pushdown, rigid", steps=28, seconds=0.1, ratio=3.7),
+        chain.Analysis(case="arch, static chain", whole=True, steps=497, seconds=5.8, ratio=4.3),
+        chain.Analysis(case="assesto --help", whole=True, seconds=0.06, elapsed_s=0.07),
     ]
     text = BENCHMARKS["chain"].show(rows)
     assert "static chain" in text
@@ -319,5 +326,5 @@ def test_the_table_of_the_chain_shows_what_is_whole():
 def test_a_wall_that_slides_ends_where_it_does_in_any_increment_unit_and_rounding():
     """It ended between 0.061 and 0.58 m where a path stopped as soon as its control point stood still."""
     row = sliding.measured(sliding.cases(quick=True)[0], "associative")
-    assert row["not_solved"] == 0
-    assert row["most_m"] < 1.01 * row["least_m"]
+    assert row.not_solved == 0
+    assert row.most_m < 1.01 * row.least_m
