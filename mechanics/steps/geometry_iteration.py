@@ -59,7 +59,7 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     system, model = problem.system, problem.system.model
     residuals, repeats = STEP.residuals(system.behaviour), STEP.rounds(system.behaviour)
     stages = residuals + (residuals[-1],) * repeats
-    now, best, relaxation = _begin(system, guess, last), None, Relaxation()
+    now, best, relaxation, stable = _begin(system, guess, last), None, Relaxation(), True
     for stage, residual in enumerate(stages):
         before, now = now, _solve_round(problem, now, residual, update_slips=stage <= STEP.slip_rounds)
         if stage < len(residuals) - 1:
@@ -73,7 +73,9 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
         found = certified(problem, now)
         if found.certificate.worst(problem.size) <= STEP.certificate(system.behaviour):
             return _stable(found)
-        best = _nearer(best, found)
+        if not (stable or found.stable):
+            raise NoEquilibriumError("loss of stability: forces make the structure yield that would bear on it")
+        best, stable = _nearer(best, found), found.stable
         way = (now.at - before.at)[model.movable] * (1.0, 1.0, model.size)
         relaxation = relaxation.after(way)
         now = replace(now, at=before.at + relaxation.factor * (now.at - before.at))
