@@ -33,7 +33,7 @@ class Round:
 
     `at` (b, 3): positions; `forces` (j, 3): N, P and T; `iterate` of all joints, and the `distance` from the bounds at
     which the next program begins; `slips` (j,) m: those whose lift is subtracted; `touching`: the program's joints;
-    `solves`: programs so far.
+    `solves`: programs so far. `held`: whether its geometry had to be held.
     """
 
     at: Array
@@ -44,6 +44,7 @@ class Round:
     touching: Index | None = None
     alpha: float = 0.0
     solves: int = 0
+    held: bool = False
 
 
 def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | None = None) -> Equilibrium:
@@ -74,7 +75,9 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
         if found.certificate.worst(problem.size) <= STEP.certificate(system.behaviour):
             return _stable(found)
         if not (stable or found.stable):
-            raise NoEquilibriumError("loss of stability: forces make the structure yield that would bear on it")
+            raise NoEquilibriumError(
+                "loss of stability: forces make the structure yield that would bear on it"
+            )
         best, stable = _nearer(best, found), found.stable
         way = (now.at - before.at)[model.movable] * (1.0, 1.0, model.size)
         relaxation = relaxation.after(way)

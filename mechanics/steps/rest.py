@@ -26,6 +26,8 @@ from mechanics.steps.static_system import StaticSystem
 from mechanics.steps.tolerances import REST, STEP, RestTolerances
 from mechanics.types import GRAVITY, Array
 
+REGAINED = 1.2  # growth of the longest time step after it was halved
+FAR = 4.0  # times the size of a step: a program with curvature has other solutions, farther away
 STEADY = 0.9  # share of the unbalanced force half-way that is left in a motion that does not slow down
 
 
@@ -38,13 +40,14 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     """Return the equilibrium in which blocks released at `begun` (b, 3) come to rest.
 
     They move under the problem's load; if it has a lateral load, that pushes until its `work` is done and then holds
-    them. The time step follows the motion: blocks that fall move by `way` in a step, blocks that creep take longer
-    steps. Raises RunawayError if a block moves farther than `farthest`, or if the motion does not slow down within
-    `steps`, or if it stops at an unstable equilibrium; ConvergenceError if it still slows down then.
+    them. The time step follows the motion: blocks that fall move by `way` or a `stride` in a step, blocks that creep
+    take longer steps, unless these have no program with the geometry that changes. Raises RunawayError if a block moves
+    farther than `farthest`, or if the motion does not slow down within `steps`, or if it stops at an unstable
+    equilibrium; ConvergenceError if it still slows down then.
     """
     model, solves = problem.system.model, 0
-    still = tolerances.still * model.size
-    now, at, time = replace(problem, size=tolerances.way * model.size), begun, tolerances.first
+    still, least = tolerances.still * model.size, tolerances.way * model.size
+    now, at, time, longest = replace(problem, size=least), begun, tolerances.first, tolerances.longest
     last: Round | None = None
     half_way, slowing = np.inf, False
     for step in range(tolerances.steps):
@@ -61,9 +64,6 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
             return motion_to_rest(problem, begun, replace(tolerances, first=tolerances.careful))
         moved, solves = last.at, solves + last.solves
         left, far = way(at, moved, model.size), way(begun, moved, model.size)
-        # slips count from the last step: a joint that has slid does not slide back
-        start, work = State(moved, np.zeros_like(moved)), problem.work - _work_done(problem, begun, moved)
-        now, at = replace(now, start=start, work=work), moved
         if far > tolerances.farthest * model.size:
             raise RunawayError(
                 f"the structure falls: left to itself it moves by {far:.2g} m and does not rest"
@@ -71,8 +71,12 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         force = left / time**2  # unbalanced force per mass
         if 0 < step == tolerances.steps // 2:
             half_way = force
-        longer = min(2.0, np.sqrt(tolerances.way * model.size / max(left, 1e-300)))
-        time = min(time * longer, tolerances.longest)
+        size = max(least, tolerances.stride * far)
+        longest = 0.5 * time if last.held else min(REGAINED * longest, tolerances.longest)
+        time = min(time * min(2.0, np.sqrt(size / max(left, 1e-300))), max(longest, tolerances.first))
+        # slips count from the last step: a joint that has slid does not slide back
+        start, work = State(moved, np.zeros_like(moved)), problem.work - _work_done(problem, begun, moved)
+        now, at = replace(now, start=start, work=work, size=size), moved
         if force > still:
             continue
         try:
@@ -107,52 +111,48 @@ def _over(last: Round, before: StaticSystem, now: StaticSystem) -> Round:
 
 
 def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Round:
-    """Return the round of one step from rest at positions (b, 3), sought near the last one."""
-    system = problem.system
+    """Return the round of one step from rest at positions (b, 3), sought near the last one.
+
+    The program contains the change of the last forces with the geometry. Without it blocks follow a slow motion at a
+    fraction of its speed and would seem to come to rest: its geometry is held only where it has no solution nearby.
+    """
+    system, size = problem.system, problem.system.model.size
     program, index = problem.pose(at, None if last is None else last.forces)
-    layout, solves, accepted = system.layout.take(index), 0, 1e3 * ACCEPTED
-    # what falls is unstable in the geometry that its forces change: then with the geometry held
-    held = interior.frozen(program)
-    programs = (held,) if program.curved is None else (program, held)
-    attempts = [(held, interior.cold(held))]
-    if last is not None and last.iterate is not None:
-        warm = taken(last.iterate, index)
-        attempts = [(tried, warm.warm(tried, STEP.begin)) for tried in programs] + attempts
-    for tried, start in attempts:
-        found, outcome = interior.run(tried, layout, start, accepted)
-        solves += 1
-        if outcome.accepted:
-            if tried is held:
-                found = _with_curvature(program, layout, found, accepted)
-                solves += program.curved is not None
-            solution = interior.solution(program, found)
-            iterate: Iterate | None = found
-            break
-    else:
-        solution, iterate = solve(held, layout)
-        solves += 1
+    layout, straight, curved = system.layout.take(index), interior.frozen(program), program.curved is not None
+    warm = last and last.iterate and taken(last.iterate, index)
+    bent, held, solves = None, None, 0
+    if warm and curved:
+        bent, solves = _solved(program, layout, warm.warm(program, STEP.begin)), 1
+        if bent and way(at, displaced(system.model, at, bent.displacement), size) > FAR * problem.size:
+            bent = None
+    if bent is None:
+        starts = [interior.cold(straight)]
+        if warm:
+            starts.insert(0, warm.warm(straight, STEP.begin))
+        while starts and not held:
+            held, solves = _solved(straight, layout, starts.pop(0)), solves + 1
+        if held and curved:
+            beside = replace(held.warm(program, STEP.bend), displacement=held.displacement)
+            bent, solves = _solved(program, layout, beside), solves + 1
+    found = bent or held
+    solution, found = (interior.solution(program, found), found) if found else solve(straight, layout)
     count = len(system.contacts)
     return Round(
         displaced(system.model, at, solution.displacement),
         spread(solution.forces, index, count),
-        iterate and over_all(iterate, index, count),
+        found and over_all(found, index, count),
         STEP.begin,
         touching=index,
         alpha=solution.alpha,
         solves=solves,
+        held=curved and bent is None,
     )
 
 
-def _with_curvature(program: Program, layout: Elimination, held: Iterate, accepted: float) -> Iterate:
-    """Return the solution of a program that is near that with its geometry `held`; the latter where there is none.
-
-    Steps with the geometry held follow a slow motion at a fraction of its speed: it would seem to come to rest.
-    """
-    if program.curved is None:
-        return held
-    start = replace(held.warm(program, STEP.bend), displacement=held.displacement)
-    found, outcome = interior.run(program, layout, start, accepted)
-    return found if outcome.accepted else held
+def _solved(program: Program, layout: Elimination, start: Iterate) -> Iterate | None:
+    """Return the solution of a program that is found from a start; None if none is."""
+    found, outcome = interior.run(program, layout, start, 1e3 * ACCEPTED)
+    return found if outcome.accepted else None
 
 
 def lifted(equilibrium: Equilibrium, weight: float) -> float:

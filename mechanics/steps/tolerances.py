@@ -78,16 +78,18 @@ class RestTolerances:
     """Tolerances of a motion whose velocity is reset in every step.
 
     In units of √(size/g): `first`, time of the first step; `careful`, the same where a motion leads into a step that
-    is not solved; `longest`, time of a step that hardly moves. As shares of the block size: `way`, motion in a step;
-    `still`, motion in a step of unit time at rest; `balanced`, motion in a step that is rounding; `lifted`, gap of
-    joints that carry; `farthest`, way beyond which a block runs away (1 rad counts as 1): a block that leaves its
-    seat or topples has collapsed, even if it comes to rest where it falls. `steps`: largest number of steps.
+    is not solved; `longest`, time of a step that hardly moves. `stride`: motion in a step, as a share of the whole
+    motion so far, and at least `way`. As shares of the block size: `way`; `still`, motion in a step of unit time at
+    rest; `balanced`, motion in a step that is rounding; `lifted`, gap of joints that carry; `farthest`, way beyond
+    which a block runs away (1 rad counts as 1): a block that leaves its seat or topples has collapsed, even if it comes
+    to rest where it falls. `steps`: largest number of steps.
     """
 
     first: float = 0.5
     careful: float = 0.1
     longest: float = 5.0
     way: float = 0.01
+    stride: float = 0.2
     still: float = 1e-5
     balanced: float = 1e-12
     lifted: float = 5e-5

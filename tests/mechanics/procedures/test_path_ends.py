@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib import import_module
 
 import numpy as np
@@ -14,6 +15,7 @@ from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, 
 from mechanics.errors import CollapseError, RunawayError
 from mechanics.procedures.pushdown import PushdownTolerances
 from mechanics.procedures.pushover import PushoverTolerances
+from mechanics.steps.tolerances import REST
 from tests.support.analysed import arch
 from tests.support.drawn_projects import drawn, tables
 from tests.support.structures import arch_on_piers, block_on_base, rectangle
@@ -255,8 +257,19 @@ def test_a_step_that_may_be_halved_is_not_decided_by_a_motion(monkeypatch):
     assert max(lengths) < 2.0 * increment / 32.0 * float(abs(curve.mechanism[:, :2]).max())
 
 
-def test_a_slow_fall_is_told_from_a_motion_that_may_come_to_rest():
-    """Steps with the geometry held followed it at a twentieth of its speed: it went on by 0.14 µm a step."""
+def test_a_slow_fall_is_followed_at_its_own_speed(monkeypatch):
+    """Steps with the geometry held followed it at a twentieth of its speed, and it seemed to go on by 0.14 µm a step.
+
+    Released beyond the last equilibrium it falls exponentially, which takes some fifty steps.
+    """
+    module, released = import_module("mechanics.procedures.step_control"), []
+    motion = module.motion_to_rest
+
+    def told(problem, begun):
+        released.append((problem, begun))
+        return motion(problem, begun)
+
+    monkeypatch.setattr(module, "motion_to_rest", told)
     model, project = drawn("buttressed_arch"), tables("buttressed_arch")
     (table,) = project["settlements"]
     state = pushdown(
@@ -264,6 +277,8 @@ def test_a_slow_fall_is_told_from_a_motion_that_may_come_to_rest():
     ).final
     curve = pushover(model, (-0.42, 0.55), "-x", "elastic", 0.0005, state, until=0.5)
     assert curve.lost and curve.end.startswith("the structure falls")
+    with pytest.raises(RunawayError, match="the structure falls"):
+        motion(*released[-1], replace(REST, steps=80))
 
 
 @pytest.mark.parametrize(("increment", "until"), [(0.01, 0.5), (0.005, 0.25), (0.002, 0.5), (0.01, 0.0)])
