@@ -26,16 +26,17 @@ NAMES = {float: "number", int: "whole number", str: "text", bool: "true or false
 
 def results_keys() -> str:
     """Return a section for each table of results.json, in the order in which they are met."""
-    return "\n".join(_section(table) for table in dict.fromkeys(_tables(Results)))
+    return "\n".join(_section(table) for table in dict.fromkeys(tables(Results)))
 
 
-def _tables(annotation: Any) -> Iterator[type[BaseModel]]:
+def tables(annotation: Any) -> Iterator[type[BaseModel]]:
+    """Yield every table below an annotation, as often as it is met."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
         for field in annotation.model_fields.values():
-            yield from _tables(field.annotation)
+            yield from tables(field.annotation)
     for inner in get_args(annotation):
-        yield from _tables(inner)
+        yield from tables(inner)
 
 
 def _section(table: type[BaseModel]) -> str:

@@ -129,15 +129,18 @@ def winkler() -> tuple[Assembly, float]:
     return model, float(np.sqrt(rotational / inertia))
 
 
+def swinging(model: Assembly) -> State:
+    """The block on its elastic joint at rest, turning by 1 mrad/s about the middle of its base."""
+    rest = time_history(model, np.zeros(2), 0.01, "elastic").start
+    velocities = np.zeros_like(rest.positions)
+    velocities[1] = (-1.0 * 1e-3, 0.0, 1e-3)
+    return State(rest.positions, velocities)
+
+
 def test_first_period_on_elastic_joints() -> None:
     model, omega = winkler()
     step = 2.0 * np.pi / omega / 100.0
-    rest = time_history(model, np.zeros(2), step, "elastic").start
-    velocities = np.zeros_like(rest.positions)
-    velocities[1] = (-1.0 * 1e-3, 0.0, 1e-3)
-    motion = time_history(
-        model, np.zeros(401), step, "elastic", State(rest.positions, velocities), "second-order"
-    )
+    motion = time_history(model, np.zeros(401), step, "elastic", swinging(model), "second-order")
     rotation = motion.positions[:, 1, 2]
     up = np.flatnonzero((rotation[:-1] < 0.0) & (rotation[1:] >= 0.0))
     crossing = up + rotation[up] / (rotation[up] - rotation[up + 1])
@@ -149,17 +152,8 @@ def test_viscous_damping_has_the_ratio_asked_for() -> None:
     """Free vibration on elastic joints: the logarithmic decrement is 2πζ; the integrator's share is reported apart."""
     model, omega = winkler()
     step = 2.0 * np.pi / omega / 200.0
-    rest = time_history(model, np.zeros(2), step, "elastic").start
-    velocities = np.zeros_like(rest.positions)
-    velocities[1] = (-1.0 * 1e-3, 0.0, 1e-3)
     motion = time_history(
-        model,
-        np.zeros(801),
-        step,
-        "elastic",
-        State(rest.positions, velocities),
-        "second-order",
-        damping_ratio=0.05,
+        model, np.zeros(801), step, "elastic", swinging(model), "second-order", damping_ratio=0.05
     )
     rotation = motion.positions[:, 1, 2]
     top = np.flatnonzero((rotation[1:-1] > rotation[:-2]) & (rotation[1:-1] >= rotation[2:])) + 1
@@ -169,10 +163,7 @@ def test_viscous_damping_has_the_ratio_asked_for() -> None:
 
 def test_elastic_second_order_scheme_is_of_second_order() -> None:
     model, omega = winkler()
-    rest = time_history(model, np.zeros(2), 0.01, "elastic").start
-    velocities = np.zeros_like(rest.positions)
-    velocities[1] = (-1.0 * 1e-3, 0.0, 1e-3)
-    start, end = State(rest.positions, velocities), 2.0 * np.pi / omega
+    start, end = swinging(model), 2.0 * np.pi / omega
     steps = np.array([20, 40, 80, 160])
     found = [
         time_history(model, np.zeros(n + 1), end / n, "elastic", start, "second-order").positions[-1, 1, 2]

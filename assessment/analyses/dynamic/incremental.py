@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
@@ -43,27 +43,31 @@ def search(shaking: Shaking, scatter: Scatter, max_scale: float, tolerance: floa
 
     The levels go up to `max_scale` times the PGA of the record; `tolerance` (g): of the result.
     """
-    title, pga = search_title(shaking), shaking.motion.pga
+    pga = shaking.motion.pga
     result = _searched(
         shaking,
         scatter,
         lambda levels: find_collapse(levels.some, levels.every, pga, max_scale * pga, tolerance),
     )
-    lowest, safe = result.numbers.pga_collapse_g, result.numbers.pga_safe_g
+    result.warnings += _notes(search_title(shaking), result.numbers, max_scale, max_scale * pga)
+    return result
+
+
+def _notes(title: str, found: Search, max_scale: float, largest: float) -> Iterator[str]:
+    """Yield warnings of a search up to `largest` (g): no collapse, members far apart, withstood levels above one."""
+    lowest, safe = found.pga_collapse_g, found.pga_safe_g
     if lowest is None and safe is not None:
-        result.warnings.append(
+        yield (
             f"{title}: no collapse up to a PGA of {safe:.3g} g at the surface, max_scale = {max_scale:g}; "
             "raise it to find one"
         )
-    _, upper = result.numbers.pga_collapse_g_range or (None, None)
-    if lowest is not None and scatter.members > 1 and upper != lowest:
-        result.warnings.append(_spread(title, lowest, upper, max_scale * pga))
-    if resurrections := result.numbers.resurrections_g:
-        result.warnings.append(
+    if lowest is not None and found.pga_collapse_g_range and found.pga_collapse_g_range[1] != lowest:
+        yield _spread(title, lowest, found.pga_collapse_g_range[1], largest)
+    if found.resurrections_g:
+        yield (
             f"{title}: collapse at a PGA of {lowest:.3g} g at the surface, but stands at "
-            f"{', '.join(f'{level:.3g}' for level in resurrections)} g; the lowest collapse counts"
+            f"{', '.join(f'{level:.3g}' for level in found.resurrections_g)} g; the lowest collapse counts"
         )
-    return result
 
 
 def _spread(title: str, lowest: float, upper: float | None, largest: float) -> str:

@@ -9,7 +9,7 @@ from types import UnionType
 from typing import Any, Union, get_args, get_origin
 
 import pytest
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from assessment.cli.main import main
 from assessment.ntc.limit_states import CHECKS
@@ -24,21 +24,12 @@ from assessment.results.table import cells
 from tests.support.analysed import analysed
 from tests.support.results_example import results_example
 from tests.support.typed import filled
+from tools.docs_pages import tables
 
 UNITS = {"m": "m", "kN": "kN", "kNm": "kNm", "g": "g", "s": "s", "rad": "rad", "m2": "kN/m²", "s2": "m/s²"}
 
 
-def parts(annotation: Any = Results) -> Iterator[type[BaseModel]]:
-    """Every table below an annotation."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield annotation
-        for field in annotation.model_fields.values():
-            yield from parts(field.annotation)
-    for inner in get_args(annotation):
-        yield from parts(inner)
-
-
-TABLES = sorted(set(parts()), key=lambda table: table.__name__)
+TABLES = sorted(set(tables(Results)), key=lambda table: table.__name__)
 
 
 def plain(annotation: Any) -> set[Any]:
