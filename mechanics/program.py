@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mechanics.kernels.bed import ends_under
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID, STRENGTH
-from mechanics.model.contacts import rows
+from mechanics.model.contacts import forces_on_blocks, relative_motion
 from mechanics.types import Array, Index
 
 LARGEST_MULTIPLIER = 1e4  # a load with a larger multiplier has no mechanism
@@ -56,7 +56,7 @@ class Program:
 
     def resultant(self, forces: Array) -> Array:
         """Bᵀc (m,): forces and moments that joint forces (j, 3) exert on the blocks."""
-        entries = np.einsum("jrc,jr->jc", rows(self.places), forces)
+        entries = forces_on_blocks(self.places, forces)
         moving = self.dof >= 0
         total = np.bincount(self.dof[moving], entries[moving], minlength=len(self.load))
         return np.asarray(total, dtype=float)
@@ -64,8 +64,7 @@ class Program:
     def deformation(self, displacement: Array) -> Array:
         """Gap u, turn φ and slip v − v₀ (j, 3) after displacements (m,)."""
         local = np.where(self.dof >= 0, displacement[self.dof], 0.0)
-        moved = np.einsum("jrc,jc->jr", rows(self.places), local)
-        found: Array = self.places[:, [U, PHI, V]] + moved
+        found: Array = self.places[:, [U, PHI, V]] + relative_motion(self.places, local)
         found[:, 2] -= self.law[:, SLID]
         return found
 

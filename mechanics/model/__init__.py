@@ -10,7 +10,7 @@ from mechanics.model.contacts import (
     end_points,
     face_lines,
     kinematic_contacts,
-    rows,
+    relative_motion,
 )
 from mechanics.model.dxf import Drawing, Layer, read_drawing, survey_drawing
 from mechanics.model.joints import default_tolerance
@@ -37,7 +37,7 @@ __all__ = [
     "face_lines",
     "kinematic_contacts",
     "read_drawing",
-    "rows",
+    "relative_motion",
     "survey_drawing",
     "survey_layout",
 ]

@@ -123,6 +123,16 @@ def rows(places: Array) -> Array:
     return found
 
 
+def relative_motion(places: Array, moved: Array) -> Array:
+    """Return BΔx (j, 3): changes of u, φ and v as blocks a and b move by x, z, ω (j, 6)."""
+    return np.asarray(np.einsum("jrc,jc->jr", rows(places), moved))
+
+
+def forces_on_blocks(places: Array, forces: Array) -> Array:
+    """Return Bᵀc (j, 6): forces and moments of N, P and T (j, 3) on blocks a and b."""
+    return np.asarray(np.einsum("jrc,jr->jc", rows(places), forces))
+
+
 @dataclass(frozen=True, eq=False)
 class FaceLines:
     """Pairs of faces (j,) as drawn, of block a and of block b.

@@ -8,7 +8,7 @@ import numpy as np
 
 from mechanics.kernels.joint import H
 from mechanics.model.assembly import Assembly, Direction, State
-from mechanics.model.contacts import Contacts, end_points, rows
+from mechanics.model.contacts import Contacts, end_points, relative_motion
 from mechanics.types import Array, Index
 
 NOTICEABLE = 0.02  # of the largest relative motion in the mechanism
@@ -34,8 +34,8 @@ def hinges(model: Assembly, contacts: Contacts, state: State, mechanism: Array, 
     Relative motions below a fiftieth of the largest one do not count, nor do joints that carry next to nothing.
     """
     places = contacts.places(state.positions)
-    relative = np.concatenate([mechanism[contacts.a], mechanism[contacts.b]], axis=1)
-    slip = abs(np.einsum("jc,jc->j", rows(places)[:, 2], relative))
+    moved = np.concatenate([mechanism[contacts.a], mechanism[contacts.b]], axis=1)
+    slip = abs(relative_motion(places, moved)[:, 2])
     turn = abs(mechanism[contacts.a, 2] - mechanism[contacts.b, 2])
     carries = (forces[:, 0] > CARRYING * model.weight) & (places[:, H] > 0.0)
     hinged = np.flatnonzero(carries & (turn > NOTICEABLE * float(abs(mechanism[:, 2]).max())))

@@ -10,7 +10,7 @@ from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import SLID
 from mechanics.model.assembly import Assembly, Behaviour, State
-from mechanics.model.contacts import Contacts, end_gaps, rows
+from mechanics.model.contacts import Contacts, end_gaps, forces_on_blocks
 from mechanics.program import Program
 from mechanics.solvers import BALANCED, imbalance
 from mechanics.solvers.elimination import Elimination
@@ -122,7 +122,7 @@ def reaction(model: Assembly, step: Equilibrium, support: Index) -> Array:
     contacts, x, places = step.contacts, step.state.positions, step.places.copy()
     if not step.system.rigid:
         lay_shear(places, step.forces, np.zeros(len(places)))
-    entries = np.einsum("jrc,jr->jc", rows(places), step.forces)
+    entries = forces_on_blocks(places, step.forces)
     total = np.zeros(3)
     for part, owner in ((entries[:, :3], contacts.a), (entries[:, 3:], contacts.b)):
         on = np.isin(owner, support)

@@ -25,7 +25,7 @@ from assessment.results.lines import lines
 from assessment.results.plain import finite
 from assessment.results.schema import checks as parts
 from assessment.results.schema.part import known
-from mechanics.model import Contacts, H, end_gaps, end_points, rows
+from mechanics.model import Contacts, H, end_gaps, end_points, relative_motion
 from mechanics.steps import LIMIT, static_system
 from mechanics.types import Index, Mask
 
@@ -98,8 +98,7 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion
     contacts = static_system(model, "rigid").around(positions, LIMIT.onset * model.size).contacts
     places = contacts.places(positions)
     closed = (end_gaps(places) <= LIMIT.closed * model.size) & (places[:, H] > 0.0)[:, None]
-    relative = np.concatenate([delta[contacts.a], delta[contacts.b]], axis=1)
-    u, phi, v = np.einsum("jrc,jc->rj", rows(places), relative)
+    u, phi, v = relative_motion(places, np.concatenate([delta[contacts.a], delta[contacts.b]], axis=1)).T
     half = places[:, H] * phi
     opening = np.where(closed, np.stack([u - half, u + half], axis=1), np.inf).min(axis=1)
     largest = float(abs(delta[:, :2]).max())

@@ -6,7 +6,7 @@ import numpy as np
 
 from mechanics.kernels.bed import stored
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.joint import MPHI, MU, MV, NX, NZ, PHI, H, U
+from mechanics.kernels.joint import LX, LZ, MPHI, MU, MV, NX, NZ, PHI, H, U
 from mechanics.kernels.law import BED, SHEAR
 from mechanics.types import Array
 
@@ -26,8 +26,11 @@ GONE = 1e-9  # of the block size: an overlap that is none
 
 @compiled
 def relative(p: Array, a: int, b: int, moved: Array) -> tuple[float, float, float]:
-    """Changes of u, φ and v of a joint at p (PLACE,) under displacements (b, 3), with the lever of its place."""
-    lx, lz = p[5], p[6]
+    """Changes of u, φ and v of a joint at p (PLACE,) under displacements (b, 3), with the lever of its place.
+
+    As matrix.motion, whose displacements are in the order of elimination; a view of these by rows took 13 % of a step.
+    """
+    lx, lz = p[LX], p[LZ]
     dx = moved[a, 0] - (moved[b, 0] - lz * moved[b, 2])
     dz = moved[a, 1] - (moved[b, 1] + lx * moved[b, 2])
     turn = moved[a, 2] - moved[b, 2]
