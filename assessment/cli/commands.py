@@ -136,7 +136,8 @@ def convert(options: argparse.Namespace) -> int:
     from assessment.project.formats.convert import convert as to_other_format
     from assessment.project.project import load_project
 
-    new, kept = to_other_format(load_project(options.project))
+    project = load_project(options.project)
+    new, kept = to_other_format(project.path(project.source), project.content(defaults=False))
     say(f"wrote {new}; the earlier file is kept as {kept.name}")
     return DONE
 

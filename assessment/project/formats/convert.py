@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from assessment.project.formats.comments import commented_toml
 from assessment.project.formats.toml import read_toml, updated_toml
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files.atomic_files import write_atomically
-
-if TYPE_CHECKING:
-    from assessment.project.project import Project
 
 TOML, XLSX = SOURCES = ("project.toml", "project.xlsx")
 
@@ -23,19 +20,17 @@ def source_bytes(source: str, content: Mapping[str, Any]) -> bytes:
     return to_xlsx(content) if source == XLSX else commented_toml(content).encode()
 
 
-def convert(project: Project) -> tuple[Path, Path]:
+def convert(old: Path, content: Mapping[str, Any]) -> tuple[Path, Path]:
     """Write a project's file in the other form; return it, and where the earlier one is kept.
 
-    Only the keys of the earlier file are written. A spreadsheet has no place for the comments of a TOML file: they stay
-    in the earlier file, and come back from it if the spreadsheet is turned into TOML again. Raises ProjectError where
-    an earlier file is kept already, OSError where the folder cannot be written.
+    `content`: the keys of the `old` file, which alone are written. A spreadsheet has no place for the comments of a
+    TOML file: they stay in the earlier file, and come back from it if the spreadsheet is turned into TOML again. Raises
+    ProjectError where an earlier file is kept already, OSError where the folder cannot be written.
     """
-    old = project.path(project.source)
-    new = old.with_name(XLSX if project.source == TOML else TOML)
+    new = old.with_name(XLSX if old.name == TOML else TOML)
     kept = old.with_name(f"{old.name}.old")
     if kept.exists():
         raise ProjectError(f"{kept}: file: exists, and {old.name} would take its place; move it away")
-    content = project.content(defaults=False)
     before = new.with_name(f"{new.name}.old")
     write_atomically(new, _with_comments_of(before, content) or source_bytes(new.name, content))
     old.replace(kept)

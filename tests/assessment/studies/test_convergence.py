@@ -295,7 +295,7 @@ def test_the_key_survives_both_forms(block, tmp_path):
     for written, accuracy in (('"fine"', Accuracy(0.01, 4)), ("0.02", Accuracy(0.02, 4))):
         project = block(written, PUSHOVER)
         assert accuracy_of(project) == accuracy
-        convert(project)
+        convert(project.path(project.source), project.content(defaults=False))
         assert (tmp_path / "project.xlsx").is_file()
         again = load_project(tmp_path)
         assert again.accuracy == project.accuracy and type(again.accuracy) is type(project.accuracy)
