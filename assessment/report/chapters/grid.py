@@ -17,17 +17,19 @@ from assessment.results.schema import Results
 from assessment.results.table import Table, reference_of
 
 LETTERS = 109.0  # of a's width in a row of a table
-PADDING = 2.0  # letters, of a cell
+PADDING = 1.7  # letters, of a cell
+BOLD = 1.1  # of a heading, beside the same words in a row
 SIZES = {
     letter: size
     for letters, size in (("ijl’'|.,;: \u00a0", 0.5), ("frt()[]-/", 0.65), ("mwMW%", 1.5))
     for letter in letters
 }
+BLANK = SIZES[" "]
 BLANKS = re.compile(
     r"[ \n]+"
 )  # where a line may end: not at a blank that holds a number and its unit together
 AT_ONSET = {name for name in CHECKS if name not in INDEXED}
-ROUNDING = 1e-9  # a reduction no larger is none
+ROUNDING = 1e-9  # a reduction, or a width in letters, no larger is none
 REDUCTIONS = 3  # settled states beside the original in one table
 
 
@@ -44,19 +46,61 @@ class Grid:
     def widths(self) -> list[float]:
         """Return the widths of the columns in per cent: numbers stay whole, words make room by wrapping.
 
-        Of the columns of words those give way first in which the fewest rows wrap, the left ones, the names, last.
+        A letter at a time is taken from the column of words where that costs the table the fewest lines, from the
+        left ones, the names, last.
         """
-        kept, least, wrapped = [], [], []
-        for head, cells, text in zip(self.head, zip(*self.rows, strict=True), self.text, strict=True):
-            title = max(1.2 * _room(word) for word in _parted(head))
-            rooms = [_room(cell.striptags()) for cell in cells]
-            words = max(_room(word) for cell in cells for word in _parted(cell)) if text else 0.0
-            kept.append(PADDING + min(36.0, max(6.0, title, *rooms)))
-            least.append(PADDING + min(36.0, max(title, words)) if text else kept[-1])
-            wrapped.append(sum(PADDING + room > least[-1] for room in rooms))
-        for column in sorted(range(len(kept)), key=lambda column: (wrapped[column], -column)):
-            kept[column] = max(least[column], kept[column] - max(0.0, sum(kept) - LETTERS))
-        return [round(100.0 * wide / sum(kept), 2) for wide in kept]
+        columns = [
+            _Column.of(head, cells, text)
+            for head, cells, text in zip(self.head, zip(*self.rows, strict=True), self.text, strict=True)
+        ]
+        widths = [column.natural for column in columns]
+        lines = [column.lines(width) for column, width in zip(columns, widths, strict=True)]
+        while (excess := sum(widths) - LETTERS) > ROUNDING:
+            ways = []
+            for at, column in enumerate(columns):
+                if widths[at] > column.least:
+                    width = max(column.least, widths[at] - min(1.0, excess))
+                    tried = [*lines[:at], column.lines(width), *lines[at + 1 :]]
+                    ways.append((sum(map(max, zip(*tried, strict=True))), -at, width, tried))
+            if not ways:
+                break
+            _, at, width, lines = min(ways, key=lambda way: way[:2])
+            widths[-at] = width
+        return [round(100.0 * width / sum(widths), 2) for width in widths]
+
+
+@dataclass(frozen=True)
+class _Column:
+    """What the words of a column take, in letters: those of its heading, then those of each cell.
+
+    `natural`: a width in which no cell wraps; `least`: one in which no word is parted.
+    """
+
+    words: list[list[float]]
+    natural: float
+    least: float
+
+    @classmethod
+    def of(cls, head: Markup, cells: Sequence[Markup], text: bool) -> _Column:
+        title = [BOLD * _room(word) for word in _parted(head)]
+        words = [[_room(word) for word in _parted(cell)] for cell in cells]
+        whole = max(*title, *(_room(cell.striptags()) for cell in cells))
+        natural = PADDING + min(36.0, max(6.0, whole))
+        longest = max(*title, *(max(of) for of in words))
+        return cls([title, *words], natural, PADDING + min(36.0, longest) if text else natural)
+
+    def lines(self, width: float) -> list[int]:
+        """Return how many lines each cell takes, the heading first."""
+        return [_lines(of, width - PADDING) for of in self.words]
+
+
+def _lines(words: Sequence[float], width: float) -> int:
+    lines, used = 1, -BLANK
+    for word in words:
+        used += BLANK + word
+        if used > width + ROUNDING and used > word:
+            lines, used = lines + 1, word
+    return lines
 
 
 def _parted(cell: Markup) -> list[str]:

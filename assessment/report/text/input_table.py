@@ -85,7 +85,7 @@ def _value(value: Any, words: Words, choice: bool) -> str:
         return words.plain("value.none")
     if value == "inf":
         return "∞"
-    if isinstance(value, float):
+    if isinstance(value, float) or type(value) is int:
         return words.comma(f"{value:.12g}").replace("inf", "∞").replace("-", "−")
     if isinstance(value, list):
         return "; ".join(_value(item, words, choice) for item in value)

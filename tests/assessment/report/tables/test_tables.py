@@ -8,7 +8,7 @@ import pytest
 from markupsafe import Markup
 
 from assessment.project.project import json_schema
-from assessment.report.chapters.grid import Grid, grid, ranges_grid
+from assessment.report.chapters.grid import Grid, _Column, grid, ranges_grid
 from assessment.report.chapters.remarks import index_sentences
 from assessment.report.tables.capacity import summary, trace, verification
 from assessment.report.tables.index import blocks, layers, write_tables
@@ -263,12 +263,33 @@ def test_those_columns_wrap_first_that_cost_the_fewest_lines():
     assert letters[1] < len(checks[-1])
 
 
+def lines_of(made):
+    """How many lines the cell of each row and column takes; numbers of the tests never wrap."""
+    columns = zip(made.head, zip(*made.rows, strict=True), made.text, strict=True)
+    widths = (109.0 * width / 100.0 + 0.01 for width in made.widths)  # rounded to a hundredth of a per cent
+    cells = [_Column.of(*column).lines(width)[1:] for column, width in zip(columns, widths, strict=True)]
+    return [list(row) for row in zip(*cells, strict=True)]
+
+
 def test_of_columns_that_cost_as_many_lines_the_names_wrap_last():
     """ "appoggio destro 20 mm" stood in three lines beside "SLV, lineare" in one."""
-    row = ["appoggio destro 20 mm", "SLV, lineare", "4 cerniere e scorrimenti", *["0.12345678"] * 6]
-    made = Grid(Markup(""), [Markup("Stato")] * 9, [list(map(Markup, row))] * 4, [True] * 3 + [False] * 6)
-    name, check, *_ = (109.0 * width / 100.0 for width in made.widths)
-    assert name > 18.0 and check < 10.0
+    for numbers, expected in ((6, [2, 2, 2]), (5, [1, 1, 2])):
+        row = ["appoggio destro 20 mm", "SLV, lineare", "4 cerniere e scorrimenti", *["0.12345678"] * numbers]
+        words = [True] * 3 + [False] * numbers
+        made = Grid(Markup(""), [Markup("Stato")] * len(row), [list(map(Markup, row))] * 4, words)
+        assert [row[:3] for row in lines_of(made)] == [expected] * 4
+
+
+def test_a_row_of_two_lines_has_two_in_every_column_before_any_has_three():
+    """Names of states, four of eight, took three lines beside mechanisms, eight of eight, that took one."""
+    rows = [
+        [state, check, "25 cerniere, 13 scorrimenti", *["0.12345678"] * 5, "non verificato"]
+        for state in ("originale", "appoggio destro 150 mm")
+        for check in ("SLD", "SLV, lineare") * 2
+    ]
+    words = [True] * 3 + [False] * 5 + [True]
+    made = Grid(Markup(""), [Markup("Stato")] * 9, [list(map(Markup, row)) for row in rows], words)
+    assert max(map(max, lines_of(made))) == 2
 
 
 def test_safety_and_risk_have_a_table_each():
