@@ -66,7 +66,10 @@ def _update(table: Any, content: Mapping[str, Any]) -> None:
         del table[key]
     for key, value in content.items():
         if isinstance(value, Mapping) and isinstance(table.get(key), Mapping):
-            _update(table[key], value)
+            if value or not table[key]:
+                _update(table[key], value)
+            else:  # one that had only tables would go with them
+                table[key] = value
         elif _is_tables(value) and _is_tables(table.get(key)):
             for entry, given in zip(table[key], value, strict=False):
                 _update(entry, given)

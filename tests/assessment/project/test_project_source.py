@@ -158,6 +158,12 @@ def test_a_text_that_is_brought_to_say_something_says_it(old, new):
     assert updated_toml(text, old) == text
 
 
+def test_a_table_that_loses_all_its_tables_is_still_there():
+    """[pushover] switches its stage on, also with nothing in it; with its only table it went as a whole."""
+    text = updated_toml('[pushover.control]\n"+x" = "C1"\n[report]\nlanguage = "it"\n', {"pushover": {}})
+    assert tomllib.loads(text) == {"pushover": {}}
+
+
 def test_what_is_wrong_is_not_converted(tmp_path, capsys):
     folder = made(tmp_path / "p")
     file = folder / "project.toml"
