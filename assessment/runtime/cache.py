@@ -1,7 +1,8 @@
 """Results of finished analyses in the output folder, found again by the fingerprint of their inputs.
 
 An entry is a file of two lines: the digest of the second, and the result as JSON. It is written whole or not at all;
-one that is damaged counts as absent. Nothing in it is executed.
+one that is damaged counts as absent. Nothing in it is executed, as what libraries for such stores (diskcache, joblib)
+pickle would be.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Elastic response spectra of a base acceleration that is linear between its samples."""
+"""Elastic response spectra of a base acceleration that is linear between its samples.
+
+SciPy's filter does the recursion; its coefficients, exact for such an acceleration at any time step, are computed here.
+"""
 
 from __future__ import annotations
 
