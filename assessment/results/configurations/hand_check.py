@@ -21,6 +21,7 @@ TOGETHER = 0.01  # of the largest velocity: across a joint, what does not part t
 BY_HAND = 15  # macro-blocks that are printed and numbered; more are no check by hand
 STILL = 1e-3  # of the largest velocity: a block that does not take part
 NOTHING = 1e-9  # kN, m or rad: what rounding leaves of zero
+TURNING = 1e-7  # rad, beside displacements of up to 1 m: what the solver leaves of no rotation is less
 EQUAL = 1e-6  # multipliers that differ by less are one
 FIGURES = 4  # significant figures that the reader is given, and that the check is made with
 
@@ -58,11 +59,17 @@ class MacroBlock:
     @property
     def centre(self) -> Array | None:
         """Centre of rotation (2,) m; None for a translation."""
-        dx, dz, w = self.motion
-        if abs(w) < 1e-9:
+        dx, dz, _ = self.motion
+        if not self.rotation:
             return None
-        found: Array = self.centroid + np.array([-dz, dx]) / w
+        found: Array = self.centroid + np.array([-dz, dx]) / self.rotation
         return found
+
+    @property
+    def rotation(self) -> float:
+        """Rotation ω, rad; 0 for a translation."""
+        w = float(self.motion[2])
+        return w if abs(w) >= TURNING else 0.0
 
 
 @dataclass(frozen=True)
@@ -183,7 +190,7 @@ def figures_of(results: Results, state: str, direction: Direction) -> list[Macro
             seismic_weight_kN=_rounded(each.seismic),
             x_G_m=_rounded(each.centroid[0]),
             z_G_m=_rounded(each.centroid[1]),
-            omega=_rounded(each.motion[2]),
+            omega=_rounded(each.rotation),
             x_C_m=None if each.centre is None else _rounded(each.centre[0]),
             z_C_m=None if each.centre is None else _rounded(each.centre[1]),
             delta_x=_rounded(each.motion[0]),

@@ -10,6 +10,7 @@ from assessment.report.document import render_html
 from assessment.report.figures.drawings.deformed import found_mechanism
 from assessment.report.text.language import words_of
 from assessment.results.configurations.hand_check import (
+    MacroBlock,
     figures_of,
     governing_mechanisms,
     hand_check,
@@ -54,6 +55,15 @@ def test_macro_blocks_turn_about_their_centres_and_about_the_hinges_between_them
         rates = [velocity(each, hinge) for each in whole]
         gaps = [np.hypot(*(a - b)) for i, a in enumerate(rates) for b in rates[:i]]
         assert min(gaps) < 0.02
+
+
+@pytest.mark.parametrize(("rotation", "centre"), [(2.3e-9, None), (0.0, None), (1e-3, (5.0, 12.0))])
+def test_what_the_solver_leaves_of_no_rotation_is_a_translation(rotation, centre):
+    """A block slid down a joint: ω = 2.3e-9 put its centre at 5000 km. (5, 2) + (0, 0.01)/0.001 = (5, 12) m."""
+    motion = np.array([0.01, 0.0, rotation])
+    found = MacroBlock((3,), 1.0, 1.0, np.array([5.0, 2.0]), motion)
+    assert found.rotation == (rotation if centre else 0.0)
+    assert found.centre is None if centre is None else found.centre == pytest.approx(centre)
 
 
 def test_the_multiplier_of_the_printed_figures_is_the_programs():
