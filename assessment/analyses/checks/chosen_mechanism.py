@@ -36,16 +36,30 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SLIGHT = 0.02  # of the largest displacement: penetration allowed for hinges set back from the edge
-ROUNDING = 1e-4  # of the largest displacement: penetration from rounded coordinates
-BELOW = 1e-3  # relative: tolerance of the comparison with the multiplier of limit analysis
-STILL = 1e-6  # of the largest displacement: a control point that moves less takes no part
 CURVE = {
     "F_C",
     "a_0_star",
     "d_0",
     "d_0_star",
 }  # steps of the capacity curve that are added to those of virtual work
+
+
+@dataclass(frozen=True, slots=True)
+class GivenTolerances:
+    """Tolerances of a mechanism that is given, over its largest displacement but for the last.
+
+    `penetration`: allowed for hinges set back from the edge; `rounding`: penetration from rounded coordinates; `still`:
+    displacement of a control point below which it takes no part; `below`: relative tolerance of the comparison with the
+    multiplier of limit analysis.
+    """
+
+    penetration: float = 0.02
+    rounding: float = 1e-4
+    still: float = 1e-6
+    below: float = 1e-3
+
+
+GIVEN = GivenTolerances()
 
 
 @dataclass(frozen=True)
@@ -105,7 +119,7 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion
     worst = int(np.argmin(opening))
     least = np.maximum(contacts.friction, 1e-99)  # without friction nothing slides against it
     slides = closed.any(axis=1) & (
-        abs(v) > np.maximum(opening, 0.0) / least + ROUNDING * largest / np.minimum(least, 1.0)
+        abs(v) > np.maximum(opening, 0.0) / least + GIVEN.rounding * largest / np.minimum(least, 1.0)
     )
     pair = (int(contacts.a[worst]), int(contacts.b[worst]))
     return JointMotion(
@@ -202,7 +216,7 @@ def _given(
 
 def _refuse_penetration(motion: JointMotion) -> None:
     """Raise MechanismError if blocks penetrate by more than a hinge set back from the edge does."""
-    if motion.penetration > SLIGHT:
+    if motion.penetration > GIVEN.penetration:
         one, other = motion.pair
         raise MechanismError(
             f"block {one} penetrates block {other} by {100.0 * motion.penetration:.3g} % of the largest displacement; "
@@ -232,7 +246,7 @@ def followed(
     if control is not None:
         arm = np.subtract(control.point, positions[control.block, :2])
         own = along[control.block] - sense * delta[control.block, 2] * arm[1]
-        if own > STILL * float(abs(delta[:, :2]).max()):
+        if own > GIVEN.still * float(abs(delta[:, :2]).max()):
             return replace(control, delta_x=float(sense * own))
     block = int(np.argmax(along))
     x, z = positions[block, :2].tolist()
@@ -273,12 +287,12 @@ def compared(
     penetration is an upper bound of `alpha_onset`, the limit analysis in the configuration of the state.
     """
     notes, own = list(known(found.notes)), known(found.alpha_0)
-    if alpha_onset is not None and own < (1.0 - BELOW) * alpha_onset:
+    if alpha_onset is not None and own < (1.0 - GIVEN.below) * alpha_onset:
         notes.append(
             "alpha_0 is below that of limit analysis, which no mechanism without sliding and penetration can be: the "
             "friction of the sliding joints, or the penetration, is what it leaves out"
         )
-    elif alpha_0 is not None and own < (1.0 - BELOW) * alpha_0:
+    elif alpha_0 is not None and own < (1.0 - GIVEN.below) * alpha_0:
         notes.append(
             f"alpha_0 is below that of the state, {alpha_0:.4g}: a hinge of the settlement closes from α = "
             f"{alpha_onset:.4g} on, before that is reached"
@@ -288,7 +302,7 @@ def compared(
 
 def _notes(penetration: float, pair: tuple[int, int], sliding: list[int]) -> list[str]:
     notes = []
-    if penetration > ROUNDING:
+    if penetration > GIVEN.rounding:
         notes.append(
             f"block {pair[0]} penetrates block {pair[1]} by {100.0 * penetration:.2g} % of the largest displacement, "
             "as with a hinge set back from the edge"

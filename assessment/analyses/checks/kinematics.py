@@ -22,12 +22,27 @@ Array = NDArray[np.float64]
 Closed = tuple[NDArray[np.intp], NDArray[np.intp], Array]
 """Closed joints: blocks a and b (j,), ends (j, 2, 2) m of where they overlap."""
 
-HINGE = 0.02  # of a joint's length: a centre of rotation no farther from the joint is a hinge of it (set back or not)
-ALIKE = 1e-9  # of the largest rotation: macro-blocks with equal rotations have no relative centre
-STEP = 0.002  # rad, of the macro-block that turns fastest
-FARTHEST = 1.0  # rad: by then α has vanished in every mechanism
-OPEN = 1e-6  # of the model's size: largest gap of a hinge from the integration
-OVERLAP = 1e-3  # of the smallest block's area: overlap of two blocks that does not stop the motion
+
+@dataclass(frozen=True, slots=True)
+class KinematicsTolerances:
+    """Tolerances of the finite motion of a mechanism.
+
+    `hinge`: distance of a centre of rotation from a joint, over its length, up to which it is a hinge of it, set back
+    or not; `alike`: difference of the rotations of two macro-blocks, over the largest, up to which they have no relative
+    centre. `step` (rad): of the macro-block that turns fastest; `farthest` (rad): by then α has vanished in every
+    mechanism. `open`: largest gap of a hinge from the integration, over the model's size; `overlap`: of two blocks that
+    does not stop the motion, over the smallest block's area.
+    """
+
+    hinge: float = 0.02
+    alike: float = 1e-9
+    step: float = 0.002
+    farthest: float = 1.0
+    open: float = 1e-6
+    overlap: float = 1e-3
+
+
+MOTION = KinematicsTolerances()
 
 
 class KinematicsError(ValueError):
@@ -63,7 +78,7 @@ def hinges_of(chosen: Chosen, closed: Closed) -> list[Hinge]:
     for pair in sorted(pair for pair in pairs if len(pair) == 2):
         still, moving = pair[0] < 0, chosen.parts[pair[1]]
         other, turns = (None, 0.0) if still else (chosen.parts[pair[0]], chosen.parts[pair[0]].rotation)
-        if abs(moving.rotation - turns) <= ALIKE * largest:
+        if abs(moving.rotation - turns) <= MOTION.alike * largest:
             continue
         centre = moving.rotation * moving.about - (0.0 if other is None else turns * other.about)
         point = np.asarray(centre / (moving.rotation - turns))
@@ -77,7 +92,7 @@ def _on_a_joint(point: Array, pair: tuple[int, ...], owner: dict[int, int], clos
         if {owner.get(int(a), -1), owner.get(int(b), -1)} == {*pair}:
             along = ends[1] - ends[0]
             share = np.clip((point - ends[0]) @ along / (along @ along), 0.0, 1.0)
-            if np.hypot(*(ends[0] + share * along - point)) <= HINGE * np.hypot(*along):
+            if np.hypot(*(ends[0] + share * along - point)) <= MOTION.hinge * np.hypot(*along):
                 return True
     return False
 
@@ -93,14 +108,14 @@ def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: lis
     at, alpha = [positions], [parts.multiplier(positions, q, rate)]
     turned = 0.0
     while alpha[-1] > 0.0:
-        if turned > FARTHEST:
+        if turned > MOTION.farthest:
             raise KinematicsError(f"α is still {alpha[-1]:.3g} after a rotation of {turned:.3g} rad")
         q = parts.step(q, rate)
         rate = parts.rate(q, rate[:, 2])
-        turned += STEP
+        turned += MOTION.step
         at.append(parts.placed(positions, q))
         alpha.append(parts.multiplier(at[-1], q, rate))
-    if parts.drift(q) > OPEN * model.size:
+    if parts.drift(q) > MOTION.open * model.size:
         raise KinematicsError(
             "its hinges do not stay closed as it moves: there are more of them than it can keep"
         )
@@ -156,12 +171,12 @@ class _Parts:
         return found if found[:, 2] @ rotations > 0.0 else -found
 
     def step(self, q: Array, rate: Array) -> Array:
-        """Return q (n, 3) after STEP of the fastest rotation (Runge-Kutta, fourth order)."""
+        """Return q (n, 3) after a step of the fastest rotation (Runge-Kutta, fourth order)."""
         turns = rate[:, 2]
-        k2 = self.rate(q + 0.5 * STEP * rate, turns)
-        k3 = self.rate(q + 0.5 * STEP * k2, turns)
-        k4 = self.rate(q + STEP * k3, turns)
-        return np.asarray(q + STEP / 6.0 * (rate + 2.0 * k2 + 2.0 * k3 + k4))
+        k2 = self.rate(q + 0.5 * MOTION.step * rate, turns)
+        k3 = self.rate(q + 0.5 * MOTION.step * k2, turns)
+        k4 = self.rate(q + MOTION.step * k3, turns)
+        return np.asarray(q + MOTION.step / 6.0 * (rate + 2.0 * k2 + 2.0 * k3 + k4))
 
     def placed(self, positions: Array, q: Array) -> Array:
         """Return the positions (b, 3) of all blocks."""
@@ -195,7 +210,7 @@ class _Parts:
 
 def _unhindered(model: Assembly, at: list[Array]) -> None:
     """Raise KinematicsError if blocks overlap in a motion that do not overlap at its start."""
-    least = OVERLAP * min(block.area for block in model.blocks)
+    least = MOTION.overlap * min(block.area for block in model.blocks)
     for positions in at[1 :: max(1, len(at) // 20)]:
         outlines = [_outline(block.polygon - block.centroid, *place) for block, place in zip(
             model.blocks, positions, strict=True)]  # fmt: skip
