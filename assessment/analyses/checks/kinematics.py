@@ -28,10 +28,10 @@ class KinematicsTolerances:
     """Tolerances of the finite motion of a mechanism.
 
     `hinge`: distance of a centre of rotation from a joint, over its length, up to which it is a hinge of it, set back
-    or not; `alike`: difference of the rotations of two macro-blocks, over the largest, up to which they have no relative
-    centre. `step` (rad): of the macro-block that turns fastest; `farthest` (rad): by then α has vanished in every
-    mechanism. `open`: largest gap of a hinge from the integration, over the model's size; `overlap`: of two blocks that
-    does not stop the motion, over the smallest block's area.
+    or not; `alike`: difference of the rotations of two macro-blocks, over the largest, up to which they have no
+    relative centre. `step` (rad): of the macro-block that turns fastest; `farthest` (rad): by then α has vanished in
+    every mechanism. `open`: largest gap of a hinge from the integration, over the model's size; `overlap`: of two
+    blocks that does not stop the motion, over the smallest block's area.
     """
 
     hinge: float = 0.02
