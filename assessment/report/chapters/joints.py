@@ -58,5 +58,9 @@ def pressure_sentences(results: Results, words: Words) -> Markup:
         return Markup("")
     if not bounded(found):
         return words("text.unbounded_pressures")
-    pressed = words("text.edge_pressures", count=min(PRINTED, len(found)))
-    return pressed + Markup(" ") + words("text.crushing") if crushes(results) else pressed
+    sentences = [
+        words("text.edge_pressures"),
+        words("text.edge_pressures_printed", count=PRINTED) if len(found) > PRINTED else "",
+        words("text.crushing") if crushes(results) else "",
+    ]
+    return Markup(" ").join(each for each in sentences if each)

@@ -13,7 +13,7 @@ from assessment.results.schema.part import present
 from assessment.results.schema.static import Contacts
 from assessment.results.table import Table, columns_of
 
-PRINTED = 12  # joints of the report's table, those that are pressed most
+PRINTED = 40  # joints of the report's table, those that are pressed most
 
 
 @dataclass(frozen=True)

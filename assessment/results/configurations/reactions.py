@@ -13,7 +13,7 @@ from assessment.results.configurations.outlines import Array
 from assessment.results.schema import Results
 from assessment.results.table import Row, Table, sense
 
-NOISE = 1e-9  # of the weight: a force no larger is rounding
+NOISE = 1e-6  # of the weight: a force no larger is within the tolerance of equilibrium
 WHERE = ("state", "direction", "contacts", "alpha")
 REACTIONS = (*WHERE, "support", "reaction_x_kN", "reaction_z_kN")
 BALANCE = (*WHERE, "reaction_x_kN", "load_x_kN", "reaction_z_kN", "load_z_kN", "unbalanced")
