@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar, TypeVarTuple
 
 from assessment.runtime.cache import Store, packed, unpacked
 from assessment.runtime.fingerprint import fingerprint
-from assessment.runtime.processes.pool import KilledError, Pool, finished, processes, tell
+from assessment.runtime.processes.pool import KilledError, Pool, finished, processes
 from assessment.runtime.show import SILENCE, Show
 
 if TYPE_CHECKING:
@@ -33,8 +33,14 @@ class Engine(Protocol):
     def submit(self, function: Callable[[*Arguments], Result], *arguments: *Arguments) -> Future[Result]:
         """Start function(*arguments); its future raises KilledError if the process was ended from outside."""
 
+    def teller(self, number: int) -> Callable[[float | None], None]:
+        """Return what reports the share that is done of the analysis of that number where it is computed.
+
+        None: it has ended.
+        """
+
     def shares(self) -> Mapping[int, float]:
-        """Return the share that is done of the analyses at work, by their numbers, as far as they report it."""
+        """Return the share that is done of the analyses at work, by their numbers."""
 
     def close(self, at_once: bool) -> None:
         """End it; `at_once`: without finishing its work, after an error."""
@@ -163,7 +169,7 @@ class Workers:
             return
         engine = self._engine()
         futures = {
-            engine.submit(_packed, function, tasks[number], partial(tell, number)): number
+            engine.submit(_packed, function, tasks[number], engine.teller(number)): number
             for number in numbers
         }
         if self.meanwhile is not None:

@@ -6,6 +6,7 @@ scheduler gives it to another one.
 
 from __future__ import annotations
 
+import math
 import platform
 import threading
 import time
@@ -17,10 +18,11 @@ from typing import Any, TypeVar, TypeVarTuple
 
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.fingerprint import program
-from assessment.runtime.processes.pool import KilledError
+from assessment.runtime.processes.pool import LOOK, KilledError
 
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
+TOPIC = "assesto: share that is done"  # one for all runs: a scheduler keeps a log of each
 GONE = ("closing", "closed")  # status of a client without its scheduler
 LOST = "the Dask scheduler or its workers were lost; start them and run again: finished analyses are kept"
 NONE_LEFT = (
@@ -68,6 +70,8 @@ class Cluster:
                 "(dask scheduler) with its workers (dask worker), or correct the address"
             ) from None
         self._open: set[Future[Any]] = set()
+        self._shares: dict[int, float] = {}
+        self._client.subscribe_topic(TOPIC, self._hear)
         self._closed = threading.Event()
         threading.Thread(target=self._watch, daemon=True).start()
 
@@ -87,9 +91,23 @@ class Cluster:
         done.remote = remote  # type: ignore[attr-defined]  # released, it would be cancelled
         return done
 
+    def teller(self, number: int) -> Callable[[float | None], None]:
+        """Return what reports, in a worker, the share that is done of the task of that number; None: it has ended."""
+        return _Teller(self._client.id, number)
+
     def shares(self) -> Mapping[int, float]:
-        """Return nothing: workers of a cluster do not report their progress."""
-        return {}
+        """Return the share that is done of the tasks at work, by the numbers under which they report it."""
+        return dict(self._shares)
+
+    def _hear(self, event: tuple[float, Any]) -> None:
+        """Take over what a worker reports; others have tasks for this scheduler too."""
+        _, (client, number, share) = event
+        if client != self._client.id:
+            return
+        if share is None:
+            self._shares.pop(number, None)
+        else:
+            self._shares[number] = share
 
     def close(self, at_once: bool) -> None:
         """Leave the cluster; its work for this process is given up."""
@@ -109,6 +127,22 @@ class Cluster:
             elif time.monotonic() - seen > self._patience.workerless:
                 for done in tuple(self._open):
                     _fail(done, KilledError(NONE_LEFT.format(seconds=self._patience.workerless)))
+
+
+@dataclass
+class _Teller:
+    """Sends the share that is done of a task of a client from a worker, every LOOK s at most; None: it has ended."""
+
+    client: str
+    number: int
+    latest: float = -math.inf
+
+    def __call__(self, share: float | None) -> None:
+        from distributed import get_worker
+
+        if share is None or time.monotonic() - self.latest >= LOOK:
+            self.latest = time.monotonic()
+            get_worker().log_event(TOPIC, (self.client, self.number, share))
 
 
 def _checked(expected: str, function: Callable[..., Result], arguments: tuple[Any, ...]) -> Result:

@@ -13,6 +13,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from functools import partial
 from typing import Any, Self, TypeVar, TypeVarTuple
 
 Arguments = TypeVarTuple("Arguments")
@@ -84,6 +85,10 @@ class Pool:
             future.add_done_callback(lambda _: ended(function))
         return future
 
+    def teller(self, number: int) -> Callable[[float | None], None]:
+        """Return what reports, in a process, the share that is done of the task of that number; None: it has ended."""
+        return partial(_tell, number)
+
     def shares(self) -> Mapping[int, float]:
         """Return the share that is done of the tasks at work, by the numbers under which they report it."""
         reported = [value for value in self._board or () if value >= 0.0]
@@ -105,10 +110,10 @@ class Pool:
         self._executor.shutdown(cancel_futures=True)
 
 
-def tell(number: int, share: float | None) -> None:
+def _tell(number: int, share: float | None) -> None:
     """Report, in a process of a pool, the share that is done of a task, by its number; None: it has ended.
 
-    Number and share are one value, which is written at once. Elsewhere, as on a cluster, it is not reported.
+    Number and share are one value, which is written at once.
     """
     for board in _board:
         board[number % CELLS] = NOTHING if share is None else number + min(share, 0.999)

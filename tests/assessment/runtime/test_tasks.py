@@ -10,9 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from assessment.runtime.show import Show
 from assessment.runtime.tasks import Workers
-from mechanics.progress import tell
+from tests.support.told import Seen, quarter
 
 
 def test_as_many_processes_as_asked_for(tmp_path):
@@ -33,43 +32,16 @@ def _pid(folder: str, processes: int) -> int:
     return os.getpid()
 
 
-class Seen(Show):
-    """Lets analyses go on once it was told that they are at work; keeps what it was told."""
-
-    def __init__(self, flag):
-        self.flag, self.lines = flag, []
-
-    def begin(self, stage, total, taken, work):
-        self.lines.append(("begin", work))
-
-    def reached(self, done):
-        self.lines.append(("reached", done))
-        self.flag.touch()
-
-    def advance(self, done):
-        self.lines.append(("advance", done))
-
-
 @pytest.mark.parametrize("worthwhile", [False, True], ids=["this process", "another process"])
 def test_how_far_an_analysis_is_gets_told_before_it_is_finished(tmp_path, worthwhile):
     """Of the first, of weight 8, a quarter is done: 2. It was told of finished ones only."""
     show = Seen(tmp_path / "told")
     with Workers(jobs=1, show=show) as workers:
         tasks = [(str(show.flag),)] * 2
-        assert workers.each("stage", _quarter, tasks, [""] * 2, worthwhile, [8.0, 24.0]) == [True] * 2
+        assert workers.each("stage", quarter, tasks, [""] * 2, worthwhile, [8.0, 24.0]) == [True] * 2
     first = show.lines[: show.lines.index(("advance", 8.0))]
     assert first[0] == ("begin", 32.0) and {*first[1:]} == {("reached", 2.0)}
     assert show.lines[-1] == ("advance", 32.0)
-
-
-def _quarter(flag: str) -> bool:
-    """Return whether somebody was told that a quarter is done."""
-    for _ in range(600):
-        tell(0.25)
-        if Path(flag).exists():
-            return True
-        time.sleep(0.05)
-    return False
 
 
 def test_an_error_in_another_process_is_the_error():
