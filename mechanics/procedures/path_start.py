@@ -38,7 +38,7 @@ class PathStart:
     """First point of a curve: its state, multiplier, forces (j, 3) of its contacts, and certificate.
 
     `step`: its equilibrium (rigid joints: None); `rate` (b, 3): displacements per unit work (1/kN, rad/kNm) of the
-    first step; `share`: length of that step as a share of an increment.
+    first step; `share`: length of that step as a share of an increment; `limit`: multiplier of limit analysis.
     """
 
     state: State
@@ -49,6 +49,7 @@ class PathStart:
     certificate: Certificate
     rate: Array
     share: float
+    limit: float
 
 
 def mechanism_start(
@@ -67,6 +68,7 @@ def mechanism_start(
         limit.certificate,
         rate,
         share,
+        limit.alpha,
     )
 
 
@@ -82,10 +84,10 @@ def elastic_start(
     system = start.system
     lateral = model.lateral_load(direction)
     try:
-        alpha = START.first * limit_analysis(model, direction).alpha
+        limit = limit_analysis(model, direction).alpha
     except NoEquilibriumError:  # interlocked rigid blocks have no multiplier that gives the scale
-        alpha = START.first
-    load = model.dead_load + alpha * lateral
+        limit = 1.0
+    load = model.dead_load + START.first * limit * lateral
     try:
         problem = StepProblem(system, start.state, load, rest_size(model, "elastic"))
         begun = find_equilibrium(problem, start.state.positions, start)
@@ -96,7 +98,9 @@ def elastic_start(
     moved = begun.state.positions - start.state.positions
     share = min(1.0, float(abs(moved[:, :2]).max()) / increment)
     rate = moved / float((lateral * moved).sum())
-    return PathStart(start.state, start, 0.0, start.forces, start.contacts, start.certificate, rate, share)
+    return PathStart(
+        start.state, start, 0.0, start.forces, start.contacts, start.certificate, rate, share, limit
+    )
 
 
 def no_way_from_rest(why: str) -> UnstableError:

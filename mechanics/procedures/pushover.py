@@ -61,6 +61,7 @@ class PushoverTolerances:
 
 
 PUSHOVER = PushoverTolerances()
+RISE = 0.15  # of the time of a curve, about, until its multiplier is largest
 
 
 @dataclass(frozen=True, eq=False)
@@ -352,10 +353,14 @@ class _Curve:
 
     @property
     def share(self) -> float:
-        """Share that is done, about: of the way from the peak down to the end, or of the slide that ends it."""
+        """Share that is done, about: of the rise, then of the way from the peak down, or of the slide that ends it."""
         now, alpha, largest = self.displacement[-1], self.multiplier[-1], max(self.multiplier)
         fallen = (1.0 - alpha / largest) / (1.0 - self.push.until) if largest > 0.0 else 0.0
-        return max(fallen, (now - self.plateau[0]) / self.model.size)
+        down = max(fallen, (now - self.plateau[0]) / self.model.size)
+        if largest <= self.first.alpha:
+            return down
+        risen = 0.5 * RISE * (1.0 + min(largest / self.first.limit, 1.0))
+        return risen + (1.0 - risen) * min(down, 1.0)
 
     def locate_peak(self) -> None:
         """Add the points just behind joints that close, in the steps in which α may be largest."""

@@ -50,6 +50,17 @@ def test_a_pushover_tells_how_far_the_multiplier_has_come_down(contacts, until):
         assert np.diff(found[:-1]) == pytest.approx(found[0], rel=0.05)
 
 
+def test_a_pushover_that_rises_tells_so_from_its_first_step_on():
+    """It told 0 up to the peak, of which no time left follows."""
+    model, found = column(0.5, 2.0, 4, 1e4), []
+    with listening(found.append):
+        curve = pushover(model, (0.5, 2.0), "+x", "elastic", 0.01)
+    assert len(found) == len(curve.multiplier) - 1 and curve.peak > 5
+    rise, fall = found[: curve.peak], found[curve.peak :]
+    assert all(one < other for one, other in pairwise(rise)) and all(0.05 < share < 0.15 for share in rise)
+    assert fall[-1] == pytest.approx(1.0, abs=0.01)
+
+
 def test_a_part_counts_as_its_stretch_of_the_whole():
     found: list[float] = []
     with listening(found.append):
