@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 import sys
 from pathlib import Path
@@ -13,6 +14,10 @@ from hypothesis import HealthCheck, settings
 
 from assessment.report.figures import index as figures
 from tests.support.block_project import write_block
+
+# hundreds of processes begin here: what they import is compiled once, also where the environment keeps no byte code
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 # no example is too slow: how long one takes is the machine's affair, and that of what else it is doing
 settings.register_profile("assesto", deadline=None, suppress_health_check=[HealthCheck.too_slow])

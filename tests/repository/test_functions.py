@@ -21,17 +21,17 @@ def functions() -> Iterator[tuple[Path, str, ast.FunctionDef, str]]:
     for folder in ("assessment", "mechanics"):
         for path in sorted((ROOT / folder).rglob("*.py")):
             source = path.read_text(encoding="utf-8")
-            yield from _within(path, source, ast.parse(source), "")
+            yield from _within(path, source.split("\n"), ast.parse(source), "")
 
 
 def _within(
-    path: Path, source: str, node: ast.AST, about: str
+    path: Path, lines: list[str], node: ast.AST, about: str
 ) -> Iterator[tuple[Path, str, ast.FunctionDef, str]]:
     for inner in ast.iter_child_nodes(node):
         if isinstance(inner, ast.FunctionDef):
-            yield path, ast.get_source_segment(source, inner) or "", inner, about
+            yield path, "\n".join(lines[inner.lineno - 1 : inner.end_lineno]), inner, about
         elif isinstance(inner, ast.ClassDef):
-            yield from _within(path, source, inner, ast.get_docstring(inner) or "")
+            yield from _within(path, lines, inner, ast.get_docstring(inner) or "")
 
 
 ALL = list(functions())
