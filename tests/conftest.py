@@ -13,6 +13,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from assessment.report.figures import index as figures
+from assessment.runtime.processes import pool
 from tests.support.block_project import write_block
 
 # hundreds of processes begin here: what they import is compiled once, also where the environment keeps no byte code
@@ -36,6 +37,14 @@ def pytest_configure(config):
     # in the background of a script SIGINT is ignored, and processes hand that on to those that tests interrupt
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_core():
+    """No other processes unless --jobs asks for them: to fork all that tests have loaded takes longer than the work."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pool, "cores", lambda: 1)
+        yield
 
 
 @pytest.fixture
