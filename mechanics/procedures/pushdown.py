@@ -35,13 +35,15 @@ class PushdownTolerances:
     `onset`: movement at which the first reaction is taken, as a share of an increment and at most of the block size;
     `whole`: difference between the blocks' movement and the support's, as a share of it, up to which the structure
     moves as a whole; `look_ahead`: range in which contacts are searched for, in expected displacements of a step;
-    `points`: most points of a path that goes on to collapse.
+    `points`: most points of a path that goes on to collapse; `least`: movement that is told from rounding, as a share
+    of the block size.
     """
 
     onset: float = 1e-3
     whole: float = 1e-6
     look_ahead: float = 4.0
     points: int = 20_000
+    least: float = 1e-10
 
 
 PUSHDOWN = PushdownTolerances()
@@ -148,7 +150,11 @@ def _target(model: Assembly, support: str, displacement: ArrayLike, rotation: fl
     )
     require(is_number(rotation) and abs(rotation) < np.inf, "rotation", rotation, "finite, in rad")
     full = whole_movement(model, support, target, rotation)
-    require(full > 0.0, "displacement", displacement, "a movement: displacement and rotation are both zero")
+    arc = whole_movement(model, support, np.zeros(2), rotation)
+    least = PUSHDOWN.least * model.size
+    require(
+        max(full, arc) > least, "displacement", displacement, f"with the rotation, more than {least:.1g} m"
+    )
     return target, full
 
 

@@ -124,6 +124,8 @@ def test_a_block_that_leans_on_its_corner_falls_back(model, lean):
         ("increment", lambda m: pushdown(m, "base", (0.01, 0.0), increment=0.0)),
         ("increment", lambda m: pushdown(m, "base", (0.01, 0.0), increment=np.nan)),
         ("displacement", lambda m: pushdown(m, "base")),
+        ("displacement", lambda m: pushdown(m, "base", (5e-324, 0.0))),
+        ("displacement", lambda m: pushdown(m, "base", rotation=1e-15)),
         ("displacement", lambda m: pushdown(m, "base", (0.01,))),
         ("displacement", lambda m: pushdown(m, "base", (0.01, np.nan))),
         ("rotation", lambda m: pushdown(m, "base", rotation=np.inf)),

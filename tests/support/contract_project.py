@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from assessment.project.project import ProjectError, load_project
+from tests.support.hostile.judge import check
 
 CONTRACT = """
 title = "Buttressed arch"
@@ -120,7 +121,8 @@ def load(folder: Path, text: str):
 
 
 def message(folder: Path, text: str) -> str:
-    """Return what is said of a project file that is wrong."""
+    """Return what is said of a project file that is wrong: what is wrong with it, and what to do, line by line."""
     with pytest.raises(ProjectError) as caught:
         load(folder, text)
+    check(str(caught.value))
     return str(caught.value)

@@ -61,7 +61,8 @@ def knowledge_problems(knowledge: KnowledgeTable, factor: float) -> Iterator[Pro
     path: KeyPath = ("assessment", "knowledge")
     given = knowledge.components
     if (knowledge.level is None) == (not given):
-        yield Problem(path, f"write level, or {', '.join(COMPONENTS)}, not both")
+        text = "F_C follows from two things" if given else "F_C follows from nothing"
+        yield Problem(path, f"{text}; write level, or {', '.join(COMPONENTS)}")
         return
     if given and len(given) < len(COMPONENTS):
         yield Problem(
@@ -91,7 +92,10 @@ def floor_problems(floor: FloorTable, assessment: AssessmentTable) -> Iterator[P
         text = f"missing; T_1 = 0.05 H^(3/4) holds up to a building_height_m of {HIGHEST:g}"
         yield Problem((*path, "period_s"), f"{text}; write the period, in s")
     if len(floor.higher_periods_s) != len(floor.higher_participations):
-        text = "write one γ_k ψ_k for each of higher_periods_s, in the same order"
+        text = (
+            f"{len(floor.higher_participations)} of {len(floor.higher_periods_s)}; "
+            "write one γ_k ψ_k for each of higher_periods_s, in the same order"
+        )
         yield Problem((*path, "higher_participations"), text)
     if floor.higher_periods_s and assessment.circular == 2009:
         text = "the circular of 2009 knows the first mode alone; leave it out or write circular = 2019"
@@ -183,6 +187,8 @@ def sensitivity_problems(project: ProjectContent, sensitivity: SensitivityTable)
         yield Problem(path, f"nothing varies; write low and high factors of {', '.join(VARIED)}")
     for key, (low, high) in sensitivity.factors.items():
         if not low < high:
-            yield Problem((*path, key), f"[{low:g}, {high:g}]: write the low factor, then the high one")
+            yield Problem(
+                (*path, key), f"[{low:g}, {high:g}] is no range; write the low factor, then the high one"
+            )
     for index, name in enumerate(sensitivity.states or ()):
         yield from unknown_name((*path, "states", index), name, project.states, "state")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from assessment.project.consistency.files import matches, missing_file
 from assessment.project.consistency.names import repeated_names, unknown_name
+from assessment.project.consistency.structure import LEAST_MOVEMENT, movement
 from assessment.project.errors import Problem
 from assessment.project.schema import CampaignTable, KeyPath, MotionTable, ProjectContent, StatesTable
 
@@ -74,10 +75,12 @@ def _campaign(project: ProjectContent, campaign: CampaignTable, folder: Path) ->
         values = getattr(campaign, key) or ()
         if list(values) != sorted(values):
             yield Problem((*path, key), "not in order; write the smallest first")
+    yield from _shares(project, campaign, (*path, "shares"))
     for key in ("periods_s", "scale_limits"):
         low, high = getattr(campaign, key)
         if not low < high:
-            yield Problem((*path, key), f"[{low:g}, {high:g}]: write the lower one, then the higher one")
+            text = f"[{low:g}, {high:g}] is no range; write the lower one, then the higher one"
+            yield Problem((*path, key), text)
     for index, number in enumerate(campaign.curve_members or ()):
         if number > project.scatter:
             text = (
@@ -88,6 +91,16 @@ def _campaign(project: ProjectContent, campaign: CampaignTable, folder: Path) ->
     if (campaign.generated or campaign.spectrum_compatible) and not by_site:
         text = 'the spectrum of the site is asked for; add [assessment.site], with spectrum = "ntc"'
         yield Problem((*path, "records" if campaign.generated else "spectrum_compatible"), text)
+
+
+def _shares(project: ProjectContent, campaign: CampaignTable, path: KeyPath) -> Iterator[Problem]:
+    """Yield a problem for each share of a movement, other than none of it, that moves nothing."""
+    chosen = [each for each in project.settlements if each.name in (campaign.settlements or project.states)]
+    smallest = min(map(movement, chosen), default=1.0)
+    for index, share in enumerate(campaign.shares):
+        if 0.0 < share * max(smallest, LEAST_MOVEMENT) < LEAST_MOVEMENT:
+            text = f"{share:g} of the movement moves nothing; write 0 for the structure as drawn, or more"
+            yield Problem((*path, index), text)
 
 
 def _states(project: ProjectContent, path: KeyPath, motion: StatesTable) -> Iterator[Problem]:

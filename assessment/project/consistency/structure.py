@@ -10,6 +10,8 @@ from assessment.project.errors import Problem
 from assessment.project.schema import ORIGINAL, KeyPath, LayerTable, ProjectContent, SettlementTable
 
 _MOST_INCREMENTS = 100_000
+LEAST_MOVEMENT = 1e-7
+"""Movements below it, m and rad, are slips of the unit, and no longer told from rounding."""
 
 
 def load_problems(path: KeyPath, layer: LayerTable) -> Iterator[Problem]:
@@ -86,6 +88,11 @@ def control_problems(project: ProjectContent) -> Iterator[Problem]:
             yield from unknown_name(path, name, [point.name for point in project.control], "control point")
 
 
+def movement(settlement: SettlementTable) -> float:
+    """Return the largest of the components of a movement (m) and its rotation (rad)."""
+    return max(*map(abs, settlement.displacement_m), abs(settlement.rotation_rad))
+
+
 def settlement_problems(
     project: ProjectContent, path: KeyPath, settlement: SettlementTable
 ) -> Iterator[Problem]:
@@ -96,6 +103,9 @@ def settlement_problems(
     largest = max(map(abs, settlement.displacement_m))
     if largest == 0.0 and settlement.rotation_rad == 0.0:
         yield Problem((*path, "displacement_m"), "nothing moves; write a displacement or a rotation_rad")
+    elif (least := movement(settlement) / (settlement.steps or 1)) < LEAST_MOVEMENT:
+        text = f"{least:g} m (or rad) moves nothing; write {LEAST_MOVEMENT:g} or more"
+        yield Problem((*path, "displacement_m"), text if settlement.steps is None else f"in steps, {text}")
     elif "increment_m" in settlement.model_fields_set and settlement.increment_m > largest > 0.0:
         text = f"{settlement.increment_m:g} is larger than the movement; write {largest:g} or less"
         yield Problem((*path, "increment_m"), text)

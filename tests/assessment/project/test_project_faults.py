@@ -240,6 +240,18 @@ WRONG = [  # old text, new text, key, what the message must hold
     ("max_scale = 5.0", 'states = ["orginal"]', "incremental.states[1]", '"original"'),
     # what does not fit together
     ("[0.020, -0.020]", "[0, 0.0]", "settlements[1].displacement_m", "nothing moves"),
+    (
+        "[0.020, -0.020]",
+        "[0, 5e-324]",
+        "settlements[1].displacement_m",
+        "4.94066e-324 m (or rad) moves nothing",
+    ),
+    (
+        "[0.020, -0.020]",
+        "[1e-7, 0]\nsteps = 2",
+        "settlements[1].displacement_m",
+        "in steps, 5e-08 m (or rad)",
+    ),
     ("increment_m = 0.001\nto", "increment_m = 0.05\nto", "settlements[1].increment_m", "write 0.02 or less"),
     ("increment_m = 0.001\nto", "increment_m = 1e-7\nto", "settlements[1].increment_m", "200000 increments"),
     (
@@ -340,7 +352,7 @@ SITE = 'latitude = 42.35\nlongitude = 13.40\ngrid = "allegato_b.txt"\n'
         (
             CONTRACT + "[sensitivity]\ndepth = [1.2, 0.8]\n",
             "sensitivity.depth",
-            "[1.2, 0.8]: write the low factor, then the high one",
+            "[1.2, 0.8] is no range; write the low factor, then the high one",
         ),
         (
             CONTRACT + '[sensitivity]\ndepth = [0.8, 1.2]\nstates = ["right"]\n',

@@ -456,7 +456,13 @@ def test_records_are_made_to_the_spectrum_of_the_site(block, monkeypatch):
         ("signs = [1]", 'measure = "Sa(T)"', "campaign.period_s: missing"),
         ("signs = [1]", 'method = "stripes"', "campaign.levels_g: missing"),
         ("signs = [1]", "levels_g = [0.1]", "campaign.levels_g"),
-        ("signs = [1]", "scale_limits = [2.0, 0.5]", "campaign.scale_limits"),
+        ("signs = [1]", "scale_limits = [2.0, 0.5]", "campaign.scale_limits: [2, 0.5] is no range; write"),
+        ("signs = [1]", "periods_s = [2.0, 0.5]", "campaign.periods_s: [2, 0.5] is no range; write"),
+        (
+            "shares = [0.0, 1.0]",
+            "shares = [0.0, 1e-6, 1.0]",
+            "campaign.shares[2]: 1e-06 of the movement moves",
+        ),
         ("shares = [0.0, 1.0]", "shares = [1.0, 0.0]", "campaign.shares: not in order"),
         ("signs = [1]", "signs = [2]", "campaign.signs[1]"),
         (
