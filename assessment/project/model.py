@@ -21,14 +21,14 @@ UNSEEN = "gaps, and blocks that touch nothing, are looked for once these are men
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class ProjectModel:
     """The assembly of a project, and the warnings about its drawing."""
 
     assembly: Assembly
     warnings: tuple[str, ...]
 
 
-def build_model(project: Project) -> Model:
+def build_model(project: Project) -> ProjectModel:
     """Read the drawing, check it, and place the control points.
 
     Raises DrawingError for a drawing that cannot be read, FaultyDrawingError, one of them, with all the faults of one
@@ -66,7 +66,7 @@ def build_model(project: Project) -> Model:
                 f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}"
             ) from None
     chosen_mechanisms(project, assembly)  # raises for wrong mechanisms before any analysis
-    return Model(assembly, (*warnings, *implausible(project, assembly)))
+    return ProjectModel(assembly, (*warnings, *implausible(project, assembly)))
 
 
 def _laid_out(project: Project, drawing: Drawing) -> tuple[float, tuple[str, ...]]:

@@ -12,7 +12,7 @@ from assessment.analyses.dynamic.errors import collapses_again
 from assessment.analyses.dynamic.histories import histories
 from assessment.analyses.dynamic.incremental import searches, summarise
 from assessment.analyses.dynamic.inputs import Campaign, starts_of, ultimates
-from assessment.analyses.dynamic.time_history import StageResult, motion_part
+from assessment.analyses.dynamic.time_history import DynamicResult, motion_part
 from assessment.project.motions import (
     BaseMotion,
     campaign_motions,
@@ -89,7 +89,7 @@ def add_dynamics(
     return complete
 
 
-def _add_histories(draft: Draft, found: Iterable[StageResult[History]]) -> bool:
+def _add_histories(draft: Draft, found: Iterable[DynamicResult[History]]) -> bool:
     """Add time histories to their states; return whether all were completed."""
     complete = True
     for each in found:
@@ -100,7 +100,7 @@ def _add_histories(draft: Draft, found: Iterable[StageResult[History]]) -> bool:
     return complete
 
 
-def _add_searches(draft: Draft, found: Sequence[StageResult[Search]]) -> bool:
+def _add_searches(draft: Draft, found: Sequence[DynamicResult[Search]]) -> bool:
     """Add the incremental analyses to their states; return whether all were completed."""
     complete = True
     records: dict[str, list[Search]] = {}
@@ -112,7 +112,7 @@ def _add_searches(draft: Draft, found: Sequence[StageResult[Search]]) -> bool:
     return complete
 
 
-def _take(draft: Draft, stage: StageResult[Any]) -> bool:
+def _take(draft: Draft, stage: DynamicResult[Any]) -> bool:
     """Add messages, certificates and time of a dynamic analysis; return whether it was completed."""
     draft.take(stage.warnings, stage.failures, stage.quality)
     draft.took(stage.stage, stage.seconds)

@@ -33,7 +33,7 @@ from mechanics.faults import visible
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
-    from assessment.project.model import Model
+    from assessment.project.model import ProjectModel
     from assessment.project.project import Project
     from mechanics import Assembly
 
@@ -51,7 +51,7 @@ PACKAGES = (
 )
 
 
-def describe(project: Project, model: Model) -> Results:
+def describe(project: Project, model: ProjectModel) -> Results:
     """Return the results before any analysis: every state is present, and empty.
 
     Raises OSError for a file of the project that cannot be read.
@@ -80,7 +80,7 @@ def describe(project: Project, model: Model) -> Results:
     )
 
 
-def _summary(model: Model) -> ModelSummary:
+def _summary(model: ProjectModel) -> ModelSummary:
     a = model.assembly
     return ModelSummary(
         blocks=len(a.blocks),

@@ -37,7 +37,7 @@ from assessment.workflow.skeleton import describe
 from assessment.workflow.studies import add_studies
 
 if TYPE_CHECKING:
-    from assessment.project.model import Model
+    from assessment.project.model import ProjectModel
     from assessment.project.project import Project
     from assessment.project.schema import SettlementTable
     from assessment.results.schema import Results
@@ -54,7 +54,7 @@ Ensemble = Sequence[Sequence[StateResult]]
 
 def run(
     project: Project,
-    model: Model,
+    model: ProjectModel,
     jobs: int = 0,
     store: Store | None = None,
     fresh: bool = False,
@@ -78,7 +78,7 @@ def run(
     return Outcome(results, complete, workers.computed, workers.taken)
 
 
-def _stages(project: Project, model: Model, workers: Workers) -> tuple[Results, bool]:
+def _stages(project: Project, model: ProjectModel, workers: Workers) -> tuple[Results, bool]:
     """Return the results, and whether every requested analysis was completed."""
     assembly = model.assembly
     motions = read_motions(project)

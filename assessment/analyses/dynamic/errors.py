@@ -19,7 +19,7 @@ from assessment.results.schema.part import known
 
 if TYPE_CHECKING:
     from assessment.analyses.dynamic.inputs import Campaign
-    from assessment.analyses.dynamic.time_history import StageResult
+    from assessment.analyses.dynamic.time_history import DynamicResult
     from assessment.project.motions import BaseMotion
     from assessment.results.schema.dynamic import Search
     from assessment.results.schema.studies import ConvergenceRow
@@ -37,7 +37,7 @@ class Estimates:
 
 
 def collapses_again(
-    campaign: Campaign, motions: list[BaseMotion], given: Sequence[StageResult[Search]]
+    campaign: Campaign, motions: list[BaseMotion], given: Sequence[DynamicResult[Search]]
 ) -> Estimates:
     """Estimate the error of the PGA at collapse; `given`: the searches in the order of their tasks.
 
@@ -81,7 +81,7 @@ def collapses_again(
     return found
 
 
-def _bracket(search: StageResult[Search]) -> Bracket:
+def _bracket(search: DynamicResult[Search]) -> Bracket:
     """Return the bracket of a search."""
     numbers = search.numbers
     _, certain = numbers.pga_collapse_g_range or (None, None)

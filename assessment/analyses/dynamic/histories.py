@@ -25,7 +25,7 @@ from assessment.analyses.dynamic.ensemble import (
 )
 from assessment.analyses.dynamic.inputs import Campaign
 from assessment.analyses.dynamic.refinement import Refinement
-from assessment.analyses.dynamic.time_history import Shaking, StageResult, history
+from assessment.analyses.dynamic.time_history import DynamicResult, Shaking, history
 from assessment.results.quality import joined
 from assessment.results.schema.dynamic import Band, History
 from assessment.results.schema.part import known
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 PEAK = "peak_displacement_m"
 
 
-def histories(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult[History]]:
+def histories(campaign: Campaign, motions: list[BaseMotion]) -> list[DynamicResult[History]]:
     """Return every time history that the project asks for, in the order of their tasks."""
     accuracy, scatter = accuracy_of(campaign.project), scatter_of(campaign.project)
     studies = [Study(task, accuracy, scatter) for task in history_tasks(campaign, motions)]
@@ -72,7 +72,7 @@ class Study:
     task: Shaking
     accuracy: Accuracy
     scatter: Scatter
-    members: dict[int, dict[int, StageResult[History]]] = field(default_factory=dict)
+    members: dict[int, dict[int, DynamicResult[History]]] = field(default_factory=dict)
 
     @property
     def pair(self) -> range:
@@ -125,7 +125,7 @@ class Study:
             motion = motion.at_half_step()
         return replace(self.task, motion=motion.at_amplitude(self.scatter.amplitudes[member]))
 
-    def result(self) -> StageResult[History]:
+    def result(self) -> DynamicResult[History]:
         """Return the history of the members at the finest time step, with the error estimated from the other steps."""
         state, record = self.task.state, self.task.motion.name
         title = f"{state}, history of {record}"
@@ -159,7 +159,7 @@ def _run(campaign: Campaign, wanted: Sequence[tuple[Study, int, int]]) -> None:
         study.members.setdefault(level, {})[member] = found
 
 
-def together(title: str, members: Sequence[StageResult[History]]) -> StageResult[History]:
+def together(title: str, members: Sequence[DynamicResult[History]]) -> DynamicResult[History]:
     """Return the members of a history as one result: the numbers of the worst member, and the range of all.
 
     A collapse is worse than any peak, an earlier collapse worse than a later one.
@@ -182,7 +182,7 @@ def together(title: str, members: Sequence[StageResult[History]]) -> StageResult
     if len(finished) > PAIR:
         found = found.replace(band=band(finished, np.array(known(found.curve).time_s)))
         warnings.append(_scattered(title, len(finished), fallen, low, middle, high))
-    return StageResult(
+    return DynamicResult(
         worst.state,
         worst.stage,
         found,
@@ -192,7 +192,7 @@ def together(title: str, members: Sequence[StageResult[History]]) -> StageResult
     )
 
 
-def band(members: Sequence[StageResult[History]], time: Array) -> Band:
+def band(members: Sequence[DynamicResult[History]], time: Array) -> Band:
     """Return the least and largest control displacement of all members, m, at times (k,) s.
 
     A member that collapsed keeps its last displacement.
@@ -201,12 +201,12 @@ def band(members: Sequence[StageResult[History]], time: Array) -> Band:
     return Band(low_m=np.min(each, axis=0).tolist(), high_m=np.max(each, axis=0).tolist())
 
 
-def peak(result: StageResult[History]) -> float | None:
+def peak(result: DynamicResult[History]) -> float | None:
     """Return the peak displacement of a history, m; None for a collapse."""
     return None if result.numbers.collapsed else result.numbers.peak_displacement_m
 
 
-def _suffering(member: StageResult[History]) -> tuple[bool, float]:
+def _suffering(member: DynamicResult[History]) -> tuple[bool, float]:
     """Return what members are ordered by, the worst last: collapses after all peaks, the earliest last."""
     numbers = member.numbers
     if numbers.collapsed:
@@ -227,14 +227,14 @@ def _scattered(
     )
 
 
-def _course(member: StageResult[History]) -> Course:
+def _course(member: DynamicResult[History]) -> Course:
     curve = known(member.numbers.curve)
     return Course(np.array(curve.time_s), np.array(curve.displacement_m), bool(member.numbers.collapsed))
 
 
-def _courses(members: dict[int, StageResult[History]]) -> list[Course]:
+def _courses(members: dict[int, DynamicResult[History]]) -> list[Course]:
     return [_course(each) for each in members.values() if each.numbers.collapsed is not None]
 
 
-def _failures(members: dict[int, StageResult[History]]) -> list[str]:
+def _failures(members: dict[int, DynamicResult[History]]) -> list[str]:
     return [text for each in members.values() for text in each.failures]

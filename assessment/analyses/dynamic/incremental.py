@@ -14,7 +14,7 @@ from assessment.analyses.dynamic.bracket import Bracket, collapse_near, find_col
 from assessment.analyses.dynamic.ensemble import Course, Scatter, enough, lowest_median_highest, scatter_of
 from assessment.analyses.dynamic.inputs import Campaign
 from assessment.analyses.dynamic.response import Setting, respond
-from assessment.analyses.dynamic.time_history import Shaking, StageResult, quality_row
+from assessment.analyses.dynamic.time_history import DynamicResult, Shaking, quality_row
 from assessment.results.schema.dynamic import Fragility, Incremental, Level, Search
 from mechanics import Assembly, ConvergenceError, State
 from mechanics.progress import stretch
@@ -29,7 +29,7 @@ RUNS = 30  # motions of a search, about
 AGAIN = 20  # of one that is repeated near its result, about, at two to eight levels
 
 
-def searches(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult[Search]]:
+def searches(campaign: Campaign, motions: list[BaseMotion]) -> list[DynamicResult[Search]]:
     """Return the search of every record from every state, state by state."""
     table = campaign.project.incremental
     assert table is not None
@@ -38,7 +38,7 @@ def searches(campaign: Campaign, motions: list[BaseMotion]) -> list[StageResult[
     return campaign.each("incremental", search, tasks, RUNS, scatter, table.max_scale, table.tolerance_g)
 
 
-def search(shaking: Shaking, scatter: Scatter, max_scale: float, tolerance: float) -> StageResult[Search]:
+def search(shaking: Shaking, scatter: Scatter, max_scale: float, tolerance: float) -> DynamicResult[Search]:
     """Return the PGA (g) at incipient collapse of one record from one state, with every run of the search.
 
     The levels go up to `max_scale` times the PGA of the record; `tolerance` (g): of the result.
@@ -86,7 +86,7 @@ def _spread(title: str, lowest: float, upper: float | None, largest: float) -> s
 
 def search_again(
     shaking: Shaking, near: Bracket, scatter: Scatter, max_scale: float, tolerance: float
-) -> StageResult[Search]:
+) -> DynamicResult[Search]:
     """Return the PGA (g) at incipient collapse, searched near the bracket that another time step gave."""
     largest = max_scale * shaking.motion.pga
     return _searched(
@@ -101,7 +101,7 @@ def search_title(shaking: Shaking) -> str:
 
 def _searched(
     shaking: Shaking, scatter: Scatter, bracketing: Callable[[Levels], Bracket], expected: int = RUNS
-) -> StageResult[Search]:
+) -> DynamicResult[Search]:
     """Return the numbers of the bracket that `bracketing` finds with the levels (g), in `expected` motions about."""
     title, motion, start = search_title(shaking), shaking.motion, shaking.start
     nothing = Search(
@@ -116,7 +116,7 @@ def _searched(
     )
     if isinstance(start, str):
         unanswered = nothing.replace(reason=start)
-        return StageResult(shaking.state, "incremental", unanswered, warnings=[f"{title}: {start}"])
+        return DynamicResult(shaking.state, "incremental", unanswered, warnings=[f"{title}: {start}"])
     levels = Levels(shaking.model, motion, shaking.setting, start, scatter, expected)
     failures = []
     began = time.perf_counter()
@@ -136,7 +136,7 @@ def _searched(
     members = [each for level in levels.members.values() for each in level]
     points = [point(Level, pga, level) for pga, level in sorted(levels.members.items()) if level]
     found = found.replace(runs=len(members), points=points, seconds=seconds)
-    result = StageResult(shaking.state, "incremental", found, failures=failures, seconds=seconds)
+    result = DynamicResult(shaking.state, "incremental", found, failures=failures, seconds=seconds)
     if members:
         worst, programs = max(each.worst for each in members), sum(each.programs for each in members)
         result.quality.append(quality_row(shaking.state, f"incremental, {motion.name}", programs, worst))

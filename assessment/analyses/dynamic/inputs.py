@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.dynamic.response import Setting
-from assessment.analyses.dynamic.time_history import Found, Shaking, StageResult, Start
+from assessment.analyses.dynamic.time_history import DynamicResult, Found, Shaking, Start
 from assessment.project.schema import ORIGINAL
 
 if TYPE_CHECKING:
@@ -55,11 +55,11 @@ class Campaign:
     def each(
         self,
         stage: str,
-        function: Callable[..., StageResult[Found]],
+        function: Callable[..., DynamicResult[Found]],
         tasks: Sequence[tuple[Shaking, *tuple[Any, ...]]],
         runs: int,
         *more: object,
-    ) -> list[StageResult[Found]]:
+    ) -> list[DynamicResult[Found]]:
         """Return function(*task, *more) for every task, in order; `runs`: motions of one task, about."""
         samples = [shaking.motion.record.acceleration.size for shaking, *_ in tasks]
         return self.workers.each(

@@ -35,7 +35,7 @@ MOST_POINTS = 2000  # of a curve kept for figures
 
 
 @dataclass
-class StageResult(Generic[Found]):
+class DynamicResult(Generic[Found]):
     """Result of one motion (History), or one search (Search), from one state.
 
     `numbers`: the part of the results; `quality`, `convergence`: its rows of these tables; `failures`: analyses that
@@ -63,7 +63,7 @@ class Shaking:
     start: Start
 
 
-def history(shaking: Shaking) -> StageResult[History]:
+def history(shaking: Shaking) -> DynamicResult[History]:
     """Return one time history; displacements are horizontal, of the control point, from the state's own rest, m.
 
     Times count from the first sample of the record's file, the window's start included. The largest displacement from
@@ -73,20 +73,20 @@ def history(shaking: Shaking) -> StageResult[History]:
     title = f"{shaking.state}, history of {motion.name}"
     if isinstance(start, str):
         nothing = _unanswered(motion, shaking.setting, start)
-        return StageResult(shaking.state, "history", nothing, warnings=[f"{title}: {start}"])
+        return DynamicResult(shaking.state, "history", nothing, warnings=[f"{title}: {start}"])
     began = time.perf_counter()
     try:
         response = respond(model, motion, shaking.setting, start)
     except ConvergenceError as error:
         nothing = _unanswered(motion, shaking.setting, str(error))
-        return StageResult(shaking.state, "history", nothing, failures=[f"{title}: {error}"])
+        return DynamicResult(shaking.state, "history", nothing, failures=[f"{title}: {error}"])
     seconds = time.perf_counter() - began
 
     found = _answered(model, motion, shaking.setting, response).replace(seconds=seconds)
     table = shaking.setting.table
     if isinstance(table, HistoryTable) and table.animation:
         found = found.replace(frames=frames(response, motion.start, model.initial.positions))
-    result = StageResult(shaking.state, "history", found, seconds=seconds)
+    result = DynamicResult(shaking.state, "history", found, seconds=seconds)
     result.quality.append(
         quality_row(shaking.state, f"history, {motion.name}", response.total("programs"), response.worst)
     )

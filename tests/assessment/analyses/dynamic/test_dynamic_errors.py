@@ -15,7 +15,7 @@ from assessment.analyses.dynamic.ensemble import Scatter
 from assessment.analyses.dynamic.errors import collapses_again
 from assessment.analyses.dynamic.incremental import search
 from assessment.analyses.dynamic.inputs import Campaign
-from assessment.analyses.dynamic.time_history import Shaking, StageResult
+from assessment.analyses.dynamic.time_history import DynamicResult, Shaking
 from assessment.project.model import build_model
 from assessment.project.motions import incremental_motions
 from assessment.project.project import load_project
@@ -104,8 +104,8 @@ def test_the_error_of_the_pga_at_collapse_bounds_the_distance_from_finer_analyse
     assert results["timing_s"]["incremental error"] > 0.0
 
 
-def made_up(numbers: dict) -> StageResult[Search]:
-    return StageResult("original", "incremental", made(Search, {"reason": None} | numbers))
+def made_up(numbers: dict) -> DynamicResult[Search]:
+    return DynamicResult("original", "incremental", made(Search, {"reason": None} | numbers))
 
 
 def again(project, found: dict, *finer: dict):
@@ -113,7 +113,7 @@ def again(project, found: dict, *finer: dict):
     motions = incremental_motions(project)
     task = Shaking(None, motions[0], None, "original", None)
 
-    def each(_, __, tasks, *more) -> list[StageResult]:
+    def each(_, __, tasks, *more) -> list[DynamicResult]:
         assert [task.motion.record.time_step for task, *_ in tasks] == [STEP / 2, STEP / 4][: len(tasks)]
         return [made_up(one) for one in finer][: len(tasks)]
 

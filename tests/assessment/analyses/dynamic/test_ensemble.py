@@ -12,7 +12,7 @@ from assessment.analyses.dynamic import histories
 from assessment.analyses.dynamic.ensemble import Course, Scatter, agree, lowest_median_highest
 from assessment.analyses.dynamic.histories import together
 from assessment.analyses.dynamic.response import Setting, respond
-from assessment.analyses.dynamic.time_history import Shaking, StageResult, quality_row
+from assessment.analyses.dynamic.time_history import DynamicResult, Shaking, quality_row
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, HistoryTable
 from assessment.results.schema.dynamic import History
@@ -156,7 +156,7 @@ def member(peak=0.1, collapsed=False, time=None):
         "time_of_collapse_s": time,
         "curve": {"time_s": time_s, "displacement_m": [0.0, peak]},
     }
-    return StageResult("s", "history", made(History, numbers), quality=[row(2, peak)], seconds=1.0)
+    return DynamicResult("s", "history", made(History, numbers), quality=[row(2, peak)], seconds=1.0)
 
 
 def row(solves, residual):
@@ -182,7 +182,7 @@ def test_a_collapse_is_beyond_any_peak_and_the_earliest_counts():
 
 
 def test_a_member_that_fails_is_told_and_the_others_count():
-    failed = StageResult("s", "history", made(History, {"reason": "no"}), failures=["s, r: no"])
+    failed = DynamicResult("s", "history", made(History, {"reason": "no"}), failures=["s, r: no"])
     found = together("s, r", [member(0.1), failed])
     assert found.failures == ["s, r: no"] and found.numbers.members == 1
     assert together("s, r", [failed, failed]) is failed
