@@ -37,7 +37,7 @@ STAGES = (
 EXAMPLES = {  # what the help of each command ends with; "": of all of them
     "": ("assesto new arch --template buttressed-arch", "assesto run arch"),
     "run": ("assesto run arch", "assesto run arch --only pushdown,pushover --out trial"),
-    "check": ("assesto check arch", "assesto check arch --out trial"),
+    "check": ("assesto check arch", "assesto check arch --repair"),
     "new": (
         "assesto new arch --template buttressed-arch",
         "assesto new wall --template wall --set courses=12",
@@ -121,7 +121,11 @@ def _run(parsers: Parsers) -> None:
 
 def _check(parsers: Parsers) -> None:
     what = "read and validate everything, draw the model; no analysis"
-    _add_project(_added(parsers, "check", commands.check, what), "model.svg")
+    parser = _added(parsers, "check", commands.check, what)
+    _add_project(parser, "model.svg")
+    _add_flag(
+        parser, "--repair", "write a repaired drawing beside the original, and check that; lists every change"
+    )
 
 
 def _status(parsers: Parsers) -> None:

@@ -45,12 +45,16 @@ def run(options: argparse.Namespace) -> int:
 
 
 def check(options: argparse.Namespace) -> int:
-    """Read and validate everything, draw the model, print its summary and every warning; no analysis."""
+    """Read and validate everything, draw the model, print its summary and every warning; no analysis.
+
+    With `--repair` first write a repaired drawing beside the project's, tell every change, and check that one.
+    """
     from assessment.analyses.checks.demand import demand_spectra
     from assessment.analyses.static.paths import stand
     from assessment.project.model import build_model
     from assessment.project.plausibility import implausible_hazard
     from assessment.project.project import load_project
+    from assessment.project.repair import with_repaired_drawing
     from assessment.report.chapters.judgement_file import refuse_unreadable
     from assessment.report.figures.drawings.faults import draw_faults
     from assessment.report.figures.drawings.model import draw_model
@@ -65,6 +69,13 @@ def check(options: argparse.Namespace) -> int:
     folder = _writable(options.out or project.folder / "output")
     refuse_unreadable(folder)
     drawing = folder / "model.svg"
+    if options.repair:
+        project, changes = with_repaired_drawing(project)
+        for change in changes:
+            say(change)
+        name = project.geometry.drawing
+        wrote = f'{len(changes)} changes: {project.path(name)}; to use it write geometry.drawing = "{name}"'
+        say(wrote if changes else f"{name}: nothing that can be repaired")
     try:
         model = build_model(project)
     except FaultyDrawingError as faulty:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from assessment.ntc.load_factors import psi_2
@@ -35,15 +36,8 @@ def build_model(project: Project) -> ProjectModel:
     that is no assembly, and ProjectError for a control point outside every block or a mechanism whose blocks are not
     there.
     """
-    geometry = project.geometry
-    drawing = survey_drawing(
-        project.path(geometry.drawing),
-        geometry.unit,
-        _layer(project, None),
-        {name: _layer(project, table) for name, table in project.layers.items()},
-        geometry.sagitta_m,
-    )
-    tolerance, warnings = _laid_out(project, drawing)
+    drawing = survey_drawing(*how_to_read(project))
+    geometry, (tolerance, warnings) = project.geometry, _laid_out(project, drawing)
     unset = sorted({block.layer for block in drawing.blocks if block.material.normal_stiffness is None})
     if unset and project.elastic:
         raise ProjectError(
@@ -67,6 +61,18 @@ def build_model(project: Project) -> ProjectModel:
             ) from None
     chosen_mechanisms(project, assembly)  # raises for wrong mechanisms before any analysis
     return ProjectModel(assembly, (*warnings, *implausible(project, assembly)))
+
+
+def how_to_read(project: Project) -> tuple[Path, str, Layer, dict[str, Layer], float | None]:
+    """Return a project's drawing, its unit, the layers and the sagitta: what `read_drawing` is called with."""
+    geometry = project.geometry
+    return (
+        project.path(geometry.drawing),
+        geometry.unit,
+        _layer(project, None),
+        {name: _layer(project, table) for name, table in project.layers.items()},
+        geometry.sagitta_m,
+    )
 
 
 def _laid_out(project: Project, drawing: Drawing) -> tuple[float, tuple[str, ...]]:

@@ -13,6 +13,7 @@ from mechanics.model.contacts import (
     relative_motion,
 )
 from mechanics.model.dxf import Drawing, Layer, read_drawing, survey_drawing
+from mechanics.model.dxf_repair import Repair, repair_drawing
 from mechanics.model.joints import default_tolerance
 from mechanics.model.model_checks import survey_layout
 
@@ -29,6 +30,7 @@ __all__ = [
     "H",
     "Layer",
     "Material",
+    "Repair",
     "State",
     "V",
     "default_tolerance",
@@ -38,6 +40,8 @@ __all__ = [
     "kinematic_contacts",
     "read_drawing",
     "relative_motion",
+    "repair_drawing",
+    "rows",
     "survey_drawing",
     "survey_layout",
 ]

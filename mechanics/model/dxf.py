@@ -143,15 +143,13 @@ def survey_drawing(
     require(unit in METRES, "unit", unit, '"mm", "cm" or "m"')
     require(sagitta is None or 0.0 < sagitta < np.inf, "sagitta", sagitta, "positive, in m, or None")
     path, scale = Path(path), METRES[unit]
-    document, warnings = _open(path)
-    placed = _model_space(document, path)
-    outlines = _outlines(placed, scale, sagitta, path)
+    document, warnings = open_document(path)
+    placed = placed_entities(document, path)
+    outlines = placed_outlines(placed, scale, sagitta, path)
     closed = [o for o in outlines if o.closed]
     holding = {_key(o.source.layer) for o in closed}
     named = {_key(name): layer for name, layer in layers.items()}
-    needed = [
-        o for o in outlines if not named or not closed or _key(o.source.layer) in holding | named.keys()
-    ]
+    needed = meant_as_blocks(outlines, layers)
 
     wrong = {id(o): fault for o in needed if (fault := fault_of(o, scale)) is not None}
     faults = [*_layer_faults(document, placed, layers), *wrong.values()]
@@ -169,7 +167,7 @@ def survey_drawing(
         return named.get(_key(outline.source.layer), default)
 
     return Drawing(
-        tuple(_block(o, layer_of(o), scale) for o in used),
+        tuple(block_of(o, layer_of(o), scale) for o in used),
         tuple(f"{path.name}: {w}" for w in warnings),
         scale * max((o.sagitta for o in used), default=0.0),
         tuple(faults),
@@ -181,8 +179,18 @@ def survey_drawing(
     )
 
 
-def _open(path: Path) -> tuple[Document, list[str]]:
-    """Read the document, repaired where that loses nothing; warn of repairs."""
+def meant_as_blocks(outlines: Sequence[PlacedOutline], layers: Mapping[str, Layer]) -> list[PlacedOutline]:
+    """Return the outlines that are or should be blocks: of open ones, where layers are named, those beside blocks."""
+    closed = {_key(o.source.layer) for o in outlines if o.closed}
+    with_blocks = closed | {_key(name) for name in layers}
+    return [o for o in outlines if not layers or not closed or _key(o.source.layer) in with_blocks]
+
+
+def open_document(path: Path) -> tuple[Document, list[str]]:
+    """Return the document, repaired where that loses nothing, and warnings of that.
+
+    Raises DrawingError where it cannot be read.
+    """
     try:
         size = path.stat().st_size
         data = path.read_bytes() if 0 < size <= MOST_BYTES else b""  # what has no size may have no end
@@ -220,8 +228,11 @@ def _open(path: Path) -> tuple[Document, list[str]]:
     ]
 
 
-def _model_space(document: Document, path: Path) -> list[Placed]:
-    """Return all entities of model space, those inside INSERTs where these put them."""
+def placed_entities(document: Document, path: Path) -> list[Placed]:
+    """Return all entities of model space, those inside INSERTs where these put them.
+
+    Raises DrawingError for more than MOST_ENTITIES.
+    """
     off = {_key(layer.dxf.name) for layer in document.layers if layer.is_off()}
     frozen = {_key(layer.dxf.name) for layer in document.layers if layer.is_frozen()}
     count = 0
@@ -259,10 +270,13 @@ def _model_space(document: Document, path: Path) -> list[Placed]:
     return list(place(document.modelspace(), Matrix44(), "0", "", hidden=False))
 
 
-def _outlines(
+def placed_outlines(
     placed: Sequence[Placed], scale: float, sagitta: float | None, path: Path
 ) -> list[PlacedOutline]:
-    """Return the outlines of the polylines that are shown; DrawingError where they have too many vertices."""
+    """Return the outlines of the polylines that are shown; `scale`: m per drawing unit, `sagitta` in m.
+
+    Raises DrawingError where they have more than MOST_POINTS vertices.
+    """
     outlines, count = [], 0
     for source in placed:
         if source.hidden or not is_polyline(source.entity):
@@ -330,7 +344,8 @@ def _left_out(placed: Sequence[Placed], open_: Sequence[PlacedOutline]) -> list[
     return warnings
 
 
-def _block(outline: PlacedOutline, layer: Layer, scale: float) -> Block:
+def block_of(outline: PlacedOutline, layer: Layer, scale: float) -> Block:
+    """Return the block of an outline on a layer; `scale`: m per drawing unit."""
     of_layer = {field.name: getattr(layer, field.name) for field in fields(layer)}
     source = outline.source
     return Block(scale * outline.points[:, :2], **of_layer, layer=source.layer, handle=source.handle)

@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from mechanics.faults import Fault, FaultyDrawingError, Outline, listed
 from mechanics.model.block import Block
 from mechanics.model.joints import Joints, find_joints
-from mechanics.model.overlaps import Polygons, eroded, name_of, overlaps_of, place_of
+from mechanics.model.overlaps import Overlaps, Polygons, eroded, name_of, overlaps_of, place_of
 from mechanics.types import Array, Index
 
 NEAR = 20.0  # edges that face each other within this many tolerances were likely meant to touch
@@ -80,7 +80,7 @@ def survey_layout(blocks: Sequence[Block], tolerance: float, whole: bool = True)
     if overlaps.cut_short or not whole or any(fault.kind == "short" for fault in faults):
         return Layout((*faults, *overlaps.faults), ())
     kept = np.flatnonzero(~overlaps.surplus)
-    gaps = _gaps(blocks, polygons, kept, tolerance)
+    gaps = _gaps(blocks, polygons, kept, tolerance, NEAR * tolerance)
     joints = _joints(blocks, kept, tolerance)
     held = np.concatenate([np.stack([joints.a, joints.b], axis=1), overlaps.pairs])
     held = held[~overlaps.surplus[held].any(axis=1)]
@@ -102,6 +102,22 @@ def survey_layout(blocks: Sequence[Block], tolerance: float, whole: bool = True)
         (*warnings, *filter(None, remedies[1:]), *_idle_supports(blocks, polygons, tolerance)),
         remedies[0],
     )
+
+
+def misfits(blocks: Sequence[Block], tolerance: float, reach: float) -> tuple[Overlaps, Index]:
+    """Return the overlaps of blocks, and the pairs (p, 2) that overlap or face each other across at most `reach` (m).
+
+    Less than the `tolerance` (m) is no overlap and no gap. What is drawn twice or is a frame is in no pair. Raises
+    FaultyDrawingError where edges are too short beside the tolerance, or more blocks overlap than are looked for.
+    """
+    polygons = shapely.polygons([shapely.linearrings(b.polygon) for b in blocks])
+    overlaps = overlaps_of(blocks, polygons, tolerance)
+    if short := _too_short(blocks, tolerance) or (overlaps.faults if overlaps.cut_short else []):
+        raise FaultyDrawingError("", short, outlines_of(blocks))
+    kept = np.flatnonzero(~overlaps.surplus)
+    overlapping = overlaps.pairs[~overlaps.surplus[overlaps.pairs].any(axis=1)]
+    gaps = _gaps(blocks, polygons, kept, tolerance, reach)
+    return overlaps, np.unique(np.sort(np.concatenate([overlapping, gaps.pair]), axis=1), axis=0)
 
 
 def outlines_of(blocks: Sequence[Block]) -> list[Outline]:
@@ -172,11 +188,11 @@ def _floating(blocks: Sequence[Block], adrift: Index, body: Index) -> list[Fault
     return faults
 
 
-def _gaps(blocks: Sequence[Block], polygons: Polygons, kept: Index, tolerance: float) -> _Gaps:
-    """Return the gaps that were likely meant to be joints, those between the same blocks as one."""
-    facing = _joints(blocks, kept, NEAR * tolerance)
+def _gaps(blocks: Sequence[Block], polygons: Polygons, kept: Index, tolerance: float, reach: float) -> _Gaps:
+    """Return the gaps of at most `reach` (m) with nothing between, those between the same blocks as one."""
+    facing = _joints(blocks, kept, reach)
     pair = np.stack([facing.a, facing.b], axis=1)
-    apart = _apart(blocks, polygons, facing, 0.51 * NEAR * tolerance)
+    apart = _apart(blocks, polygons, facing, 0.51 * reach)
     middle = facing.ends.mean(axis=1)
     midway = shapely.STRtree(shapely.points(middle))
     k, at = midway.query(polygons[kept], predicate="dwithin", distance=tolerance)

@@ -28,12 +28,14 @@ Flags = NDArray[np.bool_]
 class Overlaps:
     """`faults`; `pairs` (p, 2) of blocks that overlap; `surplus` (b,): copies, and frames around other blocks.
 
-    `cut_short`: there are more than the most that are looked for.
+    `original` (b,): the block that a copy repeats, −1 for what is no copy. `cut_short`: there are more than the most
+    that are looked for.
     """
 
     faults: list[Fault]
     pairs: Index
     surplus: Flags
+    original: Index
     cut_short: bool
 
 
@@ -45,14 +47,14 @@ def overlaps_of(
     A circle of that diameter fits into the common area, or a vertex lies that deep inside.
     """
     pairs, cut_short = _overlapping(blocks, polygons, tolerance, most)
-    surplus = np.zeros(len(blocks), dtype=bool)
-    faults = [*_copies(blocks, polygons, pairs, tolerance, surplus)]
+    surplus, original = np.zeros(len(blocks), dtype=bool), np.full(len(blocks), -1)
+    faults = [*_copies(blocks, polygons, pairs, tolerance, surplus, original)]
     others = pairs[~surplus[pairs].any(axis=1)]
     faults += _overlap_faults(blocks, polygons, others, surplus)
     if cut_short:
         text = f"more than {most} pairs of blocks overlap, and no more were looked for; mend these first"
         faults.append(Fault("overlap", text))
-    return Overlaps(faults, pairs, surplus, cut_short)
+    return Overlaps(faults, pairs, surplus, original, cut_short)
 
 
 def eroded(polygons: Polygons, tolerance: float) -> Polygons:
@@ -103,9 +105,14 @@ def _overlapping(
 
 
 def _copies(
-    blocks: Sequence[Block], polygons: Polygons, pairs: Index, tolerance: float, surplus: Flags
+    blocks: Sequence[Block],
+    polygons: Polygons,
+    pairs: Index,
+    tolerance: float,
+    surplus: Flags,
+    original: Index,
 ) -> Iterator[Fault]:
-    """Yield outlines that are drawn more than once, and mark the later ones as surplus."""
+    """Yield outlines that are drawn more than once, and mark the later ones as surplus, each with its original."""
     bounds, rims = shapely.bounds(polygons), shapely.boundary(polygons)
     shapely.prepare(rims)
     alike = (abs(bounds[pairs[:, 0]] - bounds[pairs[:, 1]]) <= tolerance).all(axis=1)
@@ -114,7 +121,7 @@ def _copies(
         if surplus[i] or surplus[j] or not _within(blocks, rims, i, j, tolerance):
             continue
         copies[i].append(j)
-        surplus[j] = True
+        surplus[j], original[j] = True, i
     for i, found in copies.items():
         where = shapely.get_coordinates(shapely.point_on_surface(polygons[i]))
         others = " and ".join(name_of(blocks, j) for j in found[:2])

@@ -148,6 +148,40 @@ def fault_of(outline: PlacedOutline, scale: float) -> Fault | None:
     return None
 
 
+def file_points(outline: PlacedOutline) -> Array:
+    """Return the vertices (n, 3) that the file has of an outline, in model space and drawing units."""
+    vertices, _ = _vertices(outline.source.entity)
+    to_model = _to_model(outline.source)
+    return np.asarray(vertices[:, :3] @ to_model[:3, :3] + to_model[3, :3])
+
+
+def has_arcs(outline: PlacedOutline) -> bool:
+    """Whether an outline is drawn with arcs."""
+    return bool(_vertices(outline.source.entity)[0][:, 3].any())
+
+
+def redraw(outline: PlacedOutline, points: Array) -> None:
+    """Give the entity of an outline the vertices (n, 3) of model space in drawing units, closed, in place of its own.
+
+    They are as many as its own or fewer; their bulges are those of its first ones. The entity is in no INSERT.
+    """
+    entity: Any = outline.source.entity
+    to_model = _to_model(outline.source)
+    own = (points - to_model[3, :3]) @ np.linalg.inv(to_model[:3, :3])
+    if isinstance(entity, LWPolyline):
+        kept = entity.get_points("seb")[: len(own)]
+        entity.set_points(
+            [(x, y, *rest) for (x, y, _), rest in zip(own.tolist(), kept, strict=True)], "xyseb"
+        )
+    else:
+        on_it = [v for v in entity.vertices if not v.dxf.flags & SPLINE_FRAME]
+        for vertex, place in zip(on_it, own.tolist(), strict=False):
+            vertex.dxf.location = Vec3(place)
+        gone = set(map(id, on_it[len(own) :]))
+        entity.vertices[:] = [v for v in entity.vertices if id(v) not in gone]
+    entity.close(True)
+
+
 def _is_flat(entity: Any) -> bool:
     """Whether a polyline is drawn in its own plane, and may have arcs."""
     return isinstance(entity, LWPolyline) or bool(entity.is_2d_polyline)

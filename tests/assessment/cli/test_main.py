@@ -7,6 +7,7 @@ import json
 
 import numpy as np
 import pytest
+from ezdxf.filemanagement import readfile
 
 from assessment.cli.main import main
 from assessment.runtime.cache import FOLDER
@@ -203,6 +204,43 @@ def test_check_draws_the_model_and_runs_nothing(project, capsys):
     assert "own weight: yes" in out
     assert (project / "output" / "model.svg").read_text(encoding="utf-8").lstrip().startswith("<?xml")
     assert not (project / "output" / "results.json").exists()
+
+
+def test_check_repairs_a_drawing_beside_the_original_and_tells_every_change(project, capsys):
+    """Two outlines, one raised by 2 mm and one drawn twice: the model of the repaired drawing is the intended one."""
+    drawn = project / "geometry.dxf"
+    document = readfile(drawn)
+    stone = document.modelspace().query('LWPOLYLINE[layer!="BASE"]')[0]
+    stone.set_points([(x, y + 0.002, *rest) for x, y, *rest in stone.get_points("xyseb")], "xyseb")
+    document.modelspace().add_lwpolyline(
+        stone.get_points(), close=True, dxfattribs={"layer": stone.dxf.layer}
+    )
+    document.saveas(drawn)
+    original = drawn.read_bytes()
+    assert main(["check", str(project)]) == 2
+    capsys.readouterr()
+    assert main(["check", str(project), "--repair"]) == 0
+    out = capsys.readouterr().out
+    assert drawn.read_bytes() == original
+    assert "deleted, the same outline as" in out and out.count("moved by 2 mm") == 2
+    assert f"3 changes: {project / 'geometry-repaired.dxf'}; to use it write" in out
+    assert main(["check", str(project), "--repair"]) == 2
+    assert "geometry-repaired.dxf: there is such a file already; delete it" in capsys.readouterr().err
+    edit(project, 'drawing = "geometry.dxf"', 'drawing = "geometry-repaired.dxf"')
+    assert main(["check", str(project), "--repair"]) == 0
+    assert "geometry-repaired.dxf: nothing that can be repaired" in capsys.readouterr().out
+    assert not (project / "geometry-repaired-repaired.dxf").exists()
+
+
+def test_what_no_repair_can_mend_is_still_refused(project, capsys):
+    drawn = project / "geometry.dxf"
+    document = readfile(drawn)
+    document.modelspace().add_lwpolyline([(9, 0), (10, 1), (10, 0), (9, 1)], close=True)
+    document.saveas(drawn)
+    assert main(["check", str(project), "--repair"]) == 2
+    out, err = capsys.readouterr()
+    assert "crosses or touches itself" in err and "nothing that can be repaired" in out
+    assert not (project / "geometry-repaired.dxf").exists()
 
 
 def test_new_writes_a_project_that_checks(tmp_path, capsys):

@@ -26,6 +26,7 @@ from assessment.project.model import build_model
 from assessment.project.motions import history_motions
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import load_project
+from assessment.project.repair import with_repaired_drawing
 from assessment.report.tables.index import inert
 from assessment.report.text.language import Words, slug
 from assessment.report.text.messages import translated
@@ -129,6 +130,17 @@ def _drawing(folder: Path) -> Try:
     def attempt(content: str | bytes) -> str:
         _write(folder / "geometry.dxf", content)
         return judged(lambda: build_model(load_project(folder)))
+
+    return attempt
+
+
+def _repaired(folder: Path) -> Try:
+    _write(folder / "project.toml", WALL)
+
+    def attempt(content: str | bytes) -> str:
+        _write(folder / "geometry.dxf", content)
+        (folder / "geometry-repaired.dxf").unlink(missing_ok=True)
+        return judged(lambda: build_model(with_repaired_drawing(load_project(folder))[0]))
 
     return attempt
 
@@ -273,6 +285,9 @@ KINDS: dict[str, Kind] = {
         | damaged_bytes(dxf_text.WHOLE.encode()),
         _drawing,
         800,
+    ),
+    "drawing, repaired": Kind(
+        dxf_text.hostile_drawings() | damaged_lines(dxf_text.WHOLE, numbers), _repaired, 100
     ),
     "drawing, with its picture": Kind(
         dxf_text.hostile_drawings() | damaged_lines(dxf_text.WHOLE, numbers), _pictured, 50
