@@ -41,7 +41,6 @@ __all__ = [
     "read_drawing",
     "relative_motion",
     "repair_drawing",
-    "rows",
     "survey_drawing",
     "survey_layout",
 ]
