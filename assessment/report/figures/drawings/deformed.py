@@ -188,18 +188,19 @@ class Mechanism:
         for owner, slide in zip(self.sliding.a, self.slides, strict=True):
             ends = self._carried(slide, np.full(2, owner))
             axes.plot(ends[:, 0], ends[:, 1], **SLIDING)
+        labels = Labels(page, axes)
         if self.hinges:
             owner = np.array([self.start.nearest(point) for point in self.hinges])
             points = self._carried(np.asarray(self.hinges, dtype=float), owner)
             axes.plot(points[:, 0], points[:, 1], **HINGE)
-        self._number_macro_blocks(page, axes)
+            labels.avoid(points, HINGE["markersize"] + HINGE["markeredgewidth"])
+        self._number_macro_blocks(labels)
 
-    def _number_macro_blocks(self, page: Sheet, axes: Axes) -> None:
+    def _number_macro_blocks(self, labels: Labels) -> None:
         """Write the numbers of the macro-blocks, as in the table of the hand check, near their centroids.
 
         Those of less than LIGHT of the moving weight have none.
         """
-        labels = Labels(page, axes)
         whole_weight = sum(each.weight for each in self.macro_blocks)
         for number, whole in enumerate(self.macro_blocks, 1):
             if whole.weight >= LIGHT * whole_weight:

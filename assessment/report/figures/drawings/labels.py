@@ -52,6 +52,11 @@ class Labels:
                 return True
         return False
 
+    def avoid(self, places: Array, points: float) -> None:
+        """Keep texts off marks (n, 2) of a size in points."""
+        half = 0.5 * self.page.paper(points * POINT_MM)
+        self.taken += [np.concatenate([place - half, place + half]) for place in places]
+
     def put(self, text: str, place: Array, **style: Any) -> None:
         """Write a text at a place (2,) that is its own, such as the inside of a block, whatever is there."""
         half = 0.5 * self._size(text, float(style.get("fontsize", 7.5)), style)

@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.patches import Rectangle
 
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.figures.curves import draw_pushdown, draw_pushover
-from assessment.report.figures.drawings.deformed import draw_settlement
+from assessment.report.figures.drawings import deformed
+from assessment.report.figures.drawings.deformed import draw_mechanisms, draw_settlement, found_mechanism
 from assessment.report.figures.drawings.thrust import round_force
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.figures.style import (
@@ -32,9 +34,11 @@ from assessment.report.figures.style import (
     typeset,
 )
 from assessment.report.text.language import slug, words_of
+from assessment.results.configurations.hand_check import macro_blocks
 from assessment.results.configurations.outlines import Outlines, outlines
 from assessment.runtime.processes.pool import Pool
 from assessment.workflow.stages import run
+from tests.support.analysed import analysed
 from tests.support.block_project import TURNED, write_block
 from tests.support.block_project import block as tables_of_block
 from tests.support.results_example import SETTLED, results_example
@@ -278,3 +282,41 @@ def test_the_labels_of_an_axis_have_the_same_decimals():
 def test_resultants_are_drawn_to_a_round_scale(largest, unit):
     """The legend said "12 mm: 0.124 kN", which no scale reads; the largest is at most 13 mm long."""
     assert round_force(largest) == pytest.approx(unit)
+
+
+def numbers_of(figure):
+    """The numbers of the macro-blocks on the first panel, with their boxes in pixels."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    texts = [text for text in figure.axes[0].texts if text.get_text().isdigit()]
+    return {text.get_text(): text.get_window_extent(canvas.get_renderer()) for text in texts}
+
+
+def test_macro_blocks_of_less_than_a_hundredth_of_the_moving_weight_have_no_number(monkeypatch):
+    """The bound is put above the second of three here: of those that move, one weighs more than four tenths."""
+    results = typed(analysed())
+    weights = [each.weight for each in macro_blocks(results, "original", "+x")]
+    figure = draw_mechanisms(results, words_of(results), ["original"], "+x")
+    assert deformed.LIGHT == 0.01 and set(numbers_of(figure)) == {"1", "2", "3"}
+    monkeypatch.setattr(deformed, "LIGHT", 0.5 * (weights[0] + weights[1]) / sum(weights))
+    figure = draw_mechanisms(results, words_of(results), ["original"], "+x")
+    assert set(numbers_of(figure)) == {"1"}
+
+
+def test_numbers_of_macro_blocks_are_off_hinges_and_off_one_another(monkeypatch):
+    """A hinge where each of the numbers would stand: it was written over."""
+    results = typed(analysed())
+    parts = macro_blocks(results, "original", "+x")
+    view = found_mechanism(results, "original", "+x")
+    for each in parts:
+        near = min(each.members, key=lambda block: np.hypot(*(view.start.centroids[block] - each.centroid)))
+        view.hinges = [*view.hinges, tuple(view.start.centroids[near])]
+    monkeypatch.setattr(deformed, "found_mechanism", lambda *_: view)
+    figure = draw_mechanisms(results, words_of(results), ["original"], "+x")
+    boxes = list(numbers_of(figure).values())
+    axes = figure.axes[0]
+    marks = next(line for line in axes.lines if line.get_marker() == "o").get_xydata()
+    assert len(boxes) == len(parts) == 3 and len(marks) == len(view.hinges)
+    for box in boxes:
+        assert not any(box.contains(*axes.transData.transform(mark)) for mark in marks)
+        assert not any(box.overlaps(other) for other in boxes if other is not box)
