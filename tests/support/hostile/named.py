@@ -151,7 +151,7 @@ def _half_circle(count: int) -> list[tuple[float, float]]:
     return [(round(3 * math.cos(angle), 12), round(3 * math.sin(angle), 12)) for angle in angles]
 
 
-HARMLESS = re.compile(r"(rotation_rad|height_m) = 1e-300|friction = (1e300|1e-300|1e400)")
+HARMLESS = re.compile(r"height_m = 1e-300|friction = (1e300|1e-300|1e400)")
 NUMBER = re.compile(r"(?m)^(\w+ = )-?[\d.e]+(?=\s|$)")
 CONTENT = PROJECT + ASSESSMENT + FLOOR
 COMPLETE: dict[str, Case] = {
