@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import argparse
     from pathlib import Path
 
+REPAIRABLE = {"outline", "twice", "overlap", "gap"}  # kinds of faults
 TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
 
 
@@ -83,6 +84,8 @@ def check(options: argparse.Namespace) -> int:
         if faulty.outlines:
             save_svg(partial(draw_faults, faulty, Words.of(project.report.language)), drawing)
             tell(f"drawing with the faults marked: {drawing}")
+        if not options.repair and any(fault.kind in REPAIRABLE for fault in faulty.faults):
+            tell("what is small of this can be mended in a copy: assesto check --repair")
         return WRONG_INPUT
     results = describe(project, model)
     motions = read_motions(project)

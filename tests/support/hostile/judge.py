@@ -21,6 +21,7 @@ INTERNAL = re.compile(
 )
 WITHOUT_REMEDY = re.compile(
     r"and \d+ more of this kind|gaps of up to|gaps, and blocks that touch nothing|drawing with the faults marked"
+    r"|what is small of this"
 )
 LONGEST = 3000  # characters of a line of a message
 
@@ -49,7 +50,7 @@ def commanded(*arguments: str | Path) -> str:
     assert out.getvalue() == ""
     lines = err.getvalue().splitlines()
     for line in lines:
-        assert line.startswith(("error: ", "drawing with the faults marked: "))
+        assert line.startswith(("error: ", "drawing with the faults marked: ", "what is small of this"))
     check("\n".join(line.removeprefix("error: ") for line in lines))
     return REFUSED
 
