@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from assessment.project.schema import KeyPath
-from assessment.project.schema_index import keys_at
+from assessment.project.schema.index import keys_at
 from assessment.runtime.errors import ProjectError, nearest, shortened
 
 

@@ -13,7 +13,7 @@ from assessment.analyses.accuracy import MOST_HALVINGS, PRESETS
 from assessment.benchmark.command import BENCHMARKS
 from assessment.cli import arguments, commands, exit_codes
 from assessment.project.schema import MotionTable, ProjectContent, Table
-from assessment.project.schema_index import annotation_at, table_at, tables_of
+from assessment.project.schema.index import annotation_at, table_at, tables_of
 from assessment.report.formats.pdf import APT_COMMAND, COMMANDS
 from tests import ROOT
 

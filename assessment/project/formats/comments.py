@@ -7,7 +7,7 @@ from typing import Any
 
 from assessment.project.formats.toml import plain_values, toml_header, toml_line, toml_tables
 from assessment.project.schema import KeyPath, Table
-from assessment.project.schema_index import keys_at, table_at, tables_of
+from assessment.project.schema.index import keys_at, table_at, tables_of
 
 COLUMN = 40  # where the meanings begin
 

@@ -21,7 +21,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 from assessment.project.formats.comments import unset_keys
 from assessment.project.formats.workbook import Rows, read_sheets
 from assessment.project.schema import KeyPath, ProjectContent
-from assessment.project.schema_index import alternatives, annotation_at, keys_at, table_at, tables_of
+from assessment.project.schema.index import alternatives, annotation_at, keys_at, table_at, tables_of
 from assessment.runtime.errors import ProjectError, nearest
 
 _FORMS = tables_of(ProjectContent)

@@ -21,7 +21,7 @@ from assessment.project.catalogue.geometry import THINNEST, Layout, Ring
 from assessment.project.catalogue.new_project import new_project, template_layout, template_options
 from assessment.project.catalogue.templates import TEMPLATES
 from assessment.project.project import load_project
-from assessment.project.schema_index import keys_at
+from assessment.project.schema.index import keys_at
 from assessment.runtime.errors import ProjectError
 from mechanics import Assembly, Block, Material, limit_analysis, read_drawing
 from mechanics.model.dxf import Layer

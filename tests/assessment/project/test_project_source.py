@@ -16,7 +16,7 @@ from assessment.project.formats.comments import commented_toml
 from assessment.project.formats.toml import updated_toml
 from assessment.project.project import load_project
 from assessment.project.schema import ProjectContent
-from assessment.project.schema_index import keys_at, table_at, tables_of
+from assessment.project.schema.index import keys_at, table_at, tables_of
 from tests.support.project_strategy import project_contents
 from tests.support.project_toml import to_toml
 
