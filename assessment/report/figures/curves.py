@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,11 @@ from assessment.results.schema.static import PushdownPath, Pushovers
 from assessment.results.table import sense
 
 WIDTHS = {"rigid": 0.8, "elastic": 1.9}
-YIELD: dict[str, Any] = {"marker": "s", "markersize": 4.0, "markerfacecolor": "1.0", "linestyle": "none"}
+MARKS: dict[str, dict[str, Any]] = {  # of the points of a curve, by their names in the legend
+    name: {"marker": marker, "markersize": size, "markerfacecolor": "1.0", "linestyle": "none"}
+    for name, marker, size in (("α₀", "o", 4.5), ("d₀", "^", 5.0), ("d_y, α_y", "s", 4.0))
+}
+ONSET, END, YIELD = MARKS
 
 
 def draw_pushdown(results: Results, words: Words, state: str) -> Figure:
@@ -59,7 +64,10 @@ def draw_pushover(results: Results, words: Words, direction: Direction) -> Figur
     """
     states = pushed(results, direction)
     yields = [p.elastic.d_y_m for p in states.values() if p.elastic and p.elastic.d_y_m]
-    figure, panels = chart(words, columns=2 if yields else 1, height_mm=68.0)
+    handles = _pushover_handles(states, words)
+    ncols = 1 if len(handles) < 4 else 2
+    foot_mm = max(16.0, 4.0 * math.ceil(len(handles) / ncols) + 4.0)
+    figure, panels = chart(words, columns=2 if yields else 1, height_mm=68.0, foot_mm=foot_mm)
     for axes in panels:
         for number, pushover in enumerate(states.values()):
             for contacts, push in pushover.by_contacts.items():
@@ -81,18 +89,7 @@ def draw_pushover(results: Results, words: Words, direction: Direction) -> Figur
         panels[0].set_title(words.plain("figure.whole_curve"))
         panels[1].set_title(words.plain("figure.first_branch"))
         panels[1].set_xlim(0.0, 6000.0 * max(yields))
-    handles = [
-        Line2D([], [], **state_style(number).keywords, label=_key_numbers(name, pushover, words))
-        for number, (name, pushover) in enumerate(states.items())
-    ]
-    if yields:
-        handles.append(Line2D([], [], color="0.0", **YIELD, label="d_y, α_y"))
-    handles += [
-        Line2D([], [], color="0.0", linewidth=WIDTHS[contacts], label=words.plain(f"figure.{contacts}_line"))
-        for contacts in ("rigid", "elastic")
-        if any(contacts in pushover.by_contacts for pushover in states.values())
-    ]
-    figure.legend(handles=handles, loc="lower center", ncols=1 if len(handles) < 4 else 2)
+    figure.legend(handles=handles, loc="lower center", ncols=ncols)
     return figure
 
 
@@ -105,22 +102,45 @@ def pushed(results: Results, direction: Direction) -> dict[str, Pushovers]:
     }
 
 
+def _pushover_handles(states: Mapping[str, Pushovers], words: Words) -> list[Line2D]:
+    """Return the legend: the states with their numbers, the points of curves, the kinds of joints."""
+    handles = [
+        Line2D([], [], **state_style(number).keywords, label=_key_numbers(name, pushover, words))
+        for number, (name, pushover) in enumerate(states.items())
+    ]
+    handles += [Line2D([], [], color="0.0", **MARKS[name], label=name) for name in _points(states.values())]
+    handles += [
+        Line2D([], [], color="0.0", linewidth=WIDTHS[contacts], label=words.plain(f"figure.{contacts}_line"))
+        for contacts in ("rigid", "elastic")
+        if any(contacts in pushover.by_contacts for pushover in states.values())
+    ]
+    return handles
+
+
+def _points(pushovers: Iterable[Pushovers]) -> list[str]:
+    """Return the names of the points that any of the curves has."""
+    rigid = [push.rigid for push in pushovers if push.rigid]
+    elastic = [push.elastic for push in pushovers if push.elastic]
+    there = {
+        ONSET: bool(rigid),
+        END: any(each.d_0_m is not None for each in rigid),
+        YIELD: any(each.d_y_m is not None for each in elastic),
+    }
+    return [name for name, has in there.items() if has]
+
+
 def _key_points(axes: Axes, pushover: Pushovers, colour: str) -> None:
-    """Mark α0 (of an ensemble the least), d_0 and (d_y, α_y); the last, among the curves, is named in the legend."""
-    mark: dict[str, Any] = {"color": colour, "markerfacecolor": "1.0", "linestyle": "none", "clip_on": True}
+    """Mark α0 (of an ensemble the least), d_0 and (d_y, α_y): named in the legend, beside a point they met others."""
     rigid, elastic = pushover.rigid, pushover.elastic
-    text: dict[str, Any] = {"textcoords": "offset points", "annotation_clip": True, "parse_math": True}
     if rigid:
         curve = min([rigid.curve, *(rigid.members or [])], key=lambda each: max(each.multiplier))
         peak = int(np.argmax(curve.multiplier))
         onset = 1000.0 * abs(curve.displacement_m[peak]), curve.multiplier[peak]
-        axes.plot(*onset, marker="o", markersize=4.5, **(mark | {"clip_on": False}))
-        axes.annotate("$\\alpha_0$", onset, (5, 3), **text)
+        axes.plot(*onset, color=colour, clip_on=False, **MARKS[ONSET])
         if rigid.d_0_m is not None:
-            axes.plot(1000.0 * rigid.d_0_m, 0.0, marker="^", markersize=5.0, **(mark | {"clip_on": False}))
-            axes.annotate("$d_0$", (1000.0 * rigid.d_0_m, 0.0), (4, 4), **text)
+            axes.plot(1000.0 * rigid.d_0_m, 0.0, color=colour, clip_on=False, **MARKS[END])
     if elastic and elastic.alpha_y is not None and elastic.d_y_m is not None:
-        axes.plot(1000.0 * elastic.d_y_m, elastic.alpha_y, color=colour, **YIELD)
+        axes.plot(1000.0 * elastic.d_y_m, elastic.alpha_y, color=colour, **MARKS[YIELD])
 
 
 def _key_numbers(name: str, pushover: Pushovers, words: Words) -> str:

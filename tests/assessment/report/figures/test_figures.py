@@ -230,14 +230,27 @@ def test_mechanism_and_finite_motion_agree_to_first_order():
 
 
 @pytest.mark.parametrize("language", ["it", "en"])
-def test_the_yield_point_is_named_in_the_legend_where_no_curve_runs(language):
-    """Its name beside the marker of a settled state stood on the first branch of the other one."""
+def test_the_points_of_curves_are_named_in_the_legend_where_no_curve_runs(language):
+    """Their names stood beside their marks: on another curve, or on the name of a point near by."""
     results = typed(results_example(language))
     figure = draw_pushover(results, words_of(results), "+x")
-    named = [text.get_text() for axes in figure.axes for text in axes.texts]
-    assert named and not any("d_y" in text for text in named)
+    assert not [text for axes in figure.axes for text in axes.texts]
     [legend] = figure.legends
-    assert [text.get_text() for text in legend.get_texts()].count("d_y, α_y") == 1
+    named = [text.get_text() for text in legend.get_texts()]
+    assert [named.count(name) for name in ("α₀", "d₀", "d_y, α_y")] == [1, 1, 1]
+
+
+def test_a_legend_of_many_states_stays_below_the_axes():
+    """Six states: a foot for four lines had six, over the names of the axes."""
+    results = results_example()
+    for number in range(4):
+        results["states"][f"settled {number}"] = results["states"][SETTLED]
+    with mpl.rc_context(STYLE):
+        figure = draw_pushover(typed(results), words_of(typed(results)), "+x")
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        top = figure.legends[0].get_window_extent(canvas.get_renderer()).y1
+        assert top < min(axes.get_tightbbox(canvas.get_renderer()).y0 for axes in figure.axes)
 
 
 def test_sheets_are_saved_without_empty_bands(tmp_path):
