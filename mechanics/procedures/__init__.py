@@ -9,10 +9,10 @@ from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.pushdown import Pushdown, whole_movement
 from mechanics.procedures.pushover import Pushover
 from mechanics.procedures.static_theorem import static_theorem
-from mechanics.procedures.step_control import HALVINGS
+from mechanics.procedures.step_control import PATH
 
 __all__ = [
-    "HALVINGS",
+    "PATH",
     "Mirror",
     "Pushdown",
     "Pushover",

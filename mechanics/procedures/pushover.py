@@ -27,7 +27,7 @@ from mechanics.procedures.path_start import (
     mechanism_start,
     no_way_from_rest,
 )
-from mechanics.procedures.step_control import HALVINGS, Bisection, reach
+from mechanics.procedures.step_control import PATH, Bisection, reach
 from mechanics.program import Certificate
 from mechanics.progress import tell
 from mechanics.steps.contact_values import moved_over
@@ -262,7 +262,7 @@ class _Curve:
         the jump, or None.
         """
         low, high = (0.0, self.multiplier[-1]), (work, beyond.alpha)
-        tolerance, least = self.tolerances.zero * max(self.multiplier), work / 2.0**HALVINGS
+        tolerance, least = self.tolerances.zero * max(self.multiplier), PATH.shortest(work)
         last: tuple[float, Equilibrium, bool] | None = None
         for count in range(self.tolerances.chords):
             chord = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])

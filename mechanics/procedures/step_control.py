@@ -14,9 +14,25 @@ from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.tolerances import STEP
 from mechanics.types import Array
 
-HALVINGS = 5  # of an increment: the end of a path is located to 1/32 of it
-JUMP = 2.0  # times the expected displacement of a step: a longer motion is a jump
-GROWTH = 1.5  # factor from one step to the next, after halvings or a small first step
+
+@dataclass(frozen=True, slots=True)
+class PathTolerances:
+    """Tolerances of the length of steps.
+
+    `halvings`: of an increment, to which the end of a path is located; `growth`: factor from one step to the next,
+    after halvings or a small first step; `jump`: a motion of as many times the expected displacement of a step.
+    """
+
+    halvings: int = 5
+    growth: float = 1.5
+    jump: float = 2.0
+
+    def shortest(self, increment: float) -> float:
+        """Return the shortest step (m): the increment after all halvings."""
+        return increment * 0.5**self.halvings
+
+
+PATH = PathTolerances()
 
 
 @dataclass(slots=True)
@@ -32,7 +48,7 @@ class Bisection:
     @property
     def shortest(self) -> bool:
         """Whether the length may not be halved any more."""
-        return self.length <= self.increment * 0.5**HALVINGS * (1.0 + 1e-9)
+        return self.length <= PATH.shortest(self.increment) * (1.0 + 1e-9)
 
     def shorter(self) -> bool:
         """Halve the length; return False, and leave it, if it is the shortest already."""
@@ -43,7 +59,7 @@ class Bisection:
 
     def longer(self, jumped: bool) -> None:
         """Lengthen the step, up to the increment; at once if the blocks have `jumped`: the difficult part is behind."""
-        self.length = self.increment if jumped else min(self.increment, GROWTH * self.length)
+        self.length = self.increment if jumped else min(self.increment, PATH.growth * self.length)
 
 
 def reach(
@@ -98,5 +114,5 @@ def _reach(
     except RunawayError as fall:
         same = str(fall) == str(stop)  # motion and step ended for the same reason
         raise RunawayError(str(fall) if same else f"{fall} ({stop})") from stop
-    jumped = way(begun, rested.state.positions, problem.system.model.size) > JUMP * problem.size
+    jumped = way(begun, rested.state.positions, problem.system.model.size) > PATH.jump * problem.size
     return rested, jumped

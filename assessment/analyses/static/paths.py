@@ -10,7 +10,7 @@ import numpy as np
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import Part
 from mechanics import Assembly, State, UnstableError
-from mechanics.procedures import HALVINGS, Pushdown, Pushover
+from mechanics.procedures import PATH, Pushdown, Pushover
 from mechanics.program import Certificate
 from mechanics.steps import check_self_weight
 
@@ -103,7 +103,7 @@ def crossings(title: str, crossed: NDArray[np.float64], increment: float) -> lis
     """
     stretches: list[list[float]] = []
     for left, held in np.sort(crossed, axis=1):
-        if held - left < 0.99 * increment / 2.0**HALVINGS:
+        if held - left < 0.99 * PATH.shortest(increment):
             continue
         if stretches and left <= stretches[-1][1]:
             stretches[-1][1] = max(held, stretches[-1][1])
