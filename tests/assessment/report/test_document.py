@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from assessment.report.chapters.joints import joint_law
 from assessment.report.document import CHAPTERS, render_html, write_page, write_pdf
-from assessment.report.figures.index import write_figures
+from assessment.report.figures.index import pictures, write_figures
 from assessment.report.formats.pdf import APT_COMMAND, COMMANDS
 from assessment.report.text.language import LANGUAGES, unparted, words_of
 from assessment.runtime.processes.pool import Pool
@@ -44,8 +44,7 @@ def report(request, tmp_path_factory):
     pytest.importorskip("weasyprint", exc_type=OSError)
     folder = tmp_path_factory.mktemp(request.param)
     results = results_example(request.param)
-    if request.param == "en":
-        one_direction(results)  # half the time, and a form of its own
+    one_direction(results)  # half the time; test_products has both
     write_figures(Pool(0, typed(results)), folder / "figures")
     write_page(typed(results), folder)
     assert write_pdf(typed(results), folder) == []
@@ -253,7 +252,9 @@ def test_degraded_forms_render(form, tmp_path):
     results = results_example("en")
     one_direction(results)
     form(results)
-    write_figures(Pool(0, typed(results)), tmp_path)
+    draw_sections(typed(results), tmp_path)
+    for picture in pictures(typed(results)):
+        assert picture.draw().axes
     html = render_html(typed(results), tmp_path, words_of(typed(results)))
     for chapter in CHAPTERS:
         assert f'<h2 id="{chapter}">' in html

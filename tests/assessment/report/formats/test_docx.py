@@ -13,11 +13,12 @@ from docx.shared import Mm
 from lxml import html
 
 from assessment.report.document import CHAPTERS, write_docx, write_page
-from assessment.report.figures.index import write_figures, write_images
+from assessment.report.figures.index import write_images
 from assessment.report.formats.docx import to_docx
 from assessment.report.formats.docx_styles import kept_with_next
 from assessment.report.text.language import LANGUAGES, words_of
 from assessment.runtime.processes.pool import Pool, result_of
+from tests.support.pictured import draw_sections
 from tests.support.results_example import results_example
 from tests.support.typed import typed
 
@@ -30,7 +31,8 @@ def made(request, tmp_path_factory):
         content["pushover"].pop("-x", None)  # half the figures
         content["capacity"].pop("-x", None)
     pool = Pool(0, typed(results))
-    write_figures(pool, folder / "figures")
+    (folder / "figures").mkdir()
+    draw_sections(typed(results), folder / "figures")  # those of the page
     for work in write_images(pool, folder / "figures"):
         result_of(work)
     write_page(typed(results), folder)
