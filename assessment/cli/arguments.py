@@ -113,7 +113,7 @@ def _run(parsers: Parsers) -> None:
     jobs = "processes at once (default: one per core if the work is worth starting them)"
     parser.add_argument("--jobs", type=_jobs, default=0, metavar="N", help=jobs)
     scheduler = "a running Dask cluster that computes instead, such as tcp://host:8786"
-    parser.add_argument("--scheduler", metavar="ADDRESS", help=scheduler)
+    parser.add_argument("--scheduler", type=_address, metavar="ADDRESS", help=scheduler)
     _add_flag(parser, "--no-report", "numbers, tables and figures only")
     _add_flag(parser, "--fresh", "compute again what an earlier run has already computed")
     _add_flag(parser, "--json", "print the summary as JSON")
@@ -215,6 +215,13 @@ def _folder(text: str) -> Path:
     if not text:
         raise argparse.ArgumentTypeError("is empty; give the name of a folder")
     return Path(text)
+
+
+def _address(text: str) -> str:
+    """Return the address of a scheduler; with an empty one the run would do without."""
+    if not text:
+        raise argparse.ArgumentTypeError("is empty; give an address such as tcp://host:8786, or leave it out")
+    return text
 
 
 def _jobs(text: str) -> int:

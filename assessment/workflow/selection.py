@@ -20,10 +20,13 @@ STAGES = {  # stage: table
     "scenarios": "settlements",
     "sensitivity": "sensitivity",
 }
+HAVE_IT = "add it, or name a stage that it has"
 
 
 def select(project: Project, only: Iterable[str] | None) -> Project:
-    """Return the project with only some of its stages. Raises ProjectError for a stage that does not exist.
+    """Return the project with only some of its stages.
+
+    Raises ProjectError for a stage that does not exist, and where the project has none of them.
 
     Settlements stay if a stage other than the assessment needs the settled states; the stage pushdown moves supports
     under all contacts that the project asks for.
@@ -34,6 +37,8 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
     for name in wanted:
         if name not in STAGES:
             raise ProjectError(f"--only: {name}: no such stage; {nearest(name, STAGES)}")
+    if not any(getattr(project, STAGES[name]) for name in wanted):
+        raise ProjectError(f"--only: {wanted[0]}: the project has no [{STAGES[wanted[0]]}]; {HAVE_IT}")
     if "sensitivity" in wanted and "assessment" not in wanted:
         wanted.append("assessment")
     if "campaign" in wanted and project.campaign:  # which sets the static check beside

@@ -61,10 +61,11 @@ class Cluster:
             raise ProjectError(
                 '--scheduler: dask.distributed is not installed; install it: pip install "assesto[cluster]"'
             ) from None
-        connect: Any = Client
+        # `close` closes it; one that could not begin waits 20 s for that when it is deleted, and prints a traceback
+        connect: Any = type("Client", (Client,), {"__del__": lambda _: None})
         try:
             self._client = connect(address, timeout=patience.answer, set_as_default=False)
-        except (OSError, ValueError, RuntimeError) as error:
+        except Exception as error:  # what an address of another kind raises is up to its library
             raise ProjectError(
                 f"--scheduler: {address}: no Dask scheduler answers there ({type(error).__name__}); start one "
                 "(dask scheduler) with its workers (dask worker), or correct the address"

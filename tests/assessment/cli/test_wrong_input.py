@@ -79,6 +79,26 @@ def test_an_unknown_stage(project, capsys):
     assert 'error: --only: colapse: no such stage; valid: "pushdown", "pushover"' in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(("stages", "table"), [("campaign", "campaign"), ("history,incremental", "history")])
+def test_stages_that_the_project_has_not_are_told_and_leave_its_results(project, capsys, stages, table):
+    """Nothing was run, and that took the place of the results."""
+    assert run(project) == 0
+    before = contents(project / "output")
+    assert run(project, "--only", stages) == 2
+    name = stages.partition(",")[0]
+    assert f"error: --only: {name}: the project has no [{table}]; add it, or name" in capsys.readouterr().err
+    assert contents(project / "output") == before
+    assert run(project, "--only", f"{stages},pushover") == 0
+
+
+def test_an_empty_address_of_a_scheduler_is_refused(project, capsys):
+    """The processes of this machine computed instead."""
+    with pytest.raises(SystemExit) as stop:
+        run(project, "--scheduler", "")
+    assert stop.value.code == 2
+    assert "argument --scheduler: is empty; give an address such as" in capsys.readouterr().err
+
+
 def test_a_drawing_that_is_none(project, capsys):
     (project / "geometry.dxf").write_text("not a drawing", encoding="utf-8")
     assert run(project) == 2

@@ -20,7 +20,7 @@ from assessment.runtime.processes.pool import KilledError
 from assessment.runtime.show import Show
 from assessment.runtime.tasks import Workers
 from assessment.workflow.stages import run
-from tests.support.block_project import timeless
+from tests.support.block_project import command, timeless, write_block
 from tests.support.campaign_project import STRIPES, write_campaign
 from tests.support.told import Seen, quarter
 
@@ -159,3 +159,11 @@ def test_no_scheduler_at_the_address_is_told():
     for address in ("tcp://127.0.0.1:1", "nowhere"):
         with pytest.raises(ProjectError, match=f"--scheduler: {address}: no Dask scheduler answers"):
             Cluster(address, Patience(answer=0.5))
+
+
+def test_an_address_that_needs_certificates_is_told_in_a_line(tmp_path):
+    """It was a traceback, and another one 20 s later, as what could not begin was deleted."""
+    folder = write_block(tmp_path / "block")
+    done = command("run", str(folder), "--no-report", "--scheduler", "tls://127.0.0.1:1")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert done.stderr.startswith("error: --scheduler: tls://127.0.0.1:1: no Dask scheduler answers")
