@@ -75,7 +75,8 @@ def check(options: argparse.Namespace) -> int:
         for change in changes:
             say(change)
         name = project.geometry.drawing
-        wrote = f'{len(changes)} changes: {project.path(name)}; to use it write geometry.drawing = "{name}"'
+        count = "1 change" if len(changes) == 1 else f"{len(changes)} changes"
+        wrote = f'{count}: {project.path(name)}; to use it write geometry.drawing = "{name}"'
         say(wrote if changes else f"{name}: nothing that can be repaired")
     try:
         model = build_model(project)

@@ -13,6 +13,7 @@ from ezdxf.document import Drawing as Document
 from scipy.spatial import cKDTree
 
 from mechanics.errors import DrawingError
+from mechanics.faults import FaultyDrawingError
 from mechanics.model.block import Block
 from mechanics.model.dxf import (
     METRES,
@@ -23,11 +24,19 @@ from mechanics.model.dxf import (
     placed_entities,
     placed_outlines,
 )
-from mechanics.model.fitting import Fitting, Flags
+from mechanics.model.fitting import SHARE, Fitting, Flags
 from mechanics.model.joints import default_tolerance
 from mechanics.model.model_checks import NEAR, misfits
 from mechanics.model.overlaps import name_of, place_of
-from mechanics.model.polylines import SAME_POINT, PlacedOutline, fault_of, file_points, has_arcs, redraw
+from mechanics.model.polylines import (
+    SAME_POINT,
+    PlacedOutline,
+    ends_major_arc,
+    fault_of,
+    file_points,
+    has_arcs,
+    redraw,
+)
 
 ROUNDS = 60  # of fitting all pairs: a vertex that is moved may open the next joint; up to 30 were seen
 FINE = 0.1  # of the tolerance: less is no misfit in a drawing that is repaired
@@ -60,8 +69,12 @@ class _Plan:
     def blocks(self) -> tuple[list[PlacedOutline], list[Block]]:
         """Return the outlines without faults, and their blocks."""
         used = [o for o in self.outlines() if fault_of(o, self.scale) is None]
+        return used, [block_of(o, self.layer(o), self.scale) for o in used]
+
+    def layer(self, outline: PlacedOutline) -> Layer:
+        """Return what the layer of an outline says of its block."""
         layers = {name.lower(): layer for name, layer in self.layers.items()}
-        return used, [block_of(o, layers.get(o.source.layer.lower(), self.default), self.scale) for o in used]
+        return layers.get(outline.source.layer.lower(), self.default)
 
 
 def repair_drawing(
@@ -75,18 +88,25 @@ def repair_drawing(
     """Return a drawing repaired where it is plain what was meant; the arguments are those of `read_drawing`.
 
     With a reach of `NEAR` tolerances: an outline whose ends are less apart is closed; one that crosses itself by a
-    smaller loop loses it; of outlines drawn more than once the first is kept; where blocks overlap by less, or face
-    each other across less, vertices are moved onto vertices or onto edges. `tolerance` (m) is that of the joints,
-    default a thousandth of the median edge. What is inside an INSERT is not changed.
+    smaller loop loses it; of outlines drawn more than once in one role the first is kept; where blocks overlap by less,
+    or face each other across less, vertices are moved onto vertices or onto edges. `tolerance` (m) is that of the
+    joints, default a thousandth of the median edge. What is inside an INSERT is not changed. What was mended to read a
+    damaged file is the first line.
 
     Raises DrawingError where the file cannot be read, or is too large or too fine for the search.
     """
-    document, _ = open_document(Path(path))
+    document, damage = open_document(Path(path))
     plan = _Plan(document, Path(path), METRES[unit], default, layers, sagitta)
     tolerance = tolerance or _default_tolerance(plan)
     reach = NEAR * tolerance
-    changes = [*_close(plan, reach), *_uncross(plan, reach), *_keep_one(plan, tolerance)]
-    changes += [*_fit(plan, tolerance, reach), *_keep_one(plan, tolerance)]
+    changes = [*_close(plan, reach), *_uncross(plan, reach)]
+    try:
+        if plan.blocks()[1]:
+            changes += [*_keep_one(plan, tolerance), *_fit(plan, tolerance, reach)]
+            changes += _keep_one(plan, tolerance)
+    except FaultyDrawingError as faulty:
+        raise FaultyDrawingError(str(path), faulty.faults, faulty.outlines) from None
+    changes = [*damage, *changes] if changes else []
     text = StringIO()
     document.write(text)
     return Repair(text.getvalue().encode(document.output_encoding, errors="dxfreplace"), tuple(changes))
@@ -112,11 +132,13 @@ def _close(plan: _Plan, reach: float) -> Iterator[str]:
     for outline in plan.outlines():
         if outline.closed or not _can_change(outline) or len(points := file_points(outline)) < 4:
             continue
-        apart = plan.scale * float(np.linalg.norm(points[0] - points[-1]))
-        if apart <= reach:
+        apart = float(np.linalg.norm(points[0] - points[-1]))
+        # of a thin outline the last edge may be what is missing, not what is too much
+        thin = shapely.Polygon(outline.points[:, :2]).buffer(-0.5 * apart / SHARE).is_empty
+        if plan.scale * apart <= reach and not thin:
             redraw(outline, points[:-1])
-            where = outline.source.at(points[0], points[-1])
-            yield f"{where}: closed, its ends were {1e3 * apart:.3g} mm apart"
+            where, way = outline.source.at(points[0], points[-1]), f"{1e3 * plan.scale * apart:.3g} mm"
+            yield f"{where}: closed, its ends were {way} apart; the last vertex is deleted"
 
 
 def _uncross(plan: _Plan, reach: float) -> Iterator[str]:
@@ -124,8 +146,8 @@ def _uncross(plan: _Plan, reach: float) -> Iterator[str]:
     for outline in plan.outlines():
         if not (outline.closed and _can_change(outline)) or len(outline.points) < 3 or has_arcs(outline):
             continue
-        drawn = shapely.Polygon(outline.points[:, :2])
-        if drawn.is_valid:
+        drawn, size = shapely.Polygon(outline.points[:, :2]), np.ptp(outline.points, axis=0)
+        if drawn.is_valid or size[2] > SAME_POINT * size.max():  # refused where it is not plane
             continue
         parts = shapely.get_parts(shapely.make_valid(drawn, method="structure", keep_collapsed=False))
         areas = plan.scale**2 * shapely.area(parts)
@@ -143,7 +165,9 @@ def _keep_one(plan: _Plan, tolerance: float) -> Iterator[str]:
     used, blocks = plan.blocks()
     overlaps, _ = misfits(blocks, tolerance, NEAR * tolerance)
     for copy, original in enumerate(overlaps.original.tolist()):
-        if original >= 0 and _can_change(used[copy]):
+        # of two layers with different properties it is not plain which was meant
+        same = plan.layer(used[copy]) == plan.layer(used[original])
+        if original >= 0 and same and _can_change(used[copy]):
             plan.document.modelspace().delete_entity(used[copy].source.entity)
             where = used[copy].source.at(used[copy].points[0])
             yield f"{where}: deleted, the same outline as {blocks[original].handle}"
@@ -178,9 +202,9 @@ def _fit(plan: _Plan, tolerance: float, reach: float) -> Iterator[str]:
 
 
 def _movable(outline: PlacedOutline) -> Flags:
-    """Whether each point of an outline is a vertex that can be moved: not one that divides an arc."""
-    apart, _ = cKDTree(file_points(outline)).query(outline.points)
-    return np.asarray((apart <= _same(outline)) & _can_change(outline))
+    """Whether each point of an outline is a vertex that can be moved: none that divides an arc or ends a major one."""
+    apart, nearest = cKDTree(file_points(outline)).query(outline.points)
+    return np.asarray((apart <= _same(outline)) & ~ends_major_arc(outline)[nearest] & _can_change(outline))
 
 
 def _same(outline: PlacedOutline) -> float:

@@ -12,6 +12,8 @@ from scipy.spatial import cKDTree
 from mechanics.types import Array, Index
 
 EXACT = 1e-12  # of the outlines' extent: vertices closer than this are at one place
+SHARE = 0.25  # of the distance from a vertex to other parts of its outline: it is moved no farther
+CHUNK = 1000  # vertices whose distances are found at a time
 
 Flags = NDArray[np.bool_]
 
@@ -19,7 +21,8 @@ Flags = NDArray[np.bool_]
 class Fitting:
     """Outlines whose vertices are moved by at most `reach` (m); what touches within the `tolerance` (m) stays together.
 
-    `points` (n, 2) m: all vertices; `owner` (n,): their outlines; `free` (n,): whether a vertex may be moved.
+    `points` (n, 2) m: all vertices; `owner` (n,): their outlines; `free` (n,): whether a vertex may be moved; `room`
+    (n,) m: how far. That is less than the reach where an outline is thin or has short edges, which would be deformed.
     """
 
     def __init__(
@@ -31,10 +34,33 @@ class Fitting:
         self.owner = np.repeat(np.arange(len(outlines)), np.diff(self.first))
         self.reach, self.tolerance = reach, tolerance
         self.exact = EXACT * float(np.ptp(self.points, axis=0).max())
+        self.room = np.minimum(reach, SHARE * self._clearance(reach / SHARE))
 
     def outline(self, index: int) -> Array:
         """Return an outline (k, 2) m as it is now."""
         return self.points[self.first[index] : self.first[index + 1]]
+
+    def _clearance(self, most: float) -> Array:
+        """Return the distances (n,) m, at most `most`, of vertices from their next ones and from other edges.
+
+        Those within the tolerance do not count: such vertices are one, and what is so thin is no block.
+        """
+        along = np.arange(len(self.points))
+        after, before = along + 1, along - 1
+        after[self.first[1:] - 1], before[self.first[:-1]] = self.first[:-1], self.first[1:] - 1
+        edges = shapely.linestrings(np.stack([self.points, self.points[after]], axis=1))
+        corners, tree = shapely.points(self.points), shapely.STRtree(edges)
+        clearance = np.full(len(self.points), most)
+        for first in range(0, len(self.points), CHUNK):
+            k, edge = tree.query(corners[first : first + CHUNK], predicate="dwithin", distance=most)
+            k += first
+            other = (self.owner[k] == self.owner[edge]) & (edge != k) & (edge != before[k])
+            apart = shapely.distance(corners[k[other]], edges[edge[other]])
+            _take_least(clearance, k[other], apart, self.tolerance)
+        for beside in (before, after):
+            lengths = np.linalg.norm(self.points[beside] - self.points, axis=1)
+            _take_least(clearance, along, lengths, self.tolerance)
+        return clearance
 
     def fit(self, one: int, other: int) -> bool:
         """Make two outlines touch; return whether a vertex was moved. The first one stays where that suffices.
@@ -83,7 +109,8 @@ class Fitting:
         for vertex in self._near(moved, still):
             start = self.outline(still)
             along = np.roll(start, -1, axis=0) - start
-            share = ((self.points[vertex] - start) * along).sum(axis=1) / (along**2).sum(axis=1)
+            length = np.maximum((along**2).sum(axis=1), 1e-300)  # 0 where vertices have become one
+            share = ((self.points[vertex] - start) * along).sum(axis=1) / length
             foot = start + np.clip(share, 0.0, 1.0)[:, None] * along
             apart = np.linalg.norm(foot - self.points[vertex], axis=1)
             nearest = int(apart.argmin())
@@ -93,13 +120,19 @@ class Fitting:
     def _move(self, vertex: int, place: Array) -> None:
         """Move a vertex, and those that are at its place within the tolerance, unless one of them must stay.
 
-        No vertex is moved farther than the reach from where it is drawn, or onto another of its own outline.
+        No vertex is moved farther than its room from where it is drawn, or onto another of its own outline.
         """
         together = np.linalg.norm(self.points - self.points[vertex], axis=1) <= self.tolerance
         there = np.linalg.norm(self.points - place, axis=1) <= self.exact
         if (
             self.free[together].all()
             and not np.isin(self.owner[there & ~together], self.owner[together & ~there]).any()
-            and np.linalg.norm(self.drawn[together] - place, axis=1).max() <= self.reach
+            and (np.linalg.norm(self.drawn[together] - place, axis=1) <= self.room[together]).all()
         ):
             self.points[together] = place
+
+
+def _take_least(least: Array, where: Index, values: Array, above: float) -> None:
+    """Put the values (k,) that are larger than `above` into `least` (n,) at the indices (k,) if they are smaller."""
+    counts = values > above
+    np.minimum.at(least, where[counts], values[counts])

@@ -73,7 +73,9 @@ def name_of(blocks: Sequence[Block], index: int) -> str:
 def place_of(point: Array) -> str:
     """Return a point (2,) m as text, for a message."""
     x, z = np.round(point, 9) + 0.0  # no −0, no rounding's remains
-    return f"({x:.6g}, {z:.6g}) m"
+    before = len(str(int(abs(np.asarray(point)).max())))
+    digits = max(6, before + 4)  # far from the origin, too, to a tenth of a millimetre
+    return f"({x:.{digits}g}, {z:.{digits}g}) m"
 
 
 def _overlapping(

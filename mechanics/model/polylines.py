@@ -12,6 +12,7 @@ from ezdxf.entities.dxfgfx import DXFGraphic
 from ezdxf.entities.lwpolyline import LWPolyline
 from ezdxf.entities.polyline import Polyline
 from ezdxf.math import Matrix44, Vec3
+from numpy.typing import NDArray
 
 from mechanics.faults import Fault
 from mechanics.types import Array, Index
@@ -160,10 +161,19 @@ def has_arcs(outline: PlacedOutline) -> bool:
     return bool(_vertices(outline.source.entity)[0][:, 3].any())
 
 
-def redraw(outline: PlacedOutline, points: Array) -> None:
-    """Give the entity of an outline the vertices (n, 3) of model space in drawing units, closed, in place of its own.
+def ends_major_arc(outline: PlacedOutline) -> NDArray[np.bool_]:
+    """Return which vertices (n,) of the file end an arc of more than half a circle: it moves farther than they do."""
+    vertices, closed = _vertices(outline.source.entity)
+    major = abs(vertices[:, 3]) > 1.0
+    major[-1] &= closed
+    return np.asarray(major | np.roll(major, 1))
 
-    They are as many as its own or fewer; their bulges are those of its first ones. The entity is in no INSERT.
+
+def redraw(outline: PlacedOutline, points: Array) -> None:
+    """Give the entity of an outline the vertices (n, 3) of model space in drawing units, in place of its own.
+
+    They are as many as its own or fewer; their bulges are those of its first ones. It is closed unless it ends where it
+    begins. The entity is in no INSERT.
     """
     entity: Any = outline.source.entity
     to_model = _to_model(outline.source)
@@ -179,7 +189,8 @@ def redraw(outline: PlacedOutline, points: Array) -> None:
             vertex.dxf.location = Vec3(place)
         gone = set(map(id, on_it[len(own) :]))
         entity.vertices[:] = [v for v in entity.vertices if id(v) not in gone]
-    entity.close(True)
+    if np.linalg.norm(points[-1] - points[0]) > SAME_POINT * float(np.ptp(points, axis=0).max()):
+        entity.close(True)
 
 
 def _is_flat(entity: Any) -> bool:
