@@ -63,31 +63,28 @@ IDLE = 10  # iterations without progress after which the method ends
 
 
 @compiled
-def _back(stored: Array, pattern: Any, signed: bool, x: Array) -> None:
-    if signed:
-        substitute_signed(stored, pattern.places, pattern.last, x)
-    else:
+def _back(stored: Array, pattern: Any, definite: bool, x: Array) -> None:
+    if definite:
         substitute(stored, pattern, x)
+    else:
+        substitute_signed(stored, pattern.places, pattern.last, x)
 
 
 @compiled
-def _factorised(joints: Any, known: Array, held: Array, tied: bool, stored: Array, pattern: Any) -> bool:
-    """Whether the matrix has a factor, then in its place. `tied`: a multiplier, whose work holds one motion.
-
-    With curvature the matrix may then have one negative pivot, beyond the peak.
-    """
+def _factorised(joints: Any, known: Array, held: Array, definite: bool, stored: Array, pattern: Any) -> bool:
+    """Whether the matrix has a factor, then in its place: Cholesky's, or one with a negative pivot at most."""
     assemble(joints, known, held, stored, pattern)
-    if len(joints.curved):
-        negative = factorise_signed(stored, pattern.places, pattern.last)
-        return bool(negative == 0 or (negative == 1 and tied))
-    return bool(factorise(stored, pattern))
+    if definite:
+        return bool(factorise(stored, pattern))
+    negative = factorise_signed(stored, pattern.places, pattern.last)
+    return bool(0 <= negative <= 1)
 
 
 @compiled
 def _refine(
     joints: Any, known: Array, load: Array, lateral: Array, mass: Array, lateral_solution: Array, lateral_work: float,
-    dalpha: float, dx: Array, enough: float, size: float, target: float, stiff: float, fine: Array, stored: Array,
-    pattern: Any,
+    dalpha: float, dx: Array, enough: float, size: float, target: float, stiff: float, fine: Array, definite: bool,
+    stored: Array, pattern: Any,
 ) -> float:  # fmt: skip
     """Refine displacements dx and changes of forces until they balance the residual `load` (m,); the new Δα.
 
@@ -103,7 +100,7 @@ def _refine(
         push_all(joints, known, dx, fine)
         if unbalanced(fine, size) <= enough:
             break
-        _back(stored, pattern, len(joints.curved) > 0, fine)
+        _back(stored, pattern, definite, fine)
         if len(lateral):
             more = -dot(lateral, fine) / lateral_work
             dalpha += more
@@ -133,7 +130,7 @@ def iterate(
     joints = Joints(row, places, law, curved, which)
     known = np.empty(((c + LANES - 1) // LANES, KNOWN))
     tied = len(mass) > 0 or (law[:, BED] < np.inf).any()  # forces and gaps, to each other
-    pushed, signed, stiff, holding = len(lateral) > 0, len(curved) > 0, 1.0 / unit, HOLDING
+    pushed, definite, stiff, holding = len(lateral) > 0, True, 1.0 / unit, HOLDING
     kept_dx, kept_change = np.empty(count), np.empty((len(known), KNOWN - CN1))
     residual, dx, lateral_solution = np.empty(count), np.empty(count), np.empty(count)
     held, fine = np.empty(count), np.empty(count)
@@ -170,15 +167,18 @@ def iterate(
             held[2::3] *= size**2
             if len(mass):
                 held += mass
-            if _factorised(joints, known, held, pushed, stored, pattern):
+            if _factorised(joints, known, held, definite, stored, pattern):
                 break
+            if definite and pushed and len(curved):  # beyond the peak the work that is given holds one motion
+                definite = False
+                continue
             if holding >= FIRM:
                 return -iteration, alpha, force, gap, product
             holding *= FIRMER
         lateral_work = 1.0
         if pushed:
             lateral_solution[:] = lateral
-            _back(stored, pattern, signed, lateral_solution)
+            _back(stored, pattern, definite, lateral_solution)
             lateral_work = dot(lateral, lateral_solution)
         clear_corrections(known)
         target, dalpha, most_f, most_g = 0.0, 0.0, 0.0, 0.0
@@ -186,7 +186,7 @@ def iterate(
         for corrects in range(3):
             dx[:] = residual
             aim_all(joints, known, target, dx)
-            _back(stored, pattern, signed, dx)
+            _back(stored, pattern, definite, dx)
             if pushed:
                 dalpha = (work_residual - dot(lateral, dx)) / lateral_work
                 dx += dalpha * lateral_solution
@@ -195,7 +195,7 @@ def iterate(
                 enough = max(ROUNDING * max(force_off, accepted * weight), ROUNDED * weight)
                 dalpha = _refine(
                     joints, known, residual, lateral, mass, lateral_solution, lateral_work, dalpha, dx, enough, size,
-                    target, stiff, fine, stored, pattern,
+                    target, stiff, fine, definite, stored, pattern,
                 )  # fmt: skip
             most_f, most_g = change_all(joints, known, target, stiff)
             if tied:

@@ -8,7 +8,6 @@ from mechanics.kernels.jit import compiler
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc", allocates=False)
-SMALL = 1e-14
 
 
 @compiled
