@@ -111,11 +111,13 @@ COLUMNS = {
         (TENTHS_OF_PERCENT, "IS_V PAM reduction static_reduction dynamic_reduction"),
         (PERCENT, "relative_error relative_scatter integrator_share"),
         (COARSE_PERCENT, "dynamic_loss dynamic_loss_low dynamic_loss_high static_loss deviation hand_deviation"),
-        (TWO_DIGITS, "beta beta_low beta_high beta_record beta_ensemble I_S acceptable_nominal_life_years"),
+        (Column(digits=COARSE, dash=True), "beta_low beta_high"),  # fewer than three records have no interval
+        (Column(dash=True, ground=SURFACE), "median_low_g median_high_g"),
+        (TWO_DIGITS, "beta beta_record beta_ensemble I_S acceptable_nominal_life_years"),
         (ON_ROCK, "a_g_g demand_a_g_g static_pga_g a_g_error_g a_g_low_g a_g_base_g a_g_high_g"),
         (AT_SURFACE, "pga_g demand_pga_g dynamic_pga_g static_surface_pga_g record_pga_g pga_safe_g median_g"),
         (AT_SURFACE, "pga_collapse_g pga_all_collapse_g mean_pga_collapse_g lowest_pga_collapse_g"),
-        (AT_SURFACE, "pga_collapse_error_g median_low_g median_high_g median_all_collapse_g"),
+        (AT_SURFACE, "pga_collapse_error_g median_all_collapse_g"),
         (RETURN_PERIOD, "return_period_years T_SLV_years"),
         (Column(dash=True), "x_C_m z_C_m"),  # a block that does not turn has no centre
         (Column(write=lambda value, words: words.comma(f"{100.0 * value:g}")), "share"),

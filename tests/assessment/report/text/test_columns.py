@@ -32,3 +32,5 @@ def test_what_is_not_there_is_told_from_what_was_not_reached():
     assert cell("d_0_m", {}, ENGLISH) == dash != not_reached
     assert cell("d_0_m", {"d_0_m": None}, ENGLISH) == not_reached
     assert written("x_C_m", None, ENGLISH) == written("direction", None, ENGLISH) == dash
+    assert written("median_low_g", None, ENGLISH) == written("beta_high", None, ENGLISH) == dash
+    assert written("median_g", None, ENGLISH) == not_reached
