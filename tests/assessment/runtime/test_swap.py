@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -88,20 +89,22 @@ def test_there_is_no_moment_with_some_of_either(folder, monkeypatch):
 
 @pytest.mark.usefixtures("way")
 def test_everything_is_on_the_disk_before_it_takes_its_place(folder, monkeypatch):
-    flush, exchange, replace, flushed = swap._flush, swap._exchange_names, Path.replace, []
+    """What the system was asked to flush, by the numbers of the files."""
+    exchange, replace, fsync, flushed = swap._exchange_names, Path.replace, os.fsync, set()
+    made = {(folder / f"{swap.SCRATCH}1" / name).stat().st_ino for name in NEW}
 
-    def noted(path: Path) -> None:
-        flush(path)
-        flushed.append(path)
+    def noted(descriptor: int) -> None:
+        fsync(descriptor)
+        flushed.add(os.fstat(descriptor).st_ino)
 
     def checked(step):
         def after_all(path: Path, target: Path) -> None:
-            assert {folder / f"{swap.SCRATCH}1" / name for name in NEW} <= {*flushed}
+            assert made <= flushed
             step(path, target)
 
         return after_all
 
-    monkeypatch.setattr(swap, "_flush", noted)
+    monkeypatch.setattr(os, "fsync", noted)
     monkeypatch.setattr(swap, "_exchange_names", checked(exchange))
     monkeypatch.setattr(Path, "replace", checked(replace))
     put(folder)
