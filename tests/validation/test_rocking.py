@@ -164,7 +164,7 @@ def test_what_rocking_dissipates_in_a_cycle() -> None:
     from assessment.benchmark.cases.dynamics import dissipation
 
     rows = list(dissipation(steps=(0.01, 0.005, 0.002), stiffness=(5e5, 5e6, np.inf)))
-    share = {(r["stiffness_kN_m3"], r["integrator"], r["step_s"]): r["dissipated"] for r in rows}
+    share = {(r.stiffness_kN_m3, r.integrator, r.step_s): r.dissipated for r in rows}
     e = 1.0 - 1.5 * np.sin(np.arctan(0.17)) ** 2
     for step in (0.01, 0.005, 0.002):
         assert share[None, "second-order", step] == pytest.approx(1.0 - e**4, rel=0.002)
@@ -177,8 +177,8 @@ def test_what_rocking_dissipates_in_a_cycle() -> None:
     for step in (0.005, 0.002):
         assert share[5e5, "implicit-euler", step] < share[None, "implicit-euler", step]
     for row in rows:
-        parts = row["by_integrator"] + row["by_impact"] + row["by_friction"]
-        assert parts == pytest.approx(row["dissipated"], abs=1e-12)
+        parts = row.by_integrator + row.by_impact + row.by_friction
+        assert parts == pytest.approx(row.dissipated, abs=1e-12)
 
 
 @pytest.mark.parametrize(
