@@ -27,7 +27,7 @@ from mechanics.steps.tolerances import REST, STEP, RestTolerances
 from mechanics.types import GRAVITY, Array
 
 REGAINED = 1.2  # growth of the longest time step after it was halved
-FAR = 4.0  # times the size of a step: a program with curvature has other solutions, farther away
+FAR = 2.0  # times the size of a step: a program with curvature has other solutions, farther away
 STEADY = 0.9  # share of the unbalanced force half-way that is left in a motion that does not slow down
 
 
@@ -135,7 +135,10 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
             beside = replace(held.warm(program, STEP.bend), displacement=held.displacement)
             bent, solves = _solved(program, layout, beside), solves + 1
     found = bent or held
-    solution, found = (interior.solution(program, found), found) if found else solve(straight, layout)
+    if found:
+        solution = interior.solution(program, found)
+    else:
+        (solution, found), solves = solve(straight, layout), solves + 1
     count = len(system.contacts)
     return Round(
         displaced(system.model, at, solution.displacement),
