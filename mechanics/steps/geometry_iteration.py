@@ -76,7 +76,7 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
             return _stable(found)
         if not (stable or found.stable):
             raise NoEquilibriumError(
-                "loss of stability: forces make the structure yield that would bear on it"
+                "loss of stability: the structure gives way under forces that it should bear"
             )
         best, stable = _nearer(best, found), found.stable
         way = (now.at - before.at)[model.movable] * (1.0, 1.0, model.size)
