@@ -86,7 +86,7 @@ def check(options: argparse.Namespace) -> int:
             save_svg(partial(draw_faults, faulty, Words.of(project.report.language)), drawing)
             tell(f"drawing with the faults marked: {drawing}")
         if not options.repair and any(fault.kind in REPAIRABLE for fault in faulty.faults):
-            tell("what is small of this can be mended in a copy: assesto check --repair")
+            tell("small faults can be repaired in a copy of the drawing: assesto check --repair")
         return WRONG_INPUT
     results = describe(project, model)
     motions = read_motions(project)

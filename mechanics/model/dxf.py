@@ -148,7 +148,7 @@ def survey_drawing(
     outlines = placed_outlines(placed, scale, sagitta, path)
     closed = [o for o in outlines if o.closed]
     holding = {_key(o.source.layer) for o in closed}
-    named = {_key(name): layer for name, layer in layers.items()}
+    named = by_key(layers)
     needed = meant_as_blocks(outlines, layers)
 
     wrong = {id(o): fault for o in needed if (fault := fault_of(o, scale)) is not None}
@@ -163,20 +163,32 @@ def survey_drawing(
     warnings += [f'layer "{name}" holds no block: what the project says of it has no effect' for name in idle]
     warnings += _left_out(placed, [o for o in outlines if not o.closed])
 
-    def layer_of(outline: PlacedOutline) -> Layer:
-        return named.get(_key(outline.source.layer), default)
-
     return Drawing(
-        tuple(block_of(o, layer_of(o), scale) for o in used),
+        tuple(block_of(o, layer_of(o, named, default), scale) for o in used),
         tuple(f"{path.name}: {w}" for w in warnings),
         scale * max((o.sagitta for o in used), default=0.0),
         tuple(faults),
         tuple(
-            Outline(scale * o.points[:, :2], o.source.layer, o.closed, layer_of(o).support is not None)
+            Outline(
+                scale * o.points[:, :2],
+                o.source.layer,
+                o.closed,
+                layer_of(o, named, default).support is not None,
+            )
             for o in needed
             if not o.broken and len(o.points) > 1
         ),
     )
+
+
+def by_key(layers: Mapping[str, Layer]) -> dict[str, Layer]:
+    """Return layers by name in the case of letters in which names are compared."""
+    return {_key(name): layer for name, layer in layers.items()}
+
+
+def layer_of(outline: PlacedOutline, named: Mapping[str, Layer], default: Layer) -> Layer:
+    """Return the layer of an outline among those `named` by key, or the default."""
+    return named.get(_key(outline.source.layer), default)
 
 
 def meant_as_blocks(outlines: Sequence[PlacedOutline], layers: Mapping[str, Layer]) -> list[PlacedOutline]:

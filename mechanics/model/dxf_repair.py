@@ -19,6 +19,8 @@ from mechanics.model.dxf import (
     METRES,
     Layer,
     block_of,
+    by_key,
+    layer_of,
     meant_as_blocks,
     open_document,
     placed_entities,
@@ -37,6 +39,7 @@ from mechanics.model.polylines import (
     has_arcs,
     redraw,
 )
+from mechanics.types import Array
 
 ROUNDS = 60  # of fitting all pairs: a vertex that is moved may open the next joint; up to 30 were seen
 FINE = 0.1  # of the tolerance: less is no misfit in a drawing that is repaired
@@ -52,7 +55,10 @@ class Repair:
 
 @dataclass(frozen=True)
 class _Plan:
-    """The `document` as it is now, and how its outlines become blocks; `scale`: m per drawing unit."""
+    """The `document` as it is now, and how its outlines become blocks.
+
+    `scale`: m per drawing unit; `layers`: by key, see dxf.by_key; `sagitta` (m): of the chords of arcs.
+    """
 
     document: Document
     path: Path
@@ -73,8 +79,7 @@ class _Plan:
 
     def layer(self, outline: PlacedOutline) -> Layer:
         """Return what the layer of an outline says of its block."""
-        layers = {name.lower(): layer for name, layer in self.layers.items()}
-        return layers.get(outline.source.layer.lower(), self.default)
+        return layer_of(outline, self.layers, self.default)
 
 
 def repair_drawing(
@@ -85,7 +90,7 @@ def repair_drawing(
     sagitta: float | None = None,
     tolerance: float | None = None,
 ) -> Repair:
-    """Return a drawing repaired where it is plain what was meant; the arguments are those of `read_drawing`.
+    """Return a drawing repaired where it is clear what was meant; the arguments are those of `read_drawing`.
 
     With a reach of `NEAR` tolerances: an outline whose ends are less apart is closed; one that crosses itself by a
     smaller loop loses it; of outlines drawn more than once in one role the first is kept; where blocks overlap by less,
@@ -96,7 +101,7 @@ def repair_drawing(
     Raises DrawingError where the file cannot be read, or is too large or too fine for the search.
     """
     document, damage = open_document(Path(path))
-    plan = _Plan(document, Path(path), METRES[unit], default, layers, sagitta)
+    plan = _Plan(document, Path(path), METRES[unit], default, by_key(layers), sagitta)
     tolerance = tolerance or _default_tolerance(plan)
     reach = NEAR * tolerance
     changes = [*_close(plan, reach), *_uncross(plan, reach)]
@@ -165,9 +170,10 @@ def _keep_one(plan: _Plan, tolerance: float) -> Iterator[str]:
     used, blocks = plan.blocks()
     overlaps, _ = misfits(blocks, tolerance, NEAR * tolerance)
     for copy, original in enumerate(overlaps.original.tolist()):
-        # of two layers with different properties it is not plain which was meant
-        same = plan.layer(used[copy]) == plan.layer(used[original])
-        if original >= 0 and same and _can_change(used[copy]):
+        if original < 0 or not _can_change(used[copy]):
+            continue
+        # which of two layers with different properties was meant is not clear
+        if plan.layer(used[copy]) == plan.layer(used[original]):
             plan.document.modelspace().delete_entity(used[copy].source.entity)
             where = used[copy].source.at(used[copy].points[0])
             yield f"{where}: deleted, the same outline as {blocks[original].handle}"
@@ -176,10 +182,10 @@ def _keep_one(plan: _Plan, tolerance: float) -> Iterator[str]:
 def _fit(plan: _Plan, tolerance: float, reach: float) -> Iterator[str]:
     """Move vertices of blocks that overlap or leave a gap; yield a line for each vertex."""
     used, blocks = plan.blocks()
-    drawn = [plan.scale * o.points[:, :2] for o in used]
-    fitting = Fitting(drawn, [_movable(o) for o in used], reach, tolerance)
     if not len(misfits(blocks, tolerance, reach)[1]):
         return
+    drawn = [plan.scale * o.points[:, :2] for o in used]
+    fitting = Fitting(drawn, [_movable(o) for o in used], reach, tolerance)
     for _ in range(ROUNDS):
         now = [replace(block, vertices=fitting.outline(i)) for i, block in enumerate(blocks)]
         pairs = misfits(now, FINE * tolerance, reach)[1].tolist()
@@ -188,17 +194,22 @@ def _fit(plan: _Plan, tolerance: float, reach: float) -> Iterator[str]:
         if not any(moved):
             break
     for i, outline in enumerate(used):
-        fitted = fitting.outline(i)
-        changed = np.flatnonzero((abs(fitted - drawn[i]) > fitting.exact).any(axis=1))
-        points = file_points(outline)
-        for k in changed:
-            same = np.linalg.norm(points - outline.points[k], axis=1) <= _same(outline)
-            points[same, :2] = fitted[k] / plan.scale
-            by = f"{1e3 * float(np.hypot(*(fitted[k] - drawn[i][k]))):.3g} mm"
-            where = f"{place_of(drawn[i][k])} moved by {by} to {place_of(fitted[k])}"
-            yield f"{name_of(blocks, i)}: vertex at {where}"
-        if len(changed):
-            redraw(outline, points)
+        yield from _moved(
+            outline, name_of(blocks, i), drawn[i], fitting.outline(i), plan.scale, fitting.exact
+        )
+
+
+def _moved(
+    outline: PlacedOutline, name: str, drawn: Array, fitted: Array, scale: float, exact: float
+) -> Iterator[str]:
+    """Redraw an outline whose points (k, 2) m were `drawn` and are `fitted`; yield a line for each that has moved."""
+    way = np.linalg.norm(fitted - drawn, axis=1)
+    points = file_points(outline)
+    for k in np.flatnonzero(way > exact):
+        points[np.linalg.norm(points - outline.points[k], axis=1) <= _same(outline), :2] = fitted[k] / scale
+        yield f"{name}: vertex at {place_of(drawn[k])} moved by {1e3 * way[k]:.3g} mm to {place_of(fitted[k])}"
+    if (way > exact).any():
+        redraw(outline, points)
 
 
 def _movable(outline: PlacedOutline) -> Flags:

@@ -81,10 +81,10 @@ class Fitting:
 
     def _near(self, index: int, other: int) -> Index:
         """Return the vertices of an outline that are within reach of the bounds of the other."""
-        ring, all_ = self.outline(other), np.arange(self.first[index], self.first[index + 1])
+        ring, own = self.outline(other), np.arange(self.first[index], self.first[index + 1])
         low, high = ring.min(axis=0) - self.reach, ring.max(axis=0) + self.reach
-        place = self.points[all_]
-        return np.asarray(all_[((low <= place) & (place <= high)).all(axis=1)])
+        place = self.points[own]
+        return np.asarray(own[((low <= place) & (place <= high)).all(axis=1)])
 
     def _onto_vertices(self, still: int, moved: int) -> None:
         """Put vertices of the outline `moved` onto those of the other, the nearest first, one onto one."""

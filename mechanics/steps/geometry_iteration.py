@@ -74,6 +74,7 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
         found = certified(problem, now)
         if found.certificate.worst(problem.size) <= STEP.certificate(system.behaviour):
             return _stable(found)
+        # programs with the geometry held approach an equilibrium only where the stiffness is positive
         if not (stable or found.stable):
             raise NoEquilibriumError(
                 "loss of stability: the structure gives way under forces that it should bear"

@@ -26,10 +26,6 @@ from mechanics.steps.static_system import StaticSystem
 from mechanics.steps.tolerances import REST, STEP, RestTolerances
 from mechanics.types import GRAVITY, Array
 
-REGAINED = 1.2  # growth of the longest time step after it was halved
-FAR = 2.0  # times the size of a step: a program with curvature has other solutions, farther away
-STEADY = 0.9  # share of the unbalanced force half-way that is left in a motion that does not slow down
-
 
 def way(one: Array, other: Array, size: float) -> float:
     """Return the longest way (m) of a block between two positions (b, 3); 1 rad counts as `size` (m)."""
@@ -72,7 +68,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         if 0 < step == tolerances.steps // 2:
             half_way = force
         size = max(least, tolerances.stride * far)
-        longest = 0.5 * time if last.held else min(REGAINED * longest, tolerances.longest)
+        longest = 0.5 * time if last.held else min(tolerances.growth * longest, tolerances.longest)
         time = min(time * min(2.0, np.sqrt(size / max(left, 1e-300))), max(longest, tolerances.first))
         # slips count from the last step: a joint that has slid does not slide back
         start, work = State(moved, np.zeros_like(moved)), problem.work - _work_done(problem, begun, moved)
@@ -93,7 +89,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
             )
         slowing = True
         still = 0.5 * force  # slow, but no equilibrium yet: at rest only if it slows down further
-    kind = RunawayError if force > STEADY * half_way else ConvergenceError
+    kind = RunawayError if force > tolerances.steady * half_way else ConvergenceError
     raise kind(f"left to itself the structure does not come to rest: it goes on by {left:.2g} m a step")
 
 
@@ -118,27 +114,25 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
     """
     system, size = problem.system, problem.system.model.size
     program, index = problem.pose(at, None if last is None else last.forces)
-    layout, straight, curved = system.layout.take(index), interior.frozen(program), program.curved is not None
+    layout, frozen, curved = system.layout.take(index), interior.frozen(program), program.curved is not None
     warm = last and last.iterate and taken(last.iterate, index)
-    bent, held, solves = None, None, 0
+    full, held, solves = None, None, 0  # solutions with the geometry that changes, and with the geometry held
     if warm and curved:
-        bent, solves = _solved(program, layout, warm.warm(program, STEP.begin)), 1
-        if bent and way(at, displaced(system.model, at, bent.displacement), size) > FAR * problem.size:
-            bent = None
-    if bent is None:
-        starts = [interior.cold(straight)]
-        if warm:
-            starts.insert(0, warm.warm(straight, STEP.begin))
-        while starts and not held:
-            held, solves = _solved(straight, layout, starts.pop(0)), solves + 1
+        full, solves = _solved(program, layout, warm.warm(program, STEP.begin)), 1
+        if full and way(at, displaced(system.model, at, full.displacement), size) > REST.jump * problem.size:
+            full = None
+    if full is None:
+        for start in (warm and warm.warm(frozen, STEP.begin), interior.cold(frozen)):
+            if start and not held:
+                held, solves = _solved(frozen, layout, start), solves + 1
         if held and curved:
-            beside = replace(held.warm(program, STEP.bend), displacement=held.displacement)
-            bent, solves = _solved(program, layout, beside), solves + 1
-    found = bent or held
+            near = replace(held.warm(program, STEP.bend), displacement=held.displacement)
+            full, solves = _solved(program, layout, near), solves + 1
+    found = full or held
     if found:
         solution = interior.solution(program, found)
     else:
-        (solution, found), solves = solve(straight, layout), solves + 1
+        (solution, found), solves = solve(frozen, layout), solves + 1
     count = len(system.contacts)
     return Round(
         displaced(system.model, at, solution.displacement),
@@ -148,7 +142,7 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
         touching=index,
         alpha=solution.alpha,
         solves=solves,
-        held=curved and bent is None,
+        held=curved and full is None,
     )
 
 

@@ -82,7 +82,9 @@ class RestTolerances:
     motion so far, and at least `way`. As shares of the block size: `way`; `still`, motion in a step of unit time at
     rest; `balanced`, motion in a step that is rounding; `lifted`, gap of joints that carry; `farthest`, way beyond
     which a block runs away (1 rad counts as 1): a block that leaves its seat or topples has collapsed, even if it comes
-    to rest where it falls. `steps`: largest number of steps.
+    to rest where it falls. `steps`: largest number of steps. `growth`: of the longest time step after it was halved;
+    `jump`: times the intended motion of a step, a longer one is another solution of a program that is not convex;
+    `steady`: share of the unbalanced force half-way that is left at the end of a motion that does not slow down.
     """
 
     first: float = 0.5
@@ -95,6 +97,9 @@ class RestTolerances:
     lifted: float = 5e-5
     steps: int = 200
     farthest: float = 0.3
+    growth: float = 1.2
+    jump: float = 2.0
+    steady: float = 0.9
 
 
 @dataclass(frozen=True, slots=True)

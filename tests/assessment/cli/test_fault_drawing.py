@@ -54,7 +54,7 @@ def test_every_fault_is_listed_once_and_marked(tmp_path, capsys):
     outline(space, rectangle(5.5, 0.5, 6.5, 2))
     lines, picture = checked(tmp_path, capsys, document)
     *told, last, hint = lines
-    assert hint == "what is small of this can be mended in a copy: assesto check --repair"
+    assert hint == "small faults can be repaired in a copy of the drawing: assesto check --repair"
     assert last == f"drawing with the faults marked: {tmp_path / 'output' / 'model.svg'}"
     assert all(re.match(r"error: geometry\.dxf: fault \d: block \d+ \(layer ", line) for line in told)
     assert [("twice" in line, "encloses" in line, "overlap by" in line) for line in told] == [

@@ -12,7 +12,7 @@ from assessment.project.catalogue.new_project import new_project
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover
-from mechanics.errors import CollapseError, RunawayError
+from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError
 from mechanics.procedures.pushdown import PushdownTolerances
 from mechanics.procedures.pushover import PushoverTolerances
 from mechanics.steps.tolerances import REST
@@ -293,6 +293,31 @@ def test_a_motion_does_not_jump_out_of_the_rest_that_it_comes_to():
         settled = pushdown(model, "right", movement, 0.0, 0.004, "elastic", sliding="coulomb").final
         curve = pushover(model, (0.0, 1.372), "-x", "elastic", 0.005, settled, sliding="coulomb")
         assert curve.displacement[-1] == pytest.approx(0.0247, rel=0.02)
+
+
+def test_a_step_ends_where_two_programs_in_a_row_find_the_structure_unstable(monkeypatch):
+    """With its geometry held the sequence cannot come to such an equilibrium: it went on for sixteen programs."""
+    module, counts = import_module("mechanics.steps.geometry_iteration"), [0]
+    control, solve_round = import_module("mechanics.procedures.step_control"), module._solve_round
+    find, given_up = control.find_equilibrium, []
+
+    def counted(*arguments, **options):
+        counts[-1] += 1
+        return solve_round(*arguments, **options)
+
+    def found(*arguments):
+        counts.append(0)
+        try:
+            return find(*arguments)
+        except (NoEquilibriumError, ConvergenceError):
+            given_up.append(counts[-1])
+            raise
+
+    monkeypatch.setattr(module, "_solve_round", counted)
+    monkeypatch.setattr(control, "find_equilibrium", found)
+    curve = pushover(arch_on_piers(stiffness=3e5), (0.85, 0.8), contacts="elastic", increment=0.003)
+    assert curve.reached_zero
+    assert given_up and max(given_up) <= 8
 
 
 @pytest.mark.parametrize(("increment", "until"), [(0.01, 0.5), (0.005, 0.25), (0.002, 0.5), (0.01, 0.0)])

@@ -21,7 +21,7 @@ INTERNAL = re.compile(
 )
 WITHOUT_REMEDY = re.compile(
     r"and \d+ more of this kind|gaps of up to|gaps, and blocks that touch nothing|drawing with the faults marked"
-    r"|what is small of this"
+    r"|small faults can be repaired"
 )
 LONGEST = 3000  # characters of a line of a message
 
@@ -50,7 +50,9 @@ def commanded(*arguments: str | Path) -> str:
     assert out.getvalue() == ""
     lines = err.getvalue().splitlines()
     for line in lines:
-        assert line.startswith(("error: ", "drawing with the faults marked: ", "what is small of this"))
+        assert line.startswith(
+            ("error: ", "drawing with the faults marked: ", "small faults can be repaired")
+        )
     check("\n".join(line.removeprefix("error: ") for line in lines))
     return REFUSED
 
