@@ -14,6 +14,7 @@ from mechanics.errors import (
 from mechanics.model.assembly import Assembly, State
 from mechanics.model.block import Block, Material
 from mechanics.model.dxf import Layer, read_drawing
+from mechanics.model.tie import Tie
 from mechanics.procedures.limit_analysis import limit_analysis
 from mechanics.procedures.pushdown import pushdown
 from mechanics.procedures.pushover import pushover
@@ -33,6 +34,7 @@ __all__ = [
     "NoEquilibriumError",
     "RecordError",
     "State",
+    "Tie",
     "TimeHistory",
     "UnstableError",
     "limit_analysis",

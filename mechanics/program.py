@@ -21,6 +21,7 @@ from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import forces_on_blocks, relative_motion
 from mechanics.types import Array, Index
 
+CRUSHED = 1.0 - 1e-4  # of the strength: the force of a joint that is crushed, of a tie that yields
 LARGEST_MULTIPLIER = 1e4  # a load with a larger multiplier has no mechanism
 
 
@@ -30,9 +31,9 @@ class Program:
 
     `dof` (j, 6): degrees of freedom of blocks a and b, −1 for a support; `places` (j, PLACE) and `law` (j, LAW): see
     kernels; `load` (m,) kN: f̄; `lateral` (m,) kN: f_L, None where there is no multiplier; `work` γ in kNm;
-    `mass` (m,): M̄, None in statics; `curved` (j, 7): what given forces change with the geometry (joint.curvature), None
-    where that is left out. `weight` (kN) and `step` (m) are the sizes of a force and a displacement, `size` (m) that of
-    a block: residuals are relative to them.
+    `mass` (m,): M̄, None in statics; `curved` (j, CURVED): what given forces change with the geometry (joint.curvature),
+    None where that is left out. `weight` (kN) and `step` (m) are the sizes of a force and a displacement, `size` (m)
+    that of a block: residuals are relative to them.
     """
 
     dof: Index
@@ -153,9 +154,10 @@ def certify(program: Program, forces: Array, alpha: float, displacement: Array) 
     elastic = law[:, BED] < np.inf
     if elastic.any():
         gaps[elastic] -= bed_gaps(ends[elastic], half[elastic], law[elastic])
-    # crushing closes both ends, w = y − 2κN(y₁ + y₂): of the gaps that are left one is nothing where the joint bears
+    # crushing closes both ends, w = y − 2κN(y₁ + y₂): of the gaps y one is nothing unless all of the joint is crushed
     apart, share = gaps[:, 0] - gaps[:, 1], n / (2.0 * half * law[:, STRENGTH])
     both = 0.5 * (gaps.sum(axis=1) - (1.0 - 2.0 * share) * abs(apart))
+    both = np.where(share < CRUSHED, both, -both)
     gaps = both[:, None] + np.maximum(np.stack([apart, -apart], axis=1), 0.0)
     mu = law[:, FRICTION]
     work = 0.0

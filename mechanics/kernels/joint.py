@@ -10,6 +10,9 @@ measures are taken at the end that is the more closed, in the frame of the face 
 
 so that the gap is w + φ s at the distance s from that end (between the two corners, by the share β), and u is that at
 the middle of the overlap.
+
+A tie between a point of a and one of b is a joint too, of length 1 and without faces: n = −E/|E|, w = ℓ − |E| with its
+length ℓ, φ = v = 0. What pulls it closes the joint.
 """
 
 from __future__ import annotations
@@ -25,15 +28,16 @@ compiled = compiler(allocates=False)
 
 LEVEL = 1e-11  # rad: faces that rounding turns against each other are level, and keep to one of their ends
 
-# columns of what a joint is (faces, j × 13): reference point and unit tangent of either face, in its block's axes, from
+# columns of what a joint is (faces, j × 14): reference point and unit tangent of either face, in its block's axes, from
 # the centroid; along the tangents, from the reference points: the ends of a's face, then of b's; how
-# near two corners meet, m
-PX, PZ, TAX, TAZ, QX, QZ, TBX, TBZ, A1, A2, B1, B2, MEET = range(13)
-FACE = 13
-# columns of where it is (places, j × 15): normal; moments of the rows of u, φ and v about a's centroid; lever from b's
-# centroid to a's; half the overlap; u, φ and v; β; from the end to the middle; t·E and d²φ/dδ²
-NX, NZ, MU, MPHI, MV, LX, LZ, H, U, PHI, V, BETA, ARM, ALONG, BEND = range(15)
-PLACE = 15
+# near two corners meet, m; length of a tie, m, 0: no tie
+PX, PZ, TAX, TAZ, QX, QZ, TBX, TBZ, A1, A2, B1, B2, MEET, LENGTH = range(14)
+FACE = 14
+# columns of where it is (places, j × 16): normal; moments of the rows of u, φ and v about a's centroid; lever from b's
+# centroid to a's; half the overlap; u, φ and v; β; from the end to the middle; t·E and d²φ/dδ²; of a tie 1/|E|, else 0
+NX, NZ, MU, MPHI, MV, LX, LZ, H, U, PHI, V, BETA, ARM, ALONG, BEND, TIED = range(16)
+PLACE = 16
+CURVED = 10  # numbers of a joint's curvature
 
 
 @compiled
@@ -48,13 +52,21 @@ def place(a: Any, b: Any, faces: Array, positions: Array, places: Array) -> None
         ca, sa, cb, sb = (
             np.cos(positions[i, 2]), np.sin(positions[i, 2]), np.cos(positions[j, 2]), np.sin(positions[j, 2]),
         )  # fmt: skip
-        f = faces[k]
-        tax, taz = ca * f[TAX] - sa * f[TAZ], sa * f[TAX] + ca * f[TAZ]
-        tbx, tbz = cb * f[TBX] - sb * f[TBZ], sb * f[TBX] + cb * f[TBZ]
+        f, out = faces[k], places[k]
+        lx, lz = positions[i, 0] - positions[j, 0], positions[i, 1] - positions[j, 1]
         px, pz = ca * f[PX] - sa * f[PZ], sa * f[PX] + ca * f[PZ]
         qx, qz = cb * f[QX] - sb * f[QZ], sb * f[QX] + cb * f[QZ]
-        lx, lz = positions[i, 0] - positions[j, 0], positions[i, 1] - positions[j, 1]
         ex, ez = lx + px - qx, lz + pz - qz
+        out[LX], out[LZ] = lx, lz
+        if f[LENGTH] > 0.0:
+            length = np.sqrt(ex * ex + ez * ez)
+            nx, nz = -ex / length, -ez / length
+            out[NX], out[NZ], out[MU], out[MPHI], out[MV] = nx, nz, px * nz - pz * nx, 0.0, -px * nx - pz * nz
+            out[H], out[U], out[PHI], out[V] = 0.5, f[LENGTH] - length, 0.0, 0.0
+            out[BETA], out[ARM], out[ALONG], out[BEND], out[TIED] = 0.5, 0.0, 0.0, 0.0, 1.0 / length
+            continue
+        tax, taz = ca * f[TAX] - sa * f[TAZ], sa * f[TAX] + ca * f[TAZ]
+        tbx, tbz = cb * f[TBX] - sb * f[TBZ], sb * f[TBX] + cb * f[TBZ]
         delta = np.arctan2(tbx * taz - tbz * tax, tbx * tax + tbz * taz)
         # how far a's face has slid along b's decides where they overlap, and whose corner ends that
         mx, mz = tax + tbx, taz + tbz
@@ -79,24 +91,28 @@ def place(a: Any, b: Any, faces: Array, positions: Array, places: Array) -> None
         arm = 0.5 * (high + low) - end  # so that level faces have one middle, whichever end measures it
         if 2.0 * half < -w:
             half = -abs(half)
-        out = places[k]
         out[NX], out[NZ] = nx, nz
         out[MU] = rax * nz - raz * nx - beta * along + arm * turn
         out[MPHI] = turn
         out[MV] = rax * tz - raz * tx + beta * w
-        out[LX], out[LZ], out[H] = lx, lz, half
+        out[H] = half
         out[U], out[PHI], out[V] = w + arm * phi, phi, along + at_b - at_a
         out[BETA], out[ARM], out[ALONG] = beta, arm, along
         out[BEND] = -((1.0 - beta) ** 2) * np.sin((1.0 - beta) * delta) - beta**2 * sin
+        out[TIED] = 0.0
 
 
 @compiled
 def curvature(p: Array, n: float, m: float, t: float, out: Array) -> None:
     """How forces N, P and T (n, m, t) of a joint at a place p (PLACE,) change as it moves: N∇²u + P∇²φ + T∇²v.
 
-    Into `out` (7,): the entries of x_a, z_a with θ_a and with θ_b (those of b have the opposite sign), then those of
-    θ_a with itself, of θ_a with θ_b and of θ_b with itself.
+    Into `out` (CURVED,): the entries of x_a, z_a with θ_a and with θ_b (those of b have the opposite sign), then those
+    of θ_a with itself, of θ_a with θ_b and of θ_b with itself; of a tie also those of x_a with x_a, x_a with z_a and
+    z_a with z_a (those of x_a with x_b have the opposite sign).
     """
+    if p[TIED] > 0.0:
+        _pull(p, n, out)
+        return
     beta, rest = p[BETA], 1.0 - p[BETA]
     nx, nz = p[NX], p[NZ]
     tx, tz = nz, -nx
@@ -116,10 +132,27 @@ def curvature(p: Array, n: float, m: float, t: float, out: Array) -> None:
         - bend
     )
     out[6] = n * (-skew * nb - rest**2 * w) + t * (-skew * tb - rest**2 * p[ALONG]) + bend
+    out[7], out[8], out[9] = 0.0, 0.0, 0.0
+
+
+@compiled
+def _pull(p: Array, n: float, out: Array) -> None:
+    """The curvature of a tie of tension n: −n t tᵀ/|E| across its line, and of the turns of its ends' levers."""
+    tx, tz, stiff = p[NZ], -p[NX], n * p[TIED]
+    at_a = p[MV]
+    at_b = at_a + p[LX] * tz - p[LZ] * tx - 1.0 / p[TIED]  # q × t
+    out[0], out[1] = -stiff * at_a * tx, -stiff * at_a * tz
+    out[2], out[3] = stiff * at_b * tx, stiff * at_b * tz
+    out[4], out[5], out[6] = (
+        n * at_a - stiff * at_a * at_a,
+        stiff * at_a * at_b,
+        -n * at_b - stiff * at_b * at_b,
+    )
+    out[7], out[8], out[9] = -stiff * tx * tx, -stiff * tx * tz, -stiff * tz * tz
 
 
 @compiled
 def curvatures(places: Array, forces: Array, out: Array) -> None:
-    """How the forces N, P and T (j, 3) of joints at places (j, PLACE) change as these move, into `out` (j, 7)."""
+    """How the forces N, P and T (j, 3) of joints at places (j, PLACE) change as these move, into `out` (j, CURVED)."""
     for k in range(len(places)):
         curvature(places[k], forces[k, 0], forces[k, 1], forces[k, 2], out[k])

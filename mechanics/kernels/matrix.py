@@ -92,19 +92,29 @@ def stiffen(k: int, p: Array, i: int, j: int, d: Array, stored: Array, pattern: 
 
 @compiled
 def bend(k: int, i: int, j: int, c: Array, stored: Array, pattern: Any) -> None:
-    """Take the geometric stiffness of joint k off the matrix; c (7,) as in joint.curvature."""
+    """Take the geometric stiffness of joint k off the matrix; c (CURVED,) as in joint.curvature."""
     if i >= 0:
         at, step = pattern.own[i // 3], pattern.step[i // 3]
+        stored[at] -= c[7]
+        stored[at + 1] -= c[8]
+        stored[at + step + 1] -= c[9]
         stored[at + 2] -= c[0]
         stored[at + step + 2] -= c[1]
         stored[at + 2 * step + 2] -= c[4]
     if j >= 0:
         at, step = pattern.own[j // 3], pattern.step[j // 3]
+        stored[at] -= c[7]
+        stored[at + 1] -= c[8]
+        stored[at + step + 1] -= c[9]
         stored[at + 2] += c[2]
         stored[at + step + 2] += c[3]
         stored[at + 2 * step + 2] -= c[6]
     if i >= 0 and j >= 0:
         at, step = pattern.between[k], pattern.stride[k]
+        stored[at] += c[7]
+        stored[at + 1] += c[8]
+        stored[at + step] += c[8]
+        stored[at + step + 1] += c[9]
         if i < j:  # rows: those of b; columns: of a
             stored[at + 2] -= c[2]
             stored[at + step + 2] -= c[3]
@@ -120,21 +130,22 @@ def bend(k: int, i: int, j: int, c: Array, stored: Array, pattern: Any) -> None:
 
 @compiled
 def turn(c: Array, i: int, j: int, x: Array, total: Array) -> None:
-    """Add to `total` (m,) what the forces of a joint change as its blocks move by x (m,); c (7,): joint.curvature."""
+    """Add to `total` (m,) what the forces of a joint change as its blocks move by x (m,); c (CURVED,): curvature."""
     ax, az, ta, bx, bz, tb = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if i >= 0:
         ax, az, ta = x[i], x[i + 1], x[i + 2]
     if j >= 0:
         bx, bz, tb = x[j], x[j + 1], x[j + 2]
-    fx, fz = c[0] * ta + c[2] * tb, c[1] * ta + c[3] * tb
+    dx, dz = ax - bx, az - bz
+    fx, fz = c[0] * ta + c[2] * tb + c[7] * dx + c[8] * dz, c[1] * ta + c[3] * tb + c[8] * dx + c[9] * dz
     if i >= 0:
         total[i] += fx
         total[i + 1] += fz
-        total[i + 2] += c[0] * (ax - bx) + c[1] * (az - bz) + c[4] * ta + c[5] * tb
+        total[i + 2] += c[0] * dx + c[1] * dz + c[4] * ta + c[5] * tb
     if j >= 0:
         total[j] -= fx
         total[j + 1] -= fz
-        total[j + 2] += c[2] * (ax - bx) + c[3] * (az - bz) + c[5] * ta + c[6] * tb
+        total[j + 2] += c[2] * dx + c[3] * dz + c[5] * ta + c[6] * tb
 
 
 @compiled

@@ -16,6 +16,7 @@ from mechanics.model.dxf import Drawing, Layer, read_drawing, survey_drawing
 from mechanics.model.dxf_repair import Repair, repair_drawing
 from mechanics.model.joints import default_tolerance
 from mechanics.model.model_checks import survey_layout
+from mechanics.model.tie import Tie
 
 __all__ = [
     "NX",
@@ -32,6 +33,7 @@ __all__ = [
     "Material",
     "Repair",
     "State",
+    "Tie",
     "V",
     "default_tolerance",
     "end_gaps",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -16,6 +16,7 @@ from mechanics.model.block import Block
 from mechanics.model.contacts import Contacts, drawn_contacts
 from mechanics.model.joints import Joints, default_tolerance, find_joints
 from mechanics.model.proximity import Outlines
+from mechanics.model.tie import Tie, tie_contacts
 from mechanics.types import GRAVITY, Array, Index, Mask
 
 LIGHTEST = (
@@ -34,7 +35,7 @@ class State:
     `velocities` (b, 3): m/s and rad/s. `shear` (j,): tangential forces (kN) in the springs of the drawn joints; `met`
     (k, 3): the same for faces that came into contact, by their two edges. `carrying` (j,): which drawn joints carry in
     the equilibrium of this state; rigid ones count as closed whatever gap dilatant sliding has left. None: the state is
-    not from an equilibrium.
+    not from an equilibrium. `lengthened` (t,): by how much each tie has yielded, m; None: not at all.
     """
 
     positions: Array
@@ -42,6 +43,7 @@ class State:
     shear: Array | None = None
     met: Array | None = None
     carrying: Mask | None = None
+    lengthened: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,13 +52,15 @@ class Assembly:
 
     `segments_per_joint`: contact points of the paper in elastic analyses; by default the bed is exact. `tolerance`
     (m): edges closer than this touch (default: a thousandth of the median edge). `collisions`: blocks that are apart as
-    drawn may come to touch. Raises ArgumentError for blocks that cannot be analysed.
+    drawn may come to touch. `ties` between them. Raises ArgumentError for blocks that cannot be analysed, and for a tie
+    that does not join two of them.
     """
 
     blocks: Sequence[Block]
     segments_per_joint: int | None = None
     tolerance: float | None = None
     collisions: bool = True
+    ties: Sequence[Tie] = ()
 
     def __post_init__(self) -> None:
         require(isinstance(self.blocks, Iterable), "blocks", self.blocks, "a sequence of Block")
@@ -81,6 +85,36 @@ class Assembly:
         )
         require(bool(self.movable.any()), "blocks", "all supports", "an assembly with a movable block")
         self._check_weights()
+        require(isinstance(self.ties, Iterable), "ties", self.ties, "a sequence of Tie")
+        object.__setattr__(self, "ties", tuple(self.ties))
+        wrong = next((each for each in self.ties if not isinstance(each, Tie)), None)
+        require(wrong is None, "ties", wrong, "a sequence of Tie")
+        self._check_ties()
+
+    def _check_ties(self) -> None:
+        for tie, (one, other) in zip(self.ties, self.tie_blocks.tolist(), strict=True):
+            require(
+                one != other and bool(self.movable[[one, other]].any()),
+                f'tie "{tie.name}"',
+                f"both ends in block {one}" if one == other else "both ends in supports",
+                "between two blocks that can move against each other",
+            )
+
+    def tied(self, ties: Iterable[Tie]) -> Assembly:
+        """Return the assembly with these ties in the place of its own."""
+        return replace(self, ties=tuple(ties))
+
+    @cached_property
+    def tie_blocks(self) -> Index:
+        """The two blocks (t, 2) of each tie. Raises ArgumentError for an end that is in no block."""
+        found = [
+            [
+                self.block_at(point, f'{key} of tie "{tie.name}"')
+                for key, point in zip(("start", "end"), tie.points, strict=True)
+            ]
+            for tie in self.ties
+        ]
+        return np.array(found, dtype=np.intp).reshape(len(self.ties), 2)
 
     def _check_weights(self) -> None:
         weights = np.where(self.movable, [abs(b.weight) for b in self.blocks], np.inf)
@@ -106,8 +140,12 @@ class Assembly:
 
     @cached_property
     def contacts(self) -> Contacts:
-        """The contacts of the joints as drawn."""
-        return drawn_contacts(self.blocks, self.joints, self.segments_per_joint or 0, self.joint_tolerance)
+        """The contacts of the joints as drawn, then the ties."""
+        drawn = drawn_contacts(self.blocks, self.joints, self.segments_per_joint or 0, self.joint_tolerance)
+        if not self.ties:
+            return drawn
+        centroid = self.initial.positions[:, :2]
+        return drawn.joined(tie_contacts(self.ties, self.tie_blocks, centroid, drawn))
 
     @cached_property
     def outlines(self) -> Outlines:
@@ -264,12 +302,15 @@ class Assembly:
         require(bool(np.isfinite(state.positions).all()), "state", "positions", "finite")
         return state
 
-    def block_at(self, point: ArrayLike) -> int:
-        """Return the block that contains a drawn point (2,) m, edges included. Raises ArgumentError if none does."""
+    def block_at(self, point: ArrayLike, name: str = "control") -> int:
+        """Return the block that contains a drawn point (2,) m, edges included. Raises ArgumentError if none does.
+
+        `name`: what the point is, for the message.
+        """
         import shapely
 
-        at = array_of("control", point, "a point (x, z) in m")
-        require(at.shape == (2,) and bool(np.isfinite(at).all()), "control", point, "a point (x, z) in m")
+        at = array_of(name, point, "a point (x, z) in m")
+        require(at.shape == (2,) and bool(np.isfinite(at).all()), name, point, "a point (x, z) in m")
         distance = shapely.distance([shapely.Polygon(b.polygon) for b in self.blocks], shapely.Point(at))
         distance = distance + np.where(
             self.movable, 0.0, 0.5 * self.joint_tolerance
@@ -277,7 +318,7 @@ class Assembly:
         nearest = int(np.argmin(distance))
         require(
             distance[nearest] <= self.joint_tolerance,
-            "control",
+            name,
             tuple(at.tolist()),
             f"in or on a block (the nearest one is {distance[nearest]:.4g} m away)",
         )

@@ -14,6 +14,7 @@ from mechanics.kernels.joint import (
     B1,
     B2,
     FACE,
+    LENGTH,
     LX,
     LZ,
     MEET,
@@ -39,7 +40,7 @@ from mechanics.kernels.joint import (
 )
 from mechanics.model.block import Block
 from mechanics.model.joints import Joints
-from mechanics.types import Array, Index
+from mechanics.types import Array, Index, Mask
 
 MOST_FRICTION = 1e3  # tangent of the friction angle that stands for infinite friction
 # of the shorter face of a joint: how near two corners meet. Their normal turns as they slide past each other: if it
@@ -49,7 +50,7 @@ CORNER = 1e-2
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
-    """Pairs of faces of blocks `a` and `b` (j,), those of the drawn joints first.
+    """Pairs of faces of blocks `a` and `b` (j,), those of the drawn joints first, then ties, then those that met later.
 
     `faces` (j, FACE): see kernels.joint. `friction` (j,); `bed` (j,) kN/m² and `shear` (j,) kN/m: stiffness per
     length of the joint and of the whole joint in shear (NaN where a block has no stiffness); `strength` (j,) kN/m:
@@ -89,6 +90,12 @@ class Contacts:
         """Return the geometry (j, PLACE) of the contacts at block positions (b, 3): see kernels.joint."""
         found = np.empty((len(self), PLACE))
         place(self.a, self.b, self.faces, positions, found)
+        return found
+
+    @cached_property
+    def ties(self) -> Mask:
+        """Which contacts (j,) are ties."""
+        found: Mask = self.faces[:, LENGTH] > 0.0
         return found
 
     @cached_property

@@ -37,7 +37,7 @@ def hinges(model: Assembly, contacts: Contacts, state: State, mechanism: Array, 
     moved = np.concatenate([mechanism[contacts.a], mechanism[contacts.b]], axis=1)
     slip = abs(relative_motion(places, moved)[:, 2])
     turn = abs(mechanism[contacts.a, 2] - mechanism[contacts.b, 2])
-    carries = (forces[:, 0] > CARRYING * model.weight) & (places[:, H] > 0.0)
+    carries = (forces[:, 0] > CARRYING * model.weight) & (places[:, H] > 0.0) & ~contacts.ties
     hinged = np.flatnonzero(carries & (turn > NOTICEABLE * float(abs(mechanism[:, 2]).max())))
     fastest = float(abs(mechanism[:, :2]).max())
     slides = np.flatnonzero(carries & (slip > NOTICEABLE * fastest))

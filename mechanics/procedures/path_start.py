@@ -23,11 +23,13 @@ class StartTolerances:
     """Tolerances of the start of a curve.
 
     `first`: load of the first step of an elastic curve, as a share of the rigid multiplier; `settled`: first step from
-    a settled state, whose open hinges may close first, as a share of an increment.
+    a settled state, whose open hinges may close first, as a share of an increment; `least`: length of a first step, as
+    a share of the compression under gravity.
     """
 
     first: float = 0.02
     settled: float = 0.1
+    least: float = 0.01
 
 
 START = StartTolerances()
@@ -96,7 +98,8 @@ def elastic_start(
             raise
         raise no_way_from_rest(str(stop)) from stop
     moved = begun.state.positions - start.state.positions
-    share = min(1.0, float(abs(moved[:, :2]).max()) / increment)
+    least = START.least * problem.size  # a stiff tie moves less than the rest is known to
+    share = min(1.0, max(float(abs(moved[:, :2]).max()), least) / increment)
     rate = moved / float((lateral * moved).sum())
     return PathStart(
         start.state, start, 0.0, start.forces, start.contacts, start.certificate, rate, share, limit

@@ -20,15 +20,16 @@ def static_theorem(model: Assembly, direction: Direction = "+x", state: State | 
 
     It is the α of limit_analysis with associative friction, from a linear program written apart: forces at the closed
     ends of joints, equilibrium of each block about its centroid. Contacts, which of their ends are closed, and loads
-    are those of the model. None if HiGHS finds no optimum. Raises ArgumentError for joints that crush: their bound on
-    N and P is not linear.
+    are those of the model; a tie bears up to its yield force. None if HiGHS finds no optimum. Raises ArgumentError for
+    joints that crush: their bound on N and P is not linear.
     """
     state = model.starting(state)
     closed = closed_program(model, state)
-    if np.isfinite(closed.program.law[:, STRENGTH]).any():
+    contacts, strength = closed.contacts.take(closed.index), closed.program.law[:, STRENGTH]
+    if np.isfinite(strength[~contacts.ties]).any():
         raise ArgumentError("joints that crush make no linear program")
     bears = end_gaps(closed.program.places) < 0.5 * LIMIT.far * closed.program.step
-    points = _points(closed.contacts.take(closed.index), bears, state.positions)
+    points = _points(contacts, bears, state.positions)
     loads = model.dead_load, model.lateral_load(direction)
     return largest_multiplier(points, state.positions[:, :2], model.movable, loads, model.size)
 
@@ -50,5 +51,6 @@ def _points(contacts: Contacts, bears: Mask, positions: Array) -> PointForces:
         friction=contacts.friction,
         joint=np.nonzero(bears)[0],
         pressure_at=at[bears],
+        most=np.where(contacts.ties, 0.5 * contacts.strength, np.inf)[np.nonzero(bears)[0]],
         friction_at=at[np.arange(len(at)), np.argmin(gaps, axis=1)],
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from mechanics.kernels.interior.inertia import inertia
 from mechanics.kernels.interior.iteration import HOLDING, STIFFEST, iterate
-from mechanics.kernels.joint import H
+from mechanics.kernels.joint import CURVED, H
 from mechanics.kernels.law import FRICTION, STRENGTH
 from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, certify
 from mechanics.solvers.elimination import Elimination
@@ -93,7 +93,7 @@ def run(program: Program, layout: Elimination, start: Iterate, accepted: float) 
         none if p.lateral is None else p.lateral[order],
         p.work,
         none if p.mass is None else p.mass[order],
-        np.zeros((0, 7)) if p.curved is None else p.curved,
+        np.zeros((0, CURVED)) if p.curved is None else p.curved,
         x,
         start.alpha,
         forces,

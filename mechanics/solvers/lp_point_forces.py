@@ -24,8 +24,8 @@ LARGEST = 1e4  # a multiplier beyond which a load meets no mechanism
 class PointForces:
     """Where the joints (j,) between blocks `a` and `b` can press: points (c,), each of its `joint`.
 
-    `normal` (j, 2), from b into a; `friction` (j,), tangent of the friction angle; `pressure_at` (c, 2) m: the points;
-    `friction_at` (j, 2) m: where T acts.
+    `normal` (j, 2), from b into a; `friction` (j,), tangent of the friction angle; `pressure_at` (c, 2) m: the points,
+    which bear at `most` (c,) kN; `friction_at` (j, 2) m: where T acts.
     """
 
     a: Index
@@ -35,6 +35,7 @@ class PointForces:
     joint: Index
     pressure_at: Array
     friction_at: Array
+    most: Array
 
     def equilibrium(self, centroids: Array, movable: Mask, size: float) -> sparse.csc_matrix:
         """Return forces and moments (over `size`, m) on the movable blocks, per unit of each N and then of each T.
@@ -89,7 +90,7 @@ def largest_multiplier(
         b_ub=np.zeros(2 * shears),
         A_eq=matrix,
         b_eq=-dead.ravel(),
-        bounds=[(0.0, None)] * presses + [(None, None)] * shears + [(None, LARGEST)],
+        bounds=[(0.0, most) for most in points.most / weight] + [(None, None)] * shears + [(None, LARGEST)],
         method=METHOD,
     )
     return float(result.x[-1]) if result.status == 0 else None

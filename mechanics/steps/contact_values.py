@@ -82,10 +82,11 @@ def carried(contacts: Contacts, state: State) -> Mask:
     return found
 
 
-def state_at_rest(system: StaticSystem, at: Array, forces: Array) -> State:
-    """Return the state at rest at positions (b, 3) under forces N, P and T (j, 3), kN and kNm."""
+def state_at_rest(system: StaticSystem, at: Array, forces: Array, before: State) -> State:
+    """Return the state at rest at positions (b, 3) under forces N, P and T (j, 3), kN and kNm, after `before`."""
     carrying = forces[:, 0] > system.least_force
     drawn = len(system.model.contacts)
     met = np.column_stack([system.contacts.edges, forces[:, 2]])[drawn:][carrying[drawn:]]
     shear = forces[:drawn, 2].copy() if system.law[:, SHEAR].any() else None
-    return State(at, np.zeros_like(at), shear, met if len(met) else None, carrying[:drawn])
+    lengthened = system.lengthened(at, forces, before)
+    return State(at, np.zeros_like(at), shear, met if len(met) else None, carrying[:drawn], lengthened)

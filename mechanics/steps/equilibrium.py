@@ -45,7 +45,7 @@ def closed_program(
     """
     step = LIMIT.onset * model.size
     system = static_system(model, "rigid", sliding).around(state.positions, step)
-    places = system.contacts.places(state.positions)
+    places = system.places(state.positions, state)
     gaps = end_gaps(places)
     carrying = np.flatnonzero(carried(system.contacts, state))
     gaps[carrying] -= np.maximum(gaps[carrying].min(axis=1), 0.0)[:, None]  # the gap that sliding has left
@@ -110,9 +110,9 @@ def rest_size(model: Assembly, behaviour: Behaviour) -> float:
 
     Rigid, or without joints: 1/1000 of a block.
     """
-    if behaviour == "rigid" or len(model.contacts) == 0:
+    contacts = model.contacts.take(np.flatnonzero(~model.contacts.ties))
+    if behaviour == "rigid" or len(contacts) == 0:
         return 1e-3 * model.size
-    contacts = model.contacts
     length = 2.0 * contacts.places(model.initial.positions)[:, H]
     return float(np.median(model.weight / (contacts.bed * length)))
 

@@ -67,7 +67,7 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
             continue
         if stage < STEP.slip_rounds and _slips_changed(problem, now):
             continue
-        others = _other_contacts(system, now)
+        others = _other_contacts(problem, now)
         if others is not None:
             now = replace(now, touching=others)
             continue
@@ -138,16 +138,19 @@ def _slips_changed(problem: StepProblem, now: Round) -> bool:
     return bool(gap > STEP.slip_gap * problem.size)
 
 
-def _other_contacts(system: StaticSystem, now: Round) -> Index | None:
+def _other_contacts(problem: StepProblem, now: Round) -> Index | None:
     """Return the indices of the joints that touch at the positions of a round; None if the program has just these.
 
     Joints that carry beyond the edge of their faces are removed, joints whose faces penetrate are added.
     """
     assert now.forces is not None and now.touching is not None
-    places = system.contacts.places(now.at)
+    system = problem.system
+    places = system.places(now.at, problem.start)
     apart = places[:, H] <= system.no_overlap
     wrong = apart & (now.forces[:, 0] > system.least_force)
-    inside = ~apart & (end_gaps(places).min(axis=1) < -STEP.inside * system.model.size)
+    inside = (
+        ~apart & ~system.contacts.ties & (end_gaps(places).min(axis=1) < -STEP.inside * system.model.size)
+    )
     inside[now.touching] = False
     if not wrong.any() and not inside.any():
         return None
@@ -161,9 +164,9 @@ def certified(problem: StepProblem, now: Round) -> Equilibrium:
     assert now.forces is not None and now.touching is not None
     system = problem.system
     program, index = problem.pose(now.at, now.forces, now.slips, now.touching)
-    places = system.contacts.places(now.at)
+    places = system.places(now.at, problem.start)
     return Equilibrium(
-        state_at_rest(system, now.at, now.forces),
+        state_at_rest(system, now.at, now.forces, problem.start),
         system,
         places,
         now.forces,

@@ -71,7 +71,8 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         longest = 0.5 * time if last.held else min(tolerances.growth * longest, tolerances.longest)
         time = min(time * min(2.0, np.sqrt(size / max(left, 1e-300))), max(longest, tolerances.first))
         # slips count from the last step: a joint that has slid does not slide back
-        start, work = State(moved, np.zeros_like(moved)), problem.work - _work_done(problem, begun, moved)
+        start = State(moved, np.zeros_like(moved), lengthened=now.start.lengthened)
+        work = problem.work - _work_done(problem, begun, moved)
         now, at = replace(now, start=start, work=work, size=size), moved
         if force > still:
             continue

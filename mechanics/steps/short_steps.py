@@ -59,5 +59,5 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
             raise NoEquilibriumError(f"the structure falls: in a step of {short.size:.3g} m it gains speed")
         iterate = over_all(found, index, len(system.contacts))
         forces = spread(interior.solution(program, found).forces, index, len(system.contacts))
-        short = replace(short, start=state_at_rest(system, at, forces))
+        short = replace(short, start=state_at_rest(system, at, forces, short.start))
     return balanced(replace(short, mass=None), at, solves)

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError
-from mechanics.kernels.joint import ARM, BETA, MV, PHI, H, U, V, curvatures
+from mechanics.kernels.joint import ARM, BETA, CURVED, MV, PHI, H, U, V, curvatures
 from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID
 from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts, end_gaps
@@ -70,7 +70,7 @@ class StepProblem:
     def slid(self) -> Array:
         """Slips (j,) m from which sliding is measured: those at the start, less the deformation of the springs."""
         system = self.system
-        slid: Array = system.contacts.places(self.start.positions)[:, V]
+        slid: Array = system.places(self.start.positions, self.start)[:, V]
         if self.start.shear is not None and not system.rigid:
             slid = slid + system.law[:, SHEAR] * spring_forces(system.contacts, self.start)
         return slid
@@ -113,7 +113,7 @@ class StepProblem:
     def _places(self, at: Array, forces: Array | None, slips: Array | None) -> Array:
         """Return the joints' places (j, PLACE) at positions (b, 3) without the lift of `slips`; T acts where N acts."""
         contacts = self.system.contacts
-        places = contacts.places(at)
+        places = self.system.places(at, self.start)
         if slips is not None:
             places[:, U] += self.system.law[:, FRICTION] * slips
         if forces is not None:
@@ -123,8 +123,8 @@ class StepProblem:
 
 
 def _curvatures(places: Array, forces: Array) -> Array:
-    """Return how the forces (j, 3) of joints change with the geometry, (j, 7): see kernels.joint.curvature."""
-    curved = np.empty((len(places), 7))
+    """Return how the forces (j, 3) of joints change with the geometry, (j, CURVED): see kernels.joint.curvature."""
+    curved = np.empty((len(places), CURVED))
     curvatures(places, forces, curved)
     return curved
 
@@ -213,9 +213,9 @@ def balanced(problem: StepProblem, at: Array, solves: int = 0) -> Equilibrium:
     program, index = problem.pose(at, None)
     found, more = solve_program(program, system.layout.take(index), None, STEP.solved)
     solution, count = interior.solution(program, found), len(system.contacts)
-    forces, places = spread(solution.forces, index, count), system.contacts.places(at)
+    forces, places = spread(solution.forces, index, count), system.places(at, problem.start)
     return Equilibrium(
-        state_at_rest(system, at, forces),
+        state_at_rest(system, at, forces, problem.start),
         system,
         places,
         forces,
@@ -229,7 +229,7 @@ def balanced(problem: StepProblem, at: Array, solves: int = 0) -> Equilibrium:
 
 def penetration(system: StaticSystem, places: Array, forces: Array) -> float:
     """Return the deepest penetration (m) at places (j, PLACE) beyond the elastic compression under forces (j, 3)."""
-    overlapping = places[:, H] > system.no_overlap
+    overlapping = (places[:, H] > system.no_overlap) & ~system.contacts.ties
     p, f = places[overlapping], forces[overlapping]
     gaps = end_gaps(p)
     if not system.rigid:

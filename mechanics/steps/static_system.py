@@ -9,11 +9,12 @@ from typing import Literal, get_args
 import numpy as np
 
 from mechanics.errors import require
-from mechanics.kernels.joint import H
+from mechanics.kernels.joint import H, U
 from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
-from mechanics.model.assembly import Assembly, Behaviour
+from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.model.proximity import near
+from mechanics.program import CRUSHED
 from mechanics.solvers.elimination import BANDED, CHEAPER, Elimination
 from mechanics.steps.tolerances import STEP
 from mechanics.types import Array, Index
@@ -61,6 +62,39 @@ class StaticSystem:
         places = self.contacts.take(np.flatnonzero(new)).places(positions)
         inside = end_gaps(places).min(axis=1) < -STEP.inside * self.model.size
         return bool((inside & (places[:, H] > 0.0)).any())
+
+    def places(self, positions: Array, state: State) -> Array:
+        """Return the geometry (j, PLACE) of the contacts at positions (b, 3), ties as much longer as in the state.
+
+        An elastic tie with pretension is shorter, by what that stretches it.
+        """
+        places = self.contacts.places(positions)
+        if self.model.ties:
+            if state.lengthened is not None:
+                places[self.ties, U] += state.lengthened
+            if not self.rigid:
+                places[self.ties, U] -= [tie.pretension for tie in self.model.ties] / self.law[self.ties, BED]
+        return places
+
+    def lengthened(self, positions: Array, forces: Array, state: State) -> Array | None:
+        """Return by how much each tie (t,) has yielded at positions (b, 3) under forces (j, 3), m; in the state before.
+
+        None for a model without ties.
+        """
+        if not self.model.ties:
+            return None
+        before = np.zeros(len(self.model.ties)) if state.lengthened is None else state.lengthened
+        strength, bed = self.law[self.ties, STRENGTH], self.law[self.ties, BED]
+        yields = forces[self.ties, 0] > CRUSHED * strength
+        elastic = np.where(yields, strength, 0.0) / bed
+        more = np.maximum(-self.places(positions, state)[self.ties, U] - elastic, 0.0)
+        return np.where(yields, before + more, before)
+
+    @property
+    def ties(self) -> slice:
+        """Which contacts are ties."""
+        first = len(self.model.joints.a)
+        return slice(first, first + len(self.model.ties))
 
     @property
     def rigid(self) -> bool:

@@ -13,7 +13,7 @@ from assessment.benchmark.cases.structures import (
     rectangle,
     running_bond,
 )
-from mechanics import Assembly, Block, Material
+from mechanics import Assembly, Block, Material, Tie
 
 __all__ = [
     "arch_on_piers",
@@ -23,6 +23,7 @@ __all__ = [
     "rectangle",
     "running_bond",
     "semicircular_arch",
+    "tied_arch",
 ]
 
 
@@ -47,6 +48,17 @@ def semicircular_arch(
         for side, name in ((1, "right"), (-1, "left"))
     ]
     return Assembly([*ring, *supports], segments)
+
+
+def tied_arch(yield_force: float = np.inf, **tie: float) -> Assembly:
+    """A small arch on piers, its springings tied to each other, and one pier to its support."""
+    arch = arch_on_piers(voussoirs=7, courses=3)
+    return arch.tied(
+        [
+            Tie("springing", (-0.7, 0.78), (0.7, 0.78), yield_force, **tie),
+            Tie("foot", (0.7, 0.3), (0.95, -0.05), yield_force, **tie),
+        ]
+    )
 
 
 def column(

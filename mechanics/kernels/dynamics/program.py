@@ -9,7 +9,7 @@ import numpy as np
 from mechanics.kernels.dynamics.newton import newton
 from mechanics.kernels.interior.iteration import iterate
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.joint import PHI, H, U
+from mechanics.kernels.joint import CURVED, PHI, H, U
 from mechanics.kernels.law import FRICTION
 from mechanics.types import Array
 
@@ -65,7 +65,7 @@ def _interior_point(
 ) -> tuple[int, float, float, float]:  # fmt: skip
     """`iterate` without lateral load and curvature; returns as `solve` does."""
     done, _, force, gap, product = iterate(
-        rows, at, laws, load, np.empty(0), 0.0, mass, np.empty((0, 7)), dx, 0.0, f, y, scale, MOST_ITERATIONS,
+        rows, at, laws, load, np.empty(0), 0.0, mass, np.empty((0, CURVED)), dx, 0.0, f, y, scale, MOST_ITERATIONS,
         stored_matrix, packed, chosen,
     )  # fmt: skip
     return abs(done), force, gap, product

@@ -73,7 +73,7 @@ MOST = 10.0  # of the target: larger products are corrected
 
 
 class Joints(NamedTuple):
-    """What does not change: `row` (j, 2), `places` (j, PLACE), `law` (j, LAW), `curved` (j, 7) or empty.
+    """What does not change: `row` (j, 2), `places` (j, PLACE), `law` (j, LAW), `curved` (j, CURVED) or empty.
 
     `which` (j,): their places among the joints of the pattern.
     """

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from mechanics import Assembly, Block, Material
 from mechanics.kernels.bed import crushed, stored
-from mechanics.kernels.joint import A1, A2, ALONG, ARM, BETA, MU, MV, PHI, H, U, V, curvature
+from mechanics.kernels.joint import A1, A2, ALONG, ARM, BETA, CURVED, MU, MV, PHI, H, U, V, curvature
 from mechanics.model.contacts import Contacts, deformation, end_gaps, end_points, rows
 from mechanics.steps.static_step import lay_shear
 from mechanics.types import Array
@@ -105,8 +105,9 @@ def test_rows_are_the_derivatives_of_gap_turn_and_slip(name, seed, amount):
 
 def geometric(joint: Joint, n: float, m: float, t: float) -> Array:
     """The full matrix (6, 6) of what forces change as their joint moves."""
-    out = np.empty(7)
+    out = np.empty(CURVED)
     curvature(joint.place, n, m, t, out)
+    assert not out[7:].any()
     full = np.zeros((6, 6))
     full[2, :2] = full[:2, 2] = out[:2]
     full[5, :2] = full[:2, 5] = out[2:4]

@@ -65,6 +65,7 @@ def test_every_force_acts_on_both_blocks_and_balances():
         joint=np.array([0]),
         pressure_at=np.array([[1.0, 2.0]]),
         friction_at=np.array([[1.0, 2.0]]),
+        most=np.array([np.inf]),
     )
     centroids = np.array([[0.0, 0.0], [0.5, 1.5]])
     matrix = points.equilibrium(centroids, np.array([True, True]), 1.0).toarray()

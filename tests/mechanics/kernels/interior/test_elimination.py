@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mechanics.kernels.interior import elimination as loops
 from mechanics.kernels.interior.elimination import KNOWN, LANES
-from mechanics.kernels.joint import H, curvature
+from mechanics.kernels.joint import CURVED, H, curvature
 from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
 from mechanics.model.contacts import rows
@@ -18,9 +18,9 @@ from mechanics.types import Array
 from tests.mechanics.solvers.test_dissection import dense
 from tests.support.reference_loops import joint_newton
 from tests.support.steps import shaken
-from tests.support.structures import arch_on_piers, running_bond
+from tests.support.structures import arch_on_piers, running_bond, tied_arch
 
-MODELS = {"wall": running_bond(4, 5), "arch": arch_on_piers(voussoirs=7, courses=3)}
+MODELS = {"wall": running_bond(4, 5), "arch": arch_on_piers(voussoirs=7, courses=3), "tied": tied_arch()}
 COLUMNS = {
     name: getattr(loops, name)
     for name in (
@@ -67,7 +67,7 @@ def test_the_matrix_is_the_sum_of_the_joints_stiffness_and_mass(name, behaviour)
     diagonal(mass, stored, layout.pattern)
     expected, x, change = np.diag(mass), rng.standard_normal(m), np.zeros(m)
     for k, (i, j) in enumerate(layout.row):
-        d, c = rng.standard_normal(6), np.empty(7)
+        d, c = rng.standard_normal(6), np.empty(CURVED)
         stiffen(k, places[k], i, j, d, stored, layout.pattern)
         full = np.array([[d[0], d[1], d[2]], [d[1], d[3], d[4]], [d[2], d[4], d[5]]])
         expected += b[k].T @ full @ b[k]

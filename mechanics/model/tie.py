@@ -1,0 +1,125 @@
+"""A tie rod between two blocks, and the contact that it is to the program.
+
+A tie is a joint whose normal is its own line: its tension is N, its elongation the closing of the joint, its yielding
+the crushing. It has no face: P and T are none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mechanics.errors import array_of, is_number, require
+from mechanics.kernels.joint import A1, A2, B1, B2, FACE, LENGTH, MEET, PX, PZ, QX, QZ
+from mechanics.model.contacts import Contacts
+from mechanics.types import Array, Index
+
+RIGID = 10.0  # times the stiffest joint: a rigid tie in analyses with elastic joints
+
+
+@dataclass(frozen=True, eq=False)
+class Tie:
+    """A straight tie between two points (x, z) m as drawn, each in or on a block: it pulls, and never pushes.
+
+    `yield_force` (kN): it lengthens under that without bearing more; `stiffness` (kN/m) of the whole tie, None: rigid;
+    `pretension` (kN): its tension at its `length` (m), None: that as drawn. Stiffness and pretension count in analyses
+    with elastic joints; with rigid joints the tie is inextensible up to its yield force: a self-stress does not change
+    what a rigid structure bears. Raises ArgumentError naming the argument.
+    """
+
+    name: str
+    start: ArrayLike
+    end: ArrayLike
+    yield_force: float = float("inf")
+    stiffness: float | None = None
+    pretension: float = 0.0
+    length: float | None = None
+
+    def __post_init__(self) -> None:
+        require(isinstance(self.name, str) and bool(self.name), "name", self.name, "the name of the tie")
+        for key in ("start", "end"):
+            point = array_of(key, getattr(self, key), "a point (x, z) in m")
+            require(
+                point.shape == (2,) and bool(np.isfinite(point).all()),
+                key,
+                getattr(self, key),
+                "a point (x, z) in m",
+            )
+            object.__setattr__(self, key, point)
+        strength, pull = self.yield_force, self.pretension
+        require(
+            is_number(strength) and strength > 0.0,
+            "yield_force",
+            strength,
+            "positive, in kN (inf: it does not yield)",
+        )
+        require(
+            self.stiffness is None or (is_number(self.stiffness) and 0.0 < self.stiffness < np.inf),
+            "stiffness",
+            self.stiffness,
+            "positive, in kN/m, or None: rigid",
+        )
+        require(
+            is_number(pull) and 0.0 <= pull < strength,
+            "pretension",
+            pull,
+            "from zero to less than yield_force, in kN",
+        )
+        drawn = float(np.hypot(*(self.points[1] - self.points[0])))
+        require(drawn > 0.0, "end", self.end, "another point than start")
+        if self.length is None:
+            object.__setattr__(self, "length", drawn)
+        require(
+            is_number(self.length) and 0.0 < self.taut_length < np.inf,
+            "length",
+            self.length,
+            "positive, in m",
+        )
+
+    @property
+    def points(self) -> Array:
+        """Both ends (2, 2) m as drawn."""
+        return np.stack([self.start, self.end])
+
+    @property
+    def taut_length(self) -> float:
+        """The length (m) at which it has its pretension: the one given, or that as drawn."""
+        assert self.length is not None
+        return self.length
+
+
+def tie_contacts(ties: Sequence[Tie], blocks: Index, centroid: Array, drawn: Contacts) -> Contacts:
+    """Return the contacts of ties between the `blocks` (t, 2) with centroids (b, 2) m, beside the `drawn` joints.
+
+    Their length along the joint is 1 m: bed and strength are stiffness and yield force. A rigid one is as stiff as
+    RIGID times the stiffest joint where joints are elastic, and has no pretension.
+    """
+    count = len(ties)
+    faces = np.zeros((count, FACE))
+    ends = np.array([tie.points for tie in ties]).reshape(count, 2, 2)
+    faces[:, [PX, PZ]], faces[:, [QX, QZ]] = (
+        ends[:, 0] - centroid[blocks[:, 0]],
+        ends[:, 1] - centroid[blocks[:, 1]],
+    )
+    faces[:, [A1, B1]], faces[:, [A2, B2]], faces[:, MEET] = -0.5, 0.5, 1.0
+    joint = drawn.bed * np.minimum(
+        drawn.faces[:, A2] - drawn.faces[:, A1], drawn.faces[:, B2] - drawn.faces[:, B1]
+    )
+    stiffest = RIGID * float(joint.max()) if len(joint) and not np.isnan(joint).any() else 1.0
+    faces[:, LENGTH] = [tie.taut_length for tie in ties]
+    number = np.arange(count)
+    return Contacts(
+        a=blocks[:, 0],
+        b=blocks[:, 1],
+        faces=faces,
+        friction=np.zeros(count),
+        bed=np.array([tie.stiffness or stiffest for tie in ties]).reshape(count),
+        shear=np.full(count, np.inf),
+        strength=np.array([tie.yield_force for tie in ties]).reshape(count),
+        segments=np.zeros(count, dtype=np.intp),
+        edges=np.stack([-1 - number, -1 - number], axis=1),  # no edges of blocks: numbers of its own
+        tolerance=drawn.tolerance,
+    )

@@ -1,0 +1,158 @@
+"""Ties against closed forms: a wall 0.5 × 3 m on a base, tied at 2.5 m to a pier that does not move.
+
+With rotation θ about its toe and the tension F: α W z = W x + F r, from its moments in the turned configuration.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mechanics import (
+    Assembly,
+    Block,
+    CollapseError,
+    Material,
+    Tie,
+    limit_analysis,
+    pushdown,
+    pushover,
+    time_history,
+)
+from mechanics.procedures import limit_in, static_theorem
+from mechanics.steps.tolerances import REST
+from tests.support.structures import rectangle, tied_arch
+
+B, H, AT, AWAY = 0.5, 3.0, 2.5, 1.5  # width and height of the wall, height of the tie, its length, m
+STONE = Material(20.0, 5.0, normal_stiffness=1e6)
+BLOCKS = [
+    Block(rectangle(-3.0, -0.5, 4.0, 0.0), 1.0, STONE, support="base"),
+    Block(rectangle(0.0, 0.0, B, H), 1.0, STONE),
+    Block(rectangle(-2.0, 0.0, -AWAY, 4.0), 1.0, STONE, support="pier"),
+]
+WEIGHT = 20.0 * B * H
+FORCE = 3.0  # kN
+
+
+def tied_wall(force=FORCE, **tie):
+    return Assembly(BLOCKS, ties=[Tie("chain", (-AWAY, AT), (0.0, AT), force, **tie)])
+
+
+def multiplier(positions, force):
+    """α of the wall turned about its toe by its rotation, with the tension in the tie."""
+    x, z, turn = positions[1]
+    arm = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ (-B, AT)
+    pull = np.array([-AWAY, AT]) - (arm + np.array([B, 0.0]))
+    pull *= force / np.linalg.norm(pull)
+    return (WEIGHT * (B - x) + arm[0] * pull[1] - arm[1] * pull[0]) / (WEIGHT * z)
+
+
+@pytest.mark.parametrize("force", [1.0, FORCE, 10.0])
+def test_the_onset_with_a_tie_that_yields(force):
+    """α₀ = (W b/2 + F h_t)/(W h/2); towards the pier the tie is slack."""
+    model = tied_wall(force)
+    assert limit_analysis(model, "+x").alpha == pytest.approx(
+        (WEIGHT * B / 2 + force * AT) / (WEIGHT * H / 2), rel=1e-8
+    )
+    assert limit_analysis(model, "+x").forces[-1, 0] == pytest.approx(force, rel=1e-6)
+    assert limit_analysis(model, "-x").alpha == pytest.approx(B / H, rel=1e-6)
+    assert limit_analysis(model, "-x").forces[-1, 0] == pytest.approx(0.0, abs=1e-5 * force)
+
+
+def test_a_tie_that_does_not_yield_leaves_sliding():
+    """With μ = 0.3 the wall slides at its foot as it is held at the tie; without the tie it overturns at b/h."""
+    slippery = [Block(b.polygon, 1.0, Material(20.0, 0.3), support=b.support) for b in BLOCKS]
+    model = Assembly(slippery, ties=[Tie("chain", (-AWAY, AT), (0.0, AT))])
+    # held at the tie its foot slides out when μW(AT) resists: α W (AT − h/2) = μ W AT − W (b/2 − e), |e| ≤ b/2
+    expected = (0.3 * AT + B / 2) / (AT - H / 2)
+    assert limit_analysis(model, "+x").alpha == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("increment", [0.02, 0.1])
+def test_a_rigid_curve_with_a_tie_that_yields(increment):
+    """Exact in any configuration, at any increment: the tie pulls along the line of its ends."""
+    path = pushover(tied_wall(), (B, H), "+x", increment=increment)
+    for state, found in zip(path.states[1:-1], path.multiplier[1:-1], strict=True):
+        assert found == pytest.approx(multiplier(state.positions, FORCE), abs=2e-8)
+        assert state.lengthened == pytest.approx(
+            np.hypot(*(tip(state.positions) - (-AWAY, AT))) - AWAY, abs=1e-8
+        )
+    assert path.reached_zero
+
+
+def tip(positions):
+    x, z, turn = positions[1]
+    return (x, z) + np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ (
+        -B / 2,
+        AT - H / 2,
+    )
+
+
+@pytest.mark.parametrize("stiffness", [1e3, 1e5, None])
+def test_an_elastic_curve_comes_to_that_of_the_tie_that_yields(stiffness):
+    """Peak: of a rigid wall less what the bed's compression takes; the same at any stiffness of the tie."""
+    path = pushover(tied_wall(stiffness=stiffness), (B, H), "+x", contacts="elastic", increment=0.01)
+    assert path.multiplier.max() == pytest.approx(0.3062, rel=1e-3)
+    assert path.reached_zero
+
+
+def test_an_elastic_tie_shares_the_push_with_the_bed():
+    """Small turns about the foot: M = (k b³/12 + k_t h_t² − W h/2) θ, the tie takes k_t h_t θ."""
+    stiffness = 100.0
+    path = pushover(tied_wall(stiffness=stiffness), (B, H), "+x", contacts="elastic", increment=2e-3)
+    assert path.displacement[2] < 7e-4  # the whole bed is pressed
+    bed = 1e6 * B**3 / 12.0
+    turn = path.multiplier[2] * WEIGHT * H / 2 / (bed + stiffness * AT**2 - WEIGHT * H / 2)
+    assert path.steps[2].forces[-1, 0] == pytest.approx(stiffness * AT * turn, rel=1e-3)
+
+
+def test_pretension_pulls_until_the_bed_holds_it():
+    """The tension at rest: the pretension less what the turn of the wall on its bed takes, springs in series."""
+    stiffness, pull = 1e4, 2.0
+    path = pushover(
+        tied_wall(stiffness=stiffness, pretension=pull), (B, H), "+x", contacts="elastic", increment=0.05
+    )
+    bed = 1e6 * B**3 / 12.0 - WEIGHT * H / 2
+    # the foot, infinitely stiff in shear, stays where it is
+    assert path.steps[0].forces[-1, 0] == pytest.approx(pull / (1.0 + stiffness * AT**2 / bed), rel=2e-3)
+
+
+def test_what_a_tie_has_yielded_it_keeps():
+    """Pushed, and pushed again from there: the tie is taut at its new length, and yields at once."""
+    first = pushover(tied_wall(), (B, H), "+x", increment=0.02)
+    state = first.states[8]
+    assert limit_in(tied_wall(), "+x", state).alpha == pytest.approx(first.multiplier[8], abs=1e-6)
+    # half-way back it is slack by what it has yielded, though longer than as drawn
+    back = first.states[4].positions
+    half = type(state)(back, 0.0 * back, lengthened=state.lengthened)
+    assert limit_in(tied_wall(), "+x", half).alpha == pytest.approx(multiplier(back, 0.0), abs=1e-6)
+
+
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+@pytest.mark.parametrize("force", [0.01, 0.1, np.inf])
+def test_limit_analysis_of_a_tied_arch_by_a_program_written_apart(direction, force):
+    model = tied_arch(force)
+    assert limit_analysis(model, direction).alpha == pytest.approx(static_theorem(model, direction), rel=1e-6)
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_an_arch_tied_at_its_springings_outlives_the_spread_of_a_support(contacts):
+    """Without the tie it falls at 0.14 m; a tie that yields at 0.02 kN, a hundredth of the thrust, adds little."""
+    chain = tied_arch().ties[:1]
+    held = pushdown(tied_arch().tied(chain), "right", (0.2, 0.0), 0.005, contacts=contacts)
+    assert held.movement[-1] == pytest.approx(0.2)
+    ends = []
+    for ties in ([], [replace(chain[0], yield_force=0.02)]):
+        with pytest.raises(CollapseError) as fall:
+            pushdown(tied_arch().tied(ties), "right", (0.2, 0.0), 0.005, contacts=contacts)
+        ends.append(fall.value.path.movement[-1])
+    assert ends[0] < 0.145
+    assert ends[0] == pytest.approx(ends[1], rel=0.06)
+
+
+def test_a_state_at_rest_with_a_tie_stays_at_rest():
+    """Under no motion of the base the tied arch does not move."""
+    model = tied_arch()
+    still = time_history(model, np.zeros(200), 0.005)
+    moved = abs(still.positions - still.positions[0]).max()
+    assert moved < REST.lifted * model.size
