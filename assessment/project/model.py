@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING
 from assessment.ntc.load_factors import psi_2
 from assessment.project.mechanisms import chosen_mechanisms
 from assessment.project.plausibility import implausible
+from assessment.project.state_models import StateModel, state_models
 from assessment.runtime.errors import ProjectError
 from mechanics import Assembly, DrawingError, Material
 from mechanics.faults import Fault, FaultyDrawingError
@@ -23,18 +25,19 @@ UNSEEN = "gaps, and blocks that touch nothing, are looked for once these are men
 
 @dataclass(frozen=True, eq=False)
 class ProjectModel:
-    """The assembly of a project, and the warnings about its drawing."""
+    """The blocks and joints of a project as drawn, the assembly of every state by name, warnings about the drawing."""
 
     assembly: Assembly
+    states: Mapping[str, StateModel]
     warnings: tuple[str, ...]
 
 
 def build_model(project: Project) -> ProjectModel:
-    """Read the drawing, check it, and place the control points.
+    """Read the drawing, check it, and place control points and ties.
 
     Raises DrawingError for a drawing that cannot be read, FaultyDrawingError, one of them, with all the faults of one
-    that is no assembly, and ProjectError for a control point outside every block or a mechanism whose blocks are not
-    there.
+    that is no assembly, and ProjectError for a control point or the end of a tie outside every block, or a mechanism
+    whose blocks are not there.
     """
     drawing = survey_drawing(*how_to_read(project))
     geometry, (tolerance, warnings) = project.geometry, _laid_out(project, drawing)
@@ -60,7 +63,8 @@ def build_model(project: Project) -> ProjectModel:
                 f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}"
             ) from None
     chosen_mechanisms(project, assembly)  # raises for wrong mechanisms before any analysis
-    return ProjectModel(assembly, (*warnings, *implausible(project, assembly)))
+    states = state_models(project, assembly)
+    return ProjectModel(assembly, states, (*warnings, *implausible(project, assembly)))
 
 
 def how_to_read(project: Project) -> tuple[Path, str, Layer, dict[str, Layer], float | None]:

@@ -17,7 +17,7 @@ from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
-    from assessment.project.schema import SettlementTable
+    from assessment.project.schema import SettlementTable, TieTable
     from mechanics import Assembly
 
 STEEPEST = 1.5  # friction of stone on stone is 0.4 to 0.8
@@ -30,6 +30,10 @@ LC1 = 1.35  # confidence factor where crushing is left out (Circolare 7/2019, C8
 ITALY = ((35.0, 48.0), (6.0, 19.0))  # latitude, longitude, degrees
 DEEPEST = 100.0  # m, out of plane
 SIZES = (0.01, 1000.0)  # m
+HEAVIEST_TIE = 2000.0  # kN: more than anchorages in masonry bear
+STEEL = 2.1e8  # kN/m²: modulus of elasticity
+YIELDS = (1e5, 1.5e6)  # kN/m²: from wrought iron of poor quality to prestressing bars
+BARS = (2e-5, 0.02)  # m²: sections, of a bar of 5 mm to one of 160 mm
 UNITS = (("kg/m³", GRAVITY / 1e3), ("N/m³", 1e-3), ("t/m³", GRAVITY))  # of weight or mass, in kN/m³
 
 
@@ -44,6 +48,8 @@ def implausible(project: Project, model: Assembly) -> list[str]:
         found += _soft(project, model)
     for number, settlement in enumerate(project.settlements, 1):
         found += _movement(f"settlements[{number}]", settlement, size)
+    for number, tie in enumerate(project.tie, 1):
+        found += _tie(f"tie[{number}]", tie)
     assessment = project.assessment
     crushes = bool(np.isfinite(model.contacts.strength).all())
     if assessment and assessment.confidence_factor < LC1 and not crushes:
@@ -139,6 +145,28 @@ def _movement(key: str, settlement: SettlementTable, size: float) -> Iterator[st
         yield (
             f"{key}.rotation_rad: {turn:g} rad are {math.degrees(turn):.3g}°; "
             f"write {math.radians(turn):.3g} if degrees were meant, {1e-3 * turn:g} if mrad"
+        )
+
+
+def _tie(key: str, tie: TieTable) -> Iterator[str]:
+    """Warn of a yield force, and of a stiffness E A/L, that no bar has: A from the yield force where it is known."""
+    strength, stiffness = tie.yield_force_kN, tie.stiffness_kN_m
+    if HEAVIEST_TIE < strength < math.inf:
+        yield (
+            f"{key}.yield_force_kN: {strength:g} kN is more than anchorages in masonry bear; "
+            f"write {1e-3 * strength:g} if N were meant"
+        )
+    if stiffness is None:
+        return
+    length = math.dist(tie.from_m, tie.to_m)
+    low, high = BARS if strength == math.inf else (strength / YIELDS[1], strength / YIELDS[0])
+    least, most = STEEL * low / length, STEEL * high / length
+    if not least <= stiffness <= most:
+        bar = f"{length:.3g} m" if strength == math.inf else f"{length:.3g} m that yields at {strength:g} kN"
+        hint = f"; write {1e-3 * stiffness:g} if N/m were meant" if least <= 1e-3 * stiffness <= most else ""
+        yield (
+            f"{key}.stiffness_kN_m: {stiffness:g} kN/m is not E A/L of a steel bar of {bar}, "
+            f"{least:.2g} to {most:.2g}{hint or '; write that of bar and anchorages'}"
         )
 
 

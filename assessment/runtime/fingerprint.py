@@ -108,4 +108,5 @@ def _plain(value: Any) -> Any:
 @lru_cache(maxsize=32)
 def _assembly(model: Assembly) -> str:
     """Return the digest of a model: every analysis of it needs it, it is computed once."""
-    return digest([_plain(model.blocks), model.segments_per_joint, model.tolerance, model.collisions])
+    blocks, ties = _plain(model.blocks), _plain(model.ties)
+    return digest([blocks, model.segments_per_joint, model.tolerance, model.collisions, ties])

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.analyses.static.states import StateResult
     from assessment.project.project import Project
-    from mechanics import Assembly
+    from assessment.project.state_models import StateModel
+    from assessment.results.schema.checks import Capacity
     from mechanics.model import Direction
 
 Measured = Mapping[str, float | None]
@@ -154,7 +155,7 @@ class Convergence:
 
 def converge(
     project: Project,
-    model: Assembly,
+    models: Mapping[str, StateModel],
     demands: Demands,
     analyse: Callable[[Project, Collection[str]], list[StateResult]],
 ) -> Convergence:
@@ -170,8 +171,8 @@ def converge(
     if accuracy.tolerance is None:
         return found
     levels = {
-        state: {way: Levels(model.size, (numbers,)) for way, numbers in measured.items()}
-        for state, measured in measure(project, model, demands, found.stages).items()
+        state: {way: Levels(models[state].assembly.size, (numbers,)) for way, numbers in measured.items()}
+        for state, measured in measure(project, models, demands, found.stages).items()
     }
     found.halvings = dict.fromkeys(levels, 0)
     failed: dict[str, str] = {}
@@ -185,7 +186,7 @@ def converge(
             break
         finer = refined(project, halvings)
         stages = analyse(finer, wanted)
-        measured = measure(finer, model, demands, stages)
+        measured = measure(finer, models, demands, stages)
         for state in wanted:
             if failures := _new_failures(found.stages, stages, state):
                 failed[state] = failures
@@ -223,7 +224,7 @@ def not_met(title: str, levels: Levels, tolerance: float, what: str) -> list[str
 
 def measure(
     project: Project,
-    model: Assembly,
+    models: Mapping[str, StateModel],
     demands: Demands,
     stages: Sequence[StateResult],
     quantities: Collection[str] = QUANTITIES,
@@ -233,7 +234,9 @@ def measure(
     for state in dict.fromkeys(stage.state for stage in stages):
         own = [stage for stage in stages if stage.state == state]
         pushovers = curves(own)
-        checked = capacities(assess(project, model, pushovers, demands, [])) if project.assessment else {}
+        checked: Mapping[Direction, Capacity] = {}
+        if project.assessment:
+            checked = capacities(assess(project, models[state].assembly, pushovers, demands, []))
         found[state] = {
             direction: cells(each, quantities)
             for direction, each in capacities_of(project, own, pushovers, checked).items()

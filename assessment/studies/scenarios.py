@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.project.project import Project
     from assessment.project.schema import SettlementTable
+    from assessment.project.state_models import StateModel
     from assessment.runtime.tasks import Workers
-    from mechanics import Assembly
     from mechanics.model import Direction
 
 
@@ -42,7 +42,7 @@ def asks_for_scenarios(project: Project) -> bool:
 
 def scenarios(
     project: Project,
-    model: Assembly,
+    models: Mapping[str, StateModel],
     statics: Statics,
     demands: Demands,
     workers: Workers,
@@ -60,7 +60,7 @@ def scenarios(
         for k in range(1, whole.steps or 1)
     ]
     variants = [
-        Variant(f"part {k} of {whole.steps}", finer, model, part(whole, k / (whole.steps or 1)))
+        Variant(f"part {k} of {whole.steps}", finer, models[whole.name], part(whole, k / (whole.steps or 1)))
         for finer, whole, k in swept
     ]
     keys = [(whole.name, k) for _, whole, k in swept]
@@ -70,7 +70,7 @@ def scenarios(
     points = _points(ORIGINAL, 0.0, 0.0, original, original, by)
     for settlement in project.settlements:
         movement = whole_movement(
-            model, settlement.support, settlement.displacement_m, settlement.rotation_rad
+            models[ORIGINAL].settling, settlement.support, settlement.displacement_m, settlement.rotation_rad
         )
         steps = settlement.steps or 1
         for k in range(1, steps + 1):

@@ -8,9 +8,9 @@ from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 from assessment.project.model import build_model
-from assessment.project.schema import ORIGINAL, Table
+from assessment.project.schema import Table
 from assessment.results.schema.studies import Sensitivity, SensitivityRun
-from assessment.studies.increments import finest, refined
+from assessment.studies.increments import refined
 from assessment.studies.variants import Study, Variant, analyse, quoted_limit_state
 
 if TYPE_CHECKING:
@@ -40,26 +40,26 @@ def sensitivity(
     assert project.sensitivity is not None
     factors = [(key, factor) for key, pair in project.sensitivity.factors.items() for factor in pair]
     varied = {each: with_factor(project, *each) for each in factors}
-    models = {each: build_model(changed).assembly for each, changed in varied.items()}
-    cases = list(product(factors, _settlements(project, halvings)))
+    models = {each: build_model(changed).states for each, changed in varied.items()}
+    cases = list(product(factors, _states(project, halvings).items()))
     variants = [
         Variant(
             f"{key.replace('_', ' ')} × {factor:g}",
-            refined(varied[key, factor], halvings.get(settlement.name if settlement else ORIGINAL, 0)),
-            models[key, factor],
+            refined(varied[key, factor], halvings.get(state, 0)),
+            models[key, factor][state],
             settlement,
         )
-        for (key, factor), settlement in cases
+        for (key, factor), (state, settlement) in cases
     ]
     runs = [
         SensitivityRun(
-            state=settlement.name if settlement else ORIGINAL,
+            state=state,
             property=key,
             factor=factor,
             direction=direction,
             **capacities.model_dump(exclude_unset=True),
         )
-        for ((key, factor), settlement), found in zip(
+        for ((key, factor), (state, _)), found in zip(
             cases, analyse(variants, demands, workers, study, "sensitivity"), strict=True
         )
         for direction, capacities in found.items()
@@ -71,9 +71,11 @@ def sensitivity(
 def without_effect(project: Project) -> set[str]:
     """Return the properties to which all forces are proportional, so that no capacity depends on them.
 
-    The depth is one unless loads are given in kN; the unit weight is one if joints neither are elastic nor crush.
+    The depth is one unless loads, or ties, are given in kN; the unit weight is one if joints neither are elastic nor
+    crush.
     """
-    if any(layer.vertical_load_kN or layer.variable_load_kN for layer in project.layers.values()):
+    loads = any(layer.vertical_load_kN or layer.variable_load_kN for layer in project.layers.values())
+    if loads or project.tie:
         return set()
     strengths = [layer.compressive_strength_kN_m2 for layer in project.layers.values()]
     crushes = any(
@@ -124,13 +126,22 @@ def with_factor(project: Project, key: str, factor: float) -> Project:
             "geometry": scaled(project.geometry),
             "material": scaled(project.material),
             "layers": {name: scaled(layer) for name, layer in project.layers.items()},
+            "strengthening": tuple(
+                made.model_copy(
+                    update={"layers": {name: scaled(layer) for name, layer in made.layers.items()}}
+                )
+                for made in project.strengthening
+            ),
         }
     )
 
 
-def _settlements(project: Project, halvings: Mapping[str, int]) -> list[SettlementTable | None]:
-    """Return the settlements of the states to vary, None for the original one, without their search for collapse."""
+def _states(project: Project, halvings: Mapping[str, int]) -> dict[str, SettlementTable | None]:
+    """Return the states to vary with their movements, without the search for collapse; None: as drawn."""
     assert project.sensitivity is not None
-    states = project.sensitivity.states or project.states
-    short = [each.model_copy(update={"to_collapse": False}) for _, each in finest(project, halvings)]
-    return [None for name in states if name == ORIGINAL] + [each for each in short if each.name in states]
+    wanted = project.sensitivity.states or project.states
+    found: dict[str, SettlementTable | None] = {}
+    for name in (each for each in project.states if each in wanted):
+        whole = refined(project, halvings.get(name, 0)).settlement_of(name)
+        found[name] = whole and whole.model_copy(update={"to_collapse": False})
+    return found

@@ -9,35 +9,34 @@ from typing import TYPE_CHECKING
 from assessment.analyses.checks.capacity import assess, capacities
 from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
 from assessment.ntc.limit_states import QUOTED
-from assessment.project.schema import ORIGINAL
 from assessment.results.schema.studies import Capacities
 
 if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.project.project import Project
     from assessment.project.schema import SettlementTable
+    from assessment.project.state_models import StateModel
     from assessment.results.schema import State
     from assessment.results.schema.checks import Capacity
     from assessment.results.schema.model import QualityRow
     from assessment.results.schema.static import Pushovers
     from assessment.runtime.tasks import Workers
-    from mechanics import Assembly
     from mechanics.model import Direction
 
 
 @dataclass(frozen=True)
 class Variant:
-    """A project and its model after a settlement (None: as drawn); `what`: how it differs from the state."""
+    """A project and the model of a state after a settlement (None: as drawn); `what`: how it differs from the state."""
 
     what: str
     project: Project
-    model: Assembly
+    model: StateModel
     settlement: SettlementTable | None
 
     @property
     def title(self) -> str:
         """The variant and its state, for messages."""
-        return f"{self.what}: {self.settlement.name if self.settlement else ORIGINAL}"
+        return f"{self.what}: {self.model.name}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +95,7 @@ def analyse(
         checked: dict[Direction, Capacity] = {}
         if variant.project.assessment:
             notes: list[str] = []
-            checked = capacities(assess(variant.project, variant.model, pushovers, demands, notes))
+            checked = capacities(assess(variant.project, variant.model.assembly, pushovers, demands, notes))
             study.warnings += [f"{variant.title}: {note}" for note in notes]
         yield capacities_of(variant.project, stages, pushovers, checked)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -24,10 +24,10 @@ from assessment.project.record_set import check_record_set, doubtful_records
 if TYPE_CHECKING:
     from assessment.analyses.static.states import StateResult
     from assessment.project.project import Project
+    from assessment.project.state_models import StateModel
     from assessment.results.schema.dynamic import History, Search
     from assessment.runtime.tasks import Workers
     from assessment.workflow.draft import Draft
-    from mechanics import Assembly
 
 PERIODS = np.linspace(0.0, 4.0, 201)  # s
 
@@ -62,7 +62,7 @@ def read_motions(project: Project) -> Motions:
 def add_dynamics(
     draft: Draft,
     project: Project,
-    model: Assembly,
+    models: Mapping[str, StateModel],
     motions: Motions,
     stages: Iterable[StateResult],
     workers: Workers,
@@ -71,9 +71,9 @@ def add_dynamics(
 
     Return whether every analysis was completed. Raises KilledError where a process was ended from outside.
     """
-    starts = starts_of(project.dynamic_contacts, model, stages)
+    starts = starts_of(project.dynamic_contacts, models, stages)
     pushovers = {name: state.pushover for name, state in draft.states.items()}
-    campaign = Campaign(project, model, starts, ultimates(pushovers), workers)
+    campaign = Campaign(project, starts, ultimates(pushovers), workers)
     complete = True
     if project.history:
         draft.put(motions=[motion_part(motion, PERIODS) for motion in motions.history])

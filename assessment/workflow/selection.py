@@ -57,6 +57,8 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
         if stage not in wanted and table != "settlements"
     }
     dropped["moved_contacts"] = tuple(moved)
+    if not {"pushover", "history", "incremental"} & {*wanted} and not project.mechanism:
+        dropped["strengthening"] = ()  # nothing is left that pushes or shakes it
     if "scenarios" not in wanted:
         whole = (each.model_copy(update={"steps": None}) for each in project.settlements)
         dropped["settlements"] = tuple(whole)

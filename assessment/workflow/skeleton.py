@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 import platform
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from assessment.analyses.accuracy import accuracy_of
 from assessment.ntc.load_factors import psi_2
-from assessment.project.schema import ORIGINAL, LayerTable
+from assessment.project.schema import LayerTable
 from assessment.results.configurations.faces import described
+from assessment.results.plain import finite
 from assessment.results.schema import FORMAT, Results, State
 from assessment.results.schema.dynamic import Incremental
 from assessment.results.schema.model import (
@@ -25,8 +25,9 @@ from assessment.results.schema.model import (
     ModelSummary,
     Quality,
     Software,
+    Tie,
 )
-from assessment.results.schema.static import Settlement
+from assessment.results.schema.static import Settlement, Strengthening
 from assessment.results.schema.studies import Convergence
 from assessment.runtime.fingerprint import installed
 from mechanics.faults import visible
@@ -35,6 +36,7 @@ from mechanics.types import GRAVITY
 if TYPE_CHECKING:
     from assessment.project.model import ProjectModel
     from assessment.project.project import Project
+    from assessment.project.schema import SettlementTable, TieTable
     from mechanics import Assembly
 
 PACKAGES = (
@@ -62,11 +64,11 @@ def describe(project: Project, model: ProjectModel) -> Results:
         assesto=installed("assesto"),
         title=project.title,
         inputs={visible(name): digest for name, digest in project.digests().items()},
-        model=_summary(model),
+        model=_summary(project, model),
         geometry=_geometry(project, a),
         loads=_loads(project, a),
         echo=Echo.model_validate(_spelt(project.content())),
-        states={name: _empty(settlement, len(a.blocks)) for name, settlement in _states(project)},
+        states={name: _empty(project, name, len(a.blocks)) for name in _states(project)},
         comparison=[],
         convergence=Convergence(tolerance=accuracy_of(project).tolerance, rows=[]),
         quality=Quality(solves=0, warnings=[], by_stage=[]),
@@ -80,9 +82,9 @@ def describe(project: Project, model: ProjectModel) -> Results:
     )
 
 
-def _summary(model: ProjectModel) -> ModelSummary:
+def _summary(project: Project, model: ProjectModel) -> ModelSummary:
     a = model.assembly
-    return ModelSummary(
+    found = ModelSummary(
         blocks=len(a.blocks),
         movable_blocks=int(a.movable.sum()),
         joints=len(a.joints.a),
@@ -92,18 +94,42 @@ def _summary(model: ProjectModel) -> ModelSummary:
         self_weight_stable=True,
         warnings=list(model.warnings),
     )
+    return found.replace(ties=[_tie(project, a, each) for each in project.tie]) if project.tie else found
 
 
-def _empty(settlement: Settlement | None, blocks: int) -> State:
-    return State(
+def _tie(project: Project, a: Assembly, tie: TieTable) -> Tie:
+    """Return a tie as it is drawn, and the states in which it is there."""
+    ties = {name: project.ties_of(name) for name in project.states}
+    later = [name for name, (_, later) in ties.items() if tie in later]
+    return Tie(
+        name=tie.name,
+        start_m=list(tie.from_m),
+        end_m=list(tie.to_m),
+        blocks=[a.block_at(tie.from_m), a.block_at(tie.to_m)],
+        yield_force_kN=finite(tie.yield_force_kN),
+        stiffness_kN_m=tie.stiffness_kN_m,
+        pretension_kN=tie.pretension_kN,
+        states=[name for name, (there, _) in ties.items() if tie in there or name in later],
+        set_in=later,
+    )
+
+
+def _empty(project: Project, name: str, blocks: int) -> State:
+    made = project.strengthening_of(name)
+    moved = None if made else project.settlement_of(name)
+    found = State(
         configuration=[[0.0, 0.0, 0.0]] * blocks,
-        settlement=settlement,
+        settlement=None if moved is None else _settlement(moved),
         pushdown={},
         pushover={},
         capacity={},
         history=[],
         incremental=Incremental(),
     )
+    if made is None:
+        return found
+    ties = [tie.name for tie in project.ties_of(name)[1]]
+    return found.replace(strengthening=Strengthening(of=made.of, ties=ties, layers=list(made.layers)))
 
 
 def _spelt(value: Any) -> Any:
@@ -115,20 +141,20 @@ def _spelt(value: Any) -> Any:
     return "inf" if value == math.inf else value
 
 
-def _states(project: Project) -> Iterable[tuple[str, Settlement | None]]:
-    """Yield the states by name: the original one where an analysis needs it, then the settled ones."""
+def _states(project: Project) -> tuple[str, ...]:
+    """Return the states by name: the original one and the strengthened ones where an analysis needs them."""
     if project.pushover or project.history or project.incremental or project.campaign or project.mechanism:
-        yield ORIGINAL, None
-    for s in project.settlements:
-        yield (
-            s.name,
-            Settlement(
-                support=s.support,
-                displacement_m=list(s.displacement_m),
-                rotation_rad=s.rotation_rad,
-                increment_m=s.increment_m,
-            ),
-        )
+        return project.states
+    return project.unstrengthened[1:]
+
+
+def _settlement(moved: SettlementTable) -> Settlement:
+    return Settlement(
+        support=moved.support,
+        displacement_m=list(moved.displacement_m),
+        rotation_rad=moved.rotation_rad,
+        increment_m=moved.increment_m,
+    )
 
 
 def _loads(project: Project, a: Assembly) -> list[LayerLoads]:

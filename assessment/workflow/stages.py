@@ -23,6 +23,7 @@ from assessment.analyses.static.paths import stand
 from assessment.analyses.static.second_solver import second_solver
 from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
 from assessment.project.plausibility import implausible_hazard
+from assessment.project.schema import ORIGINAL
 from assessment.results.schema.part import known, present
 from assessment.runtime.outcome import Outcome
 from assessment.runtime.show import SILENCE, Show
@@ -30,7 +31,7 @@ from assessment.runtime.tasks import Workers, large
 from assessment.studies.convergence import Convergence, converge
 from assessment.studies.increments import refined
 from assessment.studies.variants import Statics
-from assessment.workflow.comparison import comparison
+from assessment.workflow.comparison import comparison, strengthened
 from assessment.workflow.draft import Draft
 from assessment.workflow.dynamic import add_dynamics, read_motions
 from assessment.workflow.skeleton import describe
@@ -39,14 +40,15 @@ from assessment.workflow.studies import add_studies
 if TYPE_CHECKING:
     from assessment.project.model import ProjectModel
     from assessment.project.project import Project
-    from assessment.project.schema import SettlementTable
+    from assessment.project.state_models import StateModel
     from assessment.results.schema import Results
     from assessment.results.schema.checks import Direction
     from assessment.results.schema.part import Configuration
     from assessment.results.schema.static import Pushovers
     from assessment.runtime.cache import Store
     from mechanics import Assembly
-    from mechanics.model import Behaviour
+
+    States = Mapping[str, StateModel]
 
 Ensemble = Sequence[Sequence[StateResult]]
 """The further runs of a state: of each member, the results of its contact behaviours."""
@@ -80,25 +82,27 @@ def run(
 
 def _stages(project: Project, model: ProjectModel, workers: Workers) -> tuple[Results, bool]:
     """Return the results, and whether every requested analysis was completed."""
-    assembly = model.assembly
+    states = model.states
     motions = read_motions(project)
     demands = demand_spectra(project, motions.history) if project.assessment else Demands()
     draft = Draft(describe(project, model))
     draft.warnings += [*motions.notes, *implausible_hazard(project, demands.spectra)]
-    if _falls_by_itself(draft, assembly, workers):
+    if _falls_by_itself(draft, states[ORIGINAL].assembly, workers):
         return draft.finished(), False
 
-    converged = _converged(project, assembly, demands, workers)
-    ensembles = _ensembles(project, assembly, converged, workers)
+    converged = _converged(project, states, demands, workers)
+    ensembles = _ensembles(project, states, converged, workers)
     _add_states(draft, converged)
-    _add_capacities(draft, project, assembly, demands, ensembles)
-    _add_second_solver(draft, assembly, converged, workers)
+    _add_capacities(draft, project, states, demands, ensembles)
+    _add_second_solver(draft, converged, workers)
 
     statics = Statics(draft.states, converged.stages, converged.halvings)
-    studied = add_studies(draft, project, assembly, statics, demands, motions.campaign, workers)
-    shaken = add_dynamics(draft, project, assembly, motions, converged.stages, workers)
+    studied = add_studies(draft, project, states, statics, demands, motions.campaign, workers)
+    shaken = add_dynamics(draft, project, states, motions, converged.stages, workers)
     if project.assessment or project.incremental:
         draft.put(comparison=comparison(draft.states))
+    if project.strengthening:
+        draft.put(strengthening=strengthened(draft.states))
     return draft.finished(), shaken and studied and not any(stage.failures for stage in converged.stages)
 
 
@@ -111,23 +115,23 @@ def _falls_by_itself(draft: Draft, assembly: Assembly, workers: Workers) -> bool
     return bool(unstable)
 
 
-def _converged(project: Project, assembly: Assembly, demands: Demands, workers: Workers) -> Convergence:
+def _converged(project: Project, states: States, demands: Demands, workers: Workers) -> Convergence:
     """Analyse the settlement and pushover of every state, in increments halved until its capacity has converged."""
 
     def analyse(finer: Project, names: Collection[str]) -> list[StateResult]:
-        requests = _requests(finer, assembly)
+        requests = _requests(finer, states)
         return analyse_states([request for request in requests if request.state in names], workers)
 
-    return converge(project, assembly, demands, analyse)
+    return converge(project, states, demands, analyse)
 
 
 def _ensembles(
-    project: Project, assembly: Assembly, converged: Convergence, workers: Workers
+    project: Project, states: States, converged: Convergence, workers: Workers
 ) -> Mapping[str, Ensemble]:
     """Repeat the states whose paths scatter, in the increments at which they converged; by state, by member."""
     requests = [
         replace(request, project=refined(project, converged.halvings.get(request.state, 0)))
-        for request in _requests(project, assembly)
+        for request in _requests(project, states)
     ]
     return members(requests, converged.stages, workers)
 
@@ -162,21 +166,21 @@ def _configuration(stages: Sequence[StateResult]) -> Configuration | None:
 def _add_capacities(
     draft: Draft,
     project: Project,
-    assembly: Assembly,
+    states: States,
     demands: Demands,
     ensembles: Mapping[str, Ensemble],
 ) -> None:
     """Add the ranges of every state and, where asked for, its checks, the demand and the chosen mechanisms."""
     began = time.perf_counter()
     for name in draft.states:
-        _add_capacity(draft, name, project, assembly, demands, ensembles.get(name))
+        _add_capacity(draft, name, project, states[name].assembly, demands, ensembles.get(name))
     if project.assessment:
         if project.assessment.knowledge:
             draft.put(knowledge=knowledge_of(project.assessment.knowledge))
         draft.put(spectra=demand_parts(project, demands))
         draft.took("assessment", time.perf_counter() - began)
     if project.mechanism:
-        draft.put(mechanisms=assess_chosen(project, assembly, draft.states, demands, draft.warnings))
+        draft.put(mechanisms=assess_chosen(project, states, draft.states, demands, draft.warnings))
 
 
 def _add_capacity(
@@ -212,24 +216,30 @@ def _add_capacity(
         )
 
 
-def _add_second_solver(draft: Draft, assembly: Assembly, converged: Convergence, workers: Workers) -> None:
+def _add_second_solver(draft: Draft, converged: Convergence, workers: Workers) -> None:
     """Add to every rigid curve that is reported the multiplier of limit analysis by a second program.
 
     Of a state with an ensemble it is that of its own run, as drawn, whichever member's curve is reported.
     """
     found = [
-        (stage.state, direction, activated, known(stage.pushover[direction].rigid).alpha_0)
+        (
+            known(stage.model),
+            stage.state,
+            direction,
+            activated,
+            known(stage.pushover[direction].rigid).alpha_0,
+        )
         for stage in converged.stages
         for direction, activated in stage.activated.items()
     ]
     compared = workers.each(
         "second solver",
         second_solver,
-        [(assembly, *each) for each in found],
-        [f"{name}, limit analysis {direction}" for name, direction, *_ in found],
-        large(assembly),
+        found,
+        [f"{name}, limit analysis {direction}" for _, name, direction, *_ in found],
+        large(*(model for model, *_ in found)),
     )
-    for (name, direction, *_), result in zip(found, compared, strict=True):
+    for (_, name, direction, *_), result in zip(found, compared, strict=True):
         pushed = draft.states[name].pushover
         if rigid := pushed[direction].rigid:
             reported = pushed[direction].replace(rigid=rigid.replace(second_solver=result.found))
@@ -239,13 +249,15 @@ def _add_second_solver(draft: Draft, assembly: Assembly, converged: Convergence,
         draft.took("second solver", sum(result.seconds for result in compared))
 
 
-def _requests(project: Project, model: Assembly) -> list[Request]:
+def _requests(project: Project, states: States) -> list[Request]:
     """Return every state under every contact behaviour that a stage needs."""
     pushed = project.pushed_contacts
     settled = list(dict.fromkeys([*pushed, *project.dynamic_contacts, *project.moved_contacts])) or ["rigid"]
-    states: list[tuple[SettlementTable | None, Behaviour]] = [(None, behaviour) for behaviour in pushed]
-    states += [(settlement, behaviour) for settlement in project.settlements for behaviour in settled]
-    return [Request(project, model, *state) for state in states]
+    return [
+        Request(project, states[name], project.settlement_of(name), behaviour)
+        for name in project.states
+        for behaviour in (pushed if name == ORIGINAL else settled)
+    ]
 
 
 def told_of(ensemble: Ensemble) -> Iterator[str]:

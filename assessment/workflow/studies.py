@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from assessment.results.quality import joined
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
+    from assessment.project.state_models import StateModel
     from assessment.results.schema.campaign import Campaign
     from assessment.results.schema.studies import Scenarios, Sensitivity
     from assessment.runtime.tasks import Workers
     from assessment.workflow.draft import Draft
-    from mechanics import Assembly
 
 FEW = 3  # warnings of a study that are repeated among those of the run
 
@@ -27,7 +27,7 @@ FEW = 3  # warnings of a study that are repeated among those of the run
 def add_studies(
     draft: Draft,
     project: Project,
-    model: Assembly,
+    states: Mapping[str, StateModel],
     statics: Statics,
     demands: Demands,
     records: Sequence[BaseMotion],
@@ -40,11 +40,11 @@ def add_studies(
     """
     made: dict[str, Callable[[Study], Scenarios | Sensitivity | Campaign]] = {}
     if asks_for_scenarios(project):
-        made["scenarios"] = lambda study: scenarios(project, model, statics, demands, workers, study)
+        made["scenarios"] = lambda study: scenarios(project, states, statics, demands, workers, study)
     if project.sensitivity:
         made["sensitivity"] = lambda study: sensitivity(project, statics.halvings, demands, workers, study)
     if project.campaign:
-        made["campaign"] = lambda study: campaign(project, model, records, statics, demands, workers, study)
+        made["campaign"] = lambda study: campaign(project, states, records, statics, demands, workers, study)
     complete = True
     for name, make in made.items():
         study = Study()

@@ -42,6 +42,7 @@ from assessment.results.table import indices, sense
 if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import AssessmentTable
+    from assessment.project.state_models import StateModel
     from assessment.results.schema import State
     from mechanics import Assembly
 
@@ -296,7 +297,7 @@ def _least(ratios: Mapping[Direction, Mapping[str, float]]) -> tuple[float, Dire
 
 def assess_chosen(
     project: Project,
-    model: Assembly,
+    models: Mapping[str, StateModel],
     states: Mapping[str, State],
     demands: Demands,
     warnings: list[str],
@@ -306,11 +307,11 @@ def assess_chosen(
     factor = project.assessment.confidence_factor if project.assessment else 1.0
     source = confidence_source(project.assessment)
     method = method_of(project, demands.hazard) if project.assessment else Method()
-    for chosen in chosen_mechanisms(project, model):
-        state = states[chosen.state]
+    for chosen in chosen_mechanisms(project, models[ORIGINAL].assembly):
+        state, model = states[chosen.state], models[chosen.state].assembly
         positions = model.initial.positions + np.array(state.configuration)
         try:
-            if chosen.state != ORIGINAL and not any(map(any, state.configuration)):
+            if project.settlement_of(chosen.state) and not any(map(any, state.configuration)):
                 raise MechanismError("its state was not reached")
             controls = _controls(project, model, positions)
             answer = evaluate(model, positions, chosen, factor, demands.spectra, method, controls, source)

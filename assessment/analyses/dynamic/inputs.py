@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
     from assessment.project.schema import MotionTable, StatesTable
+    from assessment.project.state_models import StateModel
     from assessment.results.schema.static import Pushovers
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
@@ -23,16 +24,23 @@ if TYPE_CHECKING:
 WORTHWHILE = 50_000  # joints times steps: below it a second process costs more than it saves
 
 
+@dataclass(frozen=True, eq=False)
+class Resting:
+    """An assembly, and the state at rest in which a motion finds it, or why that was not reached."""
+
+    model: Assembly
+    start: Start
+
+
 @dataclass(frozen=True)
 class Campaign:
     """The inputs that all motions of a run share.
 
-    `starts`: state at rest by name and contacts; `ultimates`: ultimate displacement by state and control point.
+    `starts`: assembly and rest by state and contacts; `ultimates`: ultimate displacement by state and control point.
     """
 
     project: Project
-    model: Assembly
-    starts: Mapping[tuple[str, str], Start]
+    starts: Mapping[tuple[str, str], Resting]
     ultimates: Mapping[tuple[str, str], float]
     workers: Workers
 
@@ -41,14 +49,15 @@ class Campaign:
         control = self.project.control_point(table.control)
         return [
             Shaking(
-                self.model,
+                resting.model,
                 motion,
                 Setting(_own(table), control, self.ultimates.get((state, control.name))),
                 state,
-                self.starts[state, table.contacts],
+                resting.start,
             )
             for state in self.project.states
             if table.states is None or state in table.states
+            for resting in [self.starts[state, table.contacts]]
             for motion in motions
         ]
 
@@ -67,7 +76,9 @@ class Campaign:
             function,
             [(*task, *more) for task in tasks],
             [f"{shaking.state}, {shaking.motion.name}" for shaking, *_ in tasks],
-            runs * len(self.model.contacts) * sum(samples) > WORTHWHILE,
+            runs
+            * sum(len(shaking.model.contacts) * n for (shaking, *_), n in zip(tasks, samples, strict=True))
+            > WORTHWHILE,
             samples,
         )
 
@@ -79,14 +90,25 @@ def _own(table: MotionTable) -> MotionTable:
 
 
 def starts_of(
-    behaviours: Iterable[Behaviour], model: Assembly, stages: Iterable[StateResult]
-) -> dict[tuple[str, str], Start]:
-    """Return the state at rest by name and behaviour, or the reason why it was not reached."""
-    starts: dict[tuple[str, str], Start] = {(ORIGINAL, behaviour): model.initial for behaviour in behaviours}
+    behaviours: Iterable[Behaviour], models: Mapping[str, StateModel], stages: Iterable[StateResult]
+) -> dict[tuple[str, str], Resting]:
+    """Return the state at rest by name and behaviour, or the reason why it was not reached.
+
+    The original state, and a strengthened one of rigid joints, are at rest as drawn.
+    """
+    drawn = models[ORIGINAL].assembly
+    starts: dict[tuple[str, str], Resting] = {
+        (ORIGINAL, behaviour): Resting(drawn, drawn.initial) for behaviour in behaviours
+    }
     for stage in stages:
         if stage.state != ORIGINAL:
-            reason = "; ".join(stage.failures) or "the settled state was not reached"
-            starts[stage.state, stage.behaviour] = reason if stage.reached is None else stage.reached
+            model = stage.model or models[stage.state].assembly
+            start: Start = "; ".join(stage.failures) or "the settled state was not reached"
+            if stage.reached is not None:
+                start = stage.reached
+            elif stage.from_drawing:
+                start = model.initial
+            starts[stage.state, stage.behaviour] = Resting(model, start)
     return starts
 
 

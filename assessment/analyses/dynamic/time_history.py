@@ -14,6 +14,7 @@ from assessment.analyses.dynamic.ensemble import sustained_peak
 from assessment.analyses.dynamic.response import Response, Setting, respond, speed_at_end
 from assessment.project.schema import HistoryTable
 from assessment.results.configurations.frames import snapshots
+from assessment.results.configurations.ties import while_shaken
 from assessment.results.schema.dynamic import AnimationFrames, Course, History, Motion
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import Part
@@ -128,7 +129,7 @@ def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: R
     last, drawn = response.last, model.initial.positions
     moved, times = response.displacement, motion.start + response.time
     peak, kept = sustained_peak(moved, response.collapsed), thinned(moved)
-    return _unanswered(motion, setting, last.collapse_reason or None).replace(
+    found = _unanswered(motion, setting, last.collapse_reason or None).replace(
         peak_displacement_m=float(abs(moved).max()),
         sustained_displacement_m=float(abs(moved[peak])),
         time_of_peak_s=motion.start + float(response.time[peak]),
@@ -148,6 +149,8 @@ def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: R
         halvings=response.total("halvings"),
         notes=list(response.notes),
     )
+    ties = while_shaken(model, times, response.forces)
+    return found.replace(ties=ties) if ties else found
 
 
 def frames(response: Response, start: float, drawn: Array) -> AnimationFrames:

@@ -12,6 +12,7 @@ from assessment.ntc.capacity.curve import mechanism_participation
 from assessment.ntc.capacity.curve_fit import CapacityError
 from assessment.results.configurations.faces import Met
 from assessment.results.configurations.frames import pushover_frames
+from assessment.results.configurations.ties import along_path
 from assessment.results.plain import finite
 from assessment.results.schema.static import Curve, ElasticPush, Mechanism, RigidPush
 from assessment.results.table import sense
@@ -59,12 +60,16 @@ def rigid_push(
         final_configuration=configuration(model, path.states[-1]),
         frames=pushover_frames(model, path, met),
     )
+    carried = [*([None] * (len(path.states) - len(path.steps))), *(step.forces for step in path.steps)]
+    carried[path.formed] = path.forces
+    if ties := along_path(model, carried, path.formed, None):
+        found = found.replace(ties=ties)
     return _with_other_law(found, model, direction, path) if mechanism.sliding_joints else found
 
 
 def elastic_push(model: Assembly, sliding: Sliding, direction: Direction, path: Pushover) -> ElasticPush:
     """Return an elastic curve: its peak (α_u at d_u, m) and its end; the yield point is fitted later."""
-    return ElasticPush(
+    found = ElasticPush(
         alpha_u=float(path.multiplier[path.peak]),
         d_u_m=float(path.displacement[path.peak]),
         peak=path.peak,
@@ -79,6 +84,9 @@ def elastic_push(model: Assembly, sliding: Sliding, direction: Direction, path: 
         peak_configuration=configuration(model, path.states[path.peak]),
         frames=pushover_frames(model, path, Met(model)),
     )
+    carried = [step.forces for step in path.steps]
+    ties = along_path(model, carried, path.peak, carried[0])
+    return found.replace(ties=ties) if ties else found
 
 
 def _mechanism(model: Assembly, control: ControlTable, path: Pushover, met: Met) -> Mechanism:

@@ -96,11 +96,16 @@ def _follow(
     if not requests or not numbers:
         return {}
     factors = np.geomspace(*tolerances.increments, max(requests[0].project.scatter - 1, 2))
+    shaken = {  # a state and its strengthening settle as one
+        (model, number): shaken_corners(model, number, tolerances.noise)
+        for model in dict.fromkeys(request.model.settling for request in requests)
+        for number in numbers
+    }
     varied = [
         replace(
             request,
             project=in_increments(request.project, float(factors[number])),
-            model=shaken_corners(request.model, number, tolerances.noise),
+            model=request.model.varied(shaken[request.model.settling, number]),
         )
         for number in numbers
         for request in requests
@@ -140,8 +145,6 @@ def in_increments(project: Project, factor: float) -> Project:
 
 def shaken_corners(model: Assembly, seed: int, noise: float = ENSEMBLE.noise) -> Assembly:
     """Return the assembly with every corner of its movable blocks moved by `noise` of the block, each at random."""
-    from mechanics import Assembly
-
     random = np.random.default_rng(seed)
     blocks = [
         block
@@ -153,9 +156,4 @@ def shaken_corners(model: Assembly, seed: int, noise: float = ENSEMBLE.noise) ->
         )
         for block in model.blocks
     ]
-    return Assembly(
-        blocks,
-        segments_per_joint=model.segments_per_joint,
-        tolerance=model.tolerance,
-        collisions=model.collisions,
-    )
+    return replace(model, blocks=blocks)

@@ -89,7 +89,7 @@ def turns_on_rounding(model: Assembly, path: Pushdown | Pushover) -> bool:
         return True
     least = SLIDING_CARRIES * model.weight
     for step in path.steps:
-        carries = step.forces[:, 0] > least
+        carries = (step.forces[:, 0] > least) & ~step.contacts.ties
         N, T = step.forces[carries, 0], step.forces[carries, 2]
         if (abs(T) >= (1.0 - AT_LIMIT) * step.contacts.friction[carries] * N).any():
             return True

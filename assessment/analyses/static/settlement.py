@@ -5,20 +5,24 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from assessment.analyses.static.local_loss import local_loss, loss_sentence
 from assessment.analyses.static.paths import PathResult, Quality, configuration, crossings, turns_on_rounding
 from assessment.results.configurations.frames import pushdown_frames
+from assessment.results.configurations.ties import along_path
 from assessment.results.schema.static import PushdownPath
 from mechanics import (
     Assembly,
     CollapseError,
     ConvergenceError,
     NoEquilibriumError,
+    State,
     UnstableError,
     pushdown,
 )
 from mechanics.model import Behaviour
-from mechanics.procedures import Pushdown, whole_movement
+from mechanics.procedures import Pushdown, settled, whole_movement
 from mechanics.steps import Sliding
 
 if TYPE_CHECKING:
@@ -37,10 +41,18 @@ def settle(
     result = PathResult[PushdownPath]()
     path = _moved(model, settlement, behaviour, sliding, result)
     if path is not None:
-        result.found = _pushdown_path(model, settlement, sliding, control, path)
+        result.found = _pushdown_path(model, settlement, behaviour, sliding, control, path)
         _add_path(model, settlement, behaviour, path, result)
     result.seconds = time.perf_counter() - began
     return result
+
+
+def rest_as_drawn(model: Assembly, sliding: Sliding) -> State | None:
+    """Return the rest under gravity that a structure as drawn comes to on elastic joints; None: it has none."""
+    try:
+        return settled(model, None, sliding).state
+    except (UnstableError, ConvergenceError):
+        return None
 
 
 def _title(settlement: SettlementTable, behaviour: Behaviour) -> str:
@@ -107,6 +119,7 @@ def _add_path(
 def _pushdown_path(
     model: Assembly,
     settlement: SettlementTable,
+    behaviour: Behaviour,
     sliding: Sliding,
     control: ControlTable | None,
     path: Pushdown,
@@ -115,7 +128,7 @@ def _pushdown_path(
     whole = _whole(model, settlement)
     falls = path.ultimate is not None
     lost = local_loss(model, path.states, path.movement, path.steps[0].forces, falls) if path.steps else None
-    return PushdownPath(
+    found = PushdownPath(
         sliding=sliding,
         movement_m=path.movement.tolist(),
         reaction_x_kN=path.reaction[:, 0].tolist(),
@@ -129,6 +142,11 @@ def _pushdown_path(
         control_displacement_m=_control_path(model, control, path) if control else None,
         frames=pushdown_frames(model, path, whole),
     )
+    asked = int(np.argmin(abs(path.movement - whole)))
+    carried = [step.forces for step in path.steps]
+    start = carried[0] if behaviour == "elastic" and carried else None
+    ties = along_path(model, carried, asked, start) if carried else None
+    return found.replace(ties=ties) if ties else found
 
 
 def _control_path(model: Assembly, control: ControlTable, path: Pushdown) -> list[list[float]]:

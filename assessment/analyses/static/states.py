@@ -1,15 +1,17 @@
-"""Analysis of states: all settlements first, then the pushover in every direction from the states at rest."""
+"""Analysis of states: all settlements first, then the pushover in every direction from the states at rest.
+
+A strengthening has the settlement of the state that it strengthens: its ties are set, and its layers changed, at rest.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.static.lateral import PushSetting, push
 from assessment.analyses.static.paths import PathResult, configuration
-from assessment.analyses.static.settlement import settle
-from assessment.project.schema import ORIGINAL
+from assessment.analyses.static.settlement import rest_as_drawn, settle
 from assessment.results.quality import joined
 from assessment.results.schema.part import present
 from assessment.results.schema.static import Pushovers
@@ -19,6 +21,7 @@ from mechanics.procedures import Mirror
 if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import ControlTable, SettlementTable
+    from assessment.project.state_models import StateModel
     from assessment.results.schema.model import QualityRow
     from assessment.results.schema.static import PushdownPath
     from mechanics import Assembly, State
@@ -26,6 +29,7 @@ if TYPE_CHECKING:
     from mechanics.steps import Sliding
 
 PAST_PEAK = 0.25  # of the peak of an elastic curve
+NOT_REACHED = "the state that it strengthens was not reached"
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +37,7 @@ class Request:
     """One state (settlement None: as drawn) under one behaviour; `what` distinguishes it from others of that name."""
 
     project: Project
-    model: Assembly
+    model: StateModel
     settlement: SettlementTable | None
     behaviour: Behaviour
     what: str = ""
@@ -41,7 +45,19 @@ class Request:
     @property
     def state(self) -> str:
         """Name of the state."""
-        return self.settlement.name if self.settlement else ORIGINAL
+        return self.model.name
+
+    @property
+    def strengthens(self) -> bool:
+        """Whether it is a state that is strengthened after its settlement."""
+        return self.model.strengthened is not None
+
+    @property
+    def settling(self) -> Settling | None:
+        """The settlement of the request; requests that settle alike share it. None: as drawn."""
+        if self.settlement is None:
+            return None
+        return Settling(self.project, self.model.settling, self.settlement, self.behaviour)
 
     @property
     def title(self) -> str:
@@ -60,16 +76,42 @@ class Request:
         return table.directions if table and self.behaviour in table.contacts else ()
 
 
+@dataclass(frozen=True)
+class Settling:
+    """One settlement of an assembly under one behaviour."""
+
+    project: Project = field(compare=False)
+    model: Assembly
+    settlement: SettlementTable
+    behaviour: Behaviour
+
+    @property
+    def title(self) -> str:
+        """What is analysed, for people."""
+        return f"{self.settlement.name}, {self.behaviour} contacts"
+
+
+@dataclass(frozen=True, eq=False)
+class Beginning:
+    """What is pushed, or shaken, and from where: `state` at rest, None: as drawn."""
+
+    model: Assembly
+    state: State | None
+
+
 @dataclass
 class StateResult:
     """Result of one state under one behaviour; `failures`: analyses that could not be completed.
 
-    `reached`: the settled state, at rest; None where the structure collapses before. `activated`: by direction, where a
+    `model`: what is pushed; `from_drawing`: as drawn. `reached`: the settled state, at rest; None where the structure
+    collapses before. `activated`: by direction, where a
     rigid curve has its largest multiplier. `scatters`: whether a path amplifies the last digits of its input.
     """
 
     state: str
     behaviour: Behaviour
+    model: Assembly | None = None
+    from_drawing: bool = False
     pushdown: PushdownPath | None = None
     pushover: dict[Direction, Pushovers] = field(default_factory=dict)
     configuration: list[list[float]] | None = None
@@ -101,28 +143,19 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
     `study`: name of the study that the requests are for, "" for the states themselves.
     """
     prefix = f"{study}: " if study else ""
-    settling = [request for request in requests if request.settlement is not None]
-    settled = workers.each(
-        f"{prefix}pushdown",
-        settle,
-        [
-            (r.model, _alone(r.settlement), r.behaviour, r.sliding, _first_control(r.project))
-            for r in settling
-        ],
-        [request.title for request in settling],
-        large(*(request.model for request in settling)),
-    )
-    reached = dict(zip(map(id, settling), settled, strict=True))
-
-    standing = [r for r in requests if r.settlement is None or reached[id(r)].reached is not None]
-    pushing = [(request, together) for request in standing for together in _together(request)]
+    settled = _settled(requests, workers, prefix)
+    begun = _beginnings(requests, settled, workers, prefix)
+    standing = [request for request in requests if id(request) in begun]
+    pushing = [
+        (request, together) for request in standing for together in _together(request, begun[id(request)])
+    ]
     pushing.sort(key=lambda each: each[0].behaviour, reverse=True)  # rigid first: they take longest
     pushed = workers.each(
         f"{prefix}pushover",
         push,
-        [_push_arguments(request, together, reached.get(id(request))) for request, together in pushing],
+        [_push_arguments(request, together, begun[id(request)]) for request, together in pushing],
         [f"{request.title}, {' and '.join(together)}" for request, together in pushing],
-        large(*(request.model for request, _ in pushing)),
+        large(*(begun[id(request)].model for request, _ in pushing)),
     )
     results = []
     for request in requests:
@@ -132,8 +165,58 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
             if asked is request
             for direction, part in zip(together, parts, strict=True)
         }
-        results.append(_result(request, reached.get(id(request)), own))
+        movement = settled.get(request.settling) if request.settling else None
+        results.append(_result(request, movement, begun.get(id(request)), own))
     return results
+
+
+def _settled(
+    requests: Sequence[Request], workers: Workers, prefix: str
+) -> dict[Settling, PathResult[PushdownPath]]:
+    """Return the settlements of all requests, each once."""
+    settling = {request.settling: request for request in requests if request.settling is not None}
+    moved = workers.each(
+        f"{prefix}pushdown",
+        settle,
+        [
+            (each.model, _alone(each.settlement), each.behaviour, r.sliding, _first_control(each.project))
+            for each, r in settling.items()
+            if each is not None
+        ],
+        [f"{request.what}{each.title}" for each, request in settling.items() if each is not None],
+        large(*(each.model for each in settling if each is not None)),
+    )
+    return dict(zip((each for each in settling if each is not None), moved, strict=True))
+
+
+def _beginnings(
+    requests: Sequence[Request],
+    settled: Mapping[Settling, PathResult[PushdownPath]],
+    workers: Workers,
+    prefix: str,
+) -> dict[int, Beginning]:
+    """Return where each request is pushed from, by its id; those whose structure collapses before are left out.
+
+    What strengthens the structure as drawn finds it at rest, which elastic joints are not as drawn.
+    """
+    resting = [r for r in requests if r.settlement is None and r.model.later and r.behaviour == "elastic"]
+    rests = workers.each(
+        f"{prefix}rest",
+        rest_as_drawn,
+        [(request.model.settling, request.sliding) for request in resting],
+        [f"{request.title}, at rest" for request in resting],
+        large(*(request.model.settling for request in resting)),
+    )
+    at_rest = dict(zip(map(id, resting), rests, strict=True))
+    found = {}
+    for request in requests:
+        moved = settled[request.settling] if request.settling else None
+        reached = moved.reached if moved else at_rest.get(id(request))
+        if reached is not None:
+            found[id(request)] = Beginning(request.model.tied_at(reached), request.model.taken_over(reached))
+        elif moved is None:
+            found[id(request)] = Beginning(request.model.assembly, None)
+    return found
 
 
 def curves(results: Iterable[StateResult]) -> dict[Direction, Pushovers]:
@@ -146,12 +229,12 @@ def curves(results: Iterable[StateResult]) -> dict[Direction, Pushovers]:
     return found
 
 
-def _together(request: Request) -> list[tuple[Direction, ...]]:
+def _together(request: Request, begun: Beginning) -> list[tuple[Direction, ...]]:
     """Return the directions of a request; two whose curves are mirror images of each other are one task."""
     alone: list[tuple[Direction, ...]] = [(direction,) for direction in request.directions]
-    if len(alone) < 2 or request.settlement is not None:
+    if len(alone) < 2 or begun.state is not None:
         return alone
-    mirror = Mirror.of(request.model, request.behaviour)
+    mirror = Mirror.of(begun.model, request.behaviour)
     points = zip(*(_controls(request.project, direction) for direction in request.directions), strict=True)
     if mirror is None or not all(mirror.swaps(one.point_m, other.point_m) for one, other in points):
         return alone
@@ -161,34 +244,40 @@ def _together(request: Request) -> list[tuple[Direction, ...]]:
 def _result(
     request: Request,
     settled: PathResult[PushdownPath] | None,
+    begun: Beginning | None,
     pushed: dict[Direction, PathResult[Pushovers]],
 ) -> StateResult:
-    result = StateResult(request.state, request.behaviour)
-    if settled is not None:
+    """Return the result of a request; the movement before a strengthening is a result of the state that it is of."""
+    result = StateResult(request.state, request.behaviour, begun.model if begun else request.model.assembly)
+    if settled is not None and not request.strengthens:
         result.take("pushdown", [settled])
-        result.pushdown, result.reached = settled.found, settled.reached
-        if settled.reached is not None:
-            result.configuration = configuration(request.model, settled.reached)
+        result.pushdown = settled.found
+    elif settled is not None:
+        result.scatters = settled.scatters
+        if begun is None:
+            result.failures.append(f"{request.title}: {NOT_REACHED}")
+    result.from_drawing = begun is not None and begun.state is None
+    if begun is not None and begun.state is not None:
+        result.reached = begun.state
+        if settled is not None:
+            result.configuration = configuration(begun.model, begun.state)
     result.take("pushover", list(pushed.values()))
     result.pushover = present({direction: part.found for direction, part in pushed.items()})
     result.activated = present({direction: part.activated for direction, part in pushed.items()})
     return result
 
 
-def _push_arguments(
-    request: Request, together: tuple[Direction, ...], settled: PathResult[PushdownPath] | None
-) -> tuple[Any, ...]:
+def _push_arguments(request: Request, together: tuple[Direction, ...], begun: Beginning) -> tuple[Any, ...]:
     """Return the arguments of `push`."""
     project = request.project
     assert project.pushover is not None
     controls = tuple(_controls(project, direction) for direction in together)
-    state = settled.reached if settled else None
     # of an elastic curve the part up to its peak is used; a bilinear fit needs the area of the whole curve
     whole = request.behaviour == "rigid" or (project.assessment and project.assessment.model == "bilinear")
     setting = PushSetting(
         request.behaviour, request.sliding, project.pushover.increment_m, 0.0 if whole else PAST_PEAK
     )
-    return request.model, request.state, state, setting, together, controls
+    return begun.model, request.state, begun.state, setting, together, controls
 
 
 def _controls(project: Project, direction: Direction) -> tuple[ControlTable, ...]:

@@ -16,6 +16,7 @@ from assessment.project.consistency.checks import (
 from assessment.project.consistency.files import attachment_problems, missing_file
 from assessment.project.consistency.motions import motion_problems
 from assessment.project.consistency.names import repeated_names
+from assessment.project.consistency.strengthening import strengthening_problems, tie_problems
 from assessment.project.consistency.structure import (
     control_problems,
     load_problems,
@@ -37,9 +38,11 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
         yield from load_problems(("layers", name), layer)
     yield from repeated_names("control", [point.name for point in project.control])
     yield from control_problems(project)
-    yield from repeated_names("settlements", list(project.states[1:]))
+    yield from repeated_names("settlements", list(project.unstrengthened[1:]))
     for index, settlement in enumerate(project.settlements):
         yield from settlement_problems(project, ("settlements", index), settlement)
+    yield from tie_problems(project)
+    yield from strengthening_problems(project)
     yield from motion_problems(project, folder)
     for index, name in enumerate(project.report.attachments):
         yield from attachment_problems(folder, ("report", "attachments", index), name)

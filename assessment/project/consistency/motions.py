@@ -59,7 +59,7 @@ def _campaign(project: ProjectContent, campaign: CampaignTable, folder: Path) ->
     if not project.settlements:
         yield Problem((*path, "settlements"), "no movement; add [[settlements]] with name and support")
     for index, name in enumerate(campaign.settlements or ()):
-        yield from unknown_name((*path, "settlements", index), name, project.states[1:], "settlement")
+        yield from unknown_name((*path, "settlements", index), name, project.unstrengthened[1:], "settlement")
     if campaign.measure == "Sa(T)" and campaign.period_s is None:
         yield Problem(
             (*path, "period_s"), 'missing, but measure = "Sa(T)" asks for it; add the period T, in s'
@@ -95,7 +95,9 @@ def _campaign(project: ProjectContent, campaign: CampaignTable, folder: Path) ->
 
 def _shares(project: ProjectContent, campaign: CampaignTable, path: KeyPath) -> Iterator[Problem]:
     """Yield a problem for each share of a movement, other than none of it, that moves nothing."""
-    chosen = [each for each in project.settlements if each.name in (campaign.settlements or project.states)]
+    chosen = [
+        each for each in project.settlements if each.name in (campaign.settlements or project.unstrengthened)
+    ]
     smallest = min(map(movement, chosen), default=1.0)
     for index, share in enumerate(campaign.shares):
         if 0.0 < share * max(smallest, LEAST_MOVEMENT) < LEAST_MOVEMENT:

@@ -2,8 +2,9 @@
 
 Single tables (project, geometry, material, pushover, incremental, campaign, assessment, site, report) are sheets of
 key | value | comment; "project" holds the title, and a table within a table is written with a point
-(`control.+x`, `SLV.ag_g`). Lists of tables (layers, control, settlements, history, mechanism) have a header of keys
-and one row per entry; the first column of "layers" is the layer's name. A list stands in one cell,
+(`control.+x`, `SLV.ag_g`). Lists of tables (layers, control, settlements, tie, strengthening, history, mechanism) have
+a header of keys and one row per entry; the first column of "layers" is the layer's name, and what a strengthening
+changes of a layer stands in columns `layers.NAME.friction` and so on. A list stands in one cell,
 "0.020; -0.020"; numbers in a text may have a decimal comma. An empty cell is an absent key, a missing
 sheet an absent table.
 """
@@ -160,9 +161,17 @@ def _list_entries(name: str, rows: Rows) -> Iterator[_Entry]:
         yield _Entry(entry, {}, f", row {number}")
         for column, value in enumerate(row[first:], first):
             if value is not None:
-                path = (*entry, keys[column] if column < len(keys) else "")
+                path = _below(entry, keys[column] if column < len(keys) else "")
                 place = f", cell {get_column_letter(column + 1)}{number}"
                 yield _Entry(path, _typed(value, annotation_at(path)), place)
+
+
+def _below(entry: KeyPath, key: str) -> KeyPath:
+    """Return the path of a heading of a list; that of `layers.NAME.key`, whose NAME may have points, is in a table."""
+    table, _, rest = key.partition(".")
+    name, _, inner = rest.rpartition(".")
+    named = name and tables_of(table_at(entry) or ProjectContent).get(table) == "named"
+    return (*entry, table, name, inner) if named else (*entry, key)
 
 
 def _put(content: dict[str, Any], entry: _Entry) -> str:
@@ -242,9 +251,23 @@ def _table_rows(table: KeyPath, node: Mapping[str, Any]) -> Iterator[list[Any]]:
 
 def _list_rows(name: str, node: Any) -> Iterator[list[Any]]:
     entries = [{_NAME[name]: key, **table} for key, table in node.items()] if name in _NAME else node
-    keys = [*([_NAME[name]] if name in _NAME else []), *keys_at((name, 0))]
+    own = table_at((name, 0))
+    named = [key for key, form in tables_of(own).items() if form == "named"] if own else []
+    rows = [_flat(entry, named) for entry in entries]
+    plain = [key for key in keys_at((name, 0)) if key not in named]
+    inner = dict.fromkeys(key for row in rows for key in row if key.partition(".")[0] in named)
+    keys = [*([_NAME[name]] if name in _NAME else []), *plain, *inner]
     yield keys
-    yield from ([_cell(entry.get(key)) for key in keys] for entry in entries)
+    yield from ([_cell(row.get(key)) for key in keys] for row in rows)
+
+
+def _flat(entry: Mapping[str, Any], named: Iterable[str]) -> dict[str, Any]:
+    """Return an entry of a list with the values of its named tables beside its own, as `table.NAME.key`."""
+    row = {key: value for key, value in entry.items() if key not in named}
+    for table in named:
+        for name, values in (entry.get(table) or {}).items():
+            row |= {f"{table}.{name}.{key}": value for key, value in values.items()}
+    return row
 
 
 def _help_rows() -> Iterator[list[Any]]:
@@ -260,7 +283,9 @@ def _help_on(sheet: str, table: KeyPath, prefix: str) -> Iterator[list[Any]]:
         if table_at(path) is None:
             yield [sheet, prefix + key, _cell(defaults[key]), meaning]
         elif path not in _SHEETS.values():
-            yield from _help_on(sheet, path, f"{prefix}{key}.")
+            named = tables_of(table_at(table) or ProjectContent)[key] == "named"
+            inner, below = ((*path, "NAME"), f"{prefix}{key}.NAME.") if named else (path, f"{prefix}{key}.")
+            yield from _help_on(sheet, inner, below)
 
 
 def _cell(value: Any) -> Any:

@@ -15,6 +15,7 @@ from assessment.project.schema.assessment import (
 from assessment.project.schema.content import ProjectContent, ReportTable
 from assessment.project.schema.dynamic import HistoryTable, IncrementalTable, MotionTable, StatesTable
 from assessment.project.schema.static import PushoverTable, SettlementTable
+from assessment.project.schema.strengthening import ChangedLayerTable, StrengtheningTable, TieTable
 from assessment.project.schema.structure import (
     ContactsTable,
     ControlTable,
@@ -39,6 +40,7 @@ __all__ = [
     "VARIED",
     "AssessmentTable",
     "CampaignTable",
+    "ChangedLayerTable",
     "Contacts",
     "ContactsTable",
     "ControlTable",
@@ -62,5 +64,7 @@ __all__ = [
     "SettlementTable",
     "SiteTable",
     "StatesTable",
+    "StrengtheningTable",
     "Table",
+    "TieTable",
 ]

@@ -9,6 +9,7 @@ from pydantic import Field
 from assessment.project.schema.assessment import AssessmentTable, MechanismTable
 from assessment.project.schema.dynamic import HistoryTable, IncrementalTable
 from assessment.project.schema.static import PushoverTable, SettlementTable
+from assessment.project.schema.strengthening import StrengtheningTable, TieTable
 from assessment.project.schema.structure import (
     ContactsTable,
     ControlTable,
@@ -70,6 +71,12 @@ class ProjectContent(Table):
     settlements: Annotated[tuple[SettlementTable, ...], TABLES] = Field(
         default=(), description="support movements to review, each one a state"
     )
+    tie: Annotated[tuple[TieTable, ...], TABLES] = Field(
+        default=(), description="tie rods between two points of blocks or supports"
+    )
+    strengthening: Annotated[tuple[StrengtheningTable, ...], TABLES] = Field(
+        default=(), description="strengthened states: ties that are set, and layers changed, after a movement"
+    )
     pushover: PushoverTable | None = Field(default=None, description="pushover analysis")
     history: Annotated[tuple[HistoryTable, ...], TABLES] = Field(
         default=(), description="time histories, one per record and state"
@@ -93,6 +100,29 @@ class ProjectContent(Table):
         return tuple(dict.fromkeys(layer.support for layer in self.layers.values() if layer.support))
 
     @property
-    def states(self) -> tuple[str, ...]:
-        """Names of the states: the original one, then one per settlement."""
+    def unstrengthened(self) -> tuple[str, ...]:
+        """Names of the states that are no strengthening: the original one, then one per settlement."""
         return (ORIGINAL, *(settlement.name for settlement in self.settlements))
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states: the original one, one per settlement, one per strengthening."""
+        return (*self.unstrengthened, *(each.name for each in self.strengthening))
+
+    def strengthening_of(self, state: str) -> StrengtheningTable | None:
+        """Return the strengthening that makes a state; None: the state is none."""
+        return next((each for each in self.strengthening if each.name == state), None)
+
+    def settlement_of(self, state: str) -> SettlementTable | None:
+        """Return the movement that leads to a state, strengthened afterwards or not; None: none does."""
+        made = self.strengthening_of(state)
+        moved = made.of if made else state
+        return next((each for each in self.settlements if each.name == moved), None)
+
+    def ties_of(self, state: str) -> tuple[tuple[TieTable, ...], tuple[TieTable, ...]]:
+        """Return the ties that are there as the support of a state moves, and those that its strengthening sets."""
+        made = self.strengthening_of(state)
+        moved = made.of if made else state
+        there = tuple(each for each in self.tie if each.states is None or moved in each.states)
+        later = (each for each in self.tie if made and each not in there and made.name in (each.states or ()))
+        return there, tuple(later)

@@ -44,7 +44,8 @@ class StatesTable(MotionTable):
     """What [[history]] and [incremental] have in common: motions from states of the project."""
 
     states: Names | None = Field(
-        default=None, description='states to analyse: "original" and names of settlements; default all'
+        default=None,
+        description='states to analyse: "original", names of settlements and strengthenings; default all',
     )
 
 

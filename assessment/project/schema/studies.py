@@ -83,7 +83,8 @@ class SensitivityTable(Table):
     unit_weight: Factors | None = Field(default=None, description="low and high factor on every unit weight")
     depth: Factors | None = Field(default=None, description="low and high factor on every out-of-plane depth")
     states: Names | None = Field(
-        default=None, description='states to vary: "original" and names of settlements; default all'
+        default=None,
+        description='states to vary: "original", names of settlements and strengthenings; default all',
     )
 
     @property

@@ -68,6 +68,9 @@ Ratio = Annotated[float, Field(ge=-1e4, le=1e4)]
 Damping = Annotated[float, Field(ge=0, lt=1)]
 BlockNumber = Annotated[int, Field(ge=0, le=10**9)]
 Strength = Annotated[float, Field(ge=1, allow_inf_nan=True)]  # kN/m²; inf: no limit
+Yield = Annotated[float, Field(ge=1e-3, allow_inf_nan=True)]  # kN; inf: no limit
+Tension = Annotated[float, Field(ge=0, le=1e6)]  # kN
+BarStiffness = Annotated[float, Field(ge=1e-3, le=1e9)]  # kN/m
 Segments = Annotated[int, Field(ge=1, le=64)]
 Members = Annotated[int, Field(ge=1, le=100)]
 Pair = Annotated[tuple[Coordinate, Coordinate], Field(strict=False)]

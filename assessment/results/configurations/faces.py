@@ -50,18 +50,19 @@ class Met:
     """Pairs of faces that met on a path although they did not touch as drawn, in the order in which they did."""
 
     def __init__(self, model: Assembly) -> None:
-        self.model, self.drawn = model, len(model.contacts)
+        self.model, self.drawn = model, len(model.joints.a)
+        self.later = len(model.contacts)  # ties come between
         self.place: dict[tuple[int, ...], int] = {}
         self.joints: list[Face] = []
 
     def numbers(self, contacts: Contacts, wanted: Mask) -> Index:
-        """Return the number (j,) of each of the contacts among drawn joints and met pairs; −1 where neither.
+        """Return the number (j,) of each of the contacts among drawn joints and met pairs; −1 of others, and of ties.
 
         `wanted` (j,): which pairs count as met.
         """
         found = np.full(len(contacts), -1, dtype=np.intp)
         found[: self.drawn] = np.arange(self.drawn)
-        for k in np.flatnonzero(wanted[self.drawn :]) + self.drawn:
+        for k in np.flatnonzero(wanted[self.later :]) + self.later:
             pair = tuple(contacts.edges[k].tolist())
             if pair not in self.place:
                 self.place[pair] = self.drawn + len(self.joints)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from assessment.results.configurations.faces import Met, shares
+from assessment.results.configurations.ties import tensions
 from assessment.results.plain import plain
 from assessment.results.schema.dynamic import Snapshots
-from assessment.results.schema.part import Configuration, Point
+from assessment.results.schema.part import Configuration, Point, present
 from assessment.results.schema.static import Frames
 
 if TYPE_CHECKING:
@@ -42,13 +43,21 @@ class Pictured:
     """Some points of a path (f,): displacements and rotations of the blocks (f, b, 3), m and rad.
 
     `force_kN` (f, j, 2): N and T of each joint, `centre` (f, j): where N presses, as a share of the overlap; None where
-    not known. Joints are the drawn ones and then those in `met`, which did not touch as drawn.
+    not known. Joints are the drawn ones and then those in `met`, which did not touch as drawn. `tie_kN` (f, t): tension
+    of each tie; None where the state has none.
     """
 
     configuration: list[Configuration]
     force_kN: list[list[Point] | None]  # noqa: N815
     centre: list[list[float | None] | None]
     met: list[Face]
+    tie_kN: list[list[float] | None] | None  # noqa: N815
+
+    @property
+    def parts(self) -> dict[str, Any]:
+        """What frames and snapshots have in common, by their keys."""
+        found = {each.name: getattr(self, each.name) for each in fields(self)}
+        return present(found)
 
 
 def pushover_frames(model: Assembly, path: Pushover, met: Met) -> Frames:
@@ -78,13 +87,7 @@ def frames(
     kept = chosen(len(states), max(FEWEST, min(MOST, NUMBERS // _size(model))), wanted)
     at = [states[k].positions for k in kept]
     found = _pictured(model, at, [carried[k] for k in kept], met)
-    return Frames(
-        index=kept,
-        configuration=found.configuration,
-        force_kN=found.force_kN,
-        centre=found.centre,
-        met=found.met,
-    )
+    return Frames(index=kept, **found.parts)
 
 
 def _size(model: Assembly) -> int:
@@ -112,7 +115,10 @@ def _pictured(
         share[resultant[:, 0] <= 1e-9 * model.weight] = np.nan
         force.append(_rounded(resultant, model.weight))
         centre.append(plain(np.round(share, 6).tolist()))
-    return Pictured(configurations(model, np.array(positions)), force, centre, list(met.joints))
+    pulled: list[list[float] | None] | None = None
+    if model.ties:
+        pulled = [None if c is None else _rounded(tensions(model, c.forces), model.weight) for c in carried]
+    return Pictured(configurations(model, np.array(positions)), force, centre, list(met.joints), pulled)
 
 
 def snapshots(
@@ -130,10 +136,7 @@ def snapshots(
     return Snapshots(
         time_s=np.round(time[kept], 6).tolist(),
         displacement_m=displacement[kept].tolist(),
-        configuration=found.configuration,
-        force_kN=found.force_kN,
-        centre=found.centre,
-        met=found.met,
+        **found.parts,
     )
 
 

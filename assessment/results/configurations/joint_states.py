@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -27,7 +27,8 @@ class Situation:
     """A state in equilibrium whose joint forces are known: at rest, or at the onset of a mechanism.
 
     `configuration` (b, 3), `force` (j, 2) kN: N and T, `centre` (j,) as a share of the overlap; `met`: the joints after
-    the drawn ones, whose faces did not touch as drawn. `direction` is None at rest; `alpha` the multiplier there;
+    the drawn ones, whose faces did not touch as drawn; `tension` (t,) kN of the ties of the state. `direction` is None
+    at rest; `alpha` the multiplier there;
     `contacts`: the behaviour behind the forces.
     """
 
@@ -39,6 +40,7 @@ class Situation:
     force: Array
     centre: Array
     met: Sequence[Face]
+    tension: Array = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True)
@@ -115,6 +117,7 @@ def _at(
             np.asarray(frames.force_kN[kept], dtype=float),
             np.asarray(frames.centre[kept], dtype=float),
             frames.met,
+            np.array((frames.tie_kN[kept] if frames.tie_kN else None) or [], dtype=float),
         )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from assessment.results.configurations.hand_check import weights
 from assessment.results.configurations.joint_states import Situation, joint_states, loaded, situations
 from assessment.results.configurations.outlines import Array
+from assessment.results.configurations.tie_ends import tie_ends, ties_of
 from assessment.results.schema import Results
 from assessment.results.table import Row, Table, sense
 
@@ -125,12 +126,24 @@ def joint_table(results: Results) -> Table:
 def _forces(results: Results, situation: Situation) -> Iterator[tuple[str, Array]]:
     """Yield each support and its force (2,) kN on the structure."""
     blocks, states = results.geometry.blocks, joint_states(results, situation)
+    pulls = list(tie_pulls(results, situation))
     for support in sorted({block.support for block in blocks if block.support}):
         total = np.zeros(2)
         for force, pair in zip(states.force, states.blocks.tolist(), strict=True):
             first, second = (blocks[block].support == support for block in pair)
             total += float(second) * force - float(first) * force
+        for force, pair in pulls:
+            first, second = (blocks[block].support == support for block in pair)
+            total += float(second) * force - float(first) * force
         yield support, total
+
+
+def tie_pulls(results: Results, situation: Situation) -> Iterator[tuple[Array, list[int]]]:
+    """Yield of each tie of a situation its force (2,) kN on the first of its blocks, and these."""
+    ties = ties_of(results, situation.state)
+    for tie, tension in zip(ties, situation.tension, strict=len(situation.tension) > 0):
+        start, end = tie_ends(results, tie, situation.configuration)
+        yield tension * (end - start) / np.hypot(*(end - start)), tie.blocks
 
 
 def _components(name: str, force: Array, weight: float) -> Row:

@@ -13,12 +13,13 @@ from assessment.results.schema.checks import (
     Governing,
     SafetyIndex,
     Spectrum,
+    StrengtheningRow,
 )
 from assessment.results.schema.dynamic import History, Incremental, Motion
 from assessment.results.schema.indices import Indices, Knowledge
 from assessment.results.schema.model import Echo, Geometry, LayerLoads, ModelSummary, Quality, Software
 from assessment.results.schema.part import Configuration, Part, key, optional
-from assessment.results.schema.static import Contacts, PushdownPath, Pushovers, Settlement
+from assessment.results.schema.static import Contacts, PushdownPath, Pushovers, Settlement, Strengthening
 from assessment.results.schema.studies import Convergence, Scenarios, Sensitivity
 
 FORMAT: Final = 1
@@ -26,12 +27,13 @@ FORMAT: Final = 1
 
 
 class State(Part):
-    """`states.NAME`: the structure as drawn ("original"), or after a settlement of that name."""
+    """`states.NAME`: the structure as drawn ("original"), or after a settlement or a strengthening of that name."""
 
     configuration: Configuration = key(
         "x, z, ω of each block against the drawing; zeros where the state was not reached", "m, rad"
     )
-    settlement: Settlement | None = key("the movement that leads to it; null: as drawn")
+    settlement: Settlement | None = key("the movement that leads to it; null: as drawn, or strengthened")
+    strengthening: Strengthening | None = optional("what strengthens it after a movement; missing: nothing")
     pushdown: dict[Contacts, PushdownPath] = key("the movement, by behaviour of the joints")
     pushover: dict[Direction, Pushovers] = key("horizontal loads, by direction")
     capacity: dict[Direction, Capacity] = key("capacity and checks, by direction")
@@ -59,6 +61,7 @@ class Results(Part):
     mechanisms: list[GivenMechanism] | None = optional("the mechanisms of the project file")
     motions: list[Motion] | None = optional("the records of [[history]]")
     comparison: list[ComparisonRow] = key("settled states beside the original one")
+    strengthening: list[StrengtheningRow] | None = optional("strengthened states beside what they strengthen")
     scenarios: Scenarios | None = optional("all movements side by side")
     sensitivity: Sensitivity | None = optional("every state with each property lower and higher")
     campaign: Campaign | None = optional("fragility and loss of capacity against movement")

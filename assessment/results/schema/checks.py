@@ -237,3 +237,25 @@ class ComparisonRow(Part):
     dynamic_reference: str | None = optional("of the dynamic capacity: surface")
     static_surface_pga_g: float | None = optional("static capacity at the surface with F_C = 1", "g")
     dynamic_to_static: float | None = optional("dynamic capacity over that", "–")
+
+
+class StrengtheningRow(Part):
+    """`strengthening[]`: a strengthened state beside the one that it strengthens; null: not known."""
+
+    state: str = key("the strengthened state")
+    of: str = key("the state before")
+    direction: Direction | None = key("direction of the push; null: no pushover")
+    alpha_0_before: float | None = optional("α_0, rigid joints, before", "–")
+    alpha_0: float | None = optional("α_0 afterwards", "–")
+    d_0_before_m: float | None = optional("displacement capacity d_0 before", "m")
+    d_0_m: float | None = optional("d_0 afterwards", "m")
+    alpha_u_before: float | None = optional("α_u, elastic joints, before", "–")
+    alpha_u: float | None = optional("α_u afterwards", "–")
+    limit_state: str | None = optional("limit state of a_g and ζ_E: SLV where it was checked")
+    a_g_before_g: float | None = optional("capacity a_g before", "g")
+    a_g_g: float | None = optional("capacity a_g afterwards", "g")
+    zeta_E_before: float | None = optional("ratio to the demand before", "–")
+    zeta_E: float | None = optional("ratio to the demand afterwards", "–")
+    dynamic_pga_before_g: float | None = optional("PGA at collapse before", "g")
+    dynamic_pga_g: float | None = optional("PGA at collapse afterwards", "g")
+    gain: float | None = key("after/before − 1: of a_g, else of α_0, α_u or the PGA at collapse", "–")

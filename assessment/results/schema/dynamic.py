@@ -47,6 +47,18 @@ class Snapshots(Part):
     force_kN: list[list[Point] | None] = key("N and T of each joint; null: not known", "kN")
     centre: list[list[float | None] | None] = key("where N presses, as a share of the joint; null: idle", "–")
     met: list[Face] = key("none: joints of the drawing only")
+    tie_kN: list[list[float] | None] | None = optional(
+        "tension of each tie of the state, in the order of `model.ties`; missing: no tie", "kN"
+    )
+
+
+class ShakenTie(Part):
+    """`ties[]` of a history: the tension of a tie while the base moves."""
+
+    tie: str = key("name of the tie")
+    greatest_kN: float = key("greatest tension", "kN")
+    time_s: float = key("when that is, in the record's file", "s")
+    yields: bool = key("whether it reaches the yield force")
 
 
 class AnimationFrames(Part):
@@ -103,6 +115,7 @@ class History(Part):
     notes: list[str] | None = optional("what to know about it")
     seconds: float | None = optional("computing time", "s")
     frames: AnimationFrames | None = optional("for the animation")
+    ties: list[ShakenTie] | None = optional("tension of the ties of the state; missing: no tie")
     members: int | None = optional("members of the ensemble that were run")
     members_collapsed: int | None = optional("members that collapse")
     peak_displacement_m_range: Range | None = optional("of the members' peaks; null: a collapse", "m")

@@ -7,6 +7,20 @@ from typing import Any
 from assessment.results.schema.part import Part, Point, key, optional
 
 
+class Tie(Part):
+    """`model.ties[]`: a tie rod as drawn."""
+
+    name: str = key("name in the project file")
+    start_m: Point = key("one end: x, z", "m")
+    end_m: Point = key("the other end: x, z", "m")
+    blocks: list[int] = key("numbers of the blocks that hold its ends")
+    yield_force_kN: float | None = key("tension at which it lengthens without bearing more; null: none", "kN")
+    stiffness_kN_m: float | None = key("stiffness of the whole tie; null: rigid", "kN/m")
+    pretension_kN: float = key("tension when it is set", "kN")
+    states: list[str] = key("states in which it is there")
+    set_in: list[str] = key("of these, strengthened ones in which it is set after the movement")
+
+
 class ModelSummary(Part):
     """`model`: what was read from the drawing."""
 
@@ -18,6 +32,7 @@ class ModelSummary(Part):
     weight_kN: float = key("weight of the movable blocks with their vertical loads", "kN")
     self_weight_stable: bool = key("whether the structure stands as drawn; false: nothing else was computed")
     warnings: list[str] = key("what is odd in the drawing")
+    ties: list[Tie] | None = optional("tie rods; missing: none")
 
 
 class Block(Part):
@@ -104,6 +119,8 @@ class Echo(Part):
     contacts: dict[str, Any] | None = optional("[contacts]")
     control: list[dict[str, Any]] | None = optional("[[control]]")
     settlements: list[dict[str, Any]] | None = optional("[[settlements]]")
+    tie: list[dict[str, Any]] | None = optional("[[tie]]")
+    strengthening: list[dict[str, Any]] | None = optional("[[strengthening]]")
     pushover: dict[str, Any] | None = optional("[pushover]")
     history: list[dict[str, Any]] | None = optional("[[history]]")
     incremental: dict[str, Any] | None = optional("[incremental]")
@@ -173,5 +190,6 @@ __all__ = [
     "Quality",
     "QualityRow",
     "Software",
+    "Tie",
     "optional",
 ]

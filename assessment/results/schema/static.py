@@ -11,6 +11,16 @@ Contacts = Literal["rigid", "elastic"]
 Sliding = Literal["associative", "coulomb"]
 
 
+class TieTension(Part):
+    """`ties[]`: the tension of a tie along a path."""
+
+    tie: str = key("name of the tie")
+    rest_kN: float | None = key("where the path starts; null: rigid joints do not determine it", "kN")
+    peak_kN: float | None = key("where α_0 or α_u is reached, or the movement ends; null: not known", "kN")
+    greatest_kN: float | None = key("greatest along the path; null: not known", "kN")
+    yields: bool = key("whether it reaches the yield force")
+
+
 class Frames(Part):
     """`frames`: where the blocks are at some points of a path, and what the joints carry there; for pictures."""
 
@@ -21,6 +31,10 @@ class Frames(Part):
     )
     centre: list[list[float | None] | None] = key("where N presses, as a share of the joint; null: idle", "–")
     met: list[Face] = key("pairs of faces that touch on the path and not as drawn")
+    tie_kN: list[list[float] | None] | None = optional(
+        "tension of each tie of the state, in the order of `model.ties`; null: not known; missing: no tie",
+        "kN",
+    )
 
 
 class LocalLoss(Part):
@@ -53,6 +67,7 @@ class PushdownPath(Part):
     ultimate_configuration: Configuration | None = key("just before collapse; null: not reached", "m, rad")
     control_displacement_m: list[Point] | None = key("x, z of the first control point along the path", "m")
     frames: Frames = key("some of its configurations")
+    ties: list[TieTension] | None = optional("tension of the ties of the state; missing: no tie")
 
 
 class Curve(Part):
@@ -133,6 +148,7 @@ class RigidPush(Part):
     mechanism_configuration: Configuration = key("where the mechanism starts", "m, rad")
     final_configuration: Configuration = key("at the end of the curve", "m, rad")
     frames: Frames = key("some of its configurations")
+    ties: list[TieTension] | None = optional("tension of the ties of the state; missing: no tie")
 
 
 class ElasticPush(Part):
@@ -153,6 +169,7 @@ class ElasticPush(Part):
     rest_configuration: Configuration = key("at rest, before the push", "m, rad")
     peak_configuration: Configuration = key("at the peak", "m, rad")
     frames: Frames = key("some of its configurations")
+    ties: list[TieTension] | None = optional("tension of the ties of the state; missing: no tie")
 
 
 class Pushovers(Part):
@@ -166,6 +183,14 @@ class Pushovers(Part):
     def by_contacts(self) -> dict[Contacts, RigidPush | ElasticPush]:
         """The curves that are there."""
         return present({"rigid": self.rigid, "elastic": self.elastic})
+
+
+class Strengthening(Part):
+    """`strengthening` of a state: what was done to the state that it strengthens."""
+
+    of: str = key("state whose movement comes first")
+    ties: list[str] = key("ties that are set after it")
+    layers: list[str] = key("layers whose joints are changed")
 
 
 class Settlement(Part):

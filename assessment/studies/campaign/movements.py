@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable, SettlementTable
+    from assessment.project.state_models import StateModel
     from assessment.results.schema.checks import Direction
     from assessment.results.schema.static import Pushovers
     from assessment.runtime.tasks import Workers
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Moved:
-    """A share of a movement: its largest component (m), the state at rest or why there is none, static capacity.
+    """A share of a movement: its largest component (m), assembly, state at rest or why there is none, static capacity.
 
     `static`: PGA at the surface (g), or α where there is no assessment, of the weaker direction; `ultimate` (m):
     control displacement at which the static capacity vanishes. None: not known.
@@ -45,6 +46,7 @@ class Moved:
     settlement: str
     share: float
     movement: float
+    model: Assembly
     start: Start
     static: float | None
     ultimate: float | None
@@ -57,15 +59,21 @@ class Moved:
 
 @dataclass(frozen=True, eq=False)
 class _Reviewed:
-    """A state at rest, or why there is none; the analyses behind it, and its pushover curves."""
+    """The assembly of a state, its rest or why there is none; the analyses behind it, and its pushover curves."""
 
+    model: Assembly
     start: Start
     stages: Sequence[StateResult]
     curves: Mapping[Direction, Pushovers]
 
 
 def moved_states(
-    project: Project, model: Assembly, statics: Statics, demands: Demands, workers: Workers, study: Study
+    project: Project,
+    models: Mapping[str, StateModel],
+    statics: Statics,
+    demands: Demands,
+    workers: Workers,
+    study: Study,
 ) -> list[Moved]:
     """Return the states after each share of each movement that [campaign] asks for, settled and pushed over.
 
@@ -74,34 +82,37 @@ def moved_states(
     """
     table = project.campaign
     assert table is not None
-    asked, beside = table.settlements or project.states[1:], _beside(project, table)
+    asked, beside = table.settlements or project.unstrengthened[1:], _beside(project, table)
     movements = [each for each in finest(project, statics.halvings) if each[1].name in asked]
-    parts = _parts(movements, model, table, workers)
+    parts = _parts(movements, models, table, workers)
     found = []
     for _, whole in movements:
+        model, drawn = models[whole.name].assembly, models[ORIGINAL].assembly
         length = whole_movement(model, whole.support, whole.displacement_m, whole.rotation_rad)
         for share in table.shares:
             if share == 0.0:
                 own = statics.states[ORIGINAL]
-                state = _Reviewed(model.initial, [], own.pushover)
+                state = _Reviewed(drawn, drawn.initial, [], own.pushover)
             elif share == 1.0:
                 own, stages = statics.states[whole.name], statics.stages_of(whole.name)
-                state = _Reviewed(_rest(stages, table), stages, own.pushover)
+                state = _Reviewed(model, _rest(stages, table), stages, own.pushover)
             else:
                 stages = parts[whole.name, share]
                 _take(study, whole.name, share, stages)
-                state = _Reviewed(_rest(stages, table), stages, curves(stages))
+                state = _Reviewed(model, _rest(stages, table), stages, curves(stages))
             # those of the whole and of none are among the warnings of their states
             warnings = study.warnings if 0.0 < share < 1.0 else []
-            capacity = _static(beside, model, state, demands, warnings)
+            capacity = _static(beside, state, demands, warnings)
             ultimate = _ultimate(project, table, state.curves)
-            found.append(Moved(whole.name, share, share * length, state.start, capacity, ultimate))
+            found.append(
+                Moved(whole.name, share, share * length, state.model, state.start, capacity, ultimate)
+            )
     return found
 
 
 def _parts(
     movements: Sequence[tuple[Project, SettlementTable]],
-    model: Assembly,
+    models: Mapping[str, StateModel],
     table: CampaignTable,
     workers: Workers,
 ) -> dict[tuple[str, float], list[StateResult]]:
@@ -113,7 +124,9 @@ def _parts(
                 continue
             for behaviour in dict.fromkeys([*finer.pushed_contacts, table.contacts]):
                 keys.append((whole.name, share))
-                requests.append(Request(finer, model, part(whole, share), behaviour, f"× {share:g}: "))
+                requests.append(
+                    Request(finer, models[whole.name], part(whole, share), behaviour, f"× {share:g}: ")
+                )
     parts: dict[tuple[str, float], list[StateResult]] = {}
     for key, result in zip(keys, analyse_states(requests, workers, "campaign"), strict=True):
         parts.setdefault(key, []).append(result)
@@ -149,9 +162,7 @@ def _beside(project: Project, table: CampaignTable) -> Project:
     return project.model_copy(update=changed)
 
 
-def _static(
-    project: Project, model: Assembly, state: _Reviewed, demands: Demands, warnings: list[str]
-) -> float | None:
+def _static(project: Project, state: _Reviewed, demands: Demands, warnings: list[str]) -> float | None:
     """Return the static capacity of the weaker direction, of the joints of `project`; None if one is not known."""
     if project.pushover is None:
         return None
@@ -159,7 +170,7 @@ def _static(
     if "elastic" not in project.pushover.contacts:
         pushed = {direction: each.replace(elastic=None) for direction, each in pushed.items()}
     stages = [stage for stage in state.stages if stage.behaviour in project.pushover.contacts]
-    checks = capacities(assess(project, model, pushed, demands, warnings)) if project.assessment else {}
+    checks = capacities(assess(project, state.model, pushed, demands, warnings)) if project.assessment else {}
     found = []
     for each in capacities_of(project, stages, pushed, checks).values():
         value = compared(each, quantity(project))

@@ -12,7 +12,7 @@ from assessment.analyses.dynamic.inputs import WORTHWHILE
 from assessment.analyses.dynamic.record_set import HIGH, LOW
 from assessment.analyses.dynamic.response import Setting
 from assessment.analyses.dynamic.time_history import quality_row
-from assessment.project.schema import MotionTable
+from assessment.project.schema import ORIGINAL, MotionTable
 from assessment.results.schema.campaign import (
     Campaign,
     CampaignCombination,
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable
+    from assessment.project.state_models import StateModel
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
 
@@ -65,7 +66,7 @@ class Asked:
     @property
     def key(self) -> tuple[str, str, int]:
         """Key of the run; combinations with the same key are one run."""
-        start = fingerprint(search_collapse, (self.moved.start, self.moved.ultimate))
+        start = fingerprint(search_collapse, (self.moved.model, self.moved.start, self.moved.ultimate))
         return start, self.motion.name, self.run_sign
 
     @property
@@ -76,7 +77,7 @@ class Asked:
 
 def campaign(
     project: Project,
-    model: Assembly,
+    models: Mapping[str, StateModel],
     motions: Sequence[BaseMotion],
     statics: Statics,
     demands: Demands,
@@ -93,10 +94,10 @@ def campaign(
     records = record_set(project, table, motions, demands, workers)
     reported = {note for motion in motions for note in motion.notes}
     study.warnings += [note for motion in records.motions for note in motion.notes if note not in reported]
-    moved = moved_states(project, model, statics, demands, workers, study)
-    asked = _combinations(project, model, table, records, moved)
+    moved = moved_states(project, models, statics, demands, workers, study)
+    asked = _combinations(project, models[ORIGINAL].assembly, table, records, moved)
     scatter = scatter_of(project)
-    done = _run(project, model, table, scatter, asked, workers)
+    done = _run(project, table, scatter, asked, workers)
     rows = _rows(asked, done, table, study)
     fits, losses = _by_movement(moved, asked, rows, table, scatter.members)
     found = Campaign(
@@ -122,13 +123,13 @@ def campaign(
 
 
 def _combinations(
-    project: Project, model: Assembly, table: CampaignTable, records: RecordSet, moved: Sequence[Moved]
+    project: Project, drawn: Assembly, table: CampaignTable, records: RecordSet, moved: Sequence[Moved]
 ) -> list[Asked]:
     """Return every state under every record with every sign; a symmetric structure as drawn runs one sign only."""
-    mirrored = _mirrored(project, model, table)
+    mirrored = _mirrored(project, drawn, table)
     return [
         Asked(
-            state, motion, sign, ratio, table.signs[0] if mirrored and state.start is model.initial else sign
+            state, motion, sign, ratio, table.signs[0] if mirrored and state.start is drawn.initial else sign
         )
         for state in moved
         for motion, ratio in zip(records.motions, records.ratios, strict=True)
@@ -148,7 +149,6 @@ def _mirrored(project: Project, model: Assembly, table: CampaignTable) -> bool:
 
 def _run(
     project: Project,
-    model: Assembly,
     table: CampaignTable,
     scatter: Scatter,
     asked: Sequence[Asked],
@@ -162,7 +162,8 @@ def _run(
     tasks: list[tuple[Any, ...]] = []
     curves = table.curve_members or ()
     for each in (distinct[key] for key in order):
-        common = (model, each.signed, Setting(own, point, each.moved.ultimate), each.moved.start, scatter)
+        setting = Setting(own, point, each.moved.ultimate)
+        common = (each.moved.model, each.signed, setting, each.moved.start, scatter)
         if table.levels_g:
             tasks.append((*common, tuple(level / each.ratio for level in table.levels_g), curves))
         else:
@@ -173,7 +174,8 @@ def _run(
         run_stripes if table.levels_g else search_collapse,
         tasks,
         [distinct[key].title for key in order],
-        RUNS * len(model.contacts) * sum(samples) > WORTHWHILE,
+        RUNS * sum(len(distinct[key].moved.model.contacts) * n for key, n in zip(order, samples, strict=True))
+        > WORTHWHILE,
         samples,
     )
     return dict(zip(order, found, strict=True))

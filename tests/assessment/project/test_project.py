@@ -148,7 +148,12 @@ def test_every_number_has_bounds():
                 look(each, key)
 
     look(json_schema(), "")
-    assert unbounded == {"friction", "tangential_stiffness_kN_m3", "compressive_strength_kN_m2"}
+    assert unbounded == {
+        "friction",
+        "tangential_stiffness_kN_m3",
+        "compressive_strength_kN_m2",
+        "yield_force_kN",
+    }
 
 
 @pytest.mark.parametrize(

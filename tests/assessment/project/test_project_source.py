@@ -94,7 +94,10 @@ def test_a_new_spreadsheet_explains_every_key(tmp_path):
         sheet, *inner = path[1:] if path[:2] == ("assessment", "site") else path or ("project",)
         for key, meaning in keys_at(path).items():
             if key not in tables_of(table_at(path)):
-                named = ".".join([*(part for part in inner if isinstance(part, str) and part != "NAME"), key])
+                below = (
+                    inner[1:] if inner[:1] == ["NAME"] else inner
+                )  # the name of a row stands in its own column
+                named = ".".join([*(part for part in below if isinstance(part, str)), key])
                 assert listed[sheet, named] == meaning
     site = {row[0].value: row[2].value for row in book["site"].iter_rows(min_row=2)}
     assert site["SLV.F0"] == "largest amplification of the spectrum"
