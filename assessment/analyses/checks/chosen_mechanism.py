@@ -21,6 +21,7 @@ from assessment.ntc.capacity.curve_fit import CapacityError, CurveFit, fit_rigid
 from assessment.ntc.confidence import CONFIDENCE_FACTOR
 from assessment.ntc.verification import Method, verify
 from assessment.results.configurations.faces import Met
+from assessment.results.configurations.ties import lengthenings
 from assessment.results.lines import lines
 from assessment.results.plain import finite
 from assessment.results.schema import checks as parts
@@ -111,7 +112,8 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion
     """
     contacts = static_system(model, "rigid").around(positions, LIMIT.onset * model.size).contacts
     places = contacts.places(positions)
-    closed = (end_gaps(places) <= LIMIT.closed * model.size) & (places[:, H] > 0.0)[:, None]
+    faces = (places[:, H] > 0.0) & ~contacts.ties
+    closed = (end_gaps(places) <= LIMIT.closed * model.size) & faces[:, None]
     u, phi, v = relative_motion(places, np.concatenate([delta[contacts.a], delta[contacts.b]], axis=1)).T
     half = places[:, H] * phi
     opening = np.where(closed, np.stack([u - half, u + half], axis=1), np.inf).min(axis=1)
@@ -146,6 +148,7 @@ def evaluate(
     delta = virtual_displacements(model, positions, chosen)
     motion = joint_motion(model, positions, delta)
     _refuse_penetration(motion)
+    _refuse_held(model, lengthenings(model, positions, delta))
     work = virtual_work(model, positions, chosen)
     _refuse_without_load(work, delta)
 
@@ -222,6 +225,15 @@ def _refuse_penetration(motion: JointMotion) -> None:
             f"block {one} penetrates block {other} by {100.0 * motion.penetration:.3g} % of the largest displacement; "
             "correct centres, rotations (anticlockwise positive) or the choice of blocks"
         )
+
+
+def _refuse_held(model: Assembly, longer: Array) -> None:
+    """Raise MechanismError if a tie that never yields would have to lengthen."""
+    for tie, more in zip(model.ties, longer, strict=True):
+        if more > 0.0 and np.isinf(tie.yield_force):
+            raise MechanismError(
+                f'tie "{tie.name}" would have to lengthen; give it a yield_force_kN, or a mechanism that it allows'
+            )
 
 
 def _refuse_without_load(work: VirtualWork, delta: Array) -> None:

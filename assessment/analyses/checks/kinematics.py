@@ -12,6 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from assessment.results.configurations.ties import lengthenings
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
@@ -105,7 +106,10 @@ def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: lis
     parts = _Parts.of(model, positions, chosen, hinges)
     q = np.zeros((len(chosen.parts), 3))
     rate = parts.rate(q, np.array([part.rotation for part in chosen.parts]))
-    at, alpha = [positions], [parts.multiplier(positions, q, rate)]
+    at, alpha = (
+        [positions],
+        [parts.multiplier(positions, q, rate, _tie_work(model, parts, positions, rate, q))],
+    )
     turned = 0.0
     while alpha[-1] > 0.0:
         if turned > MOTION.farthest:
@@ -114,7 +118,7 @@ def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: lis
         rate = parts.rate(q, rate[:, 2])
         turned += MOTION.step
         at.append(parts.placed(positions, q))
-        alpha.append(parts.multiplier(at[-1], q, rate))
+        alpha.append(parts.multiplier(at[-1], q, rate, _tie_work(model, parts, at[-1], rate, q)))
     if parts.drift(q) > MOTION.open * model.size:
         raise KinematicsError(
             "its hinges do not stay closed as it moves: there are more of them than it can keep"
@@ -186,9 +190,9 @@ class _Parts:
             moved[blocks, 2] += q[k, 2]
         return moved
 
-    def multiplier(self, at: Array, q: Array, rate: Array) -> float:
-        """α = Σ W δ_z/|Σ P δ_x| of the blocks at `at` (b, 3)."""
-        dead = lateral = 0.0
+    def multiplier(self, at: Array, q: Array, rate: Array, ties: float) -> float:
+        """α = (Σ W δ_z + `ties`)/|Σ P δ_x| of the blocks at `at` (b, 3); `ties` (kN·m): work of those that yield."""
+        dead, lateral = ties, 0.0
         for k, blocks in enumerate(self.blocks):
             x, z = (at[blocks, :2] - self.origin[k] - q[k, :2]).T
             dead += float(self.weight[blocks] @ (rate[k, 1] + rate[k, 2] * x))
@@ -206,6 +210,28 @@ class _Parts:
             ]
             apart.append(float(np.hypot(*(sides[0] - sides[1]))))
         return max(apart)
+
+
+def _tie_work(model: Assembly, parts: _Parts, at: Array, rate: Array, q: Array) -> float:
+    """Return the rate of the work (kN·m) of the ties that lengthen at `at` (b, 3), at their yield force.
+
+    Raises KinematicsError where one that never yields stops the motion.
+    """
+    if not model.ties:
+        return 0.0
+    delta = np.zeros((len(model.blocks), 3))
+    for k, blocks in enumerate(parts.blocks):
+        x, z = (at[blocks, :2] - parts.origin[k] - q[k, :2]).T
+        turn = rate[k, 2]
+        delta[blocks] = np.stack(
+            [rate[k, 0] - turn * z, rate[k, 1] + turn * x, np.full_like(x, turn)], axis=1
+        )
+    work = 0.0
+    for tie, more in zip(model.ties, lengthenings(model, at, delta), strict=True):
+        if more > 0.0 and np.isinf(tie.yield_force):
+            raise KinematicsError(f'tie "{tie.name}" stops it before α = 0')
+        work += tie.yield_force * more if more > 0.0 else 0.0
+    return work
 
 
 def _unhindered(model: Assembly, at: list[Array]) -> None:

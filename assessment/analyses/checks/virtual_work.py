@@ -1,4 +1,4 @@
-"""The virtual work of the weights on a mechanism of macro-blocks, by hand: α0 and e*."""
+"""The virtual work of the weights, and of ties that yield, on a mechanism of macro-blocks, by hand: α0 and e*."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assessment.ntc.calculation import Step, Trace, datum, names, step
+from assessment.results.configurations.ties import lengthenings
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _WORK = "virtual work; Circolare 7/2019, C8.7.1.2"
+_TIE = "[[tie]]: yield force"
 _SUMS = (  # symbol, unit, term of a macro-block
     ("L_W", "kN·m", "W_{k}*delta_z_{k}"),
     ("L_P", "kN·m", "P_{k}*delta_x_{k}"),
@@ -30,7 +32,7 @@ _SUMS = (  # symbol, unit, term of a macro-block
 class VirtualWork:
     """Works of the weights `dead` and of the same weights laid over towards +x `lateral` (kN·m); their steps.
 
-    `moving`: seismic weight that moves, kN; `second`: Σ P δ_x², kN·m².
+    `moving`: seismic weight that moves, kN; `second`: Σ P δ_x², kN·m²; `ties`: Σ F e of the ties that yield, kN·m.
     """
 
     dead: float
@@ -38,11 +40,12 @@ class VirtualWork:
     moving: float
     second: float
     steps: Trace
+    ties: float = 0.0
 
     @property
     def alpha_0(self) -> float:
-        """α0 = Σ W δ_z/|Σ P δ_x|: what the weights gain in height against what the lateral load gains."""
-        return self.dead / abs(self.lateral)
+        """α0 = (Σ W δ_z + Σ F e)/|Σ P δ_x|: what weights gain in height, and ties take, against the lateral load."""
+        return (self.dead + self.ties) / abs(self.lateral)
 
     @property
     def e_star(self) -> float:
@@ -51,8 +54,11 @@ class VirtualWork:
 
     def result_steps(self) -> Trace:
         """Return α0 and e* by hand, where the lateral load does work."""
+        by_weights = step("alpha_0", "L_W/abs(L_P)", self.alpha_0, "", _WORK, L_W=self.dead, L_P=self.lateral)
+        with_ties = step("alpha_0", "(L_W + L_F)/abs(L_P)", self.alpha_0, "", _WORK, L_W=self.dead,
+                         L_F=self.ties, L_P=self.lateral)  # fmt: skip
         return (
-            step("alpha_0", "L_W/abs(L_P)", self.alpha_0, "", _WORK, L_W=self.dead, L_P=self.lateral),
+            with_ties if self.ties else by_weights,
             step("e_star", "L_P**2/(Sigma_P*Sigma_P_delta_2)", self.e_star, "", "Circolare 7/2019, C8.7.1.2",
                  L_P=self.lateral, Sigma_P=self.moving, Sigma_P_delta_2=self.second),
         )  # fmt: skip
@@ -89,7 +95,26 @@ def virtual_work(model: Assembly, positions: Array, chosen: Chosen) -> VirtualWo
     for (symbol, unit, term), value in zip(_SUMS, (dead, lateral, total, second), strict=True):
         formula = " + ".join(term.format(k=k) for k in range(1, len(chosen.parts) + 1))
         lines.append(step(symbol, formula, value, unit, _WORK, **{n: known[n] for n in names(formula)}))
-    return VirtualWork(dead, lateral, total, second, tuple(lines))
+    stretched = lengthenings(model, positions, delta)
+    yielding = [(tie.yield_force, float(e)) for tie, e in zip(model.ties, stretched, strict=True) if e > 0.0]
+    lines += _tie_lines(yielding)
+    return VirtualWork(
+        dead, lateral, total, second, tuple(lines), sum(force * more for force, more in yielding)
+    )
+
+
+def _tie_lines(yielding: list[tuple[float, float]]) -> list[Step]:
+    """Return the work of ties from their yield forces (kN) and virtual lengthenings (m)."""
+    lines: list[Step] = []
+    for k, (force, more) in enumerate(yielding, 1):
+        lines.append(datum(f"F_{k}", force, "kN", _TIE))
+        lines.append(datum(f"e_{k}", more, "m", "virtual lengthening of the tie"))
+    if yielding:
+        formula = " + ".join(f"F_{k}*e_{k}" for k in range(1, len(yielding) + 1))
+        known = {line.symbol: line.result for line in lines}
+        total = sum(force * more for force, more in yielding)
+        lines.append(step("L_F", formula, total, "kN·m", _WORK, **{n: known[n] for n in names(formula)}))
+    return lines
 
 
 def _macro_block(k: int, part: MacroBlock, model: Assembly, positions: Array) -> list[Step]:

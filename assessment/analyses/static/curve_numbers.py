@@ -12,7 +12,7 @@ from assessment.ntc.capacity.curve import mechanism_participation
 from assessment.ntc.capacity.curve_fit import CapacityError
 from assessment.results.configurations.faces import Met
 from assessment.results.configurations.frames import pushover_frames
-from assessment.results.configurations.ties import along_path
+from assessment.results.configurations.ties import along_path, lengthenings, tensions, yielding
 from assessment.results.plain import finite
 from assessment.results.schema.static import Curve, ElasticPush, Mechanism, RigidPush
 from assessment.results.table import sense
@@ -53,9 +53,7 @@ def rigid_push(
         local_loss=local_loss(model, path.states, path.displacement, path.forces, path.lost),
         curve=_curve(path, direction),
         mechanism=mechanism,
-        virtual_work_alpha=finite(
-            virtual_work_multiplier(model, np.array(mechanism.displacements), direction)
-        ),
+        virtual_work_alpha=finite(_virtual_work(model, direction, path, np.array(mechanism.displacements))),
         mechanism_configuration=configuration(model, at),
         final_configuration=configuration(model, path.states[-1]),
         frames=pushover_frames(model, path, met),
@@ -111,6 +109,19 @@ def _mechanism(model: Assembly, control: ControlTable, path: Pushover, met: Met)
         sliding_joints=met.numbers(path.contacts, slides)[found.sliding].tolist(),
         moving_weight_kN=float(found.moving_weight),
     )
+
+
+def _virtual_work(
+    model: Assembly, direction: Direction, path: Pushover, mechanism: NDArray[np.float64]
+) -> float:
+    """Return the multiplier of virtual displacements (b, 3) at α0 by the work of weights, and of ties that yield."""
+    by_weights = virtual_work_multiplier(model, mechanism, direction)
+    if not model.ties:
+        return by_weights
+    pulled = tensions(model, path.forces)
+    longer = lengthenings(model, path.states[path.formed].positions, mechanism)
+    lateral = float((model.lateral_load(direction) * mechanism)[model.movable].sum())
+    return by_weights + float(np.where(yielding(model, pulled), pulled, 0.0) @ longer) / lateral
 
 
 def _with_other_law(found: RigidPush, model: Assembly, direction: Direction, path: Pushover) -> RigidPush:

@@ -40,7 +40,11 @@ def strengthening_problems(project: ProjectContent) -> Iterator[Problem]:
         if made.name in project.unstrengthened:
             yield Problem((*path, "name"), f'"{made.name}" is the name of another state; write another')
             continue
-        yield from unknown_name((*path, "of"), made.of, project.unstrengthened, "state to strengthen")
+        if project.strengthening_of(made.of):
+            text = f'"{made.of}" is a strengthening itself; write the state that it is of, and name its ties here too'
+            yield Problem((*path, "of"), text)
+        else:
+            yield from unknown_name((*path, "of"), made.of, project.unstrengthened, "state to strengthen")
         for layer, table in made.layers.items():
             if not _changes(table):
                 text = "changes nothing; write what it makes of the joints, or leave it out"

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from assessment.results.configurations.outlines import Array, field, outlines, place
+from assessment.results.configurations.tie_ends import lengthening, ties_of
 from assessment.results.echo import material
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction
@@ -22,6 +23,7 @@ BY_HAND = 15  # macro-blocks that are printed and numbered; more are no check by
 STILL = 1e-3  # of the largest velocity: a block that does not take part
 NOTHING = 1e-9  # kN, m or rad: what rounding leaves of zero
 TURNING = 1e-7  # rad, beside displacements of up to 1 m: what the solver leaves of no rotation is less
+TAUT = 1e-3  # of the yield force: a tie that bears less does not yield in a mechanism
 EQUAL = 1e-6  # multipliers that differ by less are one
 FIGURES = 4  # significant figures that the reader is given, and that the check is made with
 
@@ -107,6 +109,26 @@ class MacroBlockFigures:
 
 def macro_blocks(results: Results, state: str, direction: Direction) -> list[MacroBlock]:
     """Group the blocks of a mechanism that move as one, the largest group first."""
+    found = _groups(results, state, direction)
+    largest = _fastest(found)
+    scaled = [
+        MacroBlock(each.members, each.weight, each.seismic, each.centroid, each.motion / largest)
+        for each in found
+    ]
+    return sorted(scaled, key=lambda each: (-each.weight, each.members))
+
+
+def _largest(results: Results, state: str, direction: Direction) -> float:
+    """Return the largest displacement of a macro-block's centroid in a mechanism as results have it."""
+    return _fastest(_groups(results, state, direction))
+
+
+def _fastest(found: Sequence[MacroBlock]) -> float:
+    return max(float(np.hypot(*each.motion[:2])) for each in found)
+
+
+def _groups(results: Results, state: str, direction: Direction) -> list[MacroBlock]:
+    """Return the blocks of a mechanism that move as one, displacements as results have them."""
     rigid = rigid_push(results, state, direction)
     rate = np.asarray(rigid.mechanism.displacements, dtype=float)
     drawn = outlines(results)
@@ -122,16 +144,40 @@ def macro_blocks(results: Results, state: str, direction: Direction) -> list[Mac
         if moving[i] and moving[j] and _as_one(joint, drawn.centroids, at, shape.centroids, rate, fastest):
             group[group == group[j]] = group[i]
     weight, seismic = weights(results)
-    found = [
+    return [
         _whole(np.flatnonzero(group == g), weight, seismic, shape.centroids, rate)
         for g in np.unique(group[moving])
     ]
-    largest = max(float(np.hypot(*each.motion[:2])) for each in found)
-    scaled = [
-        MacroBlock(each.members, each.weight, each.seismic, each.centroid, each.motion / largest)
-        for each in found
+
+
+@dataclass(frozen=True)
+class TieFigures:
+    """A tie that yields in a mechanism, as it is printed: its yield force, kN, and virtual lengthening, m."""
+
+    tie: str
+    yield_force_kN: float
+    lengthening: float
+
+    @property
+    def work(self) -> float:
+        """Work that the tie takes, kNm."""
+        return self.yield_force_kN * self.lengthening
+
+
+def ties_in(results: Results, state: str, direction: Direction) -> list[TieFigures]:
+    """Return the ties that lengthen in a mechanism, scaled as its macro-blocks, rounded to the figures of the check."""
+    rigid = rigid_push(results, state, direction)
+    rate, at = np.asarray(rigid.mechanism.displacements, dtype=float), rigid.mechanism_configuration
+    longer = [(tie, lengthening(results, tie, at, rate)) for tie in ties_of(results, state)]
+    size = _largest(results, state, direction)
+    pulled = {each.tie: each.peak_kN or 0.0 for each in rigid.ties or ()}
+    return [
+        TieFigures(tie.name, _rounded(tie.yield_force_kN), _rounded(more / size))
+        for tie, more in longer
+        if tie.yield_force_kN is not None
+        and more > STILL * size
+        and pulled[tie.name] > (1.0 - TAUT) * tie.yield_force_kN
     ]
-    return sorted(scaled, key=lambda each: (-each.weight, each.members))
 
 
 def macro_block_table(results: Results) -> Table:
@@ -150,7 +196,7 @@ def hand_checks(results: Results) -> Iterator[HandCheck]:
         if rigid.virtual_work_alpha is not None and rigid.alpha_0:
             computed, by_blocks = rigid.mechanism.alpha, rigid.virtual_work_alpha
             figures = figures_of(results, name, direction)
-            by_hand = multiplier(figures)
+            by_hand = multiplier(figures, ties_in(results, name, direction))
             yield HandCheck(
                 state=name,
                 direction=direction,
@@ -200,15 +246,16 @@ def figures_of(results: Results, state: str, direction: Direction) -> list[Macro
     ]
 
 
-def virtual_work_table(figures: Sequence[MacroBlockFigures]) -> Table:
-    """List the macro-blocks of a mechanism with their virtual work, and the sums that give the multiplier."""
+def virtual_work_table(figures: Sequence[MacroBlockFigures], ties: Sequence[TieFigures] = ()) -> Table:
+    """List the macro-blocks of a mechanism, and ties that yield, with their virtual work, and the sums of both."""
     rows = [asdict(each) | _works(each.work_load, each.work_weight) for each in figures]
+    rows += [{"macro_block": each.tie, "work_weight": each.work} for each in ties]
     total: Row = {
         "macro_block": "Σ",
         "blocks": sum(each.blocks for each in figures),
         "weight_kN": sum(each.weight_kN for each in figures),
         "seismic_weight_kN": sum(each.seismic_weight_kN for each in figures),
-    } | _works(sum(each.work_load for each in figures), sum(each.work_weight for each in figures))
+    } | _works(sum(each.work_load for each in figures), work_taken(figures, ties))
     columns = columns_of(MacroBlockFigures)[2:]  # state and direction stand in the caption
     return Table("macro_blocks", [*rows, total], (*columns, *_works(0.0, 0.0)))
 
@@ -217,9 +264,14 @@ def _works(load: float, weight: float) -> Row:
     return {"work_load": load, "work_weight": weight}
 
 
-def multiplier(figures: Sequence[MacroBlockFigures]) -> float:
-    """Return α = Σ W δ_z / Σ W_s δ_x of the figures of a mechanism, δ_x along the loads; W_s seismic weights."""
-    return sum(each.work_weight for each in figures) / sum(each.work_load for each in figures)
+def work_taken(figures: Sequence[MacroBlockFigures], ties: Sequence[TieFigures]) -> float:
+    """Return the work against the weights, Σ W δ_z, and of ties that yield, Σ F e, kNm."""
+    return sum(each.work_weight for each in figures) + sum(each.work for each in ties)
+
+
+def multiplier(figures: Sequence[MacroBlockFigures], ties: Sequence[TieFigures] = ()) -> float:
+    """Return α = (Σ W δ_z + Σ F e)/Σ W_s δ_x of the figures of a mechanism, δ_x along the loads."""
+    return work_taken(figures, ties) / sum(each.work_load for each in figures)
 
 
 def mechanisms(results: Results) -> Iterator[tuple[str, Direction, RigidPush]]:

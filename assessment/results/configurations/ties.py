@@ -1,4 +1,4 @@
-"""Tension of ties: along a path, and while the base moves."""
+"""Ties of an assembly: their tension along a path and while the base moves, how they lengthen in a mechanism."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from mechanics.types import Array, Mask
 
 YIELDS = 1.0 - 1e-6  # of the yield force: the tension of a tie that yields
+NOTICED = 1e-6  # of the largest displacement: a tie that lengthens by less does not
 
 
 def tensions(model: Assembly, forces: Array) -> Array:
@@ -35,14 +36,14 @@ def along_path(
         return None
     known = [tensions(model, forces) for forces in carried if forces is not None]
     greatest = np.max(known, axis=0) if known else None
-    at_peak, yields = carried[peak], _yield(model, greatest)
+    at_peak = carried[peak]
     return [
         TieTension(
             tie=tie.name,
             rest_kN=None if rest is None else float(tensions(model, rest)[k]),
             peak_kN=None if at_peak is None else float(tensions(model, at_peak)[k]),
             greatest_kN=None if greatest is None else float(greatest[k]),
-            yields=bool(yields[k]),
+            yields=greatest is not None and bool(yielding(model, greatest)[k]),
         )
         for k, tie in enumerate(model.ties)
     ]
@@ -57,7 +58,7 @@ def while_shaken(model: Assembly, time: Array, forces: Array) -> list[ShakenTie]
         return None
     pulled = np.array([tensions(model, each) for each in forces])
     at, greatest = pulled.argmax(axis=0), pulled.max(axis=0)
-    yields = _yield(model, greatest)
+    yields = yielding(model, greatest)
     return [
         ShakenTie(
             tie=tie.name, greatest_kN=float(greatest[k]), time_s=float(time[at[k]]), yields=bool(yields[k])
@@ -66,6 +67,23 @@ def while_shaken(model: Assembly, time: Array, forces: Array) -> list[ShakenTie]
     ]
 
 
-def _yield(model: Assembly, greatest: Array | None) -> Mask:
-    strength = np.array([tie.yield_force for tie in model.ties])
-    return np.zeros(len(strength), dtype=bool) if greatest is None else greatest >= YIELDS * strength
+def yielding(model: Assembly, tension: Array) -> Mask:
+    """Return which ties (t,) yield under a tension (t,) kN."""
+    found: Mask = tension >= YIELDS * np.array([tie.yield_force for tie in model.ties])
+    return found
+
+
+def lengthenings(model: Assembly, positions: Array, delta: Array) -> Array:
+    """Return by how much each tie (t,) is longer under virtual displacements (b, 3) at positions (b, 3); 0: not."""
+    found = np.zeros(len(model.ties))
+    least = NOTICED * float(abs(delta[:, :2]).max())
+    for k, (tie, blocks) in enumerate(zip(model.ties, model.tie_blocks.tolist(), strict=True)):
+        ends, moved = np.zeros((2, 2)), np.zeros((2, 2))
+        for end, (point, block) in enumerate(zip(tie.points, blocks, strict=True)):
+            ends[end] = point + model.point_displacement(point, block, positions)
+            arm = ends[end] - positions[block, :2]
+            moved[end] = delta[block, :2] + delta[block, 2] * np.array([-arm[1], arm[0]])
+        along = ends[1] - ends[0]
+        more = float((moved[1] - moved[0]) @ along / np.hypot(*along))
+        found[k] = more if more > least else 0.0
+    return found

@@ -181,7 +181,7 @@ def arch(tmp_path_factory):
 def fine(arch):
     """The rigid push of the arch towards +x by a thirty-second of its increment."""
     one_way = arch.model_copy(update={"pushover": arch.pushover.model_copy(update={"directions": ("+x",)})})
-    request = Request(refined(one_way, 5), build_model(arch).assembly, None, "rigid")
+    request = Request(refined(one_way, 5), build_model(arch).states["original"], None, "rigid")
     with Workers(1) as workers:
         [stage] = analyse_states([request], workers)
     return stage.pushover["+x"].rigid
@@ -252,7 +252,7 @@ def _converged(arch, *levels: dict[str, StateResult]):
     settled = SettlementTable(name="settled", support="right", displacement_m=(0.01, 0.0))
     push = arch.pushover.model_copy(update={"directions": ("+x",), "increment_m": 1.0})
     project = arch.model_copy(update={"settlements": (settled,), "pushover": push, "accuracy": "standard"})
-    return converge(project, build_model(arch).assembly, Demands(), analyse), asked
+    return converge(project, build_model(project).states, Demands(), analyse), asked
 
 
 def test_only_states_that_need_it_are_analysed_again(arch):

@@ -14,7 +14,7 @@ from assessment.analyses.dynamic.bracket import Bracket, collapse_near
 from assessment.analyses.dynamic.ensemble import Scatter
 from assessment.analyses.dynamic.errors import collapses_again
 from assessment.analyses.dynamic.incremental import search
-from assessment.analyses.dynamic.inputs import Campaign
+from assessment.analyses.dynamic.inputs import Campaign, Resting
 from assessment.analyses.dynamic.time_history import DynamicResult, Shaking
 from assessment.project.model import build_model
 from assessment.project.motions import incremental_motions
@@ -93,8 +93,8 @@ def test_the_error_of_the_pga_at_collapse_bounds_the_distance_from_finer_analyse
     model, motions = build_model(project).assembly, incremental_motions(project)
     motion = motions[0].at_half_step().at_half_step().at_half_step()
     with Workers(1) as workers:
-        starts = {("original", "rigid"): model.initial}
-        [task] = Campaign(project, model, starts, {}, workers).tasks(project.incremental, [motion])
+        starts = {("original", "rigid"): Resting(model, model.initial)}
+        [task] = Campaign(project, starts, {}, workers).tasks(project.incremental, [motion])
     exact = search(task, Scatter(1, 0.1), 8.0, 0.002).numbers.pga_collapse_g
     [entry] = results["states"]["original"]["incremental"]["records"]
     given_step, *_ = row["levels"]["pga_collapse_g"]
@@ -117,9 +117,7 @@ def again(project, found: dict, *finer: dict):
         assert [task.motion.record.time_step for task, *_ in tasks] == [STEP / 2, STEP / 4][: len(tasks)]
         return [made_up(one) for one in finer][: len(tasks)]
 
-    campaign = SimpleNamespace(
-        project=project, model=build_model(project).assembly, tasks=lambda *_: [task], each=each
-    )
+    campaign = SimpleNamespace(project=project, tasks=lambda *_: [task], each=each)
     return collapses_again(campaign, motions, [made_up(found)])
 
 

@@ -36,7 +36,7 @@ PUSHOVER = '[pushover]\ndirections = ["+x"]\nincrement_m = 0.02\n'
 @pytest.fixture
 def request_of(tmp_path):
     project = load_project(write_block(tmp_path, block() + PUSHOVER))
-    return Request(project, build_model(project).assembly, None, "rigid")
+    return Request(project, build_model(project).states["original"], None, "rigid")
 
 
 def test_a_path_that_only_turns_is_followed_once(request_of):

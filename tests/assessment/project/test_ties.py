@@ -1,0 +1,177 @@
+"""[[tie]] and [[strengthening]] in the project file: what is refused, what is warned of, what each state has."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from assessment.project.consistency.strengthening import SHORTEST
+from assessment.project.formats.convert import convert
+from assessment.project.formats.toml import read_toml
+from assessment.project.model import build_model
+from assessment.project.plausibility import HEAVIEST_TIE
+from assessment.project.project import ProjectError, load_project
+from mechanics import State
+from tests.support.block_project import PROJECT, PUSHED, TURNED, block, edit, write_block
+from tests.support.tied_project import STRENGTHENED, TIE, strengthening, tie
+
+LAYER = "[strengthening.layers.BASE]\n"
+
+
+def refused(tmp_path, text: str) -> str:
+    folder = write_block(tmp_path / "block", text)
+    with pytest.raises(ProjectError) as error:
+        build_model(load_project(folder))
+    return str(error.value)
+
+
+WRONG = {  # what is added to the project of the block, and what is said
+    "of no state": (TIE + 'states = ["turned"]', 'tie[1].states[1]: no state "turned"; did you mean "base turned"?'),
+    "twice": (TIE + TIE, 'tie[2].name: "chain" is the name of an earlier entry; write another'),
+    "unknown key": (TIE + "force = 1.0", 'tie[1].force: unknown key; '),
+    "no length": (tie(to_m="[-0.29, -0.1]"), "tie[1].to_m: the same point as from_m; write the point of another"),
+    "pretension": (
+        tie(pretension_kN="5.0"), "tie[1].pretension_kN: 5 kN is not below yield_force_kN = 5, and the tie would yield",
+    ),
+    "outside": (
+        tie(to_m="[-0.4, 4.0]"),
+        "tie.chain.to_m: [-0.4, 4.0] must be in or on a block (the nearest one is 0.1 m away); move it there",
+    ),
+    "one block": (tie(from_m="[-0.29, 0.5]"), "tie.chain.to_m: both ends are in block 1; write a point of another"),
+    "supports": (
+        tie(to_m="[0.5, -0.1]", from_m="[-0.5, -0.1]"), "tie.chain.to_m: both ends are in block 0; write a point of",
+    ),
+    "strengthening of no state": (
+        STRENGTHENED.replace("base turned", "base turnt"),
+        'strengthening[1].of: no state to strengthen "base turnt"; did you mean "base turned"?',
+    ),
+    "strengthening of a strengthening": (
+        STRENGTHENED + strengthening("strengthened", "again") + LAYER + "friction = 0.8\n",
+        'strengthening[2].of: "strengthened" is a strengthening itself; write the state that it is of, and name its',
+    ),
+    "name of a state": (
+        TIE + strengthening(name="base turned"),
+        'strengthening[1].name: "base turned" is the name of another state; write another',
+    ),
+    "nothing": (
+        TIE + strengthening(),
+        'strengthening[1]: changes nothing; add a [[tie]] with states = ["strengthened"], or [strengthening.layers',
+    ),
+    "nothing of a layer": (STRENGTHENED + LAYER, "strengthening[1].layers.BASE: changes nothing; write what it makes"),
+    "unit weight": (
+        STRENGTHENED + LAYER + "unit_weight_kN_m3 = 20.0\n",
+        'strengthening[1].layers.BASE.unit_weight_kN_m3: unknown key; ',
+    ),
+    "no layer": (
+        STRENGTHENED + "[strengthening.layers.BASS]\nfriction = 0.8\n",
+        'strengthening[1].layers.BASS: no block on that layer; did you mean "BASE"?',
+    ),
+    "there already": (
+        tie(states='["base turned", "strengthened"]') + strengthening() + LAYER + "friction = 0.8\n",
+        'tie[1].states[2]: the tie is in "base turned" already, which "strengthened" strengthens; name one of the two',
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_a_tie_that_is_none_is_refused(tmp_path, case):
+    added, said = WRONG[case]
+    assert said in refused(tmp_path, PROJECT + added)
+
+
+def test_a_strengthened_state_that_nothing_pushes_is_refused(tmp_path):
+    said = refused(tmp_path, block() + TURNED + STRENGTHENED)
+    assert said.startswith(
+        "project.toml: strengthening: nothing pushes or shakes the strengthened state; add [push"
+    )
+
+
+ODD = {  # keys of the tie, and the warning
+    "newtons": ({"yield_force_kN": "5000.0"}, "tie[1].yield_force_kN: 5000 kN is more than anchorages in masonry bear; "
+                "write 5 if N were meant"),
+    "newtons per metre": ({"stiffness_kN_m": "1e6"}, "tie[1].stiffness_kN_m: 1e+06 kN/m is not E A/L of a steel bar of "
+                          "4.1 m that yields at 5 kN, 1.7e+02 to 2.6e+03; write 1000 if N/m were meant"),
+    "soft": ({"stiffness_kN_m": "1.0"}, "; write that of bar and anchorages"),
+    "of no yield force": ({"yield_force_kN": "", "stiffness_kN_m": "5e6"}, "of a steel bar of 4.1 m, 1e+03 to 1e+06"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", ODD)
+def test_what_no_bar_has_is_warned_of(tmp_path, case):
+    keys, said = ODD[case]
+    folder = write_block(tmp_path / "block", PROJECT + tie(**keys))
+    assert [said in warning for warning in build_model(load_project(folder)).warnings] == [True]
+
+
+def test_usual_ties_are_not_warned_of(tmp_path):
+    """A bar of 5 kN and 235 N/mm², 210 kN/mm²: E A/L = 1090 kN/m."""
+    usual = ({"stiffness_kN_m": "1090.0"}, {"yield_force_kN": f"{HEAVIEST_TIE}"}, {"yield_force_kN": "inf"})
+    for number, keys in enumerate(usual):
+        folder = write_block(tmp_path / str(number), PROJECT + tie(**keys))
+        assert not build_model(load_project(folder)).warnings
+    assert SHORTEST < 1e-3  # a tie may be as short as a joint is thick
+
+
+def ties_by_state(tmp_path, text: str) -> dict[str, list[str]]:
+    states = build_model(load_project(write_block(tmp_path / "block", text))).states
+    return {name: [each.name for each in state.assembly.ties] for name, state in states.items()}
+
+
+def test_each_state_has_its_ties(tmp_path):
+    always = TIE.replace("chain", "old")
+    settled = tie(states='["base turned"]').replace("chain", "settled")
+    found = ties_by_state(tmp_path, PROJECT + always + settled + STRENGTHENED + strengthening("original", "first"
+        ) + "[strengthening.layers.BASE]\nfriction = 0.8\n")  # fmt: skip
+    assert found == {
+        "original": ["old"],
+        "base turned": ["old", "settled"],
+        "strengthened": ["old", "settled", "chain"],
+        "first": ["old"],
+    }
+
+
+def test_ties_are_set_without_slack_where_the_structure_has_come_to(tmp_path):
+    """The block turned by 0.3 rad about its right toe, (0.3, 0); the other tie is as long as drawn."""
+    text = PROJECT + TIE.replace("chain", "old") + STRENGTHENED
+    state = build_model(load_project(write_block(tmp_path / "block", text))).states["strengthened"]
+    moved = state.settling.rotated(1, (0.3, 0.0), -0.3)
+    old, new = state.tied_at(moved).ties
+    c, s = math.cos(0.3), math.sin(0.3)
+    end = np.array([0.3 + c * -0.59 + s * 4.0, s * 0.59 + c * 4.0])
+    assert new.taut_length == pytest.approx(math.dist((-0.29, -0.1), end), rel=1e-12)
+    assert old.taut_length == pytest.approx(4.1, rel=1e-12)
+
+
+def test_a_settled_state_is_taken_over_with_nothing_in_the_new_tie(tmp_path):
+    text = PROJECT + STRENGTHENED
+    state = build_model(load_project(write_block(tmp_path / "block", text))).states["strengthened"]
+    at = state.settling.initial.positions
+    taken = state.taken_over(State(at, np.zeros_like(at), np.array([2.0]), None, np.array([True])))
+    assert taken.shear.tolist() == [2.0, 0.0] and taken.carrying.tolist() == [True, False]
+
+
+def test_a_changed_layer_is_another_material_of_the_same_weight(tmp_path):
+    text = PROJECT + strengthening() + LAYER + "friction = 0.9\ncompressive_strength_kN_m2 = 3000.0\n"
+    state = build_model(load_project(write_block(tmp_path / "block", text))).states["strengthened"]
+    before, after = (model.blocks[0].material for model in (state.settling, state.assembly))
+    assert (after.friction, after.compressive_strength) == (0.9, 3000.0) != (before.friction, math.inf)
+    assert after.unit_weight == before.unit_weight and after.normal_stiffness == before.normal_stiffness
+
+
+def test_the_spreadsheet_has_ties_and_layers(tmp_path):
+    """What a strengthening changes of a layer stands in columns of its row."""
+    folder = write_block(tmp_path / "block", PROJECT + STRENGTHENED + LAYER + "friction = 0.9\n")
+    said = load_project(folder)
+    convert(folder / "project.toml", read_toml(folder / "project.toml"))
+    sheet = load_project(folder)
+    assert sheet.tie == said.tie and sheet.strengthening == said.strengthening
+    assert sheet.strengthening[0].layers["BASE"].friction == 0.9
+
+
+def test_a_push_is_enough(tmp_path):
+    """The message above is not of every project."""
+    folder = write_block(tmp_path / "block", block() + TURNED + STRENGTHENED + PUSHED)
+    edit(folder, "increment_m = 0.2", "increment_m = 0.1")
+    assert load_project(folder).states == ("original", "base turned", "strengthened")
