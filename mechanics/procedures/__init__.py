@@ -6,6 +6,7 @@ The analyses themselves are public names of `mechanics`; here are their results 
 from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.mechanism import hinges, virtual_work_multiplier
 from mechanics.procedures.mirror import Mirror
+from mechanics.procedures.path_start import settled
 from mechanics.procedures.pushdown import Pushdown, whole_movement
 from mechanics.procedures.pushover import Pushover
 from mechanics.procedures.static_theorem import static_theorem
@@ -18,6 +19,7 @@ __all__ = [
     "Pushover",
     "hinges",
     "limit_in",
+    "settled",
     "static_theorem",
     "virtual_work_multiplier",
     "whole_movement",

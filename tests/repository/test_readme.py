@@ -12,7 +12,7 @@ import pytest
 from assessment.analyses.accuracy import MOST_HALVINGS, PRESETS
 from assessment.benchmark.command import BENCHMARKS
 from assessment.cli import arguments, commands, exit_codes
-from assessment.project.schema import MotionTable, ProjectContent, Table
+from assessment.project.schema import KeyPath, MotionTable, ProjectContent, Table
 from assessment.project.schema.index import annotation_at, table_at, tables_of
 from assessment.report.formats.pdf import APT_COMMAND, COMMANDS
 from tests import ROOT
@@ -57,8 +57,17 @@ def path_of(name: str) -> tuple[str, ...]:
     return () if name == TOP else tuple(re.sub(r"[`\[\]]", "", name).split("."))
 
 
+def place_of(path: tuple[str, ...]) -> KeyPath:
+    """The path in the content: of each list on the way its first entry."""
+    found: KeyPath = ()
+    for part in path:
+        table = table_at(found) or ProjectContent
+        found = (*found, part, 0) if tables_of(table).get(part) == "list" else (*found, part)
+    return found
+
+
 def table_of(name: str) -> type[Table]:
-    found = ProjectContent if name == TOP else table_at(path_of(name))
+    found = ProjectContent if name == TOP else table_at(place_of(path_of(name)))
     assert found is not None, name
     return found
 
@@ -91,7 +100,7 @@ def test_every_table_of_the_schema_has_a_row_in_the_form_of_the_file():
 
     def forms(path: tuple[str, ...], table: type[Table]) -> Iterator[tuple[tuple[str, ...], str]]:
         for key, form in tables_of(table).items():
-            inner, here = table_at((*path, key)), (*path, key)
+            inner, here = table_at(place_of((*path, key))), (*path, key)
             assert inner is not None
             if here[-1] in {"SLD", "SLC"}:  # said in the row of SLV
                 continue

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from mechanics.steps import Sliding
 
 PAST_PEAK = 0.25  # of the peak of an elastic curve
-NOT_REACHED = "the state that it strengthens was not reached"
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,7 +231,7 @@ def curves(results: Iterable[StateResult]) -> dict[Direction, Pushovers]:
 def _together(request: Request, begun: Beginning) -> list[tuple[Direction, ...]]:
     """Return the directions of a request; two whose curves are mirror images of each other are one task."""
     alone: list[tuple[Direction, ...]] = [(direction,) for direction in request.directions]
-    if len(alone) < 2 or begun.state is not None:
+    if len(alone) < 2 or begun.state is not None or begun.model.ties:
         return alone
     mirror = Mirror.of(begun.model, request.behaviour)
     points = zip(*(_controls(request.project, direction) for direction in request.directions), strict=True)
@@ -255,7 +254,8 @@ def _result(
     elif settled is not None:
         result.scatters = settled.scatters
         if begun is None:
-            result.failures.append(f"{request.title}: {NOT_REACHED}")
+            title = request.title
+            result.failures.append(f"{title}: the state that it strengthens was not reached")
     result.from_drawing = begun is not None and begun.state is None
     if begun is not None and begun.state is not None:
         result.reached = begun.state
