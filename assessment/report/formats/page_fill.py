@@ -18,6 +18,7 @@ from typing import Any
 MM = 96.0 / 25.4  # CSS pixels
 PAGE = 251.0 * MM  # of A4 without its margins
 SLACKS = (0.5 * MM, 3.0 * MM, 6.0 * MM)  # what heights may be wrong by: taken larger where a page shows it
+AGREES = 2.0 * MM  # a page that is blank by no more than this beside what was expected shows no wrong height
 TOP = 24.0 * MM  # margin of a page
 MARGINS = {  # above and below a block, as in report.css; that above is dropped at the head of a page
     "h2": (9.0 * MM, 2.0 * MM),
@@ -137,11 +138,12 @@ def pdf_of(page: str, weasyprint: ModuleType) -> bytes:
         blocks = []  # what is no block might be lost
     made: list[tuple[float, Any]] = []
     for slack in SLACKS if any(_as_it_stands(blocks, PAGE - slack).worst > BLANK for slack in SLACKS) else ():
-        order = _best(blocks, PAGE - slack)
-        filled = "\n".join(_named(number, _sized(blocks[number].text, size)) for number, size in order)
+        way = _best(blocks, PAGE - slack)
+        filled = "\n".join(_named(number, _sized(blocks[number].text, size)) for number, size in way.order)
         document = weasyprint.HTML(string=f"{page[:start]}<main>\n{filled}\n{page[end:]}").render()
         made.append((_most_blank(document), document))
-        if made[-1][0] <= BLANK:
+        expected = way.worst + (slack + AGREES) / PAGE
+        if made[-1][0] <= max(BLANK, expected):  # heights were right: another slack fills no page better
             break
     best = min(made, key=lambda each: each[0])[1] if made else weasyprint.HTML(string=page)
     return bytes(best.write_pdf())
@@ -154,12 +156,12 @@ def _as_it_stands(blocks: Sequence[Block], page: float) -> Filled:
     return drawn
 
 
-def _best(blocks: Sequence[Block], page: float) -> tuple[tuple[int, float], ...]:
-    """Return the numbers of the blocks in the order that fills pages of a height, px, best, with their sizes."""
+def _best(blocks: Sequence[Block], page: float) -> Filled:
+    """Return pages of a height, px, filled best: the numbers of the blocks in that order, with their sizes."""
     ways = [Filled(page)]
     for chapter in _chapters(blocks):
         ways = _ways(ways, blocks, chapter)
-    return min(ways, key=lambda way: way.cost).order
+    return min(ways, key=lambda way: way.cost)
 
 
 def _most_blank(document: Any) -> float:

@@ -131,6 +131,15 @@ def test_a_report_whose_pages_are_full_stays_as_it_is():
     assert pdf_of(page, weasyprint) == as_it_stands(page)
 
 
+def test_a_page_that_nothing_fills_is_laid_out_once_more_and_not_three_times(monkeypatch):
+    """Two drawings to scale of more than half a page each: to take heights larger does not help, they were right."""
+    page = report(figure("mechanism", 140.0), figure("thrust", 140.0), text("second", 2))
+    drawn, render = [], weasyprint.HTML.render
+    monkeypatch.setattr(weasyprint.HTML, "render", lambda self: drawn.append(render(self)) or drawn[-1])
+    assert max(blanks(pdf_of(page, weasyprint))) > 0.28
+    assert len(drawn) == 2  # the endless sheet, and the pages
+
+
 def test_a_page_with_what_is_no_block_stays_as_it_is():
     """What the search does not know it might lose."""
     page = report(text("first", 26), "<div>loose</div>", figure("mechanism", 130.0), text("second", 16))
