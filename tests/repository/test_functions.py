@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -34,7 +35,10 @@ def _within(
             yield from _within(path, lines, inner, ast.get_docstring(inner) or "")
 
 
-ALL = list(functions())
+@cache
+def every() -> list[tuple[Path, str, ast.FunctionDef, str]]:
+    """All functions, found once, and not where tests are collected."""
+    return list(functions())
 
 
 def _arguments(function: ast.FunctionDef) -> int:
@@ -45,7 +49,7 @@ def _arguments(function: ast.FunctionDef) -> int:
 
 def test_a_long_function_or_one_of_many_arguments_says_why():
     found = []
-    for path, source, function, _ in ALL:
+    for path, source, function, _ in every():
         lines = (function.end_lineno or 0) - function.lineno + 1
         large = lines > MOST_LINES or _arguments(function) > MOST_ARGUMENTS
         if large and KERNELS not in path.parents and not any(reason in source for reason in REASONS):
@@ -72,7 +76,7 @@ def _raised(node: ast.AST) -> Iterator[str]:
 @pytest.mark.parametrize("package", ["assessment", "mechanics"])
 def test_a_public_function_says_what_it_raises(package):
     found = []
-    for path, _, function, about in ALL:
+    for path, _, function, about in every():
         public = not function.name.startswith("_") or function.name in {"__init__", "__post_init__"}
         if public and path.relative_to(ROOT).parts[0] == package and any(_raised(function)):
             docstrings = (ast.get_docstring(function) or "") + about

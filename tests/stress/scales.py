@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -11,6 +11,8 @@ import pytest
 from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover, time_history
 from mechanics.errors import ControlError, RunawayError, UnstableError
 from mechanics.kernels.joint import H
+from mechanics.model.assembly import Behaviour
+from mechanics.procedures.pushover import Pushover
 from mechanics.solvers import lp_highs
 from mechanics.steps.equilibrium import closed_program
 from tests.stress.harness import Case, sound
@@ -56,14 +58,28 @@ def stiffness(k: float) -> None:
         assert curve.multiplier.max() == pytest.approx(0.2, rel=1e-2)
 
 
+CONTACTS: tuple[Behaviour, ...] = ("rigid", "elastic")
+CONTROLS = {"block": (0.2, 1.0), "arch": (0.85, 0.8)}
+
+
+@cache
+def plain(make: str) -> Assembly:
+    return block_on_base() if make == "block" else arch_on_piers(voussoirs=9, courses=3, stiffness=1e6)
+
+
+@cache
+def plain_curve(make: str, contacts: Behaviour) -> Pushover:
+    """The curve of the structure as it is, with which all others are compared: once for all cases, see warm."""
+    return pushover(plain(make), CONTROLS[make], contacts=contacts, increment=0.01)
+
+
 def same_elastic_curve(make: str, size: float, weight: float) -> None:
     """α over d/size is invariant: displacements per size go with γ·size/k, kept."""
-    control = {"block": (0.2, 1.0), "arch": (0.85, 0.8)}[make]
-    model = block_on_base() if make == "block" else arch_on_piers(voussoirs=9, courses=3, stiffness=1e6)
-    other = scaled(model, size, weight, weight)
-    for contacts in ("rigid", "elastic"):
-        ours = pushover(model, control, contacts=contacts, increment=0.01)
-        theirs = pushover(other, tuple(size * c for c in control), contacts=contacts, increment=0.01 * size)
+    control = tuple(size * c for c in CONTROLS[make])
+    other = scaled(plain(make), size, weight, weight)
+    for contacts in CONTACTS:
+        ours = plain_curve(make, contacts)
+        theirs = pushover(other, control, contacts=contacts, increment=0.01 * size)
         sound(theirs)
         assert theirs.multiplier.max() == pytest.approx(ours.multiplier.max(), rel=2e-5)
         assert theirs.displacement[-1] / size == pytest.approx(ours.displacement[-1], rel=1e-3)

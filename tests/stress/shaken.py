@@ -5,8 +5,8 @@ Steps are solved, energy is kept, blocks stay apart.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from functools import partial
+from collections.abc import Iterator
+from functools import cache, partial
 
 import numpy as np
 import shapely
@@ -64,9 +64,15 @@ def shaken(number: int, model: Assembly, contacts: Behaviour) -> None:
     assert into <= INSIDE * model.block_size.min(), f"blocks lie {into:.2e} m in each other"
 
 
-def all_shaken(some: Sequence[tuple[int, Assembly]], contacts: Behaviour) -> None:
-    """Several structures, one after the other; which of them failed is told."""
-    for number, model in some:
+@cache
+def structures() -> tuple[tuple[int, Assembly], ...]:
+    """All of them; made when they are asked for, not where tests are collected."""
+    return tuple(assemblies(COUNT, seed=19))
+
+
+def all_shaken(first: int, contacts: Behaviour) -> None:
+    """Several structures from the first on, one after the other; which of them failed is told."""
+    for number, model in structures()[first : first + TOGETHER]:
         try:
             shaken(number, model, contacts)
         except Exception as error:
@@ -75,9 +81,7 @@ def all_shaken(some: Sequence[tuple[int, Assembly]], contacts: Behaviour) -> Non
 
 
 def cases() -> Iterator[Case]:
-    models = list(assemblies(COUNT, seed=19))
     for first in range(0, COUNT, TOGETHER):
-        some = models[first : first + TOGETHER]
         for contacts in CONTACTS:
             name = f"structures {first} to {first + TOGETHER - 1}, {contacts}"
-            yield Case("shaken", name, partial(all_shaken, some, contacts))
+            yield Case("shaken", name, partial(all_shaken, first, contacts))
