@@ -17,7 +17,7 @@ class Show:
         """A stage begins: of `total` analyses all but `taken` are to be computed, `work` in all."""
 
     def under_way(self, title: str) -> None:
-        """An analysis is being computed."""
+        """An analysis is being computed; of several the one that has been for longest."""
 
     def reached(self, done: float) -> None:
         """So much of the work is done, analyses at work included."""

@@ -48,11 +48,16 @@ class Engine(Protocol):
 
 @dataclass
 class _Work:
-    """What is to be computed in a stage: the weight of each analysis by its number; how much is done, for `show`."""
+    """What is to be computed in a stage: the weight of each analysis by its number; how much is done, for `show`.
+
+    `titles`: what the analyses are called; `at_work`: numbers of those that other processes are at, as begun.
+    """
 
     weights: dict[int, float]
+    titles: Sequence[str]
     show: Show
     done: float = 0.0
+    at_work: list[int] = field(default_factory=list)
     shares: dict[int, float] = field(default_factory=dict)
     looked: float = field(default_factory=time.monotonic)
 
@@ -66,9 +71,23 @@ class _Work:
 
     def hear(self, number: int, share: float | None) -> None:
         """Take over the share that is done of an analysis in this process; reported at the `interval` of `show`."""
-        if share is not None and time.monotonic() - self.looked >= self.show.interval:
+        if share and time.monotonic() - self.looked >= self.show.interval:
             self.looked = time.monotonic()
             self.look({number: share})
+
+    def look_elsewhere(self, shares: Mapping[int, float]) -> None:
+        """Report the shares that other processes tell; of what they are at, that which they have been at for longest.
+
+        One large program may take a minute in which no share changes: what it is shows that the run is alive.
+        """
+        before = self.at_work[:1]
+        went_on = [number for number in self.at_work if number in shares]
+        self.at_work = went_on + [
+            number for number in shares if number not in went_on and number in self.weights
+        ]
+        if self.at_work and self.at_work[:1] != before:
+            self.show.under_way(self.titles[self.at_work[0]])
+        self.look(shares)
 
     def look(self, shares: Mapping[int, float]) -> None:
         """Report the shares that are done of the analyses at work."""
@@ -123,7 +142,8 @@ class Workers:
         self.taken += len(known)
         if not tasks:
             return []
-        work = _Work({number: weights[number] if weights else 1.0 for number in unknown}, self.show)
+        known_weights = {number: weights[number] if weights else 1.0 for number in unknown}
+        work = _Work(known_weights, titles, self.show)
         self.show.begin(stage, len(tasks), len(known), work.total)
         for number, result in known.items():
             self._tell(titles[number], result)
@@ -175,7 +195,7 @@ class Workers:
         if self.meanwhile is not None:
             self.meanwhile()
             self.meanwhile = None
-        yield from finished(futures, lambda: work.look(engine.shares()))
+        yield from finished(futures, lambda: work.look_elsewhere(engine.shares()))
 
     def _engine(self) -> Engine:
         """Return the processes, or the cluster; started at first use and kept for later stages."""
@@ -209,10 +229,11 @@ def large(*models: Assembly) -> bool:
 def _packed(
     function: Callable[..., Any], task: tuple[Any, ...], report: Callable[[float | None], None]
 ) -> str:
-    """Compute a task; `report` receives the share that is done, in the end None."""
+    """Compute a task; `report` receives the share that is done, at first 0, in the end None."""
     from mechanics.progress import listening  # late: a run in which nothing has changed needs no mechanics
 
     try:
+        report(0.0)
         with listening(report):
             return packed(function(*task))
     finally:

@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from assessment.runtime.pace import Pace
 from assessment.runtime.show import Show
@@ -25,8 +25,25 @@ class TimeLeft:
     def __str__(self) -> str:
         if self.until is None:
             return "-:--:--"
-        seconds = max(0, round(self.until - time.perf_counter()))
-        return f"{seconds // 3600}:{seconds // 60 % 60:02}:{seconds % 60:02}"
+        return _clock(self.until - time.perf_counter())
+
+
+@dataclass(frozen=True)
+class AtWork:
+    """What a stage is at and since when (s, of the performance counter), written with the time gone since."""
+
+    stage: str
+    title: str
+    since: float
+
+    def __str__(self) -> str:
+        return f"{self.stage}: {self.title}, {_clock(time.perf_counter() - self.since)}"
+
+
+def _clock(seconds: float) -> str:
+    """Return a time as h:mm:ss."""
+    whole = max(0, round(seconds))
+    return f"{whole // 3600}:{whole // 60 % 60:02}:{whole % 60:02}"
 
 
 class Bars(Show):
@@ -58,7 +75,8 @@ class Bars(Show):
 
     def under_way(self, title: str) -> None:
         """See Show."""
-        self.progress.update(self.task, description=f"{self.stage}: {title}")
+        at_work: Any = AtWork(self.stage, title, time.perf_counter())  # written anew whenever the bar is
+        self.progress.update(self.task, description=at_work)
 
     def reached(self, done: float) -> None:
         """See Show."""

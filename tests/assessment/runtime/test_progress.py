@@ -5,11 +5,15 @@ from __future__ import annotations
 import json
 import re
 import sys
+import time
 from io import StringIO
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
+from assessment.runtime.show import Show
+from assessment.runtime.tasks import Workers
 from assessment.runtime.terminal import progress as terminal
 from assessment.runtime.terminal.progress import Bars
 from assessment.runtime.terminal.summary import _table, capacities
@@ -77,7 +81,7 @@ def test_the_bar_moves_with_the_analyses():
     assert (task.completed, task.total, task.fields["count"]) == (150.0, 900.0, "1/4")
     bars.advance(300.0)
     assert (task.completed, task.total, task.fields["count"]) == (300.0, 900.0, "2/4")
-    assert task.description == "history: original, history of [wave]"
+    assert str(task.description) == "history: original, history of [wave], 0:00:00"
     bars.end()
     assert not bars.progress.tasks
 
@@ -108,6 +112,59 @@ def test_the_time_left_is_known_before_an_analysis_is_finished(monkeypatch):
     assert "left 0:01:00" in without_colours(shown())
     bars.advance(2.0)
     assert "left 0:00:00" in without_colours(shown())
+
+
+def test_what_is_at_work_is_shown_with_the_time_that_it_takes(monkeypatch):
+    """One large linear program, in which no share of the work is told: the line stood still for a minute."""
+    from rich.console import Console
+
+    clock = SimpleNamespace(now=1000.0)
+    monkeypatch.setattr(terminal, "time", SimpleNamespace(perf_counter=lambda: clock.now))
+    bars = Bars(Console(file=StringIO(), force_terminal=True, width=120))
+
+    def shown() -> str:
+        with bars.progress.console.capture() as capture:
+            bars.progress.console.print(bars.progress.get_renderable())
+        return without_colours(capture.get())
+
+    bars.begin("pushover", 4, 0, 4.0)
+    clock.now += 5.0
+    bars.under_way("original, +x, [rigid]")
+    clock.now += 46.0
+    assert shown().startswith("pushover: original, +x, [rigid], 0:00:46 ")
+    clock.now += 15.0
+    assert shown().startswith("pushover: original, +x, [rigid], 0:01:01 ")
+    bars.under_way("original, -x, [rigid]")
+    assert shown().startswith("pushover: original, -x, [rigid], 0:00:00 ")
+
+
+class Titles(Show):
+    """Keeps what it was told to be at work; lets each analysis go on once it was."""
+
+    def __init__(self, folder):
+        self.folder, self.titles = folder, []
+
+    def under_way(self, title):
+        self.titles.append(title)
+        (self.folder / title).touch()
+
+
+def silent(flag: str) -> bool:
+    """Return whether somebody was told that this is at work, though it tells nothing itself."""
+    for _ in range(600):
+        if Path(flag).exists():
+            return True
+        time.sleep(0.05)
+    return False
+
+
+def test_what_other_processes_are_at_is_told_though_they_tell_nothing(tmp_path):
+    """Only what ran in the process of the terminal was named."""
+    show = Titles(tmp_path)
+    tasks = [(str(tmp_path / name),) for name in ("first", "second", "third")]
+    with Workers(jobs=1, show=show) as workers:
+        assert workers.each("stage", silent, tasks, ["first", "second", "third"], True) == [True] * 3
+    assert show.titles == ["first", "second", "third"]
 
 
 def without_colours(text: str) -> str:

@@ -122,7 +122,8 @@ def test_incremental_analysis_tells_its_progress_and_is_the_same_on_several_proc
         event for name, record in under_way for event in (("under way", f"{name}, {record}"), ("advance",))
     ]
     assert told[0] == [("begin", "incremental", 4, 0), *one_by_one, ("end",)]
-    assert told[1] == [("begin", "incremental", 4, 0), *[("advance",)] * 4, ("end",)]
+    others = [line for line in told[1] if line[0] != "under way"]  # how often depends on the machine
+    assert others == [("begin", "incremental", 4, 0), *[("advance",)] * 4, ("end",)]
 
 
 def test_the_time_left_of_a_run_of_one_history_is_told_before_it_is_finished(tmp_path, monkeypatch):
