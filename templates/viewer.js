@@ -109,11 +109,22 @@
       const moved = motion(index, over.configuration, nearest(over.path, path.frames.x[frame]));
       parts.push(`<polygon class="over" points="${outline(block, (v) => displaced(v, index, moved, times))}"/>`);
     });
+    ties().forEach(({ index, ends, slack }) => parts.push(
+      `<polyline class="tie${slack ? " slack" : ""}" points="${line(ends)}"/>`,
+      ...ends.map(([x, z]) => `<circle class="anchor" cx="${x}" cy="${-z}" r="${0.006 * size}"/>`),
+      `<polyline class="touch" data-tie="${index}" points="${line(ends)}"/>`));
     if ($("viewer-forces").checked) parts.push(...forces(states));
     states.forEach((joint, index) =>
       parts.push(`<polyline class="touch" data-joint="${index}" points="${line(joint.ends)}"/>`));
     shape.innerHTML = parts.join("");
   };
+
+  const ties = () => path.frames.ties.map((number, index) => {
+    const tie = data.ties[number], known = path.frames.tension[frame];
+    const N = known ? known[index] : NaN;
+    return { index, tie, N, slack: N <= limits.idle * data.weight,
+      ends: tie.ends.map((end, k) => placed(end, tie.blocks[k])) };
+  });
 
   const forces = (states) => {
     const loaded = data.blocks.map(() => []), parts = [];
@@ -276,11 +287,17 @@
       [words.pressure, `${joint.pressure === Infinity ? "∞" : number(joint.pressure)} kN/m²`]);
     return rows(`${words.joint} ${index} (${a}–${b})`, pairs);
   };
+  const tieTip = (index) => {
+    const { tie, N, slack } = ties()[index];
+    const pairs = [[words.tension, slack ? words.slack : `${number(N)} kN`]];
+    if (tie.yield !== null) pairs.push([words.yield_force, `${number(tie.yield)} kN`]);
+    return rows(`${words.tie} “${tie.name}”`, pairs);
+  };
   const hover = (event) => {
-    const { block, joint } = event.target.dataset;
-    tip.hidden = block === undefined && joint === undefined;
+    const { block, joint, tie } = event.target.dataset;
+    tip.hidden = block === undefined && joint === undefined && tie === undefined;
     if (tip.hidden) return;
-    tip.innerHTML = joint === undefined ? blockTip(+block) : jointTip(+joint);
+    tip.innerHTML = tie !== undefined ? tieTip(+tie) : joint === undefined ? blockTip(+block) : jointTip(+joint);
     tip.style.left = `${event.pageX + 14}px`;
     tip.style.top = `${event.pageY + 14}px`;
   };

@@ -28,6 +28,7 @@ from assessment.report.chapters.remarks import (
     too_many,
 )
 from assessment.report.chapters.second_solver import comparison
+from assessment.report.chapters.ties import strengthening_sentences, tie_assumptions, yielding_sentence
 from assessment.report.figures.index import pictures
 from assessment.report.formats.attachments import caption, stored
 from assessment.report.formats.page_fill import pdf_of
@@ -134,6 +135,9 @@ def render_html(
         traces=list(traces(results, words)),
         contacts=contacts_of(results),
         assumptions=list(assumptions(results, words, "elastic" in contacts_of(results))),
+        ties=list(tie_assumptions(results, words, contacts_of(results))),
+        strengthened=list(strengthening_sentences(results, words)),
+        yielding=list(yielding_sentence(results, words)),
         references=references(),
         pressures=pressure_sentences(results, words),
         cracks=list(crack_sentences(results, words)),

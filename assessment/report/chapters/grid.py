@@ -11,6 +11,7 @@ from markupsafe import Markup
 from assessment.ntc.limit_states import CHECKS, INDEX, INDEXED, ROCK
 from assessment.report.tables.capacity import SummaryLine, directions, summary_lines
 from assessment.report.tables.ranges import Range
+from assessment.report.tables.ties import gains
 from assessment.report.text.columns import cell, check_name, heading, is_text, written
 from assessment.report.text.language import Words, direction_name, unparted
 from assessment.results.schema import Results
@@ -151,6 +152,29 @@ def ranges_grid(ranges: Sequence[Range], words: Words, reference: str = ROCK) ->
         words("caption.static_ranges"),
         [words(f"column.{column}") for column in head],
         [_range_row(each, words, reference) for each in ranges if each.quantity != "zeta_E"],
+        [is_text(column) for column in head],
+    )
+
+
+def strengthening_grid(results: Results, words: Words) -> Grid:
+    """Write the capacities before and after every strengthening: a row a quantity; null: not reached."""
+    head = ("state", "direction", "quantity", "before", "after", "gain")
+    rows = []
+    for row in results.strengthening or ():
+        title = words("value.strengthened", state=row.state, of=words.state(row.of))
+        where = written("direction", row.direction, words)
+        for quantity, before, after, gain in gains(row):
+            limit = row.limit_state if quantity in {"a_g_g", "zeta_E"} else None
+            key = "index" if quantity == "zeta_E" and limit in INDEXED else quantity
+            label = heading(key, words, reference_of(results)) + _limit(limit or "", words)
+            values = (written(quantity, each, words) for each in (before, after))
+            more = words("value.none") if gain is None else written("gain", gain, words)
+            rows.append([title, where, label, *values, more])
+            title = where = Markup("")  # named in the first row of each direction
+    return Grid(
+        words("caption.strengthening"),
+        [words(f"column.{column}") for column in head],
+        rows,
         [is_text(column) for column in head],
     )
 

@@ -15,12 +15,13 @@ from assessment.report.chapters.grid import ROUNDING
 from assessment.report.chapters.second_solver import agreement
 from assessment.report.tables.capacity import capacities, directions
 from assessment.report.tables.studies import bars
+from assessment.report.tables.ties import gains
 from assessment.report.text.columns import COARSE, PER_CENT_DECIMALS, check_name
 from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.hand_check import hand_checks, mechanisms
 from assessment.results.configurations.reactions import balances
 from assessment.results.schema import Results
-from assessment.results.schema.checks import Direction
+from assessment.results.schema.checks import Direction, StrengtheningRow
 from assessment.results.schema.part import known, present
 from assessment.results.table import compared, indices, reduction, reference_of
 
@@ -62,6 +63,7 @@ def draft_judgement(results: Results, words: Words) -> list[Markup]:
         *_governing(results, words),
         *_chosen(results, words),
         *_losses(results, words),
+        *_strengthened(results, words),
         *_dynamic(results, words),
         *worst_scenario(results, words),
         *_sensitive(results, words),
@@ -201,7 +203,7 @@ def _not_found(results: Results, check: str) -> Iterator[tuple[str, Direction]]:
 
 
 def _settled(results: Results) -> list[str]:
-    return [state for state in results.states if state != ORIGINAL]
+    return [name for name, state in results.states.items() if name != ORIGINAL and not state.strengthening]
 
 
 def _borne(results: Results, check: str, state: str, direction: Direction) -> float | None:
@@ -250,6 +252,49 @@ def _multiplier_loss(results: Results, words: Words) -> Iterator[Markup]:
     if largest > ROUNDING:
         place = {"state": words.state(state), "direction": direction_name(direction)}
         yield words("judgement.alpha_reduction", **place, reduction=_percent(largest, words))
+
+
+def _strengthened(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield what each strengthening gains in the direction that is weakest after it, and which ties yield."""
+    for state in dict.fromkeys(row.state for row in results.strengthening or ()):
+        own = [row for row in results.strengthening or () if row.state == state]
+        for quantity in ("zeta_E", "alpha_0", "alpha_u", "dynamic_pga_g"):
+            found = [
+                (after, before, gain, row)
+                for row in own
+                for name, before, after, gain in gains(row)
+                if name == quantity and gain is not None
+            ]
+            if found:
+                after, before, gain, row = min(found, key=itemgetter(0))
+                yield _gained(row, quantity, (before, after, gain), words)
+                break
+    yielding = dict.fromkeys(
+        each.tie
+        for state in results.states.values()
+        for pushed in state.pushover.values()
+        for push in pushed.by_contacts.values()
+        for each in push.ties or ()
+        if each.yields
+    )
+    if yielding:
+        yield words("judgement.ties_yield", ties=", ".join(yielding))
+
+
+def _gained(row: StrengtheningRow, quantity: str, values: tuple[float | None, ...], words: Words) -> Markup:
+    """Return a sentence on a quantity before and after a strengthening, and its increase."""
+    before, after, gain = values
+    limit = check_name(row.limit_state, words) if row.limit_state else ""
+    return words(
+        "judgement.strengthened" if known(gain) > ROUNDING else "judgement.strengthened_less",
+        state=row.state,
+        of=words.state(row.of),
+        quantity=words(f"judgement.of_{quantity}", limit=limit),
+        before=before,
+        after=after,
+        gain=_percent(known(gain), words),
+        direction=direction_name(row.direction or ""),
+    )
 
 
 def _dynamic(results: Results, words: Words) -> Iterator[Markup]:

@@ -8,7 +8,7 @@ from importlib.resources import files
 
 from markupsafe import Markup
 
-from assessment.report.chapters.grid import Grid, grid, ranges_grid
+from assessment.report.chapters.grid import Grid, grid, ranges_grid, strengthening_grid
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import index as tables
 from assessment.report.tables.campaign import reported_campaign
@@ -30,6 +30,7 @@ from assessment.report.tables.loads import reported_loads, vertical
 from assessment.report.tables.mechanisms import all_mechanisms, mechanisms, reported_second_solver
 from assessment.report.tables.ranges import ranges
 from assessment.report.tables.studies import reported_studies
+from assessment.report.tables.ties import shaken_ties, tie_tensions, ties
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.hand_check import (
@@ -37,6 +38,7 @@ from assessment.results.configurations.hand_check import (
     figures_of,
     governing_mechanisms,
     hand_check,
+    ties_in,
     virtual_work_table,
 )
 from assessment.results.configurations.reactions import balance, reactions
@@ -61,6 +63,8 @@ def printed_tables(results: Results, words: Words) -> dict[str, Grid]:
         for table in made
         if table.rows
     }
+    if results.strengthening:
+        found["strengthening"] = strengthening_grid(results, words)
     if scattering := list(ranges(results)):
         found["static_ranges"] = ranges_grid(scattering, words, reference_of(results))
     return found
@@ -72,9 +76,11 @@ def _tables(results: Results, words: Words) -> list[Table]:
         _validation(words),
         _without(tables.layers(results), *(["vertical_load_kN"] if results.loads else [])),
         reported_loads(results, words),
+        ties(results),
         tables.settlements(results),
         reported_cracks(results),
         mechanisms(results),
+        tie_tensions(results),
         reactions(results),
         balance(results),
         reported_pressures(results),
@@ -94,6 +100,7 @@ def _tables(results: Results, words: Words) -> list[Table]:
         histories(results),
         history_ranges(results),
         energy(results),
+        shaken_ties(results),
         incremental(results),
         incremental_states(results),
         *reported_campaign(results),
@@ -113,7 +120,8 @@ def macro_block_grids(results: Results, words: Words, most: int = BY_HAND) -> It
         if len(figures) > most:
             continue
         caption = words("caption.macro_blocks", state=words.state(name), direction=direction_name(direction))
-        yield grid(virtual_work_table(figures), words, caption, 4)
+        table = virtual_work_table(figures, ties_in(results, name, direction))
+        yield grid(table, words, caption, 4)
 
 
 def _validation(words: Words) -> Table:

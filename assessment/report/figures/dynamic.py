@@ -14,6 +14,7 @@ from matplotlib.patches import Patch, PathPatch
 
 from assessment.ntc.limit_states import SURFACE
 from assessment.report.figures.drawings.deformed import GHOST, INK, SUPPORT
+from assessment.report.figures.drawings.ties import draw_ties, moved_ends, tie_handles
 from assessment.report.figures.style import DASHES, chart, sheet, state_style
 from assessment.report.text.columns import referenced
 from assessment.report.text.language import Words
@@ -100,18 +101,22 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
         else words.plain("figure.at_end", time=known(entry.curve).time_s[-1])
     )
     views[title] = shape.moved(known(entry.final_configuration))
+    moved = [known(entry.peak_configuration), known(entry.final_configuration)]
     page = sheet(
         bounds_of_views(start, list(views.values())), len(views), border_mm=5.0, height_mm=115.0, below_mm=5.0
     )
     supports = np.array([block.support is not None for block in results.geometry.blocks])
-    for axes, (title, view) in zip(page.panels, views.items(), strict=True):
+    for axes, (title, view), at in zip(page.panels, views.items(), moved, strict=True):
         axes.set_title(title)
         axes.add_patch(PathPatch(start.path(range(len(supports))), **GHOST))
         for chosen, grey in ((np.flatnonzero(~supports), "0.92"), (np.flatnonzero(supports), SUPPORT)):
             if len(chosen):
                 axes.add_patch(PathPatch(view.path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45))
-    ghost = Line2D([], [], color="0.55", linewidth=0.8, linestyle=(0, (4, 2)))
-    page.figure.legend([ghost], [words.plain("figure.at_rest")], loc="lower center")
+        draw_ties(page, axes, moved_ends(results, state, at))
+    label = words.plain("figure.at_rest")
+    handles = [Line2D([], [], color="0.55", linewidth=0.8, linestyle=(0, (4, 2)), label=label)]
+    handles += tie_handles(results, words, state)
+    page.figure.legend(handles=handles, loc="lower center", ncols=len(handles))
     return page.figure
 
 

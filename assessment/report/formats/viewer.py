@@ -15,6 +15,7 @@ from markupsafe import Markup
 from assessment.ntc.limit_states import QUOTED
 from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.joint_states import EDGE, FRICTION, IDLE
+from assessment.results.configurations.tie_ends import ties_of
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.dynamic import Snapshots
@@ -65,6 +66,15 @@ def viewer(results: Results, words: Words) -> Viewer | None:
             for block in geometry.blocks
         ],
         "joints": [_joint(joint) for joint in geometry.joints],
+        "ties": [
+            {
+                "name": tie.name,
+                "ends": [tie.start_m, tie.end_m],
+                "blocks": tie.blocks,
+                "yield": tie.yield_force_kN,
+            }
+            for tie in results.model.ties or ()
+        ],
         "tolerance": geometry.joint_tolerance_m,
         "weight": results.model.weight_kN,
         "limits": {"idle": IDLE, "friction": FRICTION, "edge": EDGE},
@@ -90,7 +100,7 @@ def _pushdowns(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                 "x_label": words.plain("figure.movement"),
                 "y_label": words.plain("viewer.reactions"),
                 "series": [asdict(each) for each in series],
-                "frames": _frames(path.frames, series),
+                "frames": _frames(path.frames, series) | _ties(results, name, path.frames),
             }
 
 
@@ -107,7 +117,7 @@ def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                     "x_label": words.plain("figure.x_displacement"),
                     "y_label": words.plain("figure.multiplier"),
                     "series": [asdict(each) for each in series],
-                    "frames": _frames(push.frames, series),
+                    "frames": _frames(push.frames, series) | _ties(results, name, push.frames),
                 }
 
 
@@ -144,6 +154,7 @@ def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                         "x": kept.time_s,
                         "y": [[1000.0 * value for value in kept.displacement_m]],
                         **_drawn(kept),
+                        **_ties(results, name, kept),
                     },
                 }
 
@@ -167,6 +178,17 @@ def _drawn(kept: Frames | Snapshots) -> dict[str, Any]:
         "force": _floats(force),
         "centre": _floats(centre),
         "met": [_joint(each) for each in kept.met],
+    }
+
+
+def _ties(results: Results, state: str, kept: Frames | Snapshots) -> dict[str, Any]:
+    """Which ties are in a state, by their places in the list of all, and their tension (kN) at each frame."""
+    every = list(results.model.ties or ())
+    own = ties_of(results, state)
+    tension = kept.tie_kN or [None] * len(kept.force_kN)
+    return {
+        "ties": [every.index(tie) for tie in own],
+        "tension": [None if each is None else _short(each) for each in tension] if own else [],
     }
 
 

@@ -27,6 +27,7 @@ from assessment.report.tables.loads import loads, vertical
 from assessment.report.tables.mechanisms import all_mechanisms, mechanisms, second_solver
 from assessment.report.tables.ranges import static_ranges
 from assessment.report.tables.studies import study_tables
+from assessment.report.tables.ties import shaken_ties, strengthening, tie_tensions, ties
 from assessment.results.configurations.hand_check import hand_check, macro_block_table, outline_area
 from assessment.results.configurations.reactions import balance, joint_table, reactions
 from assessment.results.echo import material, taken_to_collapse
@@ -75,6 +76,10 @@ def tables(results: Results) -> list[Table]:
         summary(results),
         verification(results),
         comparison(results),
+        strengthening(results),
+        ties(results),
+        tie_tensions(results),
+        shaken_ties(results),
         reactions(results),
         balance(results),
         joint_table(results),

@@ -105,10 +105,10 @@ COLUMNS = {
         (MILLIMETRES, "d_y_m d_0_m d_0_star_m d_star_m displacement_x_m displacement_z_m movement_m d_0_error_m"),
         (MILLIMETRES, "ultimate_rigid_m ultimate_elastic_m ultimate_movement_m"),
         (TENTHS, "opening_m other_opening_m slip_m"),  # of a millimetre: what a survey measures
-        (SURVEYED, "x_m z_m"),
+        (SURVEYED, "x_m z_m from_x_m from_z_m to_x_m to_z_m"),
         (MILLIMETRES, "peak_displacement_m residual_displacement_m lowest_peak_m median_peak_m highest_peak_m"),
         (MILLIMETRES, "peak_displacement_error_m peak_displacement_scatter_m"),
-        (TENTHS_OF_PERCENT, "IS_V PAM reduction static_reduction dynamic_reduction"),
+        (TENTHS_OF_PERCENT, "IS_V PAM gain reduction static_reduction dynamic_reduction"),
         (PERCENT, "relative_error relative_scatter integrator_share"),
         (COARSE_PERCENT, "dynamic_loss dynamic_loss_low dynamic_loss_high static_loss deviation hand_deviation"),
         (Column(digits=COARSE, dash=True), "beta_low beta_high"),  # fewer than three records have no interval
@@ -118,12 +118,14 @@ COLUMNS = {
         (AT_SURFACE, "pga_g demand_pga_g dynamic_pga_g static_surface_pga_g record_pga_g pga_safe_g median_g"),
         (AT_SURFACE, "pga_collapse_g pga_all_collapse_g mean_pga_collapse_g lowest_pga_collapse_g"),
         (AT_SURFACE, "pga_collapse_error_g median_all_collapse_g"),
+        (Column(dash=True), "rest_kN peak_kN greatest_kN yield_force_kN stiffness_kN_m"),
         (RETURN_PERIOD, "return_period_years T_SLV_years"),
         (Column(dash=True), "x_C_m z_C_m"),  # a block that does not turn has no centre
         (Column(write=lambda value, words: words.comma(f"{100.0 * value:g}")), "share"),
         (Column(text=True, dash=True, ground=SURFACE), "resurrections"),
         (TEXT, "layer support quantity use_class IS_V_class PAM_class risk_class origin counts soil topography"),
-        (TEXT, "refused collapses collapsed table setting value expected computed case source control settlement"),
+        (TEXT, "refused collapses collapsed table setting value expected computed case source control settlement tie"),
+        (_text(lambda value, words: "; ".join(map(words.state, value.split("; ")))), "states"),
         (_text(lambda value, words: words.state(value)), "state"),
         (_text(lambda value, words: direction_name(value)), "direction"),
         (_text(check_name), "limit_state"),

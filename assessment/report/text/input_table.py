@@ -14,7 +14,7 @@ from assessment.results.table import Row
 Path = tuple[str, ...]
 # keys whose values are words of the program; others are the user's own
 CHOICES = {"accuracy", "sliding", "contacts", "model", "spectrum", "method", "record_demand", "language"}
-CHOICES |= {"state", "states", "use_category", "directions", "integrator"}
+CHOICES |= {"state", "states", "of", "use_category", "directions", "integrator"}
 GENERATED = re.compile(r"generate:(\d+)")
 LOADS = ("vertical_load_kN", "variable_load_kN")
 
@@ -57,8 +57,8 @@ def _group(path: Path, words: Words) -> Markup:
     """Name a table: "Verifica, sito"; what the user named stays as it is, behind the kind of thing that it is."""
     first, *rest = path or ("project",)
     name = _name(first, words)
-    for part in rest:
-        plain = part.isdigit() or first == "layers"  # the second cedimento, the layer PIERS
+    for before, part in zip((first, *rest), rest, strict=False):
+        plain = part.isdigit() or before == "layers"  # the second cedimento, the layer PIERS
         name += Markup(" ") + Markup.escape(part) if plain else Markup(", ") + _inner(_name(part, words))
     return name
 

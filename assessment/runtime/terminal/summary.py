@@ -23,11 +23,12 @@ if TYPE_CHECKING:
 def model_summary(results: Results) -> str:
     """Return a summary of the model, a few lines."""
     model = results.model
+    ties = f", ties {len(model.ties)}" if model.ties else ""
     return "\n".join(
         [
             results.title,
             f"  blocks {model.blocks} ({model.movable_blocks} movable), joints {model.joints}, "
-            f"unknowns {model.unknowns}",
+            f"unknowns {model.unknowns}{ties}",
             f"  weight {model.weight_kN:.4g} kN; stands under its own weight: "
             f"{'yes' if model.self_weight_stable else 'NO'}",
         ]
@@ -50,6 +51,7 @@ def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
         for each in _ultimates(results)
         if each.ultimate_movement_m is not None
     ]
+    lines += _strengthened(results)
     worst = results.scenarios.worst if results.scenarios else None
     if worst:
         lines.append(
@@ -63,6 +65,25 @@ def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
         )
     lines.append(f"results: {folder}")
     return "\n".join([*lines, *warning_lines(_warnings(results, warnings))])
+
+
+def _strengthened(results: Results) -> list[str]:
+    """Return a line for each strengthened state and direction: what it gains, and the tension of its ties."""
+    lines = []
+    for row in results.strengthening or ():
+        if row.gain is None:
+            continue
+        pushed = results.states[row.state].pushover.get(row.direction) if row.direction else None
+        ties = [each for push in (pushed.by_contacts.values() if pushed else ()) for each in push.ties or ()]
+        told = {
+            each.tie: f"{each.tie} {each.greatest_kN:.4g} kN" + (", yields" if each.yields else "")
+            for each in sorted(ties, key=lambda each: each.greatest_kN or 0.0)
+            if each.greatest_kN is not None
+        }
+        where = f" {row.direction}" if row.direction else ""
+        pulled = f"; greatest tension: {'; '.join(told.values())}" if told else ""
+        lines.append(f"{row.state}{where}: {100.0 * row.gain:+.1f} % of {row.of}{pulled}")
+    return lines
 
 
 def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
@@ -79,6 +100,7 @@ def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
         "ultimate_movements": [asdict(each) for each in _ultimates(results)],
         "worst_scenario": plain(results.scenarios.worst) if results.scenarios else None,
         "comparison": plain(results.comparison),
+        "strengthening": plain(results.strengthening),
         "warnings": _warnings(results, warnings),
         "timing_s": results.timing_s,
     }

@@ -13,11 +13,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 
 from assessment.report.figures.drawings.labels import Labels
+from assessment.report.figures.drawings.ties import LINE, draw_ties, moved_ends, tie_handles
 from assessment.report.figures.style import WIDTH_MM, Sheet, nice, sheet
 from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.faces import faces_of
 from assessment.results.configurations.hand_check import BY_HAND, MacroBlock, macro_blocks, rigid_push
 from assessment.results.configurations.outlines import Array, Outlines, field, outlines
+from assessment.results.configurations.tie_ends import ties_of
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction, GivenMechanism
 from assessment.results.schema.model import Face
@@ -44,9 +46,11 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
     travel = float(np.abs(shape.moved(content.configuration).points - shape.points).max())
     times = nice(max(1.0, 0.06 * shape.size / travel)) if travel > 0.0 else 1.0
     views = {words.plain("figure.settled_true"): shape.moved(content.configuration)}
+    moved = [(content.configuration, 1.0)]
     if times > 1.0:
         title = words.plain("figure.settled", times=f"{times:g}")
         views[title] = shape.moved(content.configuration, times)
+        moved.append((content.configuration, times))
     for contacts, path in content.pushdown.items():
         if path.ultimate_configuration is not None:
             title = words.plain(
@@ -55,13 +59,16 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
                 movement=words.millimetres(path.ultimate_movement_m),
             )
             views[title] = shape.moved(path.ultimate_configuration)
+            moved.append((path.ultimate_configuration, 1.0))
     page = sheet(union([shape, *views.values()]), len(views), border_mm=5.0, below_mm=8.0, foot_mm=foot([""]))
-    for axes, (title, view) in zip(page.panels, views.items(), strict=True):
+    for axes, (title, view), at in zip(page.panels, views.items(), moved, strict=True):
         axes.set_title(title)
         axes.add_patch(PathPatch(shape.path(_all(shape)), **GHOST))
         fill_roles(axes, view, results)
+        draw_ties(page, axes, moved_ends(results, state, *at))
     _movement(page, shape, results, known(content.settlement))
-    legend(page, [ghost_handle(words.plain("figure.original_outline"))])
+    ghost = ghost_handle(words.plain("figure.original_outline"))
+    legend(page, [ghost, *tie_handles(results, words, state)])
     return page.figure
 
 
@@ -76,8 +83,10 @@ def draw_overturned(results: Results, words: Words, states: Sequence[str], direc
         axes.set_title(f"{words.state(name)}\nd₀ = {words.millimetres(rigid.d_0_m)}")
         axes.add_patch(PathPatch(start.path(_all(start)), **GHOST))
         fill_roles(axes, end, results)
+        draw_ties(page, axes, moved_ends(results, name, rigid.final_configuration))
         push_arrow(page, axes, end.bounds, direction)
-    legend(page, [ghost_handle(words.plain("figure.start_outline"))])
+    ghost = ghost_handle(words.plain("figure.start_outline"))
+    legend(page, [ghost, *tie_handles(results, words, *states)])
     return page.figure
 
 
@@ -104,6 +113,8 @@ def _draw_mechanisms(words: Words, views: Sequence[Mechanism], direction: Direct
     ]
     if any(len(view.sliding) for view in views):
         handles.append(Line2D([], [], **SLIDING, label=words.plain("figure.sliding")))
+    if any(view.ties for view in views):
+        handles.append(Line2D([], [], **LINE, label=words.plain("figure.tie")))
     bounds = union([outline for view in views for outline in (view.start, view.swept)])
     page = sheet(bounds, len(views), border_mm=7.0, foot_mm=foot(labels_of(handles)), most_mm=85.0)
     for axes, view in zip(page.panels, views, strict=True):
@@ -176,18 +187,25 @@ class Mechanism:
         self.swept = self.start.swept(self.velocity, self.amount)
         self.moving = np.bincount(self.start.owner, speed > 1e-4 * speed.max()) > 0
         self.hinges = motion.hinges
+        self.ties = ties_of(results, state)
+        self.tie_ends = list(moved_ends(results, state, self.configuration))
         faces, sliding = faces_of(results, met), np.array(motion.sliding, dtype=np.intp)
         self.sliding = faces.contacts.take(sliding)
         self.slides = end_points(self.sliding, faces.positions(self.configuration))
 
     def draw(self, page: Sheet, axes: Axes) -> None:
-        """Draw start outline, displaced blocks, hinges and sliding joints."""
+        """Draw start outline, displaced blocks, hinges, sliding joints and ties."""
         axes.add_patch(PathPatch(self.start.path(_all(self.start)), **GHOST))
         fill(axes, self.swept, np.flatnonzero(~self.moving), "1.0")
         fill(axes, self.swept, np.flatnonzero(self.moving), MOVING)
         for owner, slide in zip(self.sliding.a, self.slides, strict=True):
             ends = self._carried(slide, np.full(2, owner))
             axes.plot(ends[:, 0], ends[:, 1], **SLIDING)
+        carried = [
+            self._carried(ends, np.array(tie.blocks))
+            for tie, ends in zip(self.ties, self.tie_ends, strict=True)
+        ]
+        draw_ties(page, axes, iter(carried))
         labels = Labels(page, axes)
         if self.hinges:
             owner = np.array([self.start.nearest(point) for point in self.hinges])

@@ -7,12 +7,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 from ezdxf import units
 from ezdxf._options import options
 from ezdxf.document import Drawing
 from ezdxf.filemanagement import new
 
 from assessment.report.figures.drawings.deformed import found_mechanism
+from assessment.report.figures.drawings.ties import moved_ends
 from assessment.report.text.language import slug
 from assessment.results.configurations.hand_check import mechanisms
 from assessment.results.configurations.joint_states import joint_states, situations, thrust_lines
@@ -48,6 +50,10 @@ def _drawing(results: Results) -> Drawing:
         for ring in shape.rings(range(len(shape.centroids))):
             space.add_lwpolyline(ring.tolist(), close=True, dxfattribs={"layer": layer})
     size = outlines(results).size
+    for layer, ends in _ties(results):
+        drawing.layers.add(layer, color=2)
+        for start, end in ends:
+            space.add_line(start, end, dxfattribs={"layer": layer})
     for layer, points in _hinges(results):
         drawing.layers.add(layer, color=1)
         for point in points:
@@ -99,6 +105,16 @@ def _configurations(state: State) -> Iterator[tuple[str, Configuration | None]]:
     for number, entry in enumerate(state.history, 1):
         yield f"RECORD_{number}_PEAK", entry.peak_configuration
         yield f"RECORD_{number}_FINAL", entry.final_configuration
+
+
+def _ties(results: Results) -> Iterator[tuple[str, list[Array]]]:
+    """Yield layer and ends of the ties of every deformed shape, and of all as drawn."""
+    if results.model.ties:
+        yield "DRAWN_TIES", [np.array([tie.start_m, tie.end_m]) for tie in results.model.ties]
+    for name, state in results.states.items():
+        for what, configuration in _configurations(state):
+            if configuration is not None and (ends := list(moved_ends(results, name, configuration))):
+                yield f"{_layer(results, name)}_{what}_TIES", ends
 
 
 def _hinges(results: Results) -> Iterator[tuple[str, list[Point]]]:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from assessment.report.figures.drawings.deformed import ARROW, INK, SUPPORT, Bounds, fill, foot, legend
+from assessment.report.figures.drawings.ties import LINE, draw_ties
 from assessment.report.figures.style import Sheet, nice, sheet
 from assessment.report.text.language import Words
 from assessment.results.configurations.outlines import outlines
@@ -35,7 +37,7 @@ def draw_model(results: Results, words: Words) -> Figure:
         by_layer.setdefault(block.layer, []).append(number)
     named = {layer: _label(layer, blocks[own[0]].support, words) for layer, own in sorted(by_layer.items())}
     labels = list(named.values())[:MOST_NAMED]
-    marked = ["", ""]  # loads and control points
+    marked = ["", "", *([""] if results.model.ties else [])]  # loads, control points, ties
     page = sheet(shape.bounds, border_mm=14.0, below_mm=14.0, foot_mm=foot([*labels, *marked]))
     axes = page.panels[0]
     handles: list[Any] = []
@@ -49,6 +51,7 @@ def draw_model(results: Results, words: Words) -> Figure:
         handles.append(Line2D([], [], linestyle="none", label=more))
     handles += _loads(page, axes, blocks, words)
     handles += _controls(axes, results, words)
+    handles += _ties(page, axes, results, words)
     _dimensions(page, axes, shape.bounds, words)
     legend(page, handles)
     return page.figure
@@ -91,6 +94,24 @@ def _controls(axes: Axes, results: Results, words: Words) -> list[Any]:
             bbox={"facecolor": "1.0", "edgecolor": "none", "pad": 0.6},
         )
     return [Line2D([], [], **mark, label=words.plain("figure.control"))] if controls else []
+
+
+def _ties(page: Sheet, axes: Axes, results: Results, words: Words) -> list[Any]:
+    """Draw every tie, whatever states it is in, with its name."""
+    ties = results.model.ties or ()
+    ends = [np.array([tie.start_m, tie.end_m]) for tie in ties]
+    draw_ties(page, axes, iter(ends))
+    for tie, (start, end) in zip(ties, ends, strict=True):
+        axes.annotate(
+            tie.name,
+            (start + end) / 2.0,
+            (0.0, 3.0),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+            bbox={"facecolor": "1.0", "edgecolor": "none", "pad": 0.6},
+        )
+    return [Line2D([], [], **LINE, label=words.plain("figure.tie"))] if ties else []
 
 
 def _dimensions(page: Sheet, axes: Axes, bounds: Bounds, words: Words) -> None:

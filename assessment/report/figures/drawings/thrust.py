@@ -23,6 +23,7 @@ from assessment.report.figures.drawings.deformed import (
     push_arrow,
     union,
 )
+from assessment.report.figures.drawings.ties import draw_ties, moved_ends, tie_handles
 from assessment.report.figures.style import Sheet, sheet
 from assessment.report.text.language import Words
 from assessment.results.configurations.joint_states import JointStates, Situation, joint_states, thrust_lines
@@ -52,11 +53,13 @@ def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> F
     largest = max(float(np.hypot(*states.force.T).max()) for states in joints)
     unit = round_force(largest)
     handles = _handles({c for states in joints for c in states.condition}, unit, words)
+    handles += tie_handles(results, words, *(situation.state for situation in shown))
     above = 7.0 if any(situation.direction for situation in shown) else 3.0  # the arrow of the loads
     page = sheet(union(shapes), len(shown), border_mm=above, foot_mm=foot(labels_of(handles)))
     for axes, situation, shape, states in zip(page.panels, shown, shapes, joints, strict=True):
         axes.set_title(_title(situation, words))
         _draw(page, axes, results, shape, states, unit)
+        draw_ties(page, axes, moved_ends(results, situation.state, situation.configuration))
         if situation.direction:
             push_arrow(page, axes, shape.bounds, situation.direction)
     legend(page, handles)
