@@ -39,6 +39,12 @@ class Read:
         made = [*(make(found) for make in TABLES), *convergence_tables(found)]
         self.rows = {table.name: table.rows for table in made} | {"comparison": results["comparison"]}
 
+    @property
+    def settled(self) -> list[str]:
+        """The states that a movement leads to; what strengthens one is no loss."""
+        states = self.results["states"].items()
+        return [name for name, each in states if name != "original" and not each.get("strengthening")]
+
     def made(self, table: str = "verification") -> list[Mapping[str, Any]]:
         return [row for row in self.rows[table] if row.get("zeta_E") is not None]
 
@@ -61,8 +67,8 @@ class Read:
         found: dict[tuple[str, str], float | None] = {}
         for direction in ("+x", "-x"):
             before = a_g.get(("original", direction))
-            for state in self.results["states"]:
-                if state != "original" and before is not None:
+            for state in self.settled:
+                if before is not None:
                     after = a_g.get((state, direction))
                     found[state, direction] = None if after is None else 1.0 - after / before
         return found
@@ -198,10 +204,46 @@ def _alpha_reduction(said: Fields, read: Read) -> None:
     losses = {
         (state, direction): 1.0 - value / alpha["original", direction]
         for (state, direction), value in alpha.items()
-        if state != "original" and ("original", direction) in alpha
+        if state in read.settled and ("original", direction) in alpha
     }
     assert losses[_place(said)] == max(losses.values())
     assert said["reduction"] == per_cent(max(losses.values()))
+
+
+OF = {"zeta_E": "zeta_E_before", "alpha_0": "alpha_0_before", "alpha_u": "alpha_u_before"}
+OF |= {"dynamic_pga_g": "dynamic_pga_before_g"}
+
+
+def _strengthened(gains: bool) -> Callable[[Fields, Read], None]:
+    def check(said: Fields, read: Read) -> None:
+        own = [row for row in read.results["strengthening"] if row["state"] == said["state"]]
+        [row] = [row for row in own if direction_name(row["direction"] or "") == said["direction"]]
+        [key] = [
+            key
+            for key in OF
+            if said["quantity"]
+            == Markup(
+                WORDS(
+                    f"judgement.of_{key}",
+                    limit=check_name(row["limit_state"], WORDS) if row.get("limit_state") else "",
+                )
+            ).unescape()
+        ]
+        known = [each for each in own if each.get(key) is not None and each.get(OF[key])]
+        assert row[key] == min(each[key] for each in known)
+        assert (said["before"], said["after"]) == (show(row[OF[key]]), show(row[key]))
+        share = row[key] / row[OF[key]] - 1.0
+        assert (share > SMALLEST) == gains and said.get("gain", per_cent(share)) == per_cent(share)
+        assert said["of"] == WORDS.state(row["of"])
+
+    return check
+
+
+def _ties_yield(said: Fields, read: Read) -> None:
+    pushed = [push for state in read.results["states"].values() for push in state["pushover"].values()]
+    curves = [push[kind] for push in pushed for kind in ("rigid", "elastic") if push.get(kind)]
+    yielding = {each["tie"] for curve in curves for each in curve.get("ties") or () if each["yields"]}
+    assert set(said["ties"].split(", ")) == yielding
 
 
 def _dynamic(said: Fields, read: Read) -> None:
@@ -352,6 +394,9 @@ CLAIMS: dict[str, Callable[[Fields, Read], None]] = {
     "no_reduction": _no_reduction,
     "lost": _lost,
     "alpha_reduction": _alpha_reduction,
+    "strengthened": _strengthened(True),
+    "strengthened_less": _strengthened(False),
+    "ties_yield": _ties_yield,
     "dynamic": _dynamic,
     "worst_a_g_g": _worst("a_g_g"),
     "worst_alpha_0": _worst("alpha_0"),
@@ -376,7 +421,13 @@ CLAIMS: dict[str, Callable[[Fields, Read], None]] = {
     "warnings": _warnings,
 }
 REDUCTIONS = ("reduction_at", "reduction_of", "reduction_range")
-PARTS = {"worst_reduction", *REDUCTIONS, *RESIDUALS, "file"}  # of sentences, or of the file
+PARTS = {
+    "worst_reduction",
+    *REDUCTIONS,
+    *RESIDUALS,
+    *(f"of_{key}" for key in OF),
+    "file",
+}  # of sentences, or of the file
 
 
 def pattern(key: str) -> re.Pattern[str]:

@@ -18,7 +18,7 @@ from assessment.results.schema.dynamic import Incremental
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.studies import ScenarioPoint
 from assessment.studies.scenarios import worst as worst_of
-from assessment.workflow.comparison import comparison
+from assessment.workflow.comparison import comparison, strengthened
 from tests.support.judgement.claims import LIMITS, Results
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import made
@@ -92,6 +92,13 @@ def random_results(draw):
                 }
                 for contacts in ("rigid", "elastic")
             }
+        if name != "original" and draw(st.booleans()):
+            content["pushdown"], content["settlement"] = {}, None
+            content["strengthening"] = {"of": "original", "ties": ["chain"], "layers": []}
+            for pushed in content["pushover"].values():
+                pull = draw(st.floats(0.0, 2.0))
+                tension = {"tie": "chain", "rest_kN": None, "peak_kN": pull, "greatest_kN": pull}
+                pushed["rigid"]["ties"] = [tension | {"yields": draw(st.booleans())}]
         capacities = {d: made(Capacity, each) for d, each in content["capacity"].items()}
         content["governing"], content["safety_index"] = governing(capacities), safety_index(capacities)
         states[name] = content
@@ -99,6 +106,8 @@ def random_results(draw):
         checked[name] = made(State, content).replace(capacity=capacities, incremental=searches)
     results["states"] = plain(states)
     results["comparison"] = plain(comparison(checked))
+    if rows := strengthened(checked):
+        results["strengthening"] = plain(rows)
     results["quality"]["by_stage"] = [
         row | {f"worst_{name}": draw(RESIDUAL) for name in RESIDUALS}
         for row in results["quality"]["by_stage"]

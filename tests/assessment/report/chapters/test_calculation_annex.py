@@ -106,10 +106,10 @@ def outcomes(tmp_path_factory):
 
 def assessed(project, results):
     """Add to pushovers what the assessment of the project makes of them."""
-    model, notes = build_model(project).assembly, []
+    models, notes = build_model(project).states, []
     demands, states = demand_spectra(project, read_motions(project).history), {}
     for name, state in results.states.items():
-        found = assess(project, model, state.pushover, demands, notes)
+        found = assess(project, models[name].assembly, state.pushover, demands, notes)
         curves, capacity = {way: each.curves for way, each in found.items()}, capacities(found)
         states[name] = state.replace(
             pushover=state.pushover | curves, capacity=capacity, governing=governing(capacity)
@@ -119,7 +119,7 @@ def assessed(project, results):
             states=states,
             quality=results.quality.replace(warnings=[*results.quality.warnings, *notes]),
             spectra=demand_parts(project, demands),
-            mechanisms=assess_chosen(project, model, states, demands, notes),
+            mechanisms=assess_chosen(project, models, states, demands, notes),
         )
     )
 

@@ -1,0 +1,201 @@
+"""Ties and strengthening in report, page, figures, tables and on the terminal: a block that a tie holds."""
+
+from __future__ import annotations
+
+import io
+import json
+
+import ezdxf
+import numpy as np
+import pytest
+
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.report.chapters.printed_tables import macro_block_grids, printed_tables
+from assessment.report.document import render_html
+from assessment.report.figures.drawings.deformed import draw_mechanisms, draw_overturned
+from assessment.report.figures.drawings.deformed_dxf import _drawing
+from assessment.report.figures.drawings.model import draw_model
+from assessment.report.figures.drawings.ties import LINE
+from assessment.report.formats.viewer import viewer
+from assessment.report.tables.index import tables
+from assessment.report.text.language import Words
+from assessment.results.plain import plain
+from assessment.runtime.terminal.summary import as_json, model_summary, summary
+from assessment.workflow.stages import run
+from tests.support.block_project import HAZARD, PUSHED, TURNED, block, write_block
+from tests.support.judgement.claims import hold
+from tests.support.pictured import draw_sections
+from tests.support.tied_project import overturning, strengthening, tie
+
+TEXT = (
+    block()
+    + TURNED
+    + PUSHED.replace('["+x"]', '["+x", "-x"]')
+    + f'[assessment]\nlimit_states = ["SLV"]\nmodel = "none"\n[assessment.site]\nsoil = "B"\n{HAZARD}'
+    + tie(states='["strengthened"]', stiffness_kN_m="1000.0")
+    + strengthening("original")
+    + '[strengthening.layers.BASE]\nfriction = 0.75\n[report]\nlanguage = "it"\n'
+)
+
+
+@pytest.fixture(scope="module")
+def outcome(tmp_path_factory):
+    project = load_project(write_block(tmp_path_factory.mktemp("ties") / "block", TEXT))
+    return run(project, build_model(project), jobs=1)
+
+
+@pytest.fixture(scope="module")
+def results(outcome):
+    return outcome.results
+
+
+@pytest.fixture(scope="module")
+def pages(results, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("page")
+    draw_sections(results, folder)
+    return {
+        language: " ".join(render_html(results, folder, Words.of(language)).split())
+        for language in ("it", "en")
+    }
+
+
+SAID = {
+    "it": (
+        "bielle rettilinee che resistono a sola trazione",
+        "inestensibile fino al tiro di snervamento",
+        "capochiave e piastra, sfilamento, schiacciamento e punzonamento della muratura",
+        "nella configurazione del disegno, in quiete sotto i pesi (stato “originale”), sono messe in opera, tese e "
+        "senza allentamento, le catene: chain; sono modificati i giunti dei layer: BASE.",
+        "La catena “chain” raggiunge il tiro di snervamento (strengthened, +x, contatti rigidi",
+        "Confronto prima e dopo l’intervento",
+        "strengthened (intervento su: originale)",
+        "Primo capochiave x; z [m]",
+        "Intervento 1, layer BASE",
+    ),
+    "en": (
+        "straight rods that bear tension alone",
+        "inextensible up to its yield force",
+        "anchor plate, pull-out, crushing and punching of the masonry",
+        "these ties are set, taut and without slack: chain; the joints of these layers are changed: BASE.",
+        "The tie “chain” reaches its yield force (strengthened, +x, rigid contacts",
+        "Before and after strengthening",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("language", SAID)
+def test_the_report_says_how_ties_are_modelled_and_what_is_to_be_verified(pages, language):
+    for text in SAID[language]:
+        assert text in pages[language], text
+
+
+def test_a_report_without_ties_does_not_speak_of_them(tmp_path):
+    project = load_project(write_block(tmp_path / "block", block() + PUSHED))
+    plain_results = run(project, build_model(project), jobs=1).results
+    draw_sections(plain_results, tmp_path)
+    page = render_html(plain_results, tmp_path, Words.of("it")).lower()
+    assert "caten" not in page and "intervento su" not in page and "rinforz" not in page
+
+
+def test_tables_have_ties_their_tension_and_the_gain(results):
+    found = {table.name: table.rows for table in tables(results)}
+    [drawn] = found["ties"]
+    assert (drawn["from_x_m"], drawn["to_z_m"], drawn["states"]) == (-0.29, 4.0, "strengthened")
+    by_direction = {row["direction"]: row for row in found["tie_tensions"]}
+    assert by_direction.keys() == {"+x", "-x"} and by_direction["+x"]["yields"]
+    assert by_direction["+x"]["greatest_kN"] == pytest.approx(5.0, rel=1e-6)
+    row = next(each for each in found["strengthening"] if each["direction"] == "+x")
+    assert row["alpha_0_before"] == pytest.approx(overturning(0.0, 0.0), rel=1e-6)
+    assert row["gain"] == row["a_g_g"] / row["a_g_before_g"] - 1.0
+
+
+def test_the_table_before_and_after_has_a_row_a_quantity(results):
+    grid = printed_tables(results, Words.of("it"))["strengthening"]
+    first = [[cell.striptags() for cell in row] for row in grid.rows[:4]]
+    assert [row[0] for row in first] == ["strengthened (intervento su: originale)", "", "", ""]
+    assert [row[2] for row in first] == ["α0 [–]", "d0 [mm]", "ag su suolo rigido [g] SLV", "ζE [–] SLV"]
+    alpha = results.strengthening[0]
+    assert first[0][5] == f"{100.0 * (alpha.alpha_0 / alpha.alpha_0_before - 1.0):.1f}".replace(".", ",")
+
+
+def test_the_hand_check_prints_the_work_of_the_tie(results):
+    """W δ_z and F e, in the same column: their sum over W_s δ_x is α."""
+    grids = {grid.caption.striptags(): grid for grid in macro_block_grids(results, Words.of("it"))}
+    # the weakest direction of the strengthened state: towards −x the tie has nearly no arm
+    [grid] = [each for caption, each in grids.items() if "“strengthened”" in caption]
+    assert [row[0] for row in grid.rows] == ["1", "chain", "Σ"]
+    weight, tied, whole = (float(row[-1].replace(",", ".").replace("−", "-")) for row in grid.rows)
+    assert tied > 0.0 and weight + tied == pytest.approx(whole, rel=1e-3)
+
+
+def ends_drawn(axes) -> list[np.ndarray]:
+    return [np.array(line.get_xydata()) for line in axes.lines if line.get_linewidth() == LINE["linewidth"]]
+
+
+def test_ties_are_drawn_where_their_ends_are(results):
+    words = Words.of("it")
+    [axes] = draw_model(results, words).axes
+    assert ends_drawn(axes)[0].tolist() == [[-0.29, -0.1], [-0.29, 4.0]]
+    assert "chain" in {text.get_text() for text in axes.texts}
+    original, strengthened = draw_overturned(results, words, ["original", "strengthened"], "+x").axes
+    assert not ends_drawn(original)
+    [ends] = ends_drawn(strengthened)
+    final = results.states["strengthened"].pushover["+x"].rigid.final_configuration[1]
+    centre = np.array(results.geometry.blocks[1].centroid_m)
+    c, s = np.cos(final[2]), np.sin(final[2])
+    arm = np.array([-0.29, 4.0]) - centre
+    assert ends[1] == pytest.approx(centre + final[:2] + [c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]])
+    figure = draw_mechanisms(results, words, ["original", "strengthened"], "+x")
+    assert [len(ends_drawn(each)) for each in figure.axes] == [0, 1]
+    assert "catena" in {text.get_text() for text in figure.legends[0].get_texts()}
+
+
+def test_the_drawing_of_deformed_shapes_has_ties_on_layers_of_their_own(results):
+    text = io.StringIO()
+    _drawing(results).write(text)
+    text.seek(0)
+    drawing = ezdxf.read(text)
+    lines = [each for each in drawing.modelspace() if each.dxf.layer.endswith("_TIES")]
+    layers = {each.dxf.layer for each in lines}
+    assert "DRAWN_TIES" in layers and any("STRENGTHENED_END_PLUS_X_TIES" in layer for layer in layers)
+    assert not any("ORIGINAL" in layer for layer in layers)
+
+
+def test_the_page_has_ties_with_their_tension_at_every_step(results):
+    data = json.loads(str(viewer(results, Words.of("it")).data))
+    assert [each["name"] for each in data["ties"]] == ["chain"]
+    tied = [path for path in data["paths"] if "strengthened" in path["title"]]
+    others = [path for path in data["paths"] if "strengthened" not in path["title"]]
+    assert len(tied) == 2 and all(path["frames"]["ties"] == [0] for path in tied)
+    assert all(path["frames"]["ties"] == [] == path["frames"]["tension"] for path in others)
+    tensions = [each for each in tied[0]["frames"]["tension"] if each]
+    assert max(tension for [tension] in tensions) == pytest.approx(5.0, rel=1e-4)
+
+
+def test_the_terminal_has_ties_and_gains(outcome, tmp_path):
+    results = outcome.results
+    assert ", ties 1" in model_summary(results)
+    row = next(each for each in results.strengthening if each.direction == "+x")
+    said = f"strengthened +x: {100.0 * row.gain:+.1f} % of original; greatest tension: chain 5 kN, yields"
+    assert said in summary(outcome, tmp_path, []).splitlines()
+    assert '"strengthening": [' in as_json(outcome, tmp_path, [])
+    without = results.model.model_copy(update={"ties": None})
+    assert "ties" not in model_summary(results.replace(model=without))
+
+
+def test_the_judgement_says_what_is_gained_and_what_yields(results):
+    keys = hold(plain(replace_language(results)))
+    assert {"strengthened", "ties_yield"} <= set(keys)
+
+
+def replace_language(results):
+    report = results.echo.report.replace(language="en")
+    return results.replace(echo=results.echo.replace(report=report))
+
+
+def test_a_strengthening_that_gains_nothing_is_told(results):
+    rows = [
+        row.replace(zeta_E=row.zeta_E_before, alpha_0=row.alpha_0_before) for row in results.strengthening
+    ]
+    assert "strengthened_less" in hold(plain(replace_language(results.replace(strengthening=rows))))
