@@ -17,11 +17,10 @@ from numpy.typing import NDArray
 
 from mechanics.kernels.bed import ends_under
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, CRUSHED, FRICTION, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import forces_on_blocks, relative_motion
 from mechanics.types import Array, Index
 
-CRUSHED = 1.0 - 1e-4  # of the strength: the force of a joint that is crushed, of a tie that yields
 LARGEST_MULTIPLIER = 1e4  # a load with a larger multiplier has no mechanism
 
 

@@ -4,3 +4,4 @@
 # strength, kN/m (inf: none); segments of a bed of points (0: exact)
 FRICTION, SHEAR, BED, SLID, STRENGTH, SEGMENTS = range(6)
 LAW = 6
+CRUSHED = 0.99  # of the strength: the force of a joint that is crushed, of a tie that yields

@@ -17,6 +17,7 @@ from mechanics.kernels.joint import A1, A2, B1, B2, FACE, LENGTH, MEET, PX, PZ, 
 from mechanics.model.contacts import Contacts
 from mechanics.types import Array, Index
 
+ACROSS = 1e-7  # of the tension: a force across the tie, without which the cone of friction had no inside
 RIGID = 10.0  # times the stiffest joint: a rigid tie in analyses with elastic joints
 
 
@@ -115,7 +116,7 @@ def tie_contacts(ties: Sequence[Tie], blocks: Index, centroid: Array, drawn: Con
         a=blocks[:, 0],
         b=blocks[:, 1],
         faces=faces,
-        friction=np.zeros(count),
+        friction=np.full(count, ACROSS),
         bed=np.array([tie.stiffness or stiffest for tie in ties]).reshape(count),
         shear=np.full(count, np.inf),
         strength=np.array([tie.yield_force for tie in ties]).reshape(count),

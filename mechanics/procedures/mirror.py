@@ -21,8 +21,8 @@ TURNED = np.array([-1.0, 1.0, -1.0])  # factors on x, z and ω in the image
 class Mirror:
     """The reflection in the plane x = `axis` (m) that maps a drawn model onto itself.
 
-    `block` (b,), `joint` (j,): index of the block, and of the drawn joint, that is the image of each; `moment` (j,):
-    factor on P, −1, or 1 where the joint's two blocks are exchanged.
+    `block` (b,), `joint` (j,): index of the block, and of the drawn joint or tie, that is the image of each; `moment`
+    (j,): factor on P, −1, or 1 where the joint's two blocks are exchanged.
     """
 
     model: Assembly
@@ -33,7 +33,7 @@ class Mirror:
 
     @classmethod
     def of(cls, model: Assembly, behaviour: Behaviour) -> Mirror | None:
-        """Return the mirror of a model; None if the image of a block, load or joint is not exactly one of the model."""
+        """Return the mirror of a model; None if the image of a block, load, joint or tie is not exactly one of it."""
         x = np.concatenate([block.polygon[:, 0] for block in model.blocks])
         axis, extent = 0.5 * float(x.min() + x.max()), float(np.ptp(x))
         centre = model.initial.positions[:, :2]
@@ -44,16 +44,17 @@ class Mirror:
             return None
         if not _same(model.lateral_load("+x")[block], model.lateral_load("-x") * TURNED):
             return None
-        joints, contacts = model.joints, model.contacts
-        apart = (
-            10.0 * extent
-        )  # shifts joints of different pairs of blocks apart: only those of the same pair can match
-        middle = joints.ends.mean(axis=1)
-        owner = np.sort(np.stack([joints.a, joints.b], axis=1), axis=1)
+        contacts = model.contacts
+        # joints of different pairs of blocks are shifted apart: only those of the same pair can match
+        apart = 10.0 * extent
+        ties = np.array([tie.points for tie in model.ties]).reshape(-1, 2, 2)
+        ends = np.concatenate([model.joints.ends, ties])
+        middle, length = ends.mean(axis=1), np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+        owner = np.sort(np.stack([contacts.a, contacts.b], axis=1), axis=1)
         image_owner = np.sort(block[owner], axis=1)
-        here = np.column_stack([apart * owner, middle, joints.length])
+        here = np.column_stack([apart * owner, middle, length, apart * contacts.ties])
         image = np.column_stack(
-            [apart * image_owner, [2.0 * axis, 0.0] + middle * [-1.0, 1.0], joints.length]
+            [apart * image_owner, [2.0 * axis, 0.0] + middle * [-1.0, 1.0], length, apart * contacts.ties]
         )
         joint = _matched(here, image, EXACT * apart)
         if joint is None or not _same(contacts.friction[joint], contacts.friction):
@@ -64,7 +65,11 @@ class Mirror:
             _same(contacts.bed[joint], contacts.bed) and _same(contacts.shear[joint], contacts.shear)
         ):
             return None
-        moment = np.where(joints.a[joint] == block[joints.a], -1.0, 1.0)
+        held = np.zeros((len(contacts), 2))
+        held[contacts.ties] = [(tie.taut_length, tie.pretension) for tie in model.ties] or 0.0
+        if not _same(held[joint], held):
+            return None
+        moment = np.where(contacts.a[joint] == block[contacts.a], -1.0, 1.0)
         return cls(model, axis, block, joint, moment)
 
     def swaps(self, one: ArrayLike, other: ArrayLike) -> bool:
@@ -127,12 +132,25 @@ class Mirror:
         if state.carrying is not None:
             carrying = np.empty_like(state.carrying)
             carrying[self.joint] = state.carrying
-        return State(self._positions(state.positions), self._motion(state.velocities), shear, None, carrying)
+        lengthened = None
+        if state.lengthened is not None:
+            ties = self.model.contacts.ties
+            lengthened = np.zeros(len(ties))
+            lengthened[self.joint[ties]] = state.lengthened
+            lengthened = lengthened[ties]
+        return State(
+            self._positions(state.positions),
+            self._motion(state.velocities),
+            shear,
+            None,
+            carrying,
+            lengthened,
+        )
 
     def _step(self, step: Equilibrium) -> Equilibrium:
         state, contacts = self._state(step.state), self.model.contacts
         system = replace(step.system, contacts=contacts, seen=None)
-        places = contacts.places(state.positions)
+        places = system.places(state.positions, state)
         forces = self._forces(step.forces[: len(contacts)])
         return replace(step, state=state, system=system, places=places, forces=forces, iterate=None)
 

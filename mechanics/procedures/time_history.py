@@ -229,7 +229,7 @@ def _begun(
     gaps = np.zeros(len(statics.contacts))
     if contacts == "rigid":
         # dilatant sliding leaves gaps in joints that carry: loose blocks must not fall through them
-        gap = end_gaps(statics.contacts.places(start.positions)).min(axis=1).clip(0.0)
+        gap = end_gaps(statics.places(start.positions, start)).min(axis=1).clip(0.0)
         gaps = np.where(carried(statics.contacts, start), gap, 0.0)
     theta = 1.0 if integrator == "implicit-euler" else 0.5
     halving = _halving(model, contacts, integrator, time_step, tolerances)
@@ -304,7 +304,10 @@ def _history(
     )
     forces = np.concatenate([parts[0].forces[:1, :drawn], *(part.forces[1:, :drawn] for part in parts)])
     energy = Energy.of(model, x, v, energies)
-    final = State(x[-1], v[-1])
+    lengthened = None
+    if model.ties:
+        lengthened = motion.longer[system.system.ties] + system.system.stretched
+    final = State(x[-1], v[-1], lengthened=lengthened)
     if not system.system.rigid:
         final = with_springs(system.contacts, final, drawn, motion.shear)
     programs, iterations, halvings, cold = (int(value) for value in system.counts[:4])

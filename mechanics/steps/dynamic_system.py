@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 
 from mechanics.errors import ConvergenceError
 from mechanics.kernels.dynamics.march import march
-from mechanics.kernels.dynamics.motion import ELASTIC, ENERGIES, JOINT, SPRING, SUNK, strain_energy
+from mechanics.kernels.dynamics.motion import ELASTIC, ENERGIES, JOINT, LONGER, SPRING, SUNK, strain_energy
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import BED, SHEAR
 from mechanics.kernels.linalg.cholesky import factorise, substitute
@@ -47,6 +47,11 @@ class Motion:
     def shear(self) -> Array:
         """Tangential forces (j,) kN of the joints' springs."""
         return self.joints[:, SPRING]
+
+    @property
+    def longer(self) -> Array:
+        """By how much ties are longer (j,) m than as they were made; 0 of joints."""
+        return self.joints[:, LONGER]
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,11 +161,15 @@ class DynamicSystem:
         `lifted` (j,) m: gaps at the beginning that count as closed.
         """
         places, joints, energy = (
-            self.contacts.places(start.positions),
+            self.system.places(start.positions, start),
             np.zeros((len(self.contacts), JOINT)),
             np.zeros(ENERGIES),
         )
         joints[:, SUNK] = lifted
+        if self.model.ties:
+            joints[self.system.ties, LONGER] = -self.system.stretched
+            if start.lengthened is not None:
+                joints[self.system.ties, LONGER] += start.lengthened
         if forces is not None:
             joints[:, :2], joints[:, 2] = end_forces(forces, places[:, H]), forces[:, 2]
         if not self.system.rigid:
@@ -206,7 +215,7 @@ RIGID_SHEAR = 1e3  # tangential over normal stiffness that replaces an infinite 
 
 
 def first_frequency(model: Assembly) -> float:
-    """Return the lowest circular frequency (rad/s) of the blocks as drawn, with all joints closed and sticking.
+    """Return the lowest circular frequency (rad/s) of the blocks as drawn: all joints closed and sticking, ties taut.
 
     It is 0 if some blocks are loose.
     """
@@ -215,14 +224,15 @@ def first_frequency(model: Assembly) -> float:
     system = static_system(model, "elastic")
     layout = Elimination.of(system.dof, model.initial.positions[model.movable, :2])
     places = system.contacts.places(model.initial.positions)
-    length = 2.0 * places[:, H]
+    length, ties = 2.0 * places[:, H], system.contacts.ties
     normal = system.law[:, BED] * length
     with np.errstate(divide="ignore"):
         shear = np.minimum(1.0 / system.law[:, SHEAR], RIGID_SHEAR * normal)
     mass, stored = model.mass[model.movable].ravel()[layout.order], layout.matrix()
     diagonal(np.zeros(len(mass)), stored, layout.pattern)
     for k, (i, j) in enumerate(layout.row):
-        law = np.array([normal[k], 0.0, 0.0, normal[k] * length[k] ** 2 / 12.0, 0.0, shear[k]])
+        turns, slides = (0.0, 0.0) if ties[k] else (normal[k] * length[k] ** 2 / 12.0, shear[k])
+        law = np.array([normal[k], 0.0, 0.0, turns, 0.0, slides])
         stiffen(k, places[k], i, j, law, stored, layout.pattern)
     if _some_are_loose(model) or not factorise(stored, layout.pattern):
         return 0.0

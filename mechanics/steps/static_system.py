@@ -10,11 +10,10 @@ import numpy as np
 
 from mechanics.errors import require
 from mechanics.kernels.joint import H, U
-from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
+from mechanics.kernels.law import BED, CRUSHED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.model.proximity import near
-from mechanics.program import CRUSHED
 from mechanics.solvers.elimination import BANDED, CHEAPER, Elimination
 from mechanics.steps.tolerances import STEP
 from mechanics.types import Array, Index
@@ -72,9 +71,14 @@ class StaticSystem:
         if self.model.ties:
             if state.lengthened is not None:
                 places[self.ties, U] += state.lengthened
-            if not self.rigid:
-                places[self.ties, U] -= [tie.pretension for tie in self.model.ties] / self.law[self.ties, BED]
+            places[self.ties, U] -= self.stretched
         return places
+
+    @property
+    def stretched(self) -> Array:
+        """By how much pretension stretches each tie (t,), m; rigid ones not at all."""
+        pull: Array = np.array([tie.pretension for tie in self.model.ties]) / self.law[self.ties, BED]
+        return pull
 
     def lengthened(self, positions: Array, forces: Array, state: State) -> Array | None:
         """Return by how much each tie (t,) has yielded at positions (b, 3) under forces (j, 3), m; in the state before.

@@ -7,6 +7,8 @@ at one that closes.
 No step leaves a bed deeper than its forces pressed it, nor with more stored than was done on it (it may give more):
 where the blocks come closer than that, by the geometry of the step or a slide that stops, the bed has `sunk` until they
 part. Otherwise a stiff bed would turn an error of microns in a gap into an impact.
+
+Ties that yield stay `LONGER`.
 """
 
 from __future__ import annotations
@@ -16,16 +18,33 @@ from typing import Any
 import numpy as np
 
 from mechanics.kernels.bed import pressed, stored
-from mechanics.kernels.dynamics.motion import GAPS, GONE, RATE, SPEED, SPRING, SUNK, elastic_beds, relative
+from mechanics.kernels.dynamics.motion import (
+    GAPS,
+    GONE,
+    LONGER,
+    RATE,
+    SPEED,
+    SPRING,
+    SUNK,
+    elastic_beds,
+    relative,
+)
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID
+from mechanics.kernels.joint import PHI, TIED, H, U, V, place
+from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID, STRENGTH
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
 
 NEWTON = 30  # iterations for the gap at which a bed stores what was done on it
 CLOSED = 1e-6  # of the block size: a gap that is none
+
+
+@compiled
+def placed(a: Any, b: Any, faces: Array, x: Array, joints: Array, places: Array) -> None:
+    """Where the joints are at positions x (b, 3), into `places` (j, PLACE); ties as long as they have become."""
+    place(a, b, faces, x, places)
+    places[:, U] += joints[:, LONGER]
 
 
 @compiled
@@ -131,18 +150,25 @@ def posed(
 @compiled
 def sunk(
     start: Array, end: Array, basic: Array, closest: Array, done: Array, joints: Array, size: float
-) -> float:
-    """What beds store more at the end of a step than at its start (kNm); SUNK of the `joints` becomes that of the end.
+) -> tuple[float, float]:
+    """What beds store more at the end of a step than at its start, and what ties took that yielded (kNm).
 
-    `start`, `end` (j, PLACE); `closest` (j,) m: the least gap that the forces of the step led to; `done` (j,) kNm: the
-    work that was done on each bed.
+    SUNK and LONGER of the `joints` become those of the end. `start`, `end` (j, PLACE); `closest` (j,) m: the least gap
+    that the forces of the step led to; `done` (j,) kNm: the work that was done on each bed, less what yielding took.
     """
-    more = 0.0
+    more, plastic = 0.0, 0.0
     for k in range(len(start)):
         s, e, stiffness, before = start[k], end[k], basic[k, BED], 0.0
         if s[H] > GONE * size:
             before = stored(s[U] - joints[k, SUNK], s[PHI], s[H], stiffness)
         more -= before
+        if e[TIED] > 0.0:
+            yielded = joints[k, SUNK] - e[U] - basic[k, STRENGTH] / stiffness
+            if yielded > 0.0:
+                e[U] += yielded
+                joints[k, LONGER] += yielded
+                done[k] -= yielded * basic[k, STRENGTH]
+                plastic += yielded * basic[k, STRENGTH]
         joints[k, SUNK] = 0.0
         if e[H] > GONE * size:
             u = e[U] + max(min(closest[k], 0.0) - e[U] + e[H] * abs(e[PHI]), 0.0)
@@ -150,4 +176,4 @@ def sunk(
                 u = _storing(u, e[PHI], e[H], stiffness, before + done[k])
             joints[k, SUNK] = e[U] - u
             more += stored(u, e[PHI], e[H], stiffness)
-    return more
+    return more, plastic

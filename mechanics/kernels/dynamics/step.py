@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from mechanics.kernels.bed import crushed
-from mechanics.kernels.dynamics.gaps import posed, sunk
+from mechanics.kernels.dynamics.gaps import placed, posed, sunk
 from mechanics.kernels.dynamics.motion import (
     ELASTIC,
     ENERGIES,
@@ -24,6 +24,7 @@ from mechanics.kernels.dynamics.motion import (
     GAPS,
     IMPACT,
     INPUT,
+    LONGER,
     N1,
     RATE,
     SPEED,
@@ -37,8 +38,8 @@ from mechanics.kernels.dynamics.motion import (
 )
 from mechanics.kernels.dynamics.program import COLD, solve
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.joint import PHI, PLACE, H, U, place
-from mechanics.kernels.law import BED, FRICTION, SHEAR
+from mechanics.kernels.joint import LENGTH, PHI, PLACE, TIED, H, U
+from mechanics.kernels.law import BED, CRUSHED, FRICTION, SHEAR, STRENGTH
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -69,9 +70,9 @@ def attempt(
         m += 3 * (first[i] >= 0)
     elastic = elastic_beds(basic)
     places, start, law, back = np.empty((c, PLACE)), np.empty((c, PLACE)), basic.copy(), np.zeros(c)
-    place(a, b, faces, x, start)
+    placed(a, b, faces, x, joints, start)
     ahead = 0.5 * h if elastic else (1.0 - theta) * h
-    place(a, b, faces, x + ahead * (v + 0.5 * ahead * past), places)
+    placed(a, b, faces, x + ahead * (v + 0.5 * ahead * past), joints, places)
     chosen = posed(a, b, start, v, joints, basic, h, theta, beta, restitution, size, places, law, back)
     at, laws = places[chosen], law[chosen]
     f, y = joints[chosen][:, N1:GAPS].copy(), joints[chosen][:, GAPS:SPRING].copy()
@@ -119,8 +120,12 @@ def attempt(
             closest[k] = u - at[q, H] * abs(start[k, PHI] + dphi)
             done_on[k] = -(resultants[k, 0] * du + resultants[k, 1] * dphi)
         end = np.empty((c, PLACE))
-        place(a, b, faces, x + moved, end)
-        spent[ELASTIC] += sunk(start, end, basic, closest, done_on, joints, size)
+        placed(a, b, faces, x + moved, joints, end)
+        more, plastic = sunk(start, end, basic, closest, done_on, joints, size)
+        spent[ELASTIC] += more
+        spent[FRICTION_WORK] += plastic
+    else:
+        _yield(a, b, faces, x + moved, basic, resultants, joints)
     # computed from the forces, not as what is missing: the balance is a check
     taken = (theta - 0.5) * jerked - contact - spent[FRICTION_WORK] - spent[VISCOUS] - spent[ELASTIC]
     if not elastic and theta < 1.0:
@@ -133,6 +138,16 @@ def attempt(
     past[:] = (speed - v) / h
     v[:] = speed
     return done, taken, turned, force, product
+
+
+@compiled
+def _yield(a: Any, b: Any, faces: Array, x: Array, basic: Array, resultants: Array, joints: Array) -> None:
+    """Rigid ties that bear their yield force (resultants, j × 3) are as long as the way at positions x (b, 3)."""
+    for k in range(len(a)):
+        if faces[k, LENGTH] > 0.0 and resultants[k, 0] > CRUSHED * basic[k, STRENGTH]:
+            end = np.empty((1, PLACE))
+            placed(a[k : k + 1], b[k : k + 1], faces[k : k + 1], x, joints[k : k + 1], end)
+            joints[k, LONGER] += max(-end[0, U], 0.0)
 
 
 @compiled
@@ -175,6 +190,8 @@ def _worked(
                 _, _, c0, c1, c2 = crushed(u, phi, at[q, H], basic[k, BED], np.inf)
                 spent[VISCOUS] += beta / h * (c0 * du * du + 2.0 * c1 * du * dphi + c2 * dphi * dphi)
                 spent[VISCOUS] += beta / h * basic[k, SHEAR] * ((t - shear[k]) / stretch) ** 2
+        elif at[q, TIED] > 0.0 and normal > CRUSHED * laws[q, STRENGTH]:
+            spent[FRICTION_WORK] -= normal * du
         else:
             spent[FRICTION_WORK] -= t * dv
             # faces that meet no faster than a step makes a block that falls may not have met at all

@@ -59,7 +59,7 @@ ROUNDING = 1e-3  # share of the unbalanced force, or of what is accepted, that a
 ROUNDED = 3e-15  # an imbalance, per weight, that is none
 WIDE = 1e-4  # gaps count for so much less than forces and products in what is accepted
 FARTHER = 1.5  # times as far as a step leads, products are looked at
-IDLE = 10  # iterations without progress after which the method ends
+IDLE = 20  # iterations without progress after which the method ends
 
 
 @compiled

@@ -11,7 +11,7 @@ from mechanics import Assembly, Block, Material, pushover
 from mechanics.procedures.mirror import Mirror
 from mechanics.program import certify
 from mechanics.steps.static_step import StepProblem
-from tests.support.structures import arch_on_piers, rectangle
+from tests.support.structures import arch_on_piers, rectangle, tied_arch
 
 # of the peak: far beyond that of elastic joints blocks snap from place to place, and rounding decides where to
 UNTIL = {"rigid": 0.3, "elastic": 0.95}
@@ -47,6 +47,19 @@ def test_every_step_of_the_image_is_an_equilibrium(behaviour):
         assert max(found.equilibrium, found.cone) < 1e-6
         np.testing.assert_allclose(step.places, model.contacts.places(step.state.positions), atol=1e-12)
     assert len(image.steps) > 4
+
+
+def test_ties_are_mirrored_and_one_that_has_no_image_breaks_the_symmetry():
+    model = tied_arch(0.005)
+    assert Mirror.of(model, "rigid") is None
+    chain = model.tied(model.ties[:1])
+    mirror = Mirror.of(chain, "rigid")
+    one, other = (pushover(chain, (x, 0.84), way, increment=0.01) for x, way in ((0.6, "+x"), (-0.6, "-x")))
+    image = mirror.pushover(one)
+    np.testing.assert_allclose(image.multiplier, other.multiplier, atol=1e-6)
+    found, expected = (path.states[-2].lengthened for path in (image, other))
+    assert expected == pytest.approx(found, abs=1e-6)
+    assert expected[0] > 0.005
 
 
 def test_control_points_have_to_be_each_others_image():
