@@ -37,7 +37,7 @@ class AtWork:
     since: float
 
     def __str__(self) -> str:
-        return f"{self.stage}: {self.title}, {_clock(time.perf_counter() - self.since)}"
+        return f"{self.stage}: {_clock(time.perf_counter() - self.since)} on {self.title}"
 
 
 def _clock(seconds: float) -> str:
@@ -56,16 +56,19 @@ class Bars(Show):
             TextColumn,
             TimeElapsedColumn,
         )
+        from rich.table import Column
 
+        # on a narrow terminal titles are cut, not times
+        rest = Column(ratio=1, no_wrap=True, overflow="ellipsis")
         columns = (
-            TextColumn("{task.description}", markup=False),
-            BarColumn(),
+            TextColumn("{task.description}", markup=False, table_column=rest),
+            BarColumn(bar_width=10),
             TextColumn("{task.fields[count]}", markup=False),
             TimeElapsedColumn(),
             TextColumn("left"),
             TextColumn("{task.fields[left]}", markup=False),
         )
-        self.progress = Progress(*columns, console=console, transient=True)
+        self.progress = Progress(*columns, console=console, transient=True, expand=True)
 
     def begin(self, stage: str, total: int, taken: int, work: float) -> None:
         """See Show."""

@@ -81,7 +81,7 @@ def test_the_bar_moves_with_the_analyses():
     assert (task.completed, task.total, task.fields["count"]) == (150.0, 900.0, "1/4")
     bars.advance(300.0)
     assert (task.completed, task.total, task.fields["count"]) == (300.0, 900.0, "2/4")
-    assert str(task.description) == "history: original, history of [wave], 0:00:00"
+    assert str(task.description) == "history: 0:00:00 on original, history of [wave]"
     bars.end()
     assert not bars.progress.tasks
 
@@ -131,11 +131,18 @@ def test_what_is_at_work_is_shown_with_the_time_that_it_takes(monkeypatch):
     clock.now += 5.0
     bars.under_way("original, +x, [rigid]")
     clock.now += 46.0
-    assert shown().startswith("pushover: original, +x, [rigid], 0:00:46 ")
+    assert shown().startswith("pushover: 0:00:46 on original, +x, [rigid] ")
     clock.now += 15.0
-    assert shown().startswith("pushover: original, +x, [rigid], 0:01:01 ")
+    assert shown().startswith("pushover: 0:01:01 on original, +x, [rigid] ")
     bars.under_way("original, -x, [rigid]")
-    assert shown().startswith("pushover: original, -x, [rigid], 0:00:00 ")
+    assert shown().startswith("pushover: 0:00:00 on original, -x, [rigid] ")
+    bars.under_way("right support 20 mm" * 5)
+    clock.now += 12.0
+    narrow = Console(file=StringIO(), force_terminal=True, width=80)
+    with narrow.capture() as capture:
+        narrow.print(bars.progress.get_renderable())
+    line = without_colours(capture.get()).rstrip()
+    assert line.startswith("pushover: 0:00:12 on right") and line.endswith("… ━━━━━━━━━━ 0/4 0:00:00 left -:--:--")
 
 
 class Titles(Show):
