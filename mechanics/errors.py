@@ -8,6 +8,8 @@ from numbers import Integral, Real
 import numpy as np
 from numpy.typing import NDArray
 
+from mechanics.messages import Message, SaidError
+
 
 class MechanicsError(Exception):
     """Base of all errors of this package."""
@@ -21,11 +23,11 @@ class RecordError(MechanicsError, ValueError):
     """A record cannot be read; the message names file and line."""
 
 
-class UnstableError(MechanicsError, ValueError):
+class UnstableError(MechanicsError, SaidError, ValueError):
     """Gravity alone cannot be carried: no equilibrium exists in this configuration."""
 
 
-class NoEquilibriumError(MechanicsError, ValueError):
+class NoEquilibriumError(MechanicsError, SaidError, ValueError):
     """No equilibrium near a configuration under its loads: a mechanical statement, the end of a path."""
 
 
@@ -36,16 +38,16 @@ class RunawayError(NoEquilibriumError):
 class CollapseError(NoEquilibriumError):
     """A support cannot make its whole movement: the structure collapses first. `path`: the pushdown so far."""
 
-    def __init__(self, message: str, path: object) -> None:
+    def __init__(self, message: Message, path: object) -> None:
         super().__init__(message)
         self.path = path
 
 
-class ControlError(MechanicsError, ValueError):
+class ControlError(MechanicsError, SaidError, ValueError):
     """The control point takes no part in the mechanism."""
 
 
-class ConvergenceError(MechanicsError, RuntimeError):
+class ConvergenceError(MechanicsError, SaidError, RuntimeError):
     """A program has, or may have, a solution that no solver found to the required accuracy."""
 
 

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 
 from mechanics.errors import DrawingError
+from mechanics.messages import Message, message
 from mechanics.types import Array
+
+Text = TypeVar("Text", bound=str)
 
 LISTED = 20  # faults of one kind that are listed in full
 
@@ -71,10 +74,11 @@ def numbered(faults: Sequence[Fault]) -> list[str]:
     return lines
 
 
-def listed(items: Sequence[str]) -> list[str]:
+def listed(items: Sequence[Text]) -> list[Text | Message]:
     """Return the items, those beyond `LISTED` being only counted."""
     more = len(items) - LISTED
-    return [*items[:LISTED], f"and {more} more of this kind"] if more > 0 else list(items)
+    rest = [message("and {count} more of this kind", count=more)] if more > 0 else []
+    return [*items[:LISTED], *rest]
 
 
 def visible(text: str) -> str:

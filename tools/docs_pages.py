@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from inspect import cleandoc
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
 
@@ -30,13 +30,19 @@ def results_keys() -> str:
 
 
 def tables(annotation: Any) -> Iterator[type[BaseModel]]:
-    """Yield every table below an annotation, as often as it is met."""
+    """Yield every table below an annotation, as often as it is met; one within itself is met once."""
+    yield from _tables(annotation, ())
+
+
+def _tables(annotation: Any, around: tuple[Any, ...]) -> Iterator[type[BaseModel]]:
+    if annotation in around:
+        return
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
         for field in annotation.model_fields.values():
-            yield from tables(field.annotation)
+            yield from _tables(field.annotation, (*around, annotation))
     for inner in get_args(annotation):
-        yield from tables(inner)
+        yield from _tables(inner, around)
 
 
 def _section(table: type[BaseModel]) -> str:
@@ -60,7 +66,9 @@ def _kind(annotation: Any) -> str:
     origin, inner = get_origin(annotation), get_args(annotation)
     if origin in (Union, UnionType):
         plain = [each for each in inner if each is not NoneType]
-        return " or ".join([*map(_kind, plain), "null"])
+        return " or ".join([*map(_kind, plain), *["null"] * (NoneType in inner)])
+    if origin is Annotated:
+        return _kind(inner[0])
     if origin is list:
         return f"list of {_several(inner[0])}"
     if origin is dict:
@@ -76,6 +84,8 @@ def _several(annotation: Any) -> str:
     many = {float: "numbers", int: "whole numbers", str: "texts"}
     if annotation in many:
         return many[annotation]
+    if get_origin(annotation) is Annotated:
+        return _several(get_args(annotation)[0])
     if get_origin(annotation) is list:
         return f"lists of {_several(get_args(annotation)[0])}"
     return _kind(annotation)

@@ -13,6 +13,7 @@ from assessment.ntc.capacity.curve_fit import CapacityError
 from assessment.ntc.demand.spectrum import Spectrum
 from assessment.ntc.demand.spectrum_scaling import Demand, spectrum_at_return_period
 from assessment.ntc.methods import ACTIVATION_DAMPING, LAW, RULES, Method, Nonlinear
+from mechanics.messages import Message, message
 from mechanics.types import GRAVITY
 
 
@@ -28,7 +29,7 @@ class Solved:
     damping: float
     governing: str
     steps: Trace
-    notes: tuple[str, ...]
+    notes: tuple[Message, ...]
 
 
 def solve_linear(capacity: CapacityCurve, spectrum: Spectrum, method: Method, q: float = 1.0) -> Solved:
@@ -42,7 +43,7 @@ def solve_elastic(capacity: CapacityCurve, spectrum: Spectrum, method: Method) -
     Raises CapacityError where the capacity curve has no elastic branch.
     """
     if capacity.a_y_star is None or capacity.T_0 is None:
-        raise CapacityError("the capacity curve has no elastic branch")
+        raise CapacityError(message("the capacity curve has no elastic branch"))
     return _solve_acceleration(
         capacity.a_y_star, "a_y_star", capacity.d_y_star, capacity.T_0, spectrum, method
     )
@@ -90,7 +91,13 @@ def solve_displacement(
     """
     rule = RULES.get((method.circular, limit_state))
     if rule is None:
-        raise CapacityError(f"{limit_state}: the circular of {method.circular} has no nonlinear check for it")
+        raise CapacityError(
+            message(
+                "{limit}: the circular of {year} has no nonlinear check for it",
+                limit=limit_state,
+                year=method.circular,
+            )
+        )
     d, governing, first = _limit(capacity, limit_state, method, rule)
     lines = [first]
     d_secant, name = d, limit_state
@@ -100,7 +107,13 @@ def solve_displacement(
                           **{first.symbol: d}))  # fmt: skip
     a = capacity.a_star(d_secant)
     if a <= 0.0:
-        raise CapacityError(f"{limit_state}: no acceleration capacity is left at d* = {d_secant:.6g} m")
+        raise CapacityError(
+            message(
+                "{limit}: no acceleration capacity is left at d* = {displacement:.6g} m",
+                limit=limit_state,
+                displacement=d_secant,
+            )
+        )
     T, T_0 = rule.factor * pi * sqrt(d_secant / (a * GRAVITY)), capacity.T_0 or 0.0
     largest = method.displacement_demand == "maximum"
 
@@ -113,8 +126,15 @@ def solve_displacement(
     highest, at = base.largest_displacement(T_0, T)
     if highest > 1.001 * S_De:
         notes += (
-            f"{limit_state}: S_De of the demand is larger at {at:.3g} s than at T = {T:.3g} s: the maximum over "
-            f"[T_0, T] of the circular would give a_g = {base.ag * d / highest:.3g} g in place of {a_g:.3g} g",
+            message(
+                "{limit}: S_De of the demand is larger at {at:.3g} s than at T = {T:.3g} s: the maximum over "
+                "[T_0, T] of the circular would give a_g = {least:.3g} g in place of {a_g:.3g} g",
+                limit=limit_state,
+                at=at,
+                T=T,
+                least=base.ag * d / highest,
+                a_g=a_g,
+            ),
         )
     lines += [
         _curve_step(capacity, f"a_{name}", d_secant, a),
@@ -133,8 +153,12 @@ def _limit(
     d_0, Gamma = capacity.d_0_star, capacity.gamma_star
     if d_0 is None:
         raise CapacityError(
-            f"{limit_state}: d_0 is not reached: the multiplier of the rigid branch stays positive up to "
-            f"{capacity.fit.displacement[-1]:.6g} m; follow the pushover with rigid contacts to zero"
+            message(
+                "{limit}: d_0 is not reached: the multiplier of the rigid branch stays positive up to "
+                "{displacement:.6g} m; follow the pushover with rigid contacts to zero",
+                limit=limit_state,
+                displacement=float(capacity.fit.displacement[-1]),
+            )
         )
     symbol = "d_u" if method.circular == "2009" else f"d_{limit_state}"
     share, law = f"{rule.share:g}*d_0_star", LAW[method.circular]
@@ -147,9 +171,10 @@ def _limit(
     for value, reason in known.values():
         if value * Gamma < d:
             d, governing = value * Gamma, reason
-    source = (
-        law if local is None else f"{law}; local limit: {method.local_reason or 'given, without a reason'}"
-    )
+    source = law
+    if local is not None:
+        reason = method.local_reason or message("given, without a reason")
+        source = message("{law}; local limit: {reason}", law=law, reason=reason)
     formula = ", ".join((share, *(f"{name}*Gamma_star" for name in known)))
     line = step(symbol, f"min({formula})", d, "m", source, d_0_star=d_0, Gamma_star=Gamma,
                 **{name: value for name, (value, _) in known.items()})  # fmt: skip
@@ -167,7 +192,7 @@ def _curve_step(capacity: CapacityCurve, symbol: str, d: float, a: float) -> Ste
 
 def _scaled(
     demand: Demand, capacity: float, spectrum: Spectrum, method: Method
-) -> tuple[Spectrum, tuple[str, ...]]:
+) -> tuple[Spectrum, tuple[Message, ...]]:
     """Return the spectrum that meets the capacity when scaled by capacity/demand, and notes."""
     if method.scaling == "shape" or method.hazard is None:
         return spectrum, ()

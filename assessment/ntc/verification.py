@@ -26,17 +26,18 @@ from assessment.ntc.demand_capacity import (
 from assessment.ntc.limit_states import INDEX, INDEXED, ROCK, SURFACE
 from assessment.ntc.methods import ACTIVATION_DAMPING, LAW, Method
 from mechanics.errors import require
+from mechanics.messages import Message, message
 
 __all__ = ["Check", "Method", "check_elastic", "check_linear", "check_nonlinear", "verify"]
 
 CheckMethod = Literal["linear", "elastic", "nonlinear"]
 
 _SURFACE_LAW = "NTC 2018, §3.2.3.2.1"
-_COLLAPSE_FIRST = (
+_COLLAPSE_FIRST = message(
     "SLV: d_SLC is reached at a smaller a_g under the same spectrum (the formulas allow it where T_SLV lies on "
     "the plateau): that a_g counts"
 )
-_SHAPES = (
+_SHAPES = message(
     "a_g of SLC comes out below that of SLV because their demand spectra differ in shape: the smaller one counts "
     "for both"
 )
@@ -68,7 +69,7 @@ class Check:
     return_period: float | None
     governing: str
     trace: Trace
-    notes: tuple[str, ...] = ()
+    notes: tuple[Message, ...] = ()
     demand_a_star: float | None = None
     reference: str = ROCK
     S: float | None = None
@@ -107,7 +108,7 @@ def verify(
         try:
             checks[state] = check_nonlinear(capacity, state, spectrum, method)
         except CapacityError as refusal:
-            checks[state] = _refused(state, spectrum, method, str(refusal))
+            checks[state] = _refused(state, spectrum, method, refusal.message)
         if state == "SLV":
             checks["SLV linear"] = check_linear(capacity, state, spectrum, method)
     life, collapse = (checks[state].a_g if state in checks else None for state in ("SLV", "SLC"))
@@ -261,7 +262,7 @@ def _linear_demand(
     return line.result, (*spectrum.with_damping(ACTIVATION_DAMPING).steps(0.0), line)
 
 
-def _refused(limit_state: str, spectrum: Spectrum, method: Method, reason: str) -> Check:
+def _refused(limit_state: str, spectrum: Spectrum, method: Method, reason: Message) -> Check:
     """Return the Check of a capacity that is not defined."""
     demand = method.site_acceleration.get(limit_state, spectrum.ag)
     return Check(

@@ -14,6 +14,7 @@ from assessment.project.state_models import StateModel, state_models
 from assessment.runtime.errors import ProjectError
 from mechanics import Assembly, DrawingError, Material
 from mechanics.faults import Fault, FaultyDrawingError
+from mechanics.messages import Message
 from mechanics.model import Drawing, Layer, default_tolerance, survey_drawing, survey_layout
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ class ProjectModel:
 
     assembly: Assembly
     states: Mapping[str, StateModel]
-    warnings: tuple[str, ...]
+    warnings: tuple[Message, ...]
 
 
 def build_model(project: Project) -> ProjectModel:
@@ -79,7 +80,7 @@ def how_to_read(project: Project) -> tuple[Path, str, Layer, dict[str, Layer], f
     )
 
 
-def _laid_out(project: Project, drawing: Drawing) -> tuple[float, tuple[str, ...]]:
+def _laid_out(project: Project, drawing: Drawing) -> tuple[float, tuple[Message, ...]]:
     """Return the tolerance (m) of the joints and all warnings; raise FaultyDrawingError with all faults."""
     name, blocks, faults = project.geometry.drawing, drawing.blocks, drawing.faults
     if not blocks:

@@ -11,6 +11,7 @@ import numpy as np
 
 from assessment.runtime.errors import ProjectError
 from mechanics.faults import visible
+from mechanics.messages import Message, headed, message
 from mechanics.records import SAME_TIME, Record, read_record
 from mechanics.types import Array
 
@@ -37,7 +38,7 @@ class BaseMotion:
     scale: float
     start: float = 0.0
     vertical: Array | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[Message, ...] = ()
     amplitude: float = 1.0
 
     @property
@@ -129,11 +130,18 @@ def motion_of(
     start = (
         float(original.time[original.time > window[0] - SAME_TIME * original.time_step][0]) if window else 0.0
     )
-    notes: tuple[str, ...] = ()
+    notes: tuple[Message, ...] = ()
     if cut.pga < (1.0 - WHOLE) * original.pga:
         notes = (
-            f"{original.name}: the window leaves out the peak of {original.pga:.3g} g; PGA means {cut.pga:.3g} g, "
-            "the largest acceleration inside it",
+            headed(
+                original.name,
+                message(
+                    "the window leaves out the peak of {peak:.3g} g; PGA means {pga:.3g} g, "
+                    "the largest acceleration inside it",
+                    peak=original.pga,
+                    pga=cut.pga,
+                ),
+            ),
         )
     return BaseMotion(record, original, cut.pga, 1.0, start, None, notes)
 

@@ -1,6 +1,6 @@
 """Values that are allowed and hardly meant: a warning that names the key and what was probably meant.
 
-None is refused.
+None is refused. What is to be typed is a text: it has a decimal point in every language.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from assessment.ntc.demand.spectrum import ElasticSpectrum, Spectrum
+from mechanics.messages import Message, headed, message
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ BARS = (2e-5, 0.02)  # m²: sections, of a bar of 5 mm to one of 160 mm
 UNITS = (("kg/m³", GRAVITY / 1e3), ("N/m³", 1e-3), ("t/m³", GRAVITY))  # of weight or mass, in kN/m³
 
 
-def implausible(project: Project, model: Assembly) -> list[str]:
+def implausible(project: Project, model: Assembly) -> list[Message]:
     """Return a warning for each value that is implausible for the project's model or for any masonry."""
     low, high = (
         bound(np.concatenate([b.polygon for b in model.blocks]), axis=0) for bound in (np.min, np.max)
@@ -53,14 +54,18 @@ def implausible(project: Project, model: Assembly) -> list[str]:
     assessment = project.assessment
     crushes = bool(np.isfinite(model.contacts.strength).all())
     if assessment and assessment.confidence_factor < LC1 and not crushes:
-        found.append(
-            f"assessment.confidence_factor: {assessment.confidence_factor:g} is below {LC1:g}, which Circolare 7/2019, "
-            f"C8.7.1.2, asks for where compressive strength is left out, as here; write {LC1:g}"
+        low_factor = message(
+            "{factor:g} is below {least:g}, which Circolare 7/2019, C8.7.1.2, asks for where compressive strength is "
+            "left out, as here; write {meant}",
+            factor=assessment.confidence_factor,
+            least=LC1,
+            meant=f"{LC1:g}",
         )
-    return [f"{project.source}: {text}" for text in found]
+        found.append(headed("assessment.confidence_factor", low_factor))
+    return [headed(project.source, text) for text in found]
 
 
-def implausible_hazard(project: Project, demands: Mapping[str, Spectrum]) -> list[str]:
+def implausible_hazard(project: Project, demands: Mapping[str, Spectrum]) -> list[Message]:
     """Return a warning for coordinates, a_g or T_C* that are implausible for a site in Italy."""
     site = project.assessment.site if project.assessment else None
     if site is None:
@@ -75,41 +80,61 @@ def implausible_hazard(project: Project, demands: Mapping[str, Spectrum]) -> lis
             if isinstance(ground, ElasticSpectrum)
         }
     found = [*_place(site.latitude, site.longitude), *_hazards(values)]
-    return [f"{project.source}: {text}" for text in found]
+    return [headed(project.source, text) for text in found]
 
 
-def _sizes(project: Project, size: float) -> Iterator[str]:
+def _sizes(project: Project, size: float) -> Iterator[Message]:
     if not SIZES[0] <= size <= SIZES[1]:
-        own = project.geometry.unit
-        yield f'geometry.unit: with "{own}" the structure is {size:.3g} m large; write the unit of the drawing'
+        large = message(
+            'with "{own}" the structure is {size:.3g} m large; write the unit of the drawing',
+            own=project.geometry.unit,
+            size=size,
+        )
+        yield headed("geometry.unit", large)
     depths = {"geometry": project.geometry.depth_m}
     depths |= {f"layers.{name}": layer.depth_m for name, layer in project.layers.items() if layer.depth_m}
     for table, depth in depths.items():
         if depth > DEEPEST:
-            yield f"{table}.depth_m: {depth:g} m out of plane; write {1e-3 * depth:g} if mm were meant"
+            deep = message(
+                "{size:g} m out of plane; write {meant} if mm were meant",
+                size=depth,
+                meant=f"{1e-3 * depth:g}",
+            )
+            yield headed(f"{table}.depth_m", deep)
 
 
-def _materials(project: Project) -> Iterator[str]:
+def _materials(project: Project) -> Iterator[Message]:
     tables = {"material": project.material} | {f"layers.{key}": each for key, each in project.layers.items()}
     for table, values in tables.items():
         weight, friction = values.unit_weight_kN_m3, values.friction
         if weight is not None and not LIGHT <= weight <= HEAVY:
             meant = next(((u, f * weight) for u, f in UNITS if LIGHT <= f * weight <= HEAVY), None)
             hint = (
-                f"write {meant[1]:.3g} if {meant[0]} were meant"
+                message("write {meant} if {unit} were meant", unit=meant[0], meant=f"{meant[1]:.3g}")
                 if meant
-                else f"masonry has {LIGHT:g} to {HEAVY:g}"
+                else message("masonry has {least:g} to {most:g}", least=LIGHT, most=HEAVY)
             )
-            yield f"{table}.unit_weight_kN_m3: {weight:g} kN/m³ is no masonry's; {hint}"
+            odd = message("{weight:g} kN/m³ is no masonry's; {hint}", weight=weight, hint=hint)
+            yield headed(f"{table}.unit_weight_kN_m3", odd)
         if friction is not None and STEEPEST < friction < math.inf:
             degrees = math.degrees(math.atan(friction))
-            hint = "stone on stone has 0.4 to 0.8; write inf where joints do not slide"
+            hint = message("stone on stone has 0.4 to 0.8; write inf where joints do not slide")
             if ANGLES[0] <= friction < ANGLES[1]:
-                hint = f"write {math.tan(math.radians(friction)):.2g} if an angle of {friction:g}° was meant"
-            yield f"{table}.friction: {friction:g} is the tangent of {degrees:.3g}°; {hint}"
+                hint = message(
+                    "write {meant} if an angle of {angle:g}° was meant",
+                    meant=f"{math.tan(math.radians(friction)):.2g}",
+                    angle=friction,
+                )
+            steep = message(
+                "{friction:g} is the tangent of {angle:.3g}°; {hint}",
+                friction=friction,
+                angle=degrees,
+                hint=hint,
+            )
+            yield headed(f"{table}.friction", steep)
 
 
-def _soft(project: Project, model: Assembly) -> Iterator[str]:
+def _soft(project: Project, model: Assembly) -> Iterator[Message]:
     """Warn of beds so soft that what lies on the supports sinks into them; the weight is taken to be spread evenly."""
     joints = model.joints
     depth = np.array([block.depth for block in model.blocks])
@@ -128,73 +153,114 @@ def _soft(project: Project, model: Assembly) -> Iterator[str]:
         if share > max(SUNK, worst.get(table, (0.0,))[0]):
             worst[table] = (share, block, stiffness or 0.0)
     for table, (share, block, stiffness) in worst.items():
-        yield (
-            f"{table}.normal_stiffness_kN_m3: with {stiffness:g} kN/m³ the weight alone presses block {block} into its "
-            f"bed by {share:.2g} of its height, more than a hundredth; 1 N/mm³ is 1e6 kN/m³"
+        soft = message(
+            "with {stiffness:g} kN/m³ the weight alone presses block {block} into its bed by {share:.2g} of its "
+            "height, more than a hundredth; 1 N/mm³ is 1e6 kN/m³",
+            stiffness=stiffness,
+            block=block,
+            share=share,
         )
+        yield headed(f"{table}.normal_stiffness_kN_m3", soft)
 
 
-def _movement(key: str, settlement: SettlementTable, size: float) -> Iterator[str]:
+def _movement(key: str, settlement: SettlementTable, size: float) -> Iterator[Message]:
     largest, turn = max(map(abs, settlement.displacement_m)), abs(settlement.rotation_rad)
     if largest > size:
-        yield (
-            f"{key}.displacement_m: {largest:g} m is more than the whole structure ({size:.3g} m); "
-            f"write {1e-3 * largest:g} if mm were meant"
+        far = message(
+            "{movement:g} m is more than the whole structure ({size:.3g} m); write {meant} if mm were meant",
+            movement=largest,
+            size=size,
+            meant=f"{1e-3 * largest:g}",
         )
+        yield headed(f"{key}.displacement_m", far)
     if turn > TURN:
-        yield (
-            f"{key}.rotation_rad: {turn:g} rad are {math.degrees(turn):.3g}°; "
-            f"write {math.radians(turn):.3g} if degrees were meant, {1e-3 * turn:g} if mrad"
+        turned = message(
+            "{turn:g} rad are {angle:.3g}°; write {degrees} if degrees were meant, {mrad} if mrad",
+            turn=turn,
+            angle=math.degrees(turn),
+            degrees=f"{math.radians(turn):.3g}",
+            mrad=f"{1e-3 * turn:g}",
         )
+        yield headed(f"{key}.rotation_rad", turned)
 
 
-def _tie(key: str, tie: TieTable) -> Iterator[str]:
+def _tie(key: str, tie: TieTable) -> Iterator[Message]:
     """Warn of a yield force, and of a stiffness E A/L, that no bar has: A from the yield force where it is known."""
     strength, stiffness = tie.yield_force_kN, tie.stiffness_kN_m
     if HEAVIEST_TIE < strength < math.inf:
-        yield (
-            f"{key}.yield_force_kN: {strength:g} kN is more than anchorages in masonry bear; "
-            f"write {1e-3 * strength:g} if N were meant"
+        strong = message(
+            "{force:g} kN is more than anchorages in masonry bear; write {meant} if N were meant",
+            force=strength,
+            meant=f"{1e-3 * strength:g}",
         )
+        yield headed(f"{key}.yield_force_kN", strong)
     if stiffness is None:
         return
     length = math.dist(tie.from_m, tie.to_m)
     low, high = BARS if strength == math.inf else (strength / YIELDS[1], strength / YIELDS[0])
     least, most = STEEL * low / length, STEEL * high / length
-    if not least <= stiffness <= most:
-        bar = f"{length:.3g} m" if strength == math.inf else f"{length:.3g} m that yields at {strength:g} kN"
-        hint = f"; write {1e-3 * stiffness:g} if N/m were meant" if least <= 1e-3 * stiffness <= most else ""
-        yield (
-            f"{key}.stiffness_kN_m: {stiffness:g} kN/m is not E A/L of a steel bar of {bar}, "
-            f"{least:.2g} to {most:.2g}{hint or '; write that of bar and anchorages'}"
-        )
+    if least <= stiffness <= most:
+        return
+    bar = message("{length:.3g} m", length=length)
+    if strength < math.inf:
+        bar = message("{length:.3g} m that yields at {force:g} kN", length=length, force=strength)
+    hint = message("write that of bar and anchorages")
+    if least <= 1e-3 * stiffness <= most:
+        hint = message("write {meant} if {unit} were meant", meant=f"{1e-3 * stiffness:g}", unit="N/m")
+    odd = message(
+        "{stiffness:g} kN/m is not E A/L of a steel bar of {bar}, {least:.2g} to {most:.2g}; {hint}",
+        stiffness=stiffness,
+        bar=bar,
+        least=least,
+        most=most,
+        hint=hint,
+    )
+    yield headed(f"{key}.stiffness_kN_m", odd)
 
 
-def _place(latitude: float | None, longitude: float | None) -> Iterator[str]:
+def _place(latitude: float | None, longitude: float | None) -> Iterator[Message]:
     if latitude is None or longitude is None:
         return
     (south, north), (west, east) = ITALY
     if west <= latitude <= east and south <= longitude <= north:
-        yield (
-            f"assessment.site.latitude: {latitude:g}, with longitude {longitude:g}, is not in Italy; "
-            f"if they are swapped write latitude = {longitude:g}, longitude = {latitude:g}"
+        swapped = message(
+            "{latitude:g}, with longitude {longitude:g}, is not in Italy; "
+            "if they are swapped write latitude = {north}, longitude = {east}",
+            latitude=latitude,
+            longitude=longitude,
+            north=f"{longitude:g}",
+            east=f"{latitude:g}",
         )
+        yield headed("assessment.site.latitude", swapped)
 
 
-def _hazards(values: Mapping[str, tuple[str, float, float]]) -> Iterator[str]:
+def _hazards(values: Mapping[str, tuple[str, float, float]]) -> Iterator[Message]:
     """Warn of a_g and T_C* (key, g, s) by limit state, the more frequent one first."""
     for key, ag, Tc_star in values.values():
         if ag > STRONGEST:
-            yield (
-                f"{key}.ag_g: {ag:g} g is more than any site has; write {ag / GRAVITY:.3g} if m/s² were meant, "
-                f"{ag / 10.0:.3g} if g/10"
+            strong = message(
+                "{ag:g} g is more than any site has; write {metres} if m/s² were meant, {tenths} if g/10",
+                ag=ag,
+                metres=f"{ag / GRAVITY:.3g}",
+                tenths=f"{ag / 10.0:.3g}",
             )
+            yield headed(f"{key}.ag_g", strong)
         if Tc_star > SLOWEST:
-            yield f"{key}.Tc_star_s: {Tc_star:g} s is longer than any site's; write {1e-3 * Tc_star:g} if ms were meant"
+            slow = message(
+                "{period:g} s is longer than any site's; write {meant} if ms were meant",
+                period=Tc_star,
+                meant=f"{1e-3 * Tc_star:g}",
+            )
+            yield headed(f"{key}.Tc_star_s", slow)
     order = [(name, *values[name]) for name in ("SLD", "SLV", "SLC") if name in values]
     for (often, _, ag, _), (seldom, key, less, _) in pairwise(order):
         if less < ag:
-            yield (
-                f"{key}.ag_g: {less:g} g at {seldom} is below the {ag:g} g of {often}, which comes more often; "
-                "if they are exchanged exchange them, or correct one"
+            exchanged = message(
+                "{ag:g} g at {limit} is below the {most:g} g of {often}, which comes more often; "
+                "if they are exchanged exchange them, or correct one",
+                ag=less,
+                limit=seldom,
+                most=ag,
+                often=often,
             )
+            yield headed(f"{key}.ag_g", exchanged)

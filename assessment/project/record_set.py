@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from assessment.runtime.errors import ProjectError
+from mechanics.messages import Message, message
 
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
@@ -34,18 +35,24 @@ def check_record_set(project: Project, motions: Sequence[BaseMotion]) -> None:
             raise ProjectError(f"{project.source}: campaign.records: {text}")
 
 
-def doubtful_records(motions: Sequence[BaseMotion]) -> list[str]:
+def doubtful_records(motions: Sequence[BaseMotion]) -> list[Message]:
     """Return a warning for each record whose unit or length is implausible."""
-    return [f"campaign, {motion.name}: {text}" for motion in motions for text in _doubts(motion.original)]
+    return [
+        message("campaign, {record}: {text}", record=motion.name, text=doubt)
+        for motion in motions
+        for doubt in _doubts(motion.original)
+    ]
 
 
-def _doubts(record: Record) -> Iterator[str]:
+def _doubts(record: Record) -> Iterator[Message]:
     if not WEAKEST < record.pga < STRONGEST:
-        yield f"a PGA of {record.pga:.3g} g; check the unit of the file, accelerations count in g"
+        yield message(
+            "a PGA of {pga:.3g} g; check the unit of the file, accelerations count in g", pga=record.pga
+        )
     if record.duration < SHORTEST:
-        yield f"lasts {record.duration:.3g} s; check that the record is whole"
+        yield message("lasts {duration:.3g} s; check that the record is whole", duration=record.duration)
     elif max(abs(record.acceleration[[0, -1]])) > CUT * record.pga:
-        yield "begins or ends with strong motion; check that the record is whole"
+        yield message("begins or ends with strong motion; check that the record is whole")
 
 
 def _alike(one: Record, other: Record) -> bool:

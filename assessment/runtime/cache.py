@@ -27,7 +27,7 @@ OWN = ("assessment.", "mechanics.")
 
 def packed(result: Any) -> str:
     """Return a result of an analysis as JSON on one line; floats keep every bit, tuples become lists."""
-    return json.dumps(result, default=_plain, ensure_ascii=False)
+    return json.dumps(_marked(result), default=_plain, ensure_ascii=False)
 
 
 def unpacked(text: str) -> Any:
@@ -92,16 +92,39 @@ def _plain(value: Any) -> Any:
     if kind.__module__.startswith(OWN):
         tag = {KIND: f"{kind.__module__}:{kind.__name__}"}
         if is_dataclass(value):
-            return tag | {field.name: getattr(value, field.name) for field in fields(value)}
+            return tag | {field.name: _marked(getattr(value, field.name)) for field in fields(value)}
         if _is_part(kind):
-            return tag | value.model_dump(by_alias=True, exclude_unset=True)
+            return tag | _marked(value.model_dump(by_alias=True, exclude_unset=True))
     raise TypeError(f"{type(value).__name__}: not a result of an analysis")
+
+
+def _marked(value: Any) -> Any:
+    """Return a value with its messages as objects that `_restored` knows: JSON takes them for plain strings.
+
+    Lists of numbers are left as they are, by their first item.
+    """
+    from mechanics.messages import Message
+
+    if isinstance(value, Message):
+        kind = f"{Message.__module__}:{Message.__name__}"
+        return {KIND: kind, "template": value.template, "fields": _marked(value.fields)}
+    if isinstance(value, dict):
+        return {name: _marked(item) for name, item in value.items()}
+    if isinstance(value, list | tuple) and value and not isinstance(value[0], int | float):
+        return [_marked(item) for item in value]
+    return value
 
 
 def _is_part(kind: type) -> bool:
     from assessment.results.schema.part import Part  # late: as above
 
     return issubclass(kind, Part)
+
+
+def _is_message(kind: type) -> bool:
+    from mechanics.messages import Message  # late: as above
+
+    return kind is Message
 
 
 def _restored(content: dict[str, Any]) -> Any:
@@ -113,7 +136,7 @@ def _restored(content: dict[str, Any]) -> Any:
         module, _, name = content.pop(KIND).partition(":")
         # late: a run that takes over all results needs none
         kind = getattr(import_module(module), name) if module.startswith(OWN) else None
-        if not isinstance(kind, type) or not (is_dataclass(kind) or _is_part(kind)):
+        if not isinstance(kind, type) or not (is_dataclass(kind) or _is_part(kind) or _is_message(kind)):
             raise ValueError(f"{module}:{name}: not a result of an analysis")
         return kind(**content)
     return content

@@ -17,6 +17,7 @@ from assessment.results.schema.studies import ConvergenceRow
 from assessment.results.table import cells
 from assessment.studies.increments import refined
 from assessment.studies.variants import capacities_of
+from mechanics.messages import Message, headed, linked, message
 
 if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
@@ -102,12 +103,12 @@ class Levels:
         known = self.relative.values()
         return len(self.measured) > 1 and all(error is not None and error <= bound for error in known)
 
-    def missed(self, tolerance: float) -> list[str]:
+    def missed(self, tolerance: float) -> list[Message]:
         """Return a text for each quantity whose error does not meet the tolerance."""
         return [
-            f"{key} is not known (not reached by every analysis)"
+            message("{key} is not known (not reached by every analysis)", key=key)
             if error is None
-            else f"{key} is {100.0 * error:.2g} %"
+            else message("{key} is {error:.2g} %", key=key, error=100.0 * error)
             for key, error in self.relative.items()
             if error is None or error > tolerance
         ]
@@ -150,7 +151,7 @@ class Convergence:
     given: list[StateResult]
     halvings: dict[str, int] = field(default_factory=dict)
     rows: list[ConvergenceRow] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
+    warnings: list[Message] = field(default_factory=list)
 
 
 def converge(
@@ -175,7 +176,7 @@ def converge(
         for state, measured in measure(project, models, demands, found.stages).items()
     }
     found.halvings = dict.fromkeys(levels, 0)
-    failed: dict[str, str] = {}
+    failed: dict[str, Message] = {}
     for halvings in range(1, accuracy.halvings + 1):
         wanted = [
             state
@@ -199,26 +200,31 @@ def converge(
             if not each.reached:
                 continue
             found.rows.append(each.row(state, way, found.halvings[state], accuracy.tolerance))
-            title = f"{state}, {way}"
+            title = message("{state}, {direction}", state=state, direction=way)
             if state in failed:
-                found.warnings.append(f"{title}: finer increments fail: {failed[state]}")
-            found.warnings += not_met(title, each, accuracy.tolerance, "increments")
+                reason = message("finer increments fail: {reason}", reason=failed[state])
+                found.warnings.append(headed(title, reason))
+            found.warnings += [headed(title, text) for text in not_met(each, accuracy.tolerance)]
     return found
 
 
-def not_met(title: str, levels: Levels, tolerance: float, what: str) -> list[str]:
-    """Return a warning where the errors of `levels` do not meet the (relative) tolerance; `what`: what was halved."""
+def not_met(levels: Levels, tolerance: float) -> list[Message]:
+    """Return a warning where the errors of `levels` do not meet the (relative) tolerance."""
     if levels.within(tolerance):
         return []
     times = 2 ** (len(levels.measured) - 1)
     if times == 1:
-        return [f"{title}: discretisation error not known"]
+        return [message("discretisation error not known")]
     if not levels.missed(tolerance):
-        return [f"{title}: two increments agree, which may be chance; a third was not reached"]
-    missed = "; ".join(levels.missed(tolerance))
+        return [message("two increments agree, which may be chance; a third was not reached")]
     return [
-        f"{title}: estimated discretisation error of {missed} with {what} 1/{times} of those given, "
-        f"tolerance {100.0 * tolerance:.2g} %; start from smaller {what}"
+        message(
+            "estimated discretisation error of {missed} with increments 1/{times} of those given, "
+            "tolerance {tolerance:.2g} %; start from smaller increments",
+            missed=linked(levels.missed(tolerance)),
+            times=times,
+            tolerance=100.0 * tolerance,
+        )
     ]
 
 
@@ -244,13 +250,13 @@ def measure(
     return found
 
 
-def _new_failures(coarse: Sequence[StateResult], fine: Sequence[StateResult], state: str) -> str:
-    """Return the failures of the finer analyses of a state if there are more than before, else ""."""
+def _new_failures(coarse: Sequence[StateResult], fine: Sequence[StateResult], state: str) -> Message | None:
+    """Return the failures of the finer analyses of a state if there are more than before, else None."""
     before, after = (
         [text for stage in stages if stage.state == state for text in stage.failures]
         for stages in (coarse, fine)
     )
-    return "; ".join(after) if len(after) > len(before) else ""
+    return linked(after) if len(after) > len(before) else None
 
 
 def _finest(coarse: StateResult, stages: Sequence[StateResult], failed: Collection[str]) -> StateResult:

@@ -23,6 +23,7 @@ from assessment.studies.variants import (
     quantity,
     quoted_limit_state,
 )
+from mechanics.messages import message
 from mechanics.procedures import whole_movement
 
 if TYPE_CHECKING:
@@ -60,7 +61,12 @@ def scenarios(
         for k in range(1, whole.steps or 1)
     ]
     variants = [
-        Variant(f"part {k} of {whole.steps}", finer, models[whole.name], part(whole, k / (whole.steps or 1)))
+        Variant(
+            message("part {number} of {count}", number=k, count=whole.steps or 1),
+            finer,
+            models[whole.name],
+            part(whole, k / (whole.steps or 1)),
+        )
         for finer, whole, k in swept
     ]
     keys = [(whole.name, k) for _, whole, k in swept]
@@ -82,7 +88,7 @@ def scenarios(
         limit_state=quoted_limit_state(project),
         points=points,
         worst=worst(points, by),
-        warnings=study.warnings,
+        warnings=list(study.warnings),
     )
 
 

@@ -12,6 +12,7 @@ from assessment.project.schema import Table
 from assessment.results.schema.studies import Sensitivity, SensitivityRun
 from assessment.studies.increments import refined
 from assessment.studies.variants import Study, Variant, analyse, quoted_limit_state
+from mechanics.messages import Message, message
 
 if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
@@ -25,6 +26,12 @@ KEYS = {  # property: the keys of [material], [geometry] and [layers] that it st
     "stiffness": ("normal_stiffness_kN_m3", "tangential_stiffness_kN_m3"),
     "unit_weight": ("unit_weight_kN_m3",),
     "depth": ("depth_m",),
+}
+NAMES = {
+    "friction": message("friction"),
+    "stiffness": message("stiffness"),
+    "unit_weight": message("unit weight"),
+    "depth": message("depth"),
 }
 
 
@@ -44,7 +51,7 @@ def sensitivity(
     cases = list(product(factors, _states(project, halvings).items()))
     variants = [
         Variant(
-            f"{key.replace('_', ' ')} × {factor:g}",
+            message("{property} × {factor:g}", property=NAMES[key], factor=factor),
             refined(varied[key, factor], halvings.get(state, 0)),
             models[key, factor][state],
             settlement,
@@ -65,7 +72,7 @@ def sensitivity(
         for direction, capacities in found.items()
     ]
     study.findings += scatter(runs, without_effect(project))
-    return Sensitivity(limit_state=quoted_limit_state(project), runs=runs, warnings=study.warnings)
+    return Sensitivity(limit_state=quoted_limit_state(project), runs=runs, warnings=list(study.warnings))
 
 
 def without_effect(project: Project) -> set[str]:
@@ -85,12 +92,10 @@ def without_effect(project: Project) -> set[str]:
     return {"depth", "unit_weight"} if rigid else {"depth"}
 
 
-def scatter(runs: Sequence[SensitivityRun], properties: Set[str]) -> list[str]:
+def scatter(runs: Sequence[SensitivityRun], properties: Set[str]) -> list[Message]:
     """Return a finding for each state and direction whose a_g changes with `properties` that it cannot depend on."""
     found = []
-    names = " and ".join(
-        key.replace("_", " ") for key in KEYS if key in properties & {run.property for run in runs}
-    )
+    varied = properties & {run.property for run in runs}
     for state, direction in dict.fromkeys((run.state, run.direction) for run in runs):
         same = [
             run.a_g_g
@@ -105,11 +110,21 @@ def scatter(runs: Sequence[SensitivityRun], properties: Set[str]) -> list[str]:
         )
         if spread > SCATTER:
             found.append(
-                f"sensitivity, {state}, {direction}: a_g scatters by {100.0 * spread:.3g} % with "
-                f"{names}, on which it cannot depend: bars of this size "
-                "mean nothing; take smaller increments, and see where paths end"
+                message(
+                    "sensitivity, {state}, {direction}: a_g scatters by {spread:.3g} % with {names}, on which it "
+                    "cannot depend: bars of this size mean nothing; take smaller increments, and see where paths end",
+                    state=state,
+                    direction=direction,
+                    spread=100.0 * spread,
+                    names=_named(varied),
+                )
             )
     return found
+
+
+def _named(properties: Set[str]) -> Message:
+    """Return the names of one or both of depth and unit weight."""
+    return message("unit weight and depth") if len(properties) > 1 else NAMES[min(properties)]
 
 
 def with_factor(project: Project, key: str, factor: float) -> Project:

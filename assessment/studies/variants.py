@@ -10,6 +10,7 @@ from assessment.analyses.checks.capacity import assess, capacities
 from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
 from assessment.ntc.limit_states import QUOTED
 from assessment.results.schema.studies import Capacities
+from mechanics.messages import Message, headed, message
 
 if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
@@ -34,9 +35,9 @@ class Variant:
     settlement: SettlementTable | None
 
     @property
-    def title(self) -> str:
+    def title(self) -> Message:
         """The variant and its state, for messages."""
-        return f"{self.what}: {self.model.name}"
+        return message("{what}: {state}", what=self.what, state=self.model.name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,9 +61,9 @@ class Study:
     """Rows of quality, warnings and failures of the runs of a study, findings about all of them, and their time (s)."""
 
     quality: list[QualityRow] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-    findings: list[str] = field(default_factory=list)
-    failures: list[str] = field(default_factory=list)
+    warnings: list[Message] = field(default_factory=list)
+    findings: list[Message] = field(default_factory=list)
+    failures: list[Message] = field(default_factory=list)
     seconds: float = 0.0
 
     def take(self, variant: Variant, stages: Iterable[StateResult]) -> None:
@@ -70,8 +71,8 @@ class Study:
         for stage in stages:
             self.quality += stage.quality
             self.seconds += sum(stage.seconds.values())
-            self.warnings += [f"{variant.what}: {text}" for text in stage.warnings]
-            self.failures += [f"{variant.what}: {text}" for text in stage.failures]
+            self.warnings += [headed(variant.what, text) for text in stage.warnings]
+            self.failures += [headed(variant.what, text) for text in stage.failures]
 
 
 def analyse(
@@ -94,9 +95,9 @@ def analyse(
         pushovers = curves(stages)
         checked: dict[Direction, Capacity] = {}
         if variant.project.assessment:
-            notes: list[str] = []
+            notes: list[Message] = []
             checked = capacities(assess(variant.project, variant.model.assembly, pushovers, demands, notes))
-            study.warnings += [f"{variant.title}: {note}" for note in notes]
+            study.warnings += [headed(variant.title, note) for note in notes]
         yield capacities_of(variant.project, stages, pushovers, checked)
 
 

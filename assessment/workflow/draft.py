@@ -6,10 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from assessment.results.messages import with_messages
 from assessment.results.quality import quality_of
 from assessment.results.schema import Results, State
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.studies import ConvergenceRow
+from mechanics.messages import Message
 
 
 @dataclass
@@ -22,7 +24,7 @@ class Draft:
     """
 
     results: Results
-    warnings: list[str] = field(default_factory=list)
+    warnings: list[Message] = field(default_factory=list)
     quality: list[QualityRow] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
     errors: list[ConvergenceRow] = field(default_factory=list)
@@ -45,7 +47,9 @@ class Draft:
         """Add the computing time (s) of a stage."""
         self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
 
-    def take(self, warnings: Iterable[str], failures: Iterable[str], rows: Iterable[QualityRow]) -> None:
+    def take(
+        self, warnings: Iterable[Message], failures: Iterable[Message], rows: Iterable[QualityRow]
+    ) -> None:
         """Add the messages and certificates of an analysis."""
         self.warnings += [*warnings, *failures]
         self.quality += rows
@@ -55,8 +59,10 @@ class Draft:
         convergence = self.results.convergence.replace(rows=self.errors)
         if self.search_errors:
             convergence = convergence.replace(incremental=self.search_errors)
-        return self.results.replace(
-            convergence=convergence,
-            quality=quality_of(self.quality, self.warnings),
-            timing_s=self.seconds,
+        return with_messages(
+            self.results.replace(
+                convergence=convergence,
+                quality=quality_of(self.quality, self.warnings),
+                timing_s=self.seconds,
+            )
         )

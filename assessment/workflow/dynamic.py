@@ -20,6 +20,7 @@ from assessment.project.motions import (
     incremental_motions,
 )
 from assessment.project.record_set import check_record_set, doubtful_records
+from mechanics.messages import Message
 
 if TYPE_CHECKING:
     from assessment.analyses.static.states import StateResult
@@ -41,7 +42,7 @@ class Motions:
     campaign: list[BaseMotion]
 
     @property
-    def notes(self) -> list[str]:
+    def notes(self) -> list[Message]:
         """What the user should know about the records."""
         notes = [
             note for motion in (*self.history, *self.incremental, *self.campaign) for note in motion.notes

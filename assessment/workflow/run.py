@@ -32,10 +32,6 @@ if TYPE_CHECKING:
     from assessment.results.schema import Results
     from assessment.runtime.show import Show
 
-EDITED = (
-    "results.json was changed after the run that wrote it: numbers printed from it may not be computed ones"
-)
-
 
 def carry_out(
     project: Project,
@@ -100,7 +96,9 @@ def print_again(project: Project, folder: Path) -> list[str]:
     or cannot be printed (damaged, edited, of another version), BusyError as `carry_out`.
     """
     from assessment.results.file import read_results
+    from assessment.results.messages import with_messages
     from assessment.workflow.output import write
+    from mechanics.messages import message
 
     stored = folder / "results.json"
     if not stored.is_file():
@@ -109,13 +107,16 @@ def print_again(project: Project, folder: Path) -> list[str]:
         clear(folder)
         results, last = read_results(stored), recall(folder)
         edited = last is not None and not last.intact(folder, RESULTS)
-        warnings = [EDITED] if edited else []
+        doubt = message(
+            "results.json was changed after the run that wrote it: numbers printed from it may not be computed ones"
+        )
+        warnings: list[str] = [doubt] if edited else []
         try:
             known = results.quality.warnings
             quality = results.quality.replace(
                 warnings=[*known, *(text for text in warnings if text not in known)]
             )
-            results = _titled(results, project).replace(quality=quality)
+            results = with_messages(_titled(results, project).replace(quality=quality))
             warnings += write(results, folder, jobs=0, attachments=project.attachments())
         except (OSError, KilledError, ProjectError):  # that name another file
             raise

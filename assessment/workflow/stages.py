@@ -36,6 +36,7 @@ from assessment.workflow.draft import Draft
 from assessment.workflow.dynamic import add_dynamics, read_motions
 from assessment.workflow.skeleton import describe
 from assessment.workflow.studies import add_studies
+from mechanics.messages import Message, headed, message
 
 if TYPE_CHECKING:
     from assessment.project.model import ProjectModel
@@ -192,7 +193,7 @@ def _add_capacity(
     ensemble: Ensemble | None,
 ) -> None:
     """Add ranges and checks of one state, and the indices that follow from them."""
-    notes: list[str] = []
+    notes: list[Message] = []
 
     def checked(pushovers: Mapping[Direction, Pushovers]) -> Mapping[Direction, Assessed]:
         return assess(project, assembly, pushovers, demands, notes) if project.assessment else {}
@@ -200,12 +201,13 @@ def _add_capacity(
     state = draft.states[name]
     if ensemble is not None:
         state = with_ranges(state, [_paths(member) for member in ensemble], checked)
-        notes += told_of(ensemble)
     else:
         found = checked(state.pushover)
         curves_of = {direction: each.curves for direction, each in found.items()}
         state = state.replace(pushover=state.pushover | curves_of, capacity=capacities(found))
-    draft.warnings += [f"{name}: {note}" for note in dict.fromkeys(notes)]
+    draft.warnings += [message("{state}: {text}", state=name, text=note) for note in dict.fromkeys(notes)]
+    if ensemble is not None:
+        draft.warnings += [headed(message("{state}", state=name), note) for note in told_of(ensemble)]
     draft.put_state(name, pushdown=state.pushdown, pushover=state.pushover, capacity=state.capacity)
     if project.assessment:
         draft.put_state(
@@ -260,12 +262,15 @@ def _requests(project: Project, states: States) -> list[Request]:
     ]
 
 
-def told_of(ensemble: Ensemble) -> Iterator[str]:
+def told_of(ensemble: Ensemble) -> Iterator[Message]:
     """Yield warnings about an ensemble: how large it is, and which members have no result."""
-    yield (
-        f"joints slide, or a part moves by itself: {len(ensemble) + 1} runs with other increments and corners moved "
-        "by a ten-millionth of their block give the ranges; of a capacity the lower end is used"
+    yield message(
+        "joints slide, or a part moves by itself: {count} runs with other increments and corners moved by a "
+        "ten-millionth of their block give the ranges; of a capacity the lower end is used",
+        count=len(ensemble) + 1,
     )
     failed = [each for member in ensemble for each in member if each.failures]
     if failed:
-        yield f"in {len(failed)} of the runs of the ensemble: {failed[0].failures[0]}"
+        yield message(
+            "in {count} of the runs of the ensemble: {text}", count=len(failed), text=failed[0].failures[0]
+        )

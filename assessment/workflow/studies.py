@@ -10,6 +10,7 @@ from assessment.studies.campaign.stage import campaign
 from assessment.studies.scenarios import asks_for_scenarios, scenarios
 from assessment.studies.sensitivity import sensitivity
 from assessment.studies.variants import Statics, Study
+from mechanics.messages import Message, message
 
 if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
@@ -50,19 +51,32 @@ def add_studies(
         study = Study()
         draft.put(**{name: make(study)})
         draft.took(name, study.seconds)
-        draft.warnings += [
-            *_in_short(name, study.warnings),
-            *study.findings,
-            *_in_short(name, study.failures, "failures"),
-        ]
+        draft.warnings += _in_short(name, study)
         if study.quality:
             draft.quality.append(joined(None, name, study.quality))
         complete = complete and not study.failures
     return complete
 
 
-def _in_short(name: str, texts: Sequence[str], what: str = "warnings") -> list[str]:
-    """Return up to FEW messages as they are, more as their number: a study repeats those of the states it varies."""
-    if len(texts) <= FEW:
-        return list(texts)
-    return [f"{name}: {len(texts)} {what} of single runs, in results.json; the first: {texts[0]}"]
+def _in_short(name: str, study: Study) -> list[Message]:
+    """Return up to FEW warnings and failures as they are, more as their number: they repeat those of the states."""
+    warnings, failures = study.warnings, study.failures
+    if len(warnings) > FEW:
+        warnings = [
+            message(
+                "{study}: {count} warnings of single runs, in results.json; the first: {text}",
+                study=name,
+                count=len(warnings),
+                text=warnings[0],
+            )
+        ]
+    if len(failures) > FEW:
+        failures = [
+            message(
+                "{study}: {count} failures of single runs, in results.json; the first: {text}",
+                study=name,
+                count=len(failures),
+                text=failures[0],
+            )
+        ]
+    return [*warnings, *study.findings, *failures]

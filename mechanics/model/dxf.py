@@ -25,6 +25,7 @@ from ezdxf.math import Matrix44
 
 from mechanics.errors import DrawingError, require
 from mechanics.faults import Fault, FaultyDrawingError, Outline, listed, visible
+from mechanics.messages import Message, headed, message
 from mechanics.model.block import Block, Material
 from mechanics.model.polylines import (
     MOST_POINTS,
@@ -77,7 +78,7 @@ class Drawing(Sequence[Block]):
     """
 
     blocks: tuple[Block, ...]
-    warnings: tuple[str, ...]
+    warnings: tuple[Message, ...]
     sagitta: float = 0.0
     faults: tuple[Fault, ...] = ()
     outlines: tuple[Outline, ...] = ()
@@ -159,13 +160,20 @@ def survey_drawing(
 
     idle = [name for name in layers if _key(name) not in holding]
     if (own := units.unit_name(document.units)) not in {"Unitless", "unitless", INSUNITS[unit]}:
-        warnings.append(f"$INSUNITS says {own}, the project {unit}, which is used; check the sizes")
-    warnings += [f'layer "{name}" holds no block: what the project says of it has no effect' for name in idle]
+        warnings.append(
+            message(
+                "$INSUNITS says {own}, the project {unit}, which is used; check the sizes", own=own, unit=unit
+            )
+        )
+    warnings += [
+        message('layer "{name}" holds no block: what the project says of it has no effect', name=name)
+        for name in idle
+    ]
     warnings += _left_out(placed, [o for o in outlines if not o.closed])
 
     return Drawing(
         tuple(block_of(o, layer_of(o, named, default), scale) for o in used),
-        tuple(f"{path.name}: {w}" for w in warnings),
+        tuple(headed(path.name, warning) for warning in warnings),
         scale * max((o.sagitta for o in used), default=0.0),
         tuple(faults),
         tuple(
@@ -198,7 +206,7 @@ def meant_as_blocks(outlines: Sequence[PlacedOutline], layers: Mapping[str, Laye
     return [o for o in outlines if not layers or not closed or _key(o.source.layer) in with_blocks]
 
 
-def open_document(path: Path) -> tuple[Document, list[str]]:
+def open_document(path: Path) -> tuple[Document, list[Message]]:
     """Return the document, repaired where that loses nothing, and warnings of that.
 
     Raises DrawingError where it cannot be read.
@@ -234,9 +242,13 @@ def open_document(path: Path) -> tuple[Document, list[str]]:
         raise DrawingError(f"{path}: the file is damaged: {'; '.join(fatal[:3])}; export it again")
     if not faults:
         return document, []
-    what = f"{len(faults)} faults, first: {visible(faults[0].message)[:LONGEST_REASON]}"
     return document, [
-        f"the file was damaged and has been repaired ({what}); compare the model with the drawing"
+        message(
+            "the file was damaged and has been repaired ({count} faults, first: {found}); "
+            "compare the model with the drawing",
+            count=len(faults),
+            found=visible(faults[0].message)[:LONGEST_REASON],
+        )
     ]
 
 
@@ -339,20 +351,33 @@ def _nothing(document: Document, placed: Sequence[Placed]) -> str:
     return f"nothing closed is in model space, but {found}; draw each block as one closed polyline"
 
 
-def _left_out(placed: Sequence[Placed], open_: Sequence[PlacedOutline]) -> list[str]:
+def _left_out(placed: Sequence[Placed], open_: Sequence[PlacedOutline]) -> list[Message]:
     """Warn of what looks like a block and is none."""
     hidden = Counter(p.layer for p in placed if p.hidden and is_polyline(p.entity))
-    warnings = [f'layer "{k}": {n} frozen, off or invisible polylines left out' for k, n in hidden.items()]
+    warnings = [
+        message('layer "{name}": {count} frozen, off or invisible polylines left out', name=name, count=count)
+        for name, count in hidden.items()
+    ]
     if open_:
         first = open_[0].source.at(*open_[0].points[[0, -1]])
-        warnings.append(f"{len(open_)} open polylines on layers without blocks left out, first: {first}")
+        warnings.append(
+            message(
+                "{count} open polylines on layers without blocks left out, first: {where}",
+                count=len(open_),
+                where=first,
+            )
+        )
     rest = [p for p in placed if not (p.hidden or is_polyline(p.entity))]
     shapes = [p for p in rest if p.entity.dxftype() in SHAPES or isinstance(p.entity, DXFTagStorage)]
     if shapes:
         kinds = Counter(p.entity.dxftype() for p in shapes)
-        found = ", ".join(listed([f"{n} {visible(kind)}" for kind, n in kinds.most_common()]))
-        on = ", ".join(listed(sorted({p.layer for p in shapes})))
-        warnings.append(f"left out, being no closed polylines: {found}, on layers {on}")
+        warnings.append(
+            message(
+                "left out, being no closed polylines: {found}, on layers {layers}",
+                found=listed([f"{n} {visible(kind)}" for kind, n in kinds.most_common()]),
+                layers=listed(sorted({p.layer for p in shapes})),
+            )
+        )
     return warnings
 
 

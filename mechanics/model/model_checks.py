@@ -13,6 +13,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from mechanics.faults import Fault, FaultyDrawingError, Outline, listed
+from mechanics.messages import Message, message
 from mechanics.model.block import Block
 from mechanics.model.joints import Joints, find_joints
 from mechanics.model.overlaps import Overlaps, Polygons, eroded, name_of, overlaps_of, place_of
@@ -30,7 +31,7 @@ class Layout:
     """Result of a survey of blocks: `faults`, `warnings`, and the `remedy` that would mend every gap ("": none)."""
 
     faults: tuple[Fault, ...]
-    warnings: tuple[str, ...]
+    warnings: tuple[Message, ...]
     remedy: str = ""
 
 
@@ -51,7 +52,7 @@ class _Gaps:
         return _Gaps(self.pair[chosen], self.width[chosen], self.places[chosen], stretches)
 
 
-def check_layout(blocks: Sequence[Block], tolerance: float) -> tuple[str, ...]:
+def check_layout(blocks: Sequence[Block], tolerance: float) -> tuple[Message, ...]:
     """Check that blocks make an assembly, with the `tolerance` (m) with which its joints are found.
 
     Returns warnings: edges that face each other at more than the tolerance but less than `NEAR`
@@ -100,7 +101,7 @@ def survey_layout(blocks: Sequence[Block], tolerance: float, whole: bool = True)
     return Layout(
         (*faults, *overlaps.faults, *floats, *falls),
         (*warnings, *filter(None, remedies[1:]), *_idle_supports(blocks, polygons, tolerance)),
-        remedies[0],
+        remedies[0] or "",
     )
 
 
@@ -251,23 +252,32 @@ def _gap_faults(
     return faults
 
 
-def _gap_warnings(blocks: Sequence[Block], gaps: _Gaps, tolerance: float) -> list[str]:
+def _gap_warnings(blocks: Sequence[Block], gaps: _Gaps, tolerance: float) -> list[Message]:
     texts = _gap_texts(blocks, gaps, tolerance)
-    return listed([f"{text}; if they should touch, draw them so" for text in texts])
+    return listed([message("{text}; if they should touch, draw them so", text=text) for text in texts])
 
 
-def _gap_texts(blocks: Sequence[Block], gaps: _Gaps, tolerance: float) -> list[str]:
+def _gap_texts(blocks: Sequence[Block], gaps: _Gaps, tolerance: float) -> list[Message]:
     return [
-        f"{name_of(blocks, a)} and {name_of(blocks, b)} face each other at {place_of(place)} across "
-        f"{_width(low, high)} m, more than the joint tolerance of {tolerance:.3g} m: no joint"
+        message(
+            "{block} and {other} face each other at {where} across {width:.3g} m, more than the joint tolerance of "
+            "{tolerance:.3g} m: no joint",
+            block=name_of(blocks, a),
+            other=name_of(blocks, b),
+            where=place_of(place),
+            width=_width(low, high),
+            tolerance=tolerance,
+        )
         for (a, b), (low, high), place in zip(gaps.pair.tolist(), gaps.width, gaps.places, strict=True)
     ]
 
 
-def _remedy(blocks: Sequence[Block], polygons: Polygons, kept: Index, gaps: _Gaps, tolerance: float) -> str:
-    """Return the tolerance with which every gap is a joint and no block too thin; "" where there is none, or no gap."""
+def _remedy(
+    blocks: Sequence[Block], polygons: Polygons, kept: Index, gaps: _Gaps, tolerance: float
+) -> Message | None:
+    """Return the tolerance with which every gap is a joint and no block too thin; None: there is none, or no gap."""
     if not len(gaps.pair):
-        return ""
+        return None
     widest = float(gaps.width.max())
     unit = 10.0 ** math.floor(math.log10(ROOM * widest))
     wider = math.ceil(ROOM * widest / unit - 1e-9) * unit
@@ -276,20 +286,28 @@ def _remedy(blocks: Sequence[Block], polygons: Polygons, kept: Index, gaps: _Gap
     if shapely.is_empty(eroded(polygons[kept], wider)).any() or not joined.issuperset(
         map(tuple, np.sort(gaps.pair).tolist())
     ):
-        return ""
-    return f"gaps of up to {1e3 * widest:.3g} mm: geometry.tolerance_m = {wider:g} closes all of them"
+        return None
+    return message(
+        "gaps of up to {width:.3g} mm: geometry.tolerance_m = {wider} closes all of them",
+        width=1e3 * widest,
+        wider=f"{wider:g}",
+    )
 
 
-def _idle_supports(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> list[str]:
+def _idle_supports(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> list[Message]:
     i, j = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=tolerance)
     alone = np.setdiff1d(np.flatnonzero([b.support is not None for b in blocks]), i[i != j]).tolist()
     return listed(
         [
-            f"{name_of(blocks, k)} at {place_of(blocks[k].centroid)} is a support and touches nothing"
+            message(
+                "{block} at {where} is a support and touches nothing",
+                block=name_of(blocks, k),
+                where=place_of(blocks[k].centroid),
+            )
             for k in alone
         ]
     )
 
 
-def _width(low: float, high: float) -> str:
-    return f"{high:.3g}" if high - low < 0.01 * high else f"{low:.3g} to {high:.3g}"
+def _width(low: float, high: float) -> float | Message:
+    return high if high - low < 0.01 * high else message("{low:.3g} to {high:.3g}", low=low, high=high)

@@ -12,6 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from mechanics.faults import Fault
+from mechanics.messages import Message, message
 from mechanics.model.block import Block
 from mechanics.types import Array, Index
 
@@ -63,11 +64,13 @@ def eroded(polygons: Polygons, tolerance: float) -> Polygons:
     return cores
 
 
-def name_of(blocks: Sequence[Block], index: int) -> str:
+def name_of(blocks: Sequence[Block], index: int) -> Message:
     """Return number, layer and handle of a block, for a message."""
     block = blocks[index]
     origin = [f'layer "{block.layer}"'] * bool(block.layer) + [f"handle {block.handle}"] * bool(block.handle)
-    return f"block {index}" + (f" ({', '.join(origin)})" if origin else "")
+    if not origin:
+        return message("block {number}", number=index)
+    return message("block {number} ({where})", number=index, where=", ".join(origin))
 
 
 def place_of(point: Array) -> str:

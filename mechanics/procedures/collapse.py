@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from mechanics.kernels.joint import H, U
+from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts
 from mechanics.types import Array, Mask
@@ -39,8 +40,8 @@ class ControlPoint:
 
 def collapse(
     model: Assembly, contacts: Contacts, start: State, x: Array, v: Array, control: ControlPoint | None
-) -> str:
-    """Return why a motion at positions x (b, 3) and velocities v (b, 3) cannot come back; "" where it can.
+) -> Message | None:
+    """Return why a motion at positions x (b, 3) and velocities v (b, 3) cannot come back; None where it can.
 
     The control point is past its ultimate displacement and moves outward; or a block has turned by more than 1 rad, or
     fallen by more than its size and still falls, or is out of reach of all its contacts.
@@ -48,19 +49,28 @@ def collapse(
     if control is not None and control.ultimate is not None:
         displacement = control.displacement(model, start, x)
         if abs(displacement) > control.ultimate and displacement * control.velocity(model, x, v) > 0.0:
-            return f"the control point is {displacement:.3g} m away, past its ultimate displacement, and moving outward"
+            return message(
+                "the control point is {displacement:.3g} m away, past its ultimate displacement, and moving outward",
+                displacement=displacement,
+            )
     moved, size = x - start.positions, model.block_size
     if abs(moved).max() <= min(TURNED, float(size.min())):
-        return ""  # the cheap test: no block has moved far enough for any criterion below
+        return None  # the cheap test: no block has moved far enough for any criterion below
     turned = abs(moved[:, 2])
     if turned.max() > TURNED:
-        return f"block {int(turned.argmax())} has turned by {turned.max():.2f} rad"
+        return message(
+            "block {block} has turned by {angle:.2f} rad",
+            block=int(turned.argmax()),
+            angle=float(turned.max()),
+        )
     fallen = (-moved[:, 1] > size) & (v[:, 1] < 0.0)
     if fallen.any():
         block = int(np.argmax(np.where(fallen, -moved[:, 1], -np.inf)))
-        return f"block {block} has fallen by {-moved[block, 1]:.3g} m"
+        return message("block {block} has fallen by {drop:.3g} m", block=block, drop=float(-moved[block, 1]))
     alone = np.flatnonzero(model.movable & ~_in_reach(size, contacts, x))
-    return f"block {int(alone[0])} is out of reach of all its contacts" if alone.size else ""
+    if not alone.size:
+        return None
+    return message("block {block} is out of reach of all its contacts", block=int(alone[0]))
 
 
 def _in_reach(size: Array, contacts: Contacts, x: Array) -> Mask:
@@ -72,7 +82,7 @@ def _in_reach(size: Array, contacts: Contacts, x: Array) -> Mask:
     return has
 
 
-def passing_through(model: Assembly, x: Array) -> tuple[str, ...]:
+def passing_through(model: Assembly, x: Array) -> tuple[Message, ...]:
     """Return a note on the two blocks that overlap most at positions (b, 3); empty where none overlap.
 
     It can be needed only where contacts are not looked for again as blocks move.
@@ -92,5 +102,9 @@ def passing_through(model: Assembly, x: Array) -> tuple[str, ...]:
         return ()
     k = int(np.argmax(share))
     return (
-        f"block {first[k]} passes through block {second[k]}: they did not touch as drawn, or slid off each other",
+        message(
+            "block {block} passes through block {other}: they did not touch as drawn, or slid off each other",
+            block=int(first[k]),
+            other=int(second[k]),
+        ),
     )

@@ -9,6 +9,7 @@ import numpy as np
 from mechanics.errors import NoEquilibriumError
 from mechanics.kernels.joint import U
 from mechanics.kernels.law import FRICTION
+from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Solution
@@ -106,7 +107,11 @@ def limit_in(model: Assembly, direction: Direction, state: State, sliding: Slidi
         solution, residual = _without_lift(closed, solution, iterate)
     if abs(solution.alpha) > 0.99 * LARGEST_MULTIPLIER:
         raise NoEquilibriumError(
-            f"{direction}: no mechanism, the load only wedges the blocks (α > {LARGEST_MULTIPLIER:g})"
+            message(
+                "{direction}: no mechanism, the load only wedges the blocks (α > {bound:g})",
+                direction=direction,
+                bound=LARGEST_MULTIPLIER,
+            )
         )
     mechanism = np.zeros((len(model.blocks), 3))
     mechanism[model.movable] = solution.displacement.reshape(-1, 3)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mechanics.messages import Field, Message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.procedures.pushover import Pushover
 from mechanics.steps.static_step import Equilibrium
@@ -98,14 +98,16 @@ class Mirror:
             contacts=self.model.contacts,
         )
 
-    def _mirrored(self, text: str) -> str:
-        """Return the image of a message: its block numbers and its direction are exchanged."""
-        swapped = {"+x": "-x", "-x": "+x"}
-        return re.sub(
-            r"block (\d+)|([+-]x)",
-            lambda found: f"block {self.block[int(found[1])]}" if found[1] else swapped[found[2]],
-            text,
-        )
+    def _mirrored(self, text: Message) -> Message:
+        """Return the image of a message: its block and its direction, and those of messages within, are exchanged."""
+        return Message(text.template, {name: self._field(name, value) for name, value in text.fields.items()})
+
+    def _field(self, name: str, value: Field) -> Field:
+        if isinstance(value, Message):
+            return self._mirrored(value)
+        if name == "block" and isinstance(value, int):
+            return int(self.block[value])
+        return {"+x": "-x", "-x": "+x"}.get(str(value), value) if name == "direction" else value
 
     def _motion(self, motion: Array) -> Array:
         """Return the image of displacements or loads (b, 3) of the blocks."""

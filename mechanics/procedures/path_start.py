@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
+from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import limit_analysis
@@ -96,7 +97,7 @@ def elastic_start(
     except (NoEquilibriumError, ConvergenceError) as stop:
         if state is not None:
             raise
-        raise no_way_from_rest(str(stop)) from stop
+        raise no_way_from_rest(stop.message) from stop
     moved = begun.state.positions - start.state.positions
     least = START.least * problem.size  # a stiff tie moves less than the rest is known to
     share = min(1.0, max(float(abs(moved[:, :2]).max()), least) / increment)
@@ -106,11 +107,14 @@ def elastic_start(
     )
 
 
-def no_way_from_rest(why: str) -> UnstableError:
+def no_way_from_rest(why: Message) -> UnstableError:
     """Return the error of a structure that stands on elastic joints, but has no equilibrium beyond its rest."""
     return UnstableError(
-        f"with elastic joints no equilibrium leads away from rest: {why}; joints too soft to keep the structure "
-        "upright (check normal_stiffness, in kN/m³), or the increment is too large"
+        message(
+            "with elastic joints no equilibrium leads away from rest: {reason}; joints too soft to keep the structure "
+            "upright (check normal_stiffness, in kN/m³), or the increment is too large",
+            reason=why,
+        )
     )
 
 
@@ -129,7 +133,10 @@ def settled(model: Assembly, state: State | None, sliding: Sliding = "associativ
             step = motion_to_rest(problem, step.state.positions)
     except NoEquilibriumError as fall:
         raise UnstableError(
-            f"with elastic joints the structure cannot stand under its own weight: {fall}; rigid joints would hold it, "
-            "these are too soft: check normal_stiffness, in kN/m³"
+            message(
+                "with elastic joints the structure cannot stand under its own weight: {reason}; "
+                "rigid joints would hold it, these are too soft: check normal_stiffness, in kN/m³",
+                reason=fall.message,
+            )
         ) from fall
     return step

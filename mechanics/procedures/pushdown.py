@@ -16,6 +16,7 @@ from mechanics.errors import (
     is_number,
     require,
 )
+from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.procedures.step_control import Bisection, reach
 from mechanics.program import Certificate
@@ -66,7 +67,7 @@ class Pushdown:
     states: tuple[State, ...]
     final: State
     ultimate: float | None
-    end: str
+    end: Message
     crossed: Array
     steps: tuple[Equilibrium, ...]
     certificates: tuple[Certificate, ...]
@@ -102,7 +103,8 @@ def pushdown(
     moving = _Moving(static_system(model, contacts, sliding), support, target, rotation, full)
     path = _Path(moving, increment, tolerances)
     limit = max(full, _longest(model)) if to_collapse else full
-    final, ultimate, end, bisection = None, None, "the whole movement is applied", Bisection(increment)
+    final, ultimate, bisection = None, None, Bisection(increment)
+    end = message("the whole movement is applied")
     while path.movement[-1] < limit * (1.0 - 1e-9):
         if final is not None and len(path.steps) >= tolerances.points:
             end = path.too_many_points
@@ -116,7 +118,7 @@ def pushdown(
                 continue
             if final is None and not isinstance(stop, RunawayError):
                 raise
-            ultimate, end = here if isinstance(stop, RunawayError) else None, str(stop)
+            ultimate, end = here if isinstance(stop, RunawayError) else None, stop.message
             break
         bisection.longer(path.jumped)
         tell(
@@ -126,14 +128,13 @@ def pushdown(
             try:
                 final = path.settle()
             except RunawayError as stop:
-                ultimate, end = here, str(stop)
+                ultimate, end = here, stop.message
                 break
         elif final is not None and rotation == 0.0 and path.moves_as_a_whole(by / full * target):
-            end = "the structure moves with its support as a whole"
+            end = message("the structure moves with its support as a whole")
             break
     if final is None:
-        message = f"the structure collapses {path.reached} of {full:.4g} m: {end}"
-        raise CollapseError(message, path.result(final, ultimate, end))
+        raise CollapseError(path.collapse(end), path.result(final, ultimate, end))
     return path.result(final, ultimate, end)
 
 
@@ -232,10 +233,12 @@ class _Path:
         return min(self.movement[-1] / self.moving.full, 1.0)
 
     @property
-    def too_many_points(self) -> str:
+    def too_many_points(self) -> Message:
         """Why a path to collapse ends after so many points, and what to change."""
         key = "increment_m" if self.moving.displacement.any() else "increment_rad"
-        return f"a path has {self.tolerances.points} points at most; write a larger {key}"
+        return message(
+            "a path has {count} points at most; write a larger {key}", count=self.tolerances.points, key=key
+        )
 
     @property
     def applied(self) -> bool:
@@ -259,7 +262,7 @@ class _Path:
         apart = abs((after - before)[self.model.movable] - [*moved, 0.0]).max()
         return bool(apart < self.tolerances.whole * float(abs(moved).max()))
 
-    def result(self, final: State | None, ultimate: float | None, end: str) -> Pushdown:
+    def result(self, final: State | None, ultimate: float | None, end: Message) -> Pushdown:
         """Return the path as a result."""
         states = tuple(step.state for step in self.steps)
         return Pushdown(
@@ -275,12 +278,21 @@ class _Path:
             self.system.sliding,
         )
 
-    @property
-    def reached(self) -> str:
-        """How far the movement has come, for messages."""
+    def collapse(self, reason: Message) -> Message:
+        """Return that the structure collapses before it rests after the whole movement, and why."""
+        whole = self.moving.full
         if self.applied:
-            return "after the whole movement"
-        return f"at a movement of {self.movement[-1]:.4g} m, before the whole"
+            return message(
+                "the structure collapses after the whole movement of {whole:.4g} m: {reason}",
+                whole=whole,
+                reason=reason,
+            )
+        return message(
+            "the structure collapses at a movement of {reached:.4g} m, before the whole of {whole:.4g} m: {reason}",
+            reached=self.movement[-1],
+            whole=whole,
+            reason=reason,
+        )
 
 
 def whole_movement(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> float:

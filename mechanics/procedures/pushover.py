@@ -17,6 +17,7 @@ from mechanics.errors import (
     is_number,
     require,
 )
+from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.procedures.closings import behind_closing, may_peak
@@ -84,7 +85,7 @@ class Pushover:
     certificates: tuple[Certificate, ...]
     reached_zero: bool
     lost: bool
-    end: str
+    end: Message
     crossed: Array
     mechanism: Array
     formed: int
@@ -141,7 +142,7 @@ def pushover(
             curve.advance(bisection.length, bisection.shortest)
         except (NoEquilibriumError, ConvergenceError) as stop:
             if not bisection.shorter():
-                curve.end, curve.lost = str(stop), isinstance(stop, RunawayError)
+                curve.end, curve.lost = stop.message, isinstance(stop, RunawayError)
             continue
         bisection.longer(len(curve.crossed) > jumps)
         tell(curve.share)
@@ -162,7 +163,7 @@ class _Push:
 
 
 class _Curve:
-    """A capacity curve as far as it has been followed; `end`: why it ends, "" while it goes on."""
+    """A capacity curve as far as it has been followed; `end`: why it ends, None while it goes on."""
 
     def __init__(self, push: _Push, system: StaticSystem, state: State | None) -> None:
         self.push, self.system, self.model, self.drawn = push, system, system.model, state is None
@@ -178,7 +179,8 @@ class _Curve:
         self.control_rate = self._control_rate(self.first.state.positions)
         self.plateau = (0.0, self.first.alpha)  # displacement at which α last changed, and its value since
         self.crossed: list[tuple[float, float]] = []
-        self.end, self.reached, self.lost = "", False, False
+        self.end: Message | None = None
+        self.reached, self.lost = False, False
 
     def _start(self, state: State | None) -> PathStart:
         """Return the start of a curve from a state (None: as drawn)."""
@@ -219,11 +221,11 @@ class _Curve:
         if gone_back > max(
             self.tolerances.back * self.displacement[-1], self.tolerances.still * self.model.size
         ):
-            raise RunawayError("a part falls, and the control point goes back")
+            raise RunawayError(message("a part falls, and the control point goes back"))
         if jumped and self.along(step.state.positions) <= max(
             (then for then, _ in self.crossed), default=-np.inf
         ):
-            raise RunawayError("the structure falls back to where it has jumped before")
+            raise RunawayError(message("the structure falls back to where it has jumped before"))
         if jumped and self.system.rigid and self._go_on_from(step):
             return  # rigid blocks rest under a range of multipliers: the curve takes the one that moves them again
         if step.alpha >= 0.0:
@@ -233,17 +235,17 @@ class _Curve:
         if nearest is not None:
             self._append(*nearest)
         zero = self.multiplier[-1] <= self.tolerances.nearly * max(self.multiplier)
-        self.multiplier[-1], self.end = 0.0 if zero else self.multiplier[-1], ""
+        self.multiplier[-1], self.end = 0.0 if zero else self.multiplier[-1], None
         held = self._held_again(step)
         if held is not None and self._go_on_from(held):
             return
         self.reached, self.lost = zero, not zero
         if not zero:
-            self.end = "the structure falls: beyond, it stands only where a push holds it back"
+            self.end = message("the structure falls: beyond, it stands only where a push holds it back")
         elif held is None:
-            self.end = "α = 0"
+            self.end = message("α = 0")
         else:
-            self.end = "α = 0, and no push moves the structure where it rests again"
+            self.end = message("α = 0, and no push moves the structure where it rests again")
 
     def _step(self, work: float, fastest: float, shortest: bool = True) -> tuple[Equilibrium, bool]:
         """Return the equilibrium after `work` (kNm) of the lateral loads, and whether blocks jumped to it."""
@@ -307,7 +309,7 @@ class _Curve:
         except (NoEquilibriumError, ConvergenceError):
             return
         if self.along(held.state.positions) > self.displacement[-1]:
-            self.end, self.reached, self.lost = "", False, False
+            self.end, self.reached, self.lost = None, False, False
             self._append(1.0, replace(held, alpha=peak), jumped=True)
 
     def _go_on_from(self, held: Equilibrium) -> bool:
@@ -341,15 +343,23 @@ class _Curve:
             self.plateau = (now, self.multiplier[-1])
         size, alpha = self.model.size, self.multiplier[-1]
         if now - self.plateau[0] > size:
-            self.end = f"the structure slides: α stays {alpha:.4g} over {size:.3g} m, and nothing ends that"
+            self.end = message(
+                "the structure slides: α stays {alpha:.4g} over {distance:.3g} m, and nothing ends that",
+                alpha=alpha,
+                distance=size,
+            )
         if (
             not self.end
             and now > 0.5 * self.push.increment
             and alpha <= self.push.until * max(self.multiplier)
         ):
-            self.end = f"α has come down to {self.push.until:g} of its peak"
+            self.end = message("α has come down to {until:g} of its peak", until=self.push.until)
         if len(self.states) == self.tolerances.points and not self.end:
-            self.end = f"a curve has {self.tolerances.points} points at most; write a larger increment_m"
+            self.end = message(
+                "a curve has {count} points at most; write a larger {key}",
+                count=self.tolerances.points,
+                key="increment_m",
+            )
 
     @property
     def share(self) -> float:
@@ -388,14 +398,19 @@ class _Curve:
 
     def finished(self) -> Pushover:
         """Return the curve; raise ControlError if the control point takes no part in it."""
+        assert self.end is not None
         if len(self.states) == 1 and not self.system.rigid and self.drawn:
             raise no_way_from_rest(self.end)
         moved = float(abs(self.states[-1].positions - self.states[0].positions)[:, :2].max())
         if len(self.states) == 1 or max(self.displacement) < self.tolerances.still * moved:
             raise ControlError(
-                f"control = {tuple(self.push.control.tolist())} takes no part in the mechanism along "
-                f"{self.push.direction}, "
-                f"or the increment is too large: {self.end}"
+                message(
+                    "control = {point} takes no part in the mechanism along {direction}, "
+                    "or the increment is too large: {reason}",
+                    point=str(tuple(self.push.control.tolist())),
+                    direction=self.push.direction,
+                    reason=self.end,
+                )
             )
         formed, mechanism, forces, contacts = self._mechanism()
         return Pushover(

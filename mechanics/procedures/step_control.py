@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, UnsettledError
+from mechanics.messages import message
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest, way
 from mechanics.steps.short_steps import in_short_steps
@@ -96,7 +97,7 @@ def _reach(
     try:
         return find_equilibrium(problem, guess, last), False
     except (NoEquilibriumError, ConvergenceError) as error:
-        stop: Exception = error
+        stop: NoEquilibriumError | ConvergenceError = error
     unsettled = isinstance(stop, UnsettledError)
     if rigid:
         try:
@@ -112,7 +113,9 @@ def _reach(
     try:
         rested = motion_to_rest(problem, begun)
     except RunawayError as fall:
-        same = str(fall) == str(stop)  # motion and step ended for the same reason
-        raise RunawayError(str(fall) if same else f"{fall} ({stop})") from stop
+        same = fall.message == stop.message  # motion and step ended for the same reason
+        raise RunawayError(
+            fall.message if same else message("{reason} ({stop})", reason=fall.message, stop=stop.message)
+        ) from stop
     jumped = way(begun, rested.state.positions, problem.system.model.size) > PATH.jump * problem.size
     return rested, jumped

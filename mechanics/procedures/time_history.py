@@ -16,6 +16,7 @@ from mechanics.errors import (
     is_number,
     require,
 )
+from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import end_gaps
 from mechanics.procedures.collapse import ControlPoint, collapse, passing_through
@@ -105,7 +106,7 @@ class TimeHistory:
     cold: int
     worst: float
     unsure: float
-    notes: tuple[str, ...]
+    notes: tuple[Message, ...]
 
 
 def time_history(
@@ -151,7 +152,7 @@ def time_history(
     )
 
     parts: list[Recorded] = []
-    done, reason = 0, ""
+    done, reason = 0, None
     while done < len(base) - 1 and not reason:
         system = system.around(motion)
         part, reason = _until_collapse(
@@ -176,12 +177,12 @@ def _control_point(model: Assembly, control: ArrayLike | None, ultimate: float |
 
 def _until_collapse(
     system: DynamicSystem, part: Recorded, start: State, point: ControlPoint | None
-) -> tuple[Recorded, str]:
-    """Return a part of a motion up to the step at which it has collapsed, and why; "" where it has not."""
+) -> tuple[Recorded, Message | None]:
+    """Return a part of a motion up to the step at which it has collapsed, and why; None where it has not."""
     for k in range(1, len(part.x)):
         if reason := collapse(system.model, system.contacts, start, part.x[k], part.v[k], point):
             return part.until(k), reason
-    return part, ""
+    return part, None
 
 
 def _check(contacts: Behaviour, integrator: Integrator, damping_ratio: float, restitution: float) -> None:
@@ -293,7 +294,8 @@ def _settled(model: Assembly, contacts: Behaviour, state: State) -> tuple[State,
 
 def _history(
     system: DynamicSystem, start: State, motion: Motion, parts: list[Recorded], time_step: float,
-    point: ControlPoint | None, reason: str, integrator: Integrator, chosen: str, tolerances: HistoryTolerances,
+    point: ControlPoint | None, reason: Message | None, integrator: Integrator, chosen: str,
+    tolerances: HistoryTolerances,
 ) -> TimeHistory:  # fmt: skip
     """Join the recorded parts of a motion to its result."""
     # ten arguments: all that the run has, used once
@@ -322,7 +324,7 @@ def _history(
         displacement=None if point is None else np.array([point.displacement(model, start, at) for at in x]),
         collapsed=bool(reason),
         time_of_collapse=float(time[-1]) if reason else None,
-        collapse_reason=reason,
+        collapse_reason=reason or "",
         energy=energy,
         integrator=integrator,
         chosen=chosen,
@@ -353,18 +355,26 @@ def _base(horizontal: ArrayLike, vertical: ArrayLike | None, time_step: float) -
     return base
 
 
-def _notes(model: Assembly, last: Array, energy: Energy, tolerances: HistoryTolerances) -> tuple[str, ...]:
+def _notes(
+    model: Assembly, last: Array, energy: Energy, tolerances: HistoryTolerances
+) -> tuple[Message, ...]:
     """Return warnings: blocks that overlap, an energy balance with an error, energy that the integrator dissipated."""
     notes = () if model.collisions else passing_through(model, last)
     moves = energy.turnover > tolerances.nothing * model.weight * model.size
     if moves and energy.imbalance > tolerances.balanced:
         notes += (
-            f"the energy balance leaves {energy.imbalance:.1%} of what was turned over open: "
-            "a step is not solved as accurately as it should be; take a shorter one",
+            message(
+                "the energy balance leaves {share:.1%} of what was turned over open: "
+                "a step is not solved as accurately as it should be; take a shorter one",
+                share=energy.imbalance,
+            ),
         )
     if moves and energy.integrator_share > tolerances.taken:
         notes += (
-            f"the integrator itself took {energy.integrator_share:.0%} of the energy dissipated: "
-            "impacts are shorter than the steps and the peak may be too small; take a shorter step and compare",
+            message(
+                "the integrator itself took {share:.0%} of the energy dissipated: "
+                "impacts are shorter than the steps and the peak may be too small; take a shorter step and compare",
+                share=energy.integrator_share,
+            ),
         )
     return notes

@@ -10,6 +10,7 @@ import numpy as np
 from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import BED, SHEAR, SLID, STRENGTH
+from mechanics.messages import message
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, Solution, certify
 from mechanics.solvers import interior
@@ -68,8 +69,13 @@ def solve(
     if undecided is not None:
         raise undecided
     if acceleration > MARGINAL:
-        raise NoEquilibriumError(f"no equilibrium: some block would start to move with {acceleration:.2g} g")
-    raise ConvergenceError("equilibrium exists, but no solver found it to the required accuracy")
+        raise NoEquilibriumError(
+            message(
+                "no equilibrium: some block would start to move with {acceleration:.2g} g",
+                acceleration=acceleration,
+            )
+        )
+    raise ConvergenceError(message("equilibrium exists, but no solver found it to the required accuracy"))
 
 
 def _better(program: Program, best: Solution | None, found: Solution) -> Solution:
@@ -131,7 +137,7 @@ def _least_acceleration(gauss: Program, layout: Elimination) -> float:
             return smallest
     if np.isfinite(smallest):
         return smallest
-    raise ConvergenceError("the auxiliary program of least acceleration was not solved")
+    raise ConvergenceError(message("the auxiliary program of least acceleration was not solved"))
 
 
 def _attempts(program: Program) -> Iterator[Callable[[], tuple[np.ndarray, float, np.ndarray] | None]]:

@@ -19,6 +19,7 @@ from mechanics.kernels.joint import H
 from mechanics.kernels.law import BED, SHEAR
 from mechanics.kernels.linalg.cholesky import factorise, substitute
 from mechanics.kernels.matrix import diagonal, stiffen
+from mechanics.messages import message
 from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.program import end_forces
@@ -198,7 +199,9 @@ class DynamicSystem:
             model.radius, xs[0].copy(), xs, vs, fs, es, self.counts, self.layout.work_space, self.layout.packed,
         )  # fmt: skip
         if reason == 2:
-            raise ConvergenceError(f"a step of the motion was not solved, {done} steps on")
+            raise ConvergenceError(
+                message("a step of the motion was not solved, {count} steps on", count=int(done))
+            )
         return Recorded(xs[: done + 1], vs[: done + 1], fs[: done + 1], es[: done + 1])
 
 

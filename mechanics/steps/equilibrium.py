@@ -9,6 +9,7 @@ import numpy as np
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import SLID
+from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import Contacts, end_gaps, forces_on_blocks
 from mechanics.program import Program
@@ -80,8 +81,11 @@ def check_self_weight(model: Assembly, state: State | None = None) -> None:
     allowed = BALANCED if state is None or state.carrying is None else STEP.slow
     if acceleration > allowed:
         raise UnstableError(
-            "the structure cannot stand under its own weight: some block would start to move with "
-            f"{acceleration:.2g} g; check supports, friction and joints (open ones carry nothing)"
+            message(
+                "the structure cannot stand under its own weight: some block would start to move with "
+                "{acceleration:.2g} g; check supports, friction and joints (open ones carry nothing)",
+                acceleration=acceleration,
+            )
         )
 
 

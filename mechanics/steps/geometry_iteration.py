@@ -9,6 +9,7 @@ import numpy as np
 from mechanics.errors import NoEquilibriumError, UnsettledError
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import FRICTION
+from mechanics.messages import message
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, certify
 from mechanics.solvers import interior
@@ -77,7 +78,7 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
         # programs with the geometry held approach an equilibrium only where the stiffness is positive
         if not (stable or found.stable):
             raise NoEquilibriumError(
-                "loss of stability: the structure gives way under forces that it should bear"
+                message("loss of stability: the structure gives way under forces that it should bear")
             )
         best, stable = _nearer(best, found), found.stable
         way = (now.at - before.at)[model.movable] * (1.0, 1.0, model.size)
@@ -86,8 +87,10 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     if system.rigid and best is not None and best.certificate.worst(problem.size) <= STEP.slow:
         return best
     assert now.iterate is not None
-    block = np.flatnonzero(model.movable)[_farthest(now.iterate.displacement)]
-    raise UnsettledError(f"the geometry of the step does not settle, at block {block} first")
+    block = int(np.flatnonzero(model.movable)[_farthest(now.iterate.displacement)])
+    raise UnsettledError(
+        message("the geometry of the step does not settle, at block {block} first", block=block)
+    )
 
 
 def _begin(system: StaticSystem, guess: Array, last: Equilibrium | None) -> Round:
@@ -189,7 +192,9 @@ def _is_stable(system: StaticSystem, program: Program, index: Index, now: Round)
 def _stable(found: Equilibrium) -> Equilibrium:
     """Return an equilibrium; raise NoEquilibriumError if it is an unstable one, at which an iteration can end."""
     if not found.stable:
-        raise NoEquilibriumError("loss of stability: the equilibrium of the structure is an unstable one")
+        raise NoEquilibriumError(
+            message("loss of stability: the equilibrium of the structure is an unstable one")
+        )
     return found
 
 

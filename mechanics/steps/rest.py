@@ -13,6 +13,7 @@ import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError
 from mechanics.kernels.joint import H
+from mechanics.messages import message
 from mechanics.model.assembly import State
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, bed_gaps, end_forces
@@ -62,7 +63,10 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         left, far = way(at, moved, model.size), way(begun, moved, model.size)
         if far > tolerances.farthest * model.size:
             raise RunawayError(
-                f"the structure falls: left to itself it moves by {far:.2g} m and does not rest"
+                message(
+                    "the structure falls: left to itself it moves by {moved:.2g} m and does not rest",
+                    moved=far,
+                )
             )
         force = left / time**2  # unbalanced force per mass
         if 0 < step == tolerances.steps // 2:
@@ -86,12 +90,19 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
                 return replace(found, solves=solves)
         if left <= tolerances.balanced * model.size and not found.stable:
             raise RunawayError(
-                "the structure balances on an unstable equilibrium: its joints are too soft to hold it"
+                message(
+                    "the structure balances on an unstable equilibrium: its joints are too soft to hold it"
+                )
             )
         slowing = True
         still = 0.5 * force  # slow, but no equilibrium yet: at rest only if it slows down further
     kind = RunawayError if force > tolerances.steady * half_way else ConvergenceError
-    raise kind(f"left to itself the structure does not come to rest: it goes on by {left:.2g} m a step")
+    raise kind(
+        message(
+            "left to itself the structure does not come to rest: it goes on by {moved:.2g} m a step",
+            moved=left,
+        )
+    )
 
 
 def _work_done(problem: StepProblem, begun: Array, at: Array) -> float:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from mechanics.errors import NoEquilibriumError
+from mechanics.messages import message
 from mechanics.program import Program
 from mechanics.solvers import interior
 from mechanics.solvers.interior import Iterate
@@ -56,7 +57,9 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
         at = displaced(model, posed, found.displacement)
         check_motion(short, at)
         if short.lateral is None and inertia(program, found.displacement) > STEP.inertia:
-            raise NoEquilibriumError(f"the structure falls: in a step of {short.size:.3g} m it gains speed")
+            raise NoEquilibriumError(
+                message("the structure falls: in a step of {size:.3g} m it gains speed", size=short.size)
+            )
         iterate = over_all(found, index, len(system.contacts))
         forces = spread(interior.solution(program, found).forces, index, len(system.contacts))
         short = replace(short, start=state_at_rest(system, at, forces, short.start))

@@ -10,6 +10,7 @@ import numpy as np
 from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.kernels.joint import ARM, BETA, CURVED, MV, PHI, H, U, V, curvatures
 from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID
+from mechanics.messages import message
 from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program, bed_gaps, end_forces
@@ -164,20 +165,22 @@ def solve_program(
         solves += 1
         if abs(found.alpha) > 0.99 * LARGEST_MULTIPLIER:
             raise NoEquilibriumError(
-                "no mechanism: the load only wedges the blocks, the multiplier has no bound"
+                message("no mechanism: the load only wedges the blocks, the multiplier has no bound")
             )
         if outcome.accepted or max(outcome.force, outcome.product) <= STEP.solved:
             return found, solves
         unstable = unstable or outcome.unstable
     if unstable:
-        raise NoEquilibriumError("loss of stability: the stiffness of the structure is no longer positive")
+        raise NoEquilibriumError(
+            message("loss of stability: the stiffness of the structure is no longer positive")
+        )
     if not (
         program.law[:, BED] < np.inf
     ).any():  # rigid: other solvers are tried; with elastic joints they take seconds in vain
         _, iterate = solve(program, layout)  # raises if there is no equilibrium
         if iterate is not None:
             return iterate, solves + 1
-    raise ConvergenceError("a step of the path was not solved to the required accuracy")
+    raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))
 
 
 def displaced(model: Assembly, positions: Array, displacement: Array) -> Array:
@@ -197,10 +200,18 @@ def check_motion(problem: StepProblem, positions: Array) -> None:
     moved = float((motion * (1.0, 1.0, model.size)).max())
     times = STEP.fall if problem.system.rigid else max(STEP.fall, model.joints_in_a_row)
     if moved > times * size:
-        raise NoEquilibriumError(f"the structure falls: a step of {size:.3g} m moves it by {moved:.3g} m")
+        raise NoEquilibriumError(
+            message(
+                "the structure falls: a step of {size:.3g} m moves it by {moved:.3g} m",
+                size=size,
+                moved=moved,
+            )
+        )
     turned = float(motion[model.movable, 2].max())
     if turned > STEP.turn:
-        raise NoEquilibriumError(f"a step of {size:.3g} m turns a block by {turned:.2g} rad")
+        raise NoEquilibriumError(
+            message("a step of {size:.3g} m turns a block by {turned:.2g} rad", size=size, turned=turned)
+        )
 
 
 def balanced(problem: StepProblem, at: Array, solves: int = 0) -> Equilibrium:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import NoneType, UnionType
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -36,6 +36,8 @@ def filled(kind: Any, value: Any = None) -> Any:
         if value is None and NoneType in inner:
             return None
         return filled(next(each for each in inner if each is not NoneType), value)
+    if origin is Annotated:
+        return filled(inner[0], value)
     if origin is list:
         return [filled(inner[0], each) for each in value or []]
     if origin is dict:

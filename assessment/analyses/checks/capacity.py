@@ -38,6 +38,7 @@ from assessment.results.schema.checks import Capacity, Direction, GivenMechanism
 from assessment.results.schema.part import known
 from assessment.results.schema.static import ElasticPush, LocalLoss, Pushovers, RigidPush
 from assessment.results.table import indices, sense
+from mechanics.messages import Message, message
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
@@ -62,7 +63,7 @@ def assess(
     model: Assembly,
     pushovers: Mapping[Direction, Pushovers],
     demands: Demands,
-    warnings: list[str],
+    warnings: list[Message],
 ) -> dict[Direction, Assessed]:
     """Return capacity and checks of one state by direction, from its curves (Circolare 7/2019, C8.7.1.2).
 
@@ -71,13 +72,18 @@ def assess(
     found = {}
     for direction, curves in pushovers.items():
         if curves.rigid is None:
-            warnings.append(f"{direction}: no capacity without the rigid pushover curve")
+            warnings.append(_towards(direction, message("no capacity without the rigid pushover curve")))
             continue
         try:
             found[direction] = _assessed(project, model, direction, curves, demands, warnings)
         except CapacityError as refusal:
-            warnings.append(f"{direction}: no capacity: {refusal}")
+            nothing = message("no capacity: {reason}", reason=refusal.message)
+            warnings.append(_towards(direction, nothing))
     return found
+
+
+def _towards(direction: Direction, text: str) -> Message:
+    return message("{direction}: {text}", direction=direction, text=text)
 
 
 def capacities(assessed: Mapping[Direction, Assessed]) -> dict[Direction, Capacity]:
@@ -91,15 +97,18 @@ def _assessed(
     direction: Direction,
     curves: Pushovers,
     demands: Demands,
-    warnings: list[str],
+    warnings: list[Message],
 ) -> Assessed:
     """Return capacity and checks from the curves of one direction. Raises CapacityError where it is not defined."""
     assessment, rigid, elastic = known(project.assessment), known(curves.rigid), curves.elastic
     _refuse_other_mechanism(rigid)
     if elastic is None and assessment.model != "none" and _asked_for_elastic(project):
         raise CapacityError(
-            "the elastic pushover was asked for and gave no curve (the warnings say why), and the "
-            f'{assessment.model} curve needs it; mend that, or set model = "none" (rigid branch alone)'
+            message(
+                "the elastic pushover was asked for and gave no curve (the warnings say why), and the "
+                '{model} curve needs it; mend that, or set model = "none" (rigid branch alone)',
+                model=assessment.model,
+            )
         )
     mechanism = rigid.mechanism
     part = mechanism_participation(model, np.array(mechanism.displacements), mechanism.control_displacement_x)
@@ -110,10 +119,10 @@ def _assessed(
         fit, part.e_star, part.gamma_star, assessment.confidence_factor, confidence_source(assessment)
     )
     method = with_loss(method_of(project, demands.hazard), rigid.local_loss)
-    warnings += [f"{direction}: {note}" for note in _beyond_loss(assessment, rigid.local_loss)]
+    beyond = _beyond_loss(assessment, rigid.local_loss)
     checks = verify(capacity, demands.spectra, method)
     notes = dict.fromkeys(note for check in checks.values() for note in check.notes)
-    warnings += [f"{direction}: {note}" for note in notes]
+    warnings += [_towards(direction, note) for note in (*beyond, *notes)]
 
     made = _capacity(mechanism, part, fit, capacity, checks)
     if vertical := _vertical(model, capacity, checks.get("SLV linear"), demands.spectra):
@@ -136,8 +145,12 @@ def _refuse_other_mechanism(rigid: RigidPush) -> None:
     virtual_work = math.inf if by_work is None else by_work
     if abs(virtual_work - alpha) > CONTRADICTION * abs(alpha):
         raise CapacityError(
-            f"virtual work on the mechanism gives α = {virtual_work:.3g}, the curve {alpha:.3g}: blocks "
-            "slide or move by themselves there, and e*, Γ* are not those of a mechanism"
+            message(
+                "virtual work on the mechanism gives α = {work:.3g}, the curve {alpha:.3g}: blocks "
+                "slide or move by themselves there, and e*, Γ* are not those of a mechanism",
+                work=virtual_work,
+                alpha=alpha,
+            )
         )
 
 
@@ -250,19 +263,27 @@ def with_loss(method: Method, loss: LocalLoss | None) -> Method:
     """Return the method with the local loss of the path as its limit, if the project gives no limit (C8.7.1.2)."""
     if loss is None or method.local_limits:
         return method
-    a, b = loss.blocks
+    first, second = loss.blocks
     return replace(
         method,
         local_limits=dict.fromkeys(("SLV", "SLC"), loss.displacement_m),
-        local_reason=f"pushover, the faces of blocks {a} and {b} slide off each other",
+        local_reason=message(
+            "pushover, the faces of blocks {first} and {second} slide off each other",
+            first=first,
+            second=second,
+        ),
     )
 
 
-def _beyond_loss(assessment: AssessmentTable, loss: LocalLoss | None) -> Iterator[str]:
+def _beyond_loss(assessment: AssessmentTable, loss: LocalLoss | None) -> Iterator[Message]:
     """Yield a warning if the project's local limit lies beyond the local loss of the path."""
     given = assessment.local_displacement_limit_m
     if loss is not None and given is not None and given > loss.displacement_m:
-        yield f"local_displacement_limit_m = {given:.4g} m, but {loss_sentence(loss)}; write no more than that"
+        yield message(
+            "local_displacement_limit_m = {given:.4g} m, but {reason}; write no more than that",
+            given=given,
+            reason=loss_sentence(loss),
+        )
 
 
 def governing(capacities: Mapping[Direction, Capacity]) -> parts.Governing | None:
@@ -300,7 +321,7 @@ def assess_chosen(
     models: Mapping[str, StateModel],
     states: Mapping[str, State],
     demands: Demands,
-    warnings: list[str],
+    warnings: list[Message],
 ) -> list[GivenMechanism]:
     """Return the mechanisms that the user chose, each in its state's configuration; a refused one has its reason."""
     found = []
@@ -312,16 +333,21 @@ def assess_chosen(
         positions = model.initial.positions + np.array(state.configuration)
         try:
             if project.settlement_of(chosen.state) and not any(map(any, state.configuration)):
-                raise MechanismError("its state was not reached")
+                raise MechanismError(message("its state was not reached"))
             controls = _controls(project, model, positions)
             answer = evaluate(model, positions, chosen, factor, demands.spectra, method, controls, source)
             pushed = state.pushover.get(known(answer.direction))
             rigid = pushed.rigid if pushed else None
             answer = compared(answer, rigid.alpha_0 if rigid else None, rigid.alpha_onset if rigid else None)
-            warnings += [f'mechanism "{chosen.name}": {note}' for note in known(answer.notes)]
+            warnings += [
+                message('mechanism "{name}": {text}', name=chosen.name, text=note)
+                for note in known(answer.notes)
+            ]
         except MechanismError as refusal:
-            answer = GivenMechanism(name=chosen.name, state=chosen.state, refused=str(refusal))
-            warnings.append(f'mechanism "{chosen.name}": refused: {refusal}')
+            answer = GivenMechanism(name=chosen.name, state=chosen.state, refused=refusal.message)
+            warnings.append(
+                message('mechanism "{name}": refused: {reason}', name=chosen.name, reason=refusal.message)
+            )
         found.append(answer)
     return found
 

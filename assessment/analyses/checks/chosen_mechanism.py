@@ -26,6 +26,7 @@ from assessment.results.lines import lines
 from assessment.results.plain import finite
 from assessment.results.schema import checks as parts
 from assessment.results.schema.part import known
+from mechanics.messages import Message, SaidError, message
 from mechanics.model import Contacts, H, end_gaps, end_points, relative_motion
 from mechanics.steps import LIMIT, static_system
 from mechanics.types import Index, Mask
@@ -72,7 +73,7 @@ class Control:
     delta_x: float = 0.0
 
 
-class MechanismError(ValueError):
+class MechanismError(SaidError, ValueError):
     """A mechanism that cannot move as it was given, or that no horizontal load can start."""
 
 
@@ -166,7 +167,7 @@ def evaluate(
         try:
             fit = _fit(model, positions, chosen, motion.closed(positions), control)
         except (KinematicsError, CapacityError) as refusal:
-            notes.append(f"no nonlinear check: {refusal}")
+            notes.append(message("no nonlinear check: {reason}", reason=refusal.message))
     *others, participation = work.participation_steps(control.delta_x)
     capacity = capacity_curve(fit, work.e_star, participation.result, confidence_factor, confidence_source)
 
@@ -222,8 +223,13 @@ def _refuse_penetration(motion: JointMotion) -> None:
     if motion.penetration > GIVEN.penetration:
         one, other = motion.pair
         raise MechanismError(
-            f"block {one} penetrates block {other} by {100.0 * motion.penetration:.3g} % of the largest displacement; "
-            "correct centres, rotations (anticlockwise positive) or the choice of blocks"
+            message(
+                "block {block} penetrates block {other} by {share:.3g} % of the largest displacement; "
+                "correct centres, rotations (anticlockwise positive) or the choice of blocks",
+                block=one,
+                other=other,
+                share=100.0 * motion.penetration,
+            )
         )
 
 
@@ -232,18 +238,24 @@ def _refuse_held(model: Assembly, longer: Array) -> None:
     for tie, more in zip(model.ties, longer, strict=True):
         if more > 0.0 and np.isinf(tie.yield_force):
             raise MechanismError(
-                f'tie "{tie.name}" would have to lengthen; give it a yield_force_kN, or a mechanism that it allows'
+                message(
+                    'tie "{name}" would have to lengthen; give it a yield_force_kN, or a mechanism that it allows',
+                    name=tie.name,
+                )
             )
 
 
 def _refuse_without_load(work: VirtualWork, delta: Array) -> None:
     """Raise MechanismError if no horizontal load starts the mechanism, or if it moves without any."""
     if abs(work.lateral) <= 1e-9 * work.moving * float(abs(delta[:, :2]).max()):
-        raise MechanismError("the weights do no horizontal work: no horizontal load starts it")
+        raise MechanismError(message("the weights do no horizontal work: no horizontal load starts it"))
     if work.alpha_0 <= 0.0:
         raise MechanismError(
-            f"alpha_0 = {work.alpha_0:.4g}: the weights drive it without any horizontal load; change the sense of "
-            "rotation"
+            message(
+                "alpha_0 = {alpha:.4g}: the weights drive it without any horizontal load; change the sense of "
+                "rotation",
+                alpha=work.alpha_0,
+            )
         )
 
 
@@ -273,7 +285,7 @@ def _fit(model: Assembly, positions: Array, chosen: Chosen, closed: Closed, cont
     reached = path.positions[:, control.block, 0] + np.cos(turned) * x - np.sin(turned) * z
     d = np.sign(control.delta_x) * (reached - control.point[0])
     if (np.diff(d) <= 0.0).any():
-        raise KinematicsError("the control point turns back before α = 0; choose one that does not")
+        raise KinematicsError(message("the control point turns back before α = 0; choose one that does not"))
     return replace(fit_rigid((d, path.multiplier)), source="virtual work, hinges followed")
 
 
@@ -301,27 +313,41 @@ def compared(
     notes, own = list(known(found.notes)), known(found.alpha_0)
     if alpha_onset is not None and own < (1.0 - GIVEN.below) * alpha_onset:
         notes.append(
-            "alpha_0 is below that of limit analysis, which no mechanism without sliding and penetration can be: the "
-            "friction of the sliding joints, or the penetration, is what it leaves out"
+            message(
+                "alpha_0 is below that of limit analysis, which no mechanism without sliding and penetration can be: "
+                "the friction of the sliding joints, or the penetration, is what it leaves out"
+            )
         )
-    elif alpha_0 is not None and own < (1.0 - GIVEN.below) * alpha_0:
+    elif alpha_0 is not None and alpha_onset is not None and own < (1.0 - GIVEN.below) * alpha_0:
         notes.append(
-            f"alpha_0 is below that of the state, {alpha_0:.4g}: a hinge of the settlement closes from α = "
-            f"{alpha_onset:.4g} on, before that is reached"
+            message(
+                "alpha_0 is below that of the state, {alpha:.4g}: a hinge of the settlement closes from α = "
+                "{onset:.4g} on, before that is reached",
+                alpha=alpha_0,
+                onset=alpha_onset,
+            )
         )
     return found.replace(alpha_0_limit=alpha_0, notes=notes)
 
 
-def _notes(penetration: float, pair: tuple[int, int], sliding: list[int]) -> list[str]:
+def _notes(penetration: float, pair: tuple[int, int], sliding: list[int]) -> list[Message]:
     notes = []
     if penetration > GIVEN.rounding:
         notes.append(
-            f"block {pair[0]} penetrates block {pair[1]} by {100.0 * penetration:.2g} % of the largest displacement, "
-            "as with a hinge set back from the edge"
+            message(
+                "block {block} penetrates block {other} by {share:.2g} % of the largest displacement, "
+                "as with a hinge set back from the edge",
+                block=pair[0],
+                other=pair[1],
+                share=100.0 * penetration,
+            )
         )
     if sliding:
         notes.append(
-            f"joints that slide as the mechanism moves: {len(sliding)}; their friction is left out, so that alpha_0 is "
-            "lower than with it"
+            message(
+                "joints that slide as the mechanism moves: {count}; their friction is left out, so that alpha_0 is "
+                "lower than with it",
+                count=len(sliding),
+            )
         )
     return notes

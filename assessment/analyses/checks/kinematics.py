@@ -13,6 +13,7 @@ import shapely
 from numpy.typing import NDArray
 
 from assessment.results.configurations.ties import lengthenings
+from mechanics.messages import SaidError, message
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class KinematicsTolerances:
 MOTION = KinematicsTolerances()
 
 
-class KinematicsError(ValueError):
+class KinematicsError(SaidError, ValueError):
     """A mechanism whose hinges do not determine its motion, or whose motion is stopped before α = 0."""
 
 
@@ -113,7 +114,13 @@ def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: lis
     turned = 0.0
     while alpha[-1] > 0.0:
         if turned > MOTION.farthest:
-            raise KinematicsError(f"α is still {alpha[-1]:.3g} after a rotation of {turned:.3g} rad")
+            raise KinematicsError(
+                message(
+                    "α is still {alpha:.3g} after a rotation of {turned:.3g} rad",
+                    alpha=alpha[-1],
+                    turned=turned,
+                )
+            )
         q = parts.step(q, rate)
         rate = parts.rate(q, rate[:, 2])
         turned += MOTION.step
@@ -121,7 +128,7 @@ def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: lis
         alpha.append(parts.multiplier(at[-1], q, rate, _tie_work(model, parts, at[-1], rate, q)))
     if parts.drift(q) > MOTION.open * model.size:
         raise KinematicsError(
-            "its hinges do not stay closed as it moves: there are more of them than it can keep"
+            message("its hinges do not stay closed as it moves: there are more of them than it can keep")
         )
     _unhindered(model, at)
     return Motion(np.array(at), np.array(alpha))
@@ -167,8 +174,11 @@ class _Parts:
         free = rows.shape[1] - int((values > 1e-7 * size).sum())
         if free != 1:
             raise KinematicsError(
-                "the hinges between its macro-blocks, points of joints that are closed, leave it "
-                f"{free} independent motions, not one: it slides, or a centre lies on no joint"
+                message(
+                    "the hinges between its macro-blocks, points of joints that are closed, leave it "
+                    "{count} independent motions, not one: it slides, or a centre lies on no joint",
+                    count=free,
+                )
             )
         found = right[-1].reshape(-1, 3)
         found = found / abs(found[:, 2]).max()
@@ -229,7 +239,7 @@ def _tie_work(model: Assembly, parts: _Parts, at: Array, rate: Array, q: Array) 
     work = 0.0
     for tie, more in zip(model.ties, lengthenings(model, at, delta), strict=True):
         if more > 0.0 and np.isinf(tie.yield_force):
-            raise KinematicsError(f'tie "{tie.name}" stops it before α = 0')
+            raise KinematicsError(message('tie "{name}" stops it before α = 0', name=tie.name))
         work += tie.yield_force * more if more > 0.0 else 0.0
     return work
 
@@ -243,7 +253,9 @@ def _unhindered(model: Assembly, at: list[Array]) -> None:
         tree = shapely.STRtree(outlines)
         for i, j in tree.query(outlines, predicate="intersects").T.tolist():
             if i < j and outlines[i].intersection(outlines[j]).area > least + _shared(model, at[0], i, j):
-                raise KinematicsError(f"block {i} runs into block {j} before α = 0")
+                raise KinematicsError(
+                    message("block {block} runs into block {other} before α = 0", block=i, other=j)
+                )
 
 
 def _shared(model: Assembly, positions: Array, i: int, j: int) -> float:

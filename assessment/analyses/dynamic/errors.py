@@ -16,6 +16,7 @@ from assessment.analyses.dynamic.ensemble import scatter_of
 from assessment.analyses.dynamic.incremental import AGAIN, search_again, search_title
 from assessment.analyses.dynamic.refinement import Refinement
 from assessment.results.schema.part import known
+from mechanics.messages import Message, headed, message
 
 if TYPE_CHECKING:
     from assessment.analyses.dynamic.inputs import Campaign
@@ -32,7 +33,7 @@ class Estimates:
     """`rows` of results.json; `warnings`: where the tolerance was not met; `seconds`: what the analyses took."""
 
     rows: list[ConvergenceRow] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
+    warnings: list[Message] = field(default_factory=list)
     seconds: float = 0.0
 
 
@@ -76,7 +77,10 @@ def collapses_again(
         failed = [each.numbers.reason for each in (half, quarter) if each.numbers.pga_safe_g is None]
         row = levels.row(task.state, task.motion.name, tolerance)
         found.rows.append(row.replace(met=False) if failed else row)
-        found.warnings += [f"{title}: a finer time step fails: {why}" for why in failed[:1]]
+        found.warnings += [
+            headed(title, message("a finer time step fails: {reason}", reason=reason or ""))
+            for reason in failed[:1]
+        ]
         found.warnings += [] if failed else levels.missed(title, tolerance, "tolerance_g or time_step_s")
     return found
 

@@ -25,10 +25,11 @@ from assessment.analyses.dynamic.ensemble import (
 )
 from assessment.analyses.dynamic.inputs import Campaign
 from assessment.analyses.dynamic.refinement import Refinement
-from assessment.analyses.dynamic.time_history import DynamicResult, Shaking, history
+from assessment.analyses.dynamic.time_history import DynamicResult, Shaking, history, history_title
 from assessment.results.quality import joined
 from assessment.results.schema.dynamic import Band, History
 from assessment.results.schema.part import known
+from mechanics.messages import Message, headed, linked, message
 
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
@@ -128,15 +129,15 @@ class Study:
     def result(self) -> DynamicResult[History]:
         """Return the history of the members at the finest time step, with the error estimated from the other steps."""
         state, record = self.task.state, self.task.motion.name
-        title = f"{state}, history of {record}"
+        title = history_title(self.task)
         found = together(title, list(self.members[self.finest].values()))
         found.seconds = sum(each.seconds for level in self.members.values() for each in level.values())
         tolerance = self.accuracy.tolerance
         if tolerance is None or not self._starts or found.numbers.collapsed is None:
             return found
         if self.finest < max(self.members):
-            text = "; ".join(_failures(self.members[self.finest + 1]))
-            found.warnings.append(f"{title}: a finer time step fails: {text}")
+            reason = linked(_failures(self.members[self.finest + 1]))
+            found.warnings.append(headed(title, message("a finer time step fails: {reason}", reason=reason)))
         found.convergence = self.refinement.row(state, record, tolerance).replace(halvings=self.finest)
         found.warnings += self.refinement.missed(title, tolerance)
         return found
@@ -159,7 +160,7 @@ def _run(campaign: Campaign, wanted: Sequence[tuple[Study, int, int]]) -> None:
         study.members.setdefault(level, {})[member] = found
 
 
-def together(title: str, members: Sequence[DynamicResult[History]]) -> DynamicResult[History]:
+def together(title: Message, members: Sequence[DynamicResult[History]]) -> DynamicResult[History]:
     """Return the members of a history as one result: the numbers of the worst member, and the range of all.
 
     A collapse is worse than any peak, an earlier collapse worse than a later one.
@@ -181,7 +182,7 @@ def together(title: str, members: Sequence[DynamicResult[History]]) -> DynamicRe
     warnings = list(worst.warnings)
     if len(finished) > PAIR:
         found = found.replace(band=band(finished, np.array(known(found.curve).time_s)))
-        warnings.append(_scattered(title, len(finished), fallen, low, middle, high))
+        warnings.append(headed(title, _scattered(len(finished), fallen, low, middle, high)))
     return DynamicResult(
         worst.state,
         worst.stage,
@@ -215,15 +216,21 @@ def _suffering(member: DynamicResult[History]) -> tuple[bool, float]:
 
 
 def _scattered(
-    title: str, count: int, fallen: int, low: float | None, middle: float | None, high: float | None
-) -> str:
+    count: int, fallen: int, low: float | None, middle: float | None, high: float | None
+) -> Message:
     if fallen:
-        return (
-            f"{title}: {fallen} of {count} records within 1 % of the one given end in collapse, which counts"
+        return message(
+            "{fallen} of {count} records within 1 % of the one given end in collapse, which counts",
+            fallen=fallen,
+            count=count,
         )
-    return (
-        f"{title}: under {count} records within 1 % of the one given the peak is from {low:.4g} to {high:.4g} m, "
-        f"median {middle:.4g} m; the largest counts"
+    return message(
+        "under {count} records within 1 % of the one given the peak is from {low:.4g} to {high:.4g} m, "
+        "median {middle:.4g} m; the largest counts",
+        count=count,
+        low=known(low),
+        high=known(high),
+        middle=known(middle),
     )
 
 
@@ -236,5 +243,5 @@ def _courses(members: dict[int, DynamicResult[History]]) -> list[Course]:
     return [_course(each) for each in members.values() if each.numbers.collapsed is not None]
 
 
-def _failures(members: dict[int, DynamicResult[History]]) -> list[str]:
+def _failures(members: dict[int, DynamicResult[History]]) -> list[Message]:
     return [text for each in members.values() for text in each.failures]

@@ -17,6 +17,7 @@ from assessment.analyses.dynamic.response import Setting, respond
 from assessment.analyses.dynamic.time_history import DynamicResult, Shaking, quality_row
 from assessment.results.schema.dynamic import Fragility, Incremental, Level, Search
 from mechanics import Assembly, ConvergenceError, State
+from mechanics.messages import Message, headed, message
 from mechanics.progress import stretch
 
 if TYPE_CHECKING:
@@ -49,38 +50,44 @@ def search(shaking: Shaking, scatter: Scatter, max_scale: float, tolerance: floa
         scatter,
         lambda levels: find_collapse(levels.some, levels.every, pga, max_scale * pga, tolerance),
     )
-    result.warnings += _notes(search_title(shaking), result.numbers, max_scale, max_scale * pga)
+    title = search_title(shaking)
+    result.warnings += [headed(title, note) for note in _notes(result.numbers, max_scale, max_scale * pga)]
     return result
 
 
-def _notes(title: str, found: Search, max_scale: float, largest: float) -> Iterator[str]:
+def _notes(found: Search, max_scale: float, largest: float) -> Iterator[Message]:
     """Yield warnings of a search up to `largest` (g): no collapse, members far apart, withstood levels above one."""
     lowest, safe = found.pga_collapse_g, found.pga_safe_g
     if lowest is None and safe is not None:
-        yield (
-            f"{title}: no collapse up to a PGA of {safe:.3g} g at the surface, max_scale = {max_scale:g}; "
-            "raise it to find one"
+        yield message(
+            "no collapse up to a PGA of {safe:.3g} g at the surface, max_scale = {scale:g}; raise it to find one",
+            safe=safe,
+            scale=max_scale,
         )
     if lowest is not None and found.pga_collapse_g_range and found.pga_collapse_g_range[1] != lowest:
-        yield _spread(title, lowest, found.pga_collapse_g_range[1], largest)
-    if found.resurrections_g:
-        yield (
-            f"{title}: collapse at a PGA of {lowest:.3g} g at the surface, but stands at "
-            f"{', '.join(f'{level:.3g}' for level in found.resurrections_g)} g; the lowest collapse counts"
+        yield _spread(lowest, found.pga_collapse_g_range[1], largest)
+    if lowest is not None and found.resurrections_g:
+        yield message(
+            "collapse at a PGA of {pga:.3g} g at the surface, but stands at {levels:.3g} g; "
+            "the lowest collapse counts",
+            pga=lowest,
+            levels=found.resurrections_g,
         )
 
 
-def _spread(title: str, lowest: float, upper: float | None, largest: float) -> str:
+def _spread(lowest: float, upper: float | None, largest: float) -> Message:
     if upper is None:
-        return (
-            f"{title}: members of the ensemble collapse from a PGA of {lowest:.3g} g at the surface on, "
-            f"not all of them up to {largest:.3g} g; "
-            "the lowest counts"
+        return message(
+            "members of the ensemble collapse from a PGA of {low:.3g} g at the surface on, "
+            "not all of them up to {high:.3g} g; the lowest counts",
+            low=lowest,
+            high=largest,
         )
-    return (
-        f"{title}: members of the ensemble collapse from a PGA of {lowest:.3g} g at the surface on, "
-        f"all of them from {upper:.3g} g on; "
-        "the lowest counts"
+    return message(
+        "members of the ensemble collapse from a PGA of {low:.3g} g at the surface on, "
+        "all of them from {high:.3g} g on; the lowest counts",
+        low=lowest,
+        high=upper,
     )
 
 
@@ -94,9 +101,11 @@ def search_again(
     )
 
 
-def search_title(shaking: Shaking) -> str:
+def search_title(shaking: Shaking) -> Message:
     """Return the beginning of the warnings of a search."""
-    return f"{shaking.state}, incremental analysis with {shaking.motion.name}"
+    return message(
+        "{state}, incremental analysis with {record}", state=shaking.state, record=shaking.motion.name
+    )
 
 
 def _searched(
@@ -116,7 +125,7 @@ def _searched(
     )
     if isinstance(start, str):
         unanswered = nothing.replace(reason=start)
-        return DynamicResult(shaking.state, "incremental", unanswered, warnings=[f"{title}: {start}"])
+        return DynamicResult(shaking.state, "incremental", unanswered, warnings=[headed(title, start)])
     levels = Levels(shaking.model, motion, shaking.setting, start, scatter, expected)
     failures = []
     began = time.perf_counter()
@@ -130,8 +139,8 @@ def _searched(
         if scatter.members > 1:
             found = found.replace(pga_collapse_g_range=[bracket.collapse, bracket.certain])
     except ConvergenceError as error:
-        found = nothing.replace(reason=str(error))
-        failures.append(f"{title}: {error}")
+        found = nothing.replace(reason=error.message)
+        failures.append(headed(title, error.message))
     seconds = time.perf_counter() - began
     members = [each for level in levels.members.values() for each in level]
     points = [point(Level, pga, level) for pga, level in sorted(levels.members.items()) if level]
@@ -222,13 +231,15 @@ def point(kind: type[Kind], pga: float, members: Sequence[Member], **more: Any) 
     )
 
 
-def summarise(records: Sequence[Search], warnings: list[str], state: str) -> Incremental:
+def summarise(records: Sequence[Search], warnings: list[Message], state: str) -> Incremental:
     """Return mean and lowest PGA at collapse of a state, the value by NTC 2018 §7.3.5, and the fragility."""
     if len(records) < ENOUGH:
-        warnings.append(
-            f"{state}: records of the incremental analysis: {len(records)}; "
-            f"NTC 2018 §7.3.5 asks for at least {ENOUGH}"
+        few = message(
+            "records of the incremental analysis: {count}; NTC 2018 §7.3.5 asks for at least {least}",
+            count=len(records),
+            least=ENOUGH,
         )
+        warnings.append(headed(message("{state}", state=state), few))
     standard = standard_value([(each.pga_collapse_g, each.pga_safe_g) for each in records])
     collapses = [each.pga_collapse_g for each in records if each.pga_collapse_g is not None]
     withstood = [each.pga_safe_g for each in records if each.pga_collapse_g is None]

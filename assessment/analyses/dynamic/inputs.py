@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from assessment.analyses.dynamic.response import Setting
 from assessment.analyses.dynamic.time_history import DynamicResult, Found, Shaking, Start
 from assessment.project.schema import ORIGINAL
+from mechanics.messages import Message, linked, message
 
 if TYPE_CHECKING:
     from assessment.analyses.static.states import StateResult
@@ -103,13 +104,18 @@ def starts_of(
     for stage in stages:
         if stage.state != ORIGINAL:
             model = stage.model or models[stage.state].assembly
-            start: Start = "; ".join(stage.failures) or "the settled state was not reached"
+            start: Start = why_not_reached(stage)
             if stage.reached is not None:
                 start = stage.reached
             elif stage.from_drawing:
                 start = model.initial
             starts[stage.state, stage.behaviour] = Resting(model, start)
     return starts
+
+
+def why_not_reached(stage: StateResult) -> Message:
+    """Return why a settled state was not reached."""
+    return linked(stage.failures) if stage.failures else message("the settled state was not reached")
 
 
 def ultimates(

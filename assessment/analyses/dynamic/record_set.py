@@ -10,6 +10,7 @@ import numpy as np
 
 from assessment.ntc.limit_states import QUOTED
 from assessment.results.schema.campaign import CampaignSpectrum
+from mechanics.messages import message
 from mechanics.records import Record, compatible_record, response_spectrum
 from mechanics.types import Array
 
@@ -71,8 +72,15 @@ def _scaled(motion: BaseMotion, periods: Array, wanted: Array, table: CampaignTa
     if factor != best:
         low, high = table.scale_limits
         notes += (
-            f"campaign, {motion.name}: the spectrum of the site asks for a factor of {best:.3g}; "
-            f"{factor:.3g} is taken, the limit (scale_limits = [{low:g}, {high:g}])",
+            message(
+                "campaign, {record}: the spectrum of the site asks for a factor of {wanted:.3g}; "
+                "{taken:.3g} is taken, the limit (scale_limits = [{low:g}, {high:g}])",
+                record=motion.name,
+                wanted=best,
+                taken=factor,
+                low=low,
+                high=high,
+            ),
         )
     return replace(
         motion,

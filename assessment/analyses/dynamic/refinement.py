@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from assessment.analyses.accuracy import FIRST_ORDER, LEVELS, observed_order
 from assessment.results.schema.studies import ConvergenceRow
+from mechanics.messages import Message, headed, message
 
 
 @dataclass(frozen=True)
@@ -96,22 +97,30 @@ class Refinement:
         error = {f"{stem}_error_{unit}": self.error}
         return found.replace(order=self.order, relative_error=self.unsure, **error)
 
-    def missed(self, title: str, tolerance: float, keys: str = "time_step_s") -> list[str]:
+    def missed(self, title: Message, tolerance: float, keys: str = "time_step_s") -> list[Message]:
         """Return a warning if the tolerance is not met; `keys`: of the project that may help."""
-        if self.within(tolerance):
-            return []
+        return [] if self.within(tolerance) else [headed(title, self._missed(tolerance, keys))]
+
+    def _missed(self, tolerance: float, keys: str) -> Message:
         if len(self.values) < LEVELS:
-            return [f"{title}: discretisation error not known"]
+            return message("discretisation error not known")
         if self.unsure is None:
-            return [f"{title}: error of {self.quantity} not known: not every time step reaches it"]
+            return message("error of {key} not known: not every time step reaches it", key=self.quantity)
         unsure, asked = 100.0 * self.unsure, 100.0 * tolerance
         if self.scatters is not None:
-            return [
-                f"{title}: {self.quantity} scatters by {unsure:.2g} % between records that differ by 1 %, more than "
-                f"between time steps, tolerance {asked:.2g} %; the range tells how sure it is"
-            ]
-        times = 2 ** (len(self.values) - 1)
-        return [
-            f"{title}: estimated error of {self.quantity} {unsure:.2g} % by time steps down to 1/{times} of those "
-            f"given, tolerance {asked:.2g} %; take a smaller {keys}"
-        ]
+            return message(
+                "{key} scatters by {error:.2g} % between records that differ by 1 %, more than between time steps, "
+                "tolerance {tolerance:.2g} %; the range tells how sure it is",
+                key=self.quantity,
+                error=unsure,
+                tolerance=asked,
+            )
+        return message(
+            "estimated error of {key} {error:.2g} % by time steps down to 1/{times} of those given, "
+            "tolerance {tolerance:.2g} %; take a smaller {keys}",
+            key=self.quantity,
+            error=unsure,
+            times=2 ** (len(self.values) - 1),
+            tolerance=asked,
+            keys=keys,
+        )

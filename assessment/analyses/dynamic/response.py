@@ -9,6 +9,7 @@ import numpy as np
 
 from assessment.results.schema.dynamic import Energy
 from mechanics import Assembly, State, TimeHistory, time_history
+from mechanics.messages import Message
 from mechanics.progress import stretch
 from mechanics.types import GRAVITY, Array
 
@@ -67,7 +68,7 @@ class Response:
         return max(part.worst for part in self.parts)
 
     @property
-    def notes(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[Message, ...]:
         """Warnings about the runs, each once."""
         return tuple(dict.fromkeys(note for part in self.parts for note in part.notes))
 

@@ -17,9 +17,10 @@ from assessment.results.configurations.frames import snapshots
 from assessment.results.configurations.ties import while_shaken
 from assessment.results.schema.dynamic import AnimationFrames, Course, History, Motion
 from assessment.results.schema.model import QualityRow
-from assessment.results.schema.part import Part
+from assessment.results.schema.part import Part, known
 from assessment.results.schema.studies import ConvergenceRow
 from mechanics import Assembly, ConvergenceError, State
+from mechanics.messages import Message, headed, message
 from mechanics.records import response_spectrum
 from mechanics.types import Array
 
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
 
 Found = TypeVar("Found", bound=Part)
-Start = State | str
+Start = State | Message
 """The state at rest that a motion begins from, or why it could not be reached."""
 
 FRAMES = 150  # of an animation
@@ -47,8 +48,8 @@ class DynamicResult(Generic[Found]):
     stage: str
     numbers: Found
     quality: list[QualityRow] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-    failures: list[str] = field(default_factory=list)
+    warnings: list[Message] = field(default_factory=list)
+    failures: list[Message] = field(default_factory=list)
     seconds: float = 0.0
     convergence: ConvergenceRow | None = None
 
@@ -71,16 +72,16 @@ def history(shaking: Shaking) -> DynamicResult[History]:
     which the structure came back is "sustained_displacement_m", at "time_of_peak_s", with "peak_configuration".
     """
     model, motion, start = shaking.model, shaking.motion, shaking.start
-    title = f"{shaking.state}, history of {motion.name}"
+    title = history_title(shaking)
     if isinstance(start, str):
         nothing = _unanswered(motion, shaking.setting, start)
-        return DynamicResult(shaking.state, "history", nothing, warnings=[f"{title}: {start}"])
+        return DynamicResult(shaking.state, "history", nothing, warnings=[headed(title, start)])
     began = time.perf_counter()
     try:
         response = respond(model, motion, shaking.setting, start)
     except ConvergenceError as error:
-        nothing = _unanswered(motion, shaking.setting, str(error))
-        return DynamicResult(shaking.state, "history", nothing, failures=[f"{title}: {error}"])
+        nothing = _unanswered(motion, shaking.setting, error.message)
+        return DynamicResult(shaking.state, "history", nothing, failures=[headed(title, error.message)])
     seconds = time.perf_counter() - began
 
     found = _answered(model, motion, shaking.setting, response).replace(seconds=seconds)
@@ -91,18 +92,28 @@ def history(shaking: Shaking) -> DynamicResult[History]:
     result.quality.append(
         quality_row(shaking.state, f"history, {motion.name}", response.total("programs"), response.worst)
     )
-    result.warnings += [f"{title}: {note}" for note in response.notes]
+    result.warnings += [headed(title, note) for note in response.notes]
     last = response.last
     if last.collapsed:
-        result.warnings.append(
-            f"{title}: collapse at {result.numbers.time_of_collapse_s:.4g} s: {last.collapse_reason}"
+        collapse = message(
+            "collapse at {time:.4g} s: {reason}",
+            time=known(result.numbers.time_of_collapse_s),
+            reason=last.collapse_reason,
         )
+        result.warnings.append(headed(title, collapse))
     elif speed := speed_at_end(model, last):
-        result.warnings.append(
-            f"{title}: blocks still move at the end, at {speed:.2g} m/s: the residual displacement is that of this "
-            "moment, not of rest; a record with zeros at its end is followed farther"
+        moving = message(
+            "blocks still move at the end, at {speed:.2g} m/s: the residual displacement is that of this moment, "
+            "not of rest; a record with zeros at its end is followed farther",
+            speed=speed,
         )
+        result.warnings.append(headed(title, moving))
     return result
+
+
+def history_title(shaking: Shaking) -> Message:
+    """Return the beginning of the warnings of a time history."""
+    return message("{state}, history of {record}", state=shaking.state, record=shaking.motion.name)
 
 
 def _unanswered(motion: BaseMotion, setting: Setting, reason: str | None) -> History:

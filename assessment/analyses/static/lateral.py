@@ -21,6 +21,7 @@ from mechanics import (
     UnstableError,
     pushover,
 )
+from mechanics.messages import Message, headed, message
 from mechanics.model import Behaviour, Direction
 from mechanics.procedures import Mirror, Pushover
 from mechanics.steps import Sliding
@@ -60,7 +61,7 @@ def push(
     for direction, points in zip(directions, controls, strict=True):
         began = time.perf_counter()
         result, quality = PathResult[Pushovers](), Quality(name, f"pushover, {behaviour}")
-        title = f"{name}, pushover {direction}, {behaviour} contacts"
+        title = pushover_title(name, direction, behaviour)
         # where the first control point does not move, each direction is followed and fails with that message
         image = None
         if found is not None and found[0] == controls[0][0]:
@@ -88,6 +89,16 @@ def push(
     return parts
 
 
+def pushover_title(state: str, direction: Direction, behaviour: Behaviour) -> Message:
+    """Return the beginning of the warnings of a pushover."""
+    return message(
+        "{state}, pushover {direction}, {contacts} contacts",
+        state=state,
+        direction=direction,
+        contacts=behaviour,
+    )
+
+
 def mirror_of(model: Assembly, behaviour: Behaviour) -> Mirror:
     """Return the mirror of a model that has one."""
     mirror = Mirror.of(model, behaviour)
@@ -107,13 +118,13 @@ def _path(
         try:
             return control, followed(model, control.point_m)
         except ControlError as error:
-            result.warnings.append(f"{title}: control point {control.name}: {error}")
+            reason = message("control point {name}: {reason}", name=control.name, reason=error.message)
+            result.warnings.append(headed(title, reason))
         except (UnstableError, ConvergenceError, NoEquilibriumError) as error:
-            result.failures.append(f"{title}: {error}")
+            result.failures.append(headed(title, error.message))
             return None
-    result.failures.append(
-        f"{title}: no control point takes part in the mechanism; add one on a part that moves"
-    )
+    nothing = message("no control point takes part in the mechanism; add one on a part that moves")
+    result.failures.append(headed(title, nothing))
     return None
 
 
@@ -134,34 +145,39 @@ def add_curve(
         result.activated = path.states[path.peak]
         curve = rigid_push(model, control, setting.sliding, direction, path)
         result.found = Pushovers(control=control.name, rigid=curve)
-        result.warnings += _rigid_notes(title, curve, path)
+        result.warnings += [headed(title, note) for note in _rigid_notes(curve, path)]
     else:
         elastic = elastic_push(model, setting.sliding, direction, path)
         result.found = Pushovers(control=control.name, elastic=elastic)
     # of an elastic curve the part up to its peak is used, of a rigid one the whole
     if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * max(path.multiplier)):
-        result.warnings.append(
-            f"{title}: ends at d = {path.displacement[-1]:.4g} m, α = {path.multiplier[-1]:.4g}: {path.end}"
+        end = message(
+            "ends at d = {displacement:.4g} m, α = {multiplier:.4g}: {reason}",
+            displacement=float(path.displacement[-1]),
+            multiplier=float(path.multiplier[-1]),
+            reason=path.end,
         )
+        result.warnings.append(headed(title, end))
 
 
-def _rigid_notes(title: str, curve: RigidPush, path: Pushover) -> Iterator[str]:
+def _rigid_notes(curve: RigidPush, path: Pushover) -> Iterator[Message]:
     """Yield what to know about a rigid curve: the other law of friction, local losses, where the mechanism is from."""
     if curve.alpha_0_coulomb is not None:
-        yield (
-            f"{title}: with friction that does not lift what slides (Coulomb) α0 is "
-            f"{curve.alpha_0_coulomb:.4g}, not {curve.alpha_0:.4g}"
+        yield message(
+            "with friction that does not lift what slides (Coulomb) α0 is {coulomb:.4g}, not {multiplier:.4g}",
+            coulomb=curve.alpha_0_coulomb,
+            multiplier=curve.alpha_0,
         )
     elif (curve.sliding_residual or 0.0) > LIFTED:
-        yield (
-            f"{title}: no flow was found in which friction does not lift what slides (Coulomb): "
-            "α0 by it is not known"
+        yield message(
+            "no flow was found in which friction does not lift what slides (Coulomb): α0 by it is not known"
         )
     if curve.local_loss is not None:
-        sentence = loss_sentence(curve.local_loss)
-        yield f"{title}: {sentence}"
+        yield loss_sentence(curve.local_loss)
     if path.formed != path.peak:
-        yield (
-            f"{title}: the control point takes no part in the mechanism at α0: displacements, e*, Γ*, forces and hand "
-            f"check are those of d = {path.displacement[path.formed]:.4g} m, α = {path.multiplier[path.formed]:.4g}"
+        yield message(
+            "the control point takes no part in the mechanism at α0: displacements, e*, Γ*, forces and hand "
+            "check are those of d = {displacement:.4g} m, α = {multiplier:.4g}",
+            displacement=float(path.displacement[path.formed]),
+            multiplier=float(path.multiplier[path.formed]),
         )

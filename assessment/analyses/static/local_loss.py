@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from assessment.results.schema.static import LocalLoss
+from mechanics.messages import Message, message
 from mechanics.model import H
 
 if TYPE_CHECKING:
@@ -54,7 +55,12 @@ def _loss(model: Assembly, joint: int, displacement: float, overlap: Array) -> L
     )
 
 
-def loss_sentence(loss: LocalLoss) -> str:
+def loss_sentence(loss: LocalLoss) -> Message:
     """Return the text of a local loss for messages."""
-    a, b = loss.blocks
-    return f"the faces of blocks {a} and {b} slide off each other at d = {loss.displacement_m:.4g} m"
+    first, second = loss.blocks
+    return message(
+        "the faces of blocks {first} and {second} slide off each other at d = {displacement:.4g} m",
+        first=first,
+        second=second,
+        displacement=loss.displacement_m,
+    )

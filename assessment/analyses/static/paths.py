@@ -10,6 +10,7 @@ import numpy as np
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import Part
 from mechanics import Assembly, State, UnstableError
+from mechanics.messages import Message, headed, message
 from mechanics.procedures import PATH, Pushdown, Pushover
 from mechanics.program import Certificate
 from mechanics.steps import check_self_weight
@@ -68,18 +69,18 @@ class PathResult(Generic[Found]):
     reached: State | None = None
     activated: State | None = None
     quality: list[QualityRow] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-    failures: list[str] = field(default_factory=list)
+    warnings: list[Message] = field(default_factory=list)
+    failures: list[Message] = field(default_factory=list)
     seconds: float = 0.0
     scatters: bool = False
 
 
-def stand(model: Assembly) -> str | None:
+def stand(model: Assembly) -> Message | None:
     """Return why the structure cannot stand under its own weight; None if it can."""
     try:
         check_self_weight(model)
     except UnstableError as error:
-        return str(error)
+        return error.message
     return None
 
 
@@ -96,7 +97,7 @@ def turns_on_rounding(model: Assembly, path: Pushdown | Pushover) -> bool:
     return False
 
 
-def crossings(title: str, crossed: NDArray[np.float64], increment: float) -> list[str]:
+def crossings(title: str, crossed: NDArray[np.float64], increment: float) -> list[Message]:
     """Return a warning for each stretch (n, 2) m in which a part moves by itself; adjoining stretches are joined.
 
     A stretch shorter than 1/32 of the increment (m) is below the accuracy of the path and left out.
@@ -110,7 +111,14 @@ def crossings(title: str, crossed: NDArray[np.float64], increment: float) -> lis
         else:
             stretches.append([left, held])
     return [
-        f"{title}: between d = {left:.4g} and {held:.4g} m a part moves by itself, until others hold it again"
+        headed(
+            title,
+            message(
+                "between d = {start:.4g} and {end:.4g} m a part moves by itself, until others hold it again",
+                start=left,
+                end=held,
+            ),
+        )
         for left, held in stretches
     ]
 

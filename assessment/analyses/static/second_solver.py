@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import time
 
+from assessment.analyses.static.lateral import pushover_title
 from assessment.analyses.static.paths import PathResult
 from assessment.results.schema.static import SecondSolver
 from mechanics import ArgumentError, Assembly, ConvergenceError, NoEquilibriumError, State
+from mechanics.messages import headed, message
 from mechanics.model import Direction
 from mechanics.procedures import limit_in, static_theorem
 
@@ -25,7 +27,7 @@ def second_solver(
     """
     began = time.perf_counter()
     result = PathResult[SecondSolver]()
-    title = f"{name}, pushover {direction}, rigid contacts"
+    title = pushover_title(name, direction, "rigid")
     try:
         linear = static_theorem(model, direction, activated)
     except ArgumentError:
@@ -34,17 +36,23 @@ def second_solver(
     try:
         own = limit_in(model, direction, activated, "associative").alpha
     except (NoEquilibriumError, ConvergenceError) as error:
-        result.warnings.append(f"{title}: limit analysis where α0 is reached: {error}")
+        note = message("limit analysis where α0 is reached: {reason}", reason=error.message)
+        result.warnings.append(headed(title, note))
     if linear is None:
-        result.warnings.append(f"{title}: the linear program of limit analysis has no optimum by HiGHS")
+        note = message("the linear program of limit analysis has no optimum by HiGHS")
+        result.warnings.append(headed(title, note))
     difference = None
     if own is not None and linear is not None:
         difference = (linear - own) / max(abs(own), LEAST)
         if abs(difference) > AGREE:
-            result.warnings.append(
-                f"{title}: limit analysis where α0 is reached gives α = {own:.8g}, a linear program written apart "
-                f"(HiGHS) {linear:.8g}: relative difference {difference:.2g}"
+            note = message(
+                "limit analysis where α0 is reached gives α = {own:.8g}, a linear program written apart (HiGHS) "
+                "{linear:.8g}: relative difference {difference:.2g}",
+                own=own,
+                linear=linear,
+                difference=difference,
             )
+            result.warnings.append(headed(title, note))
     result.found = SecondSolver(
         alpha_0=alpha_0,
         alpha_program=own,

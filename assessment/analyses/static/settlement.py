@@ -21,6 +21,7 @@ from mechanics import (
     UnstableError,
     pushdown,
 )
+from mechanics.messages import Message, headed, message
 from mechanics.model import Behaviour
 from mechanics.procedures import Pushdown, settled, whole_movement
 from mechanics.steps import Sliding
@@ -55,8 +56,9 @@ def rest_as_drawn(model: Assembly, sliding: Sliding) -> State | None:
         return None
 
 
-def _title(settlement: SettlementTable, behaviour: Behaviour) -> str:
-    return f"{settlement.name}, {behaviour} contacts"
+def path_title(state: str, behaviour: Behaviour) -> Message:
+    """Return the beginning of the warnings of a movement."""
+    return message("{state}, {contacts} contacts", state=state, contacts=behaviour)
 
 
 def _whole(model: Assembly, settlement: SettlementTable) -> float:
@@ -72,7 +74,7 @@ def _moved(
     result: PathResult[PushdownPath],
 ) -> Pushdown | None:
     """Return the path of the support, up to collapse if the structure collapses; None without a path."""
-    title = _title(settlement, behaviour)
+    title = path_title(settlement.name, behaviour)
     try:
         path = pushdown(
             model,
@@ -85,11 +87,11 @@ def _moved(
             sliding,
         )
     except CollapseError as collapse:
-        result.failures.append(f"{title}: {collapse}")
+        result.failures.append(headed(title, collapse.message))
         assert isinstance(collapse.path, Pushdown)
         return collapse.path
     except (UnstableError, ConvergenceError, NoEquilibriumError) as error:
-        result.failures.append(f"{title}: {error}")
+        result.failures.append(headed(title, error.message))
         return None
     result.reached = path.final
     return path
@@ -103,17 +105,25 @@ def _add_path(
     result: PathResult[PushdownPath],
 ) -> None:
     """Add the certificates of a path, and the warnings about it."""
-    title = _title(settlement, behaviour)
+    title = path_title(settlement.name, behaviour)
     if settlement.to_collapse and path.ultimate is None:
-        result.warnings.append(f"{title}: no ultimate movement up to {path.movement[-1]:.3g} m ({path.end})")
+        result.warnings.append(
+            headed(
+                title,
+                message(
+                    "no ultimate movement up to {reached:.3g} m ({reason})",
+                    reached=float(path.movement[-1]),
+                    reason=path.end,
+                ),
+            )
+        )
     result.warnings += crossings(title, path.crossed, _whole(model, settlement) / settlement.increments)
     result.scatters = turns_on_rounding(model, path)
     quality = Quality(settlement.name, f"pushdown, {behaviour}")
     quality.add(path)
     result.quality.append(quality.row)
     if result.found and result.found.local_loss is not None:
-        sentence = loss_sentence(result.found.local_loss)
-        result.warnings.append(f"{title}: {sentence}")
+        result.warnings.append(headed(title, loss_sentence(result.found.local_loss)))
 
 
 def _pushdown_path(

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.static.lateral import PushSetting, push
 from assessment.analyses.static.paths import PathResult, configuration
-from assessment.analyses.static.settlement import rest_as_drawn, settle
+from assessment.analyses.static.settlement import path_title, rest_as_drawn, settle
 from assessment.results.quality import joined
 from assessment.results.schema.part import present
 from assessment.results.schema.static import Pushovers
 from assessment.runtime.tasks import Workers, large
+from mechanics.messages import Message, headed, message
 from mechanics.procedures import Mirror
 
 if TYPE_CHECKING:
@@ -117,8 +118,8 @@ class StateResult:
     reached: State | None = None
     activated: dict[Direction, State] = field(default_factory=dict)
     quality: list[QualityRow] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-    failures: list[str] = field(default_factory=list)
+    warnings: list[Message] = field(default_factory=list)
+    failures: list[Message] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
     scatters: bool = False
 
@@ -254,8 +255,8 @@ def _result(
     elif settled is not None:
         result.scatters = settled.scatters
         if begun is None:
-            title = request.title
-            result.failures.append(f"{title}: the state that it strengthens was not reached")
+            title = path_title(request.state, request.behaviour)
+            result.failures.append(headed(title, message("the state that it strengthens was not reached")))
     result.from_drawing = begun is not None and begun.state is None
     if begun is not None and begun.state is not None:
         result.reached = begun.state

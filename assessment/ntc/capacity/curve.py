@@ -17,6 +17,7 @@ from assessment.ntc.calculation import Trace, datum, step
 from assessment.ntc.capacity.curve_fit import CapacityError, CurveFit
 from assessment.ntc.confidence import CONFIDENCE_FACTOR
 from mechanics.errors import require
+from mechanics.messages import message
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
@@ -73,16 +74,20 @@ def participation(
     largest = np.abs(delta).max(initial=0.0)
     takes_part = np.abs(delta) > still * largest if moving is None else np.asarray(moving, dtype=bool)
     if largest == 0.0 or not P[takes_part].any():
-        raise CapacityError("e*, Γ*: no weight moves horizontally in the mechanism")
+        raise CapacityError(message("e*, Γ*: no weight moves horizontally in the mechanism"))
     if abs(control_dx) <= still * largest:
         raise CapacityError(
-            "Γ*: the control point does not move horizontally; choose one on a block of the mechanism"
+            message(
+                "Γ*: the control point does not move horizontally; choose one on a block of the mechanism"
+            )
         )
     P, ratio = P[takes_part], delta[takes_part] / control_dx
     weight, first, second = float(P.sum()), float(P @ ratio), float(P @ ratio**2)
     if first <= 0.0:
         raise CapacityError(
-            "Γ*: the control point moves against the moving weights; choose one that moves with the mechanism"
+            message(
+                "Γ*: the control point moves against the moving weights; choose one that moves with the mechanism"
+            )
         )
     return Participation(first**2 / (weight * second), second / first, weight, first, second)
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from assessment.ntc.calculation import Step, Trace, datum, step
 from mechanics.errors import require
+from mechanics.messages import Message, SaidError, message
 
 Array = NDArray[np.float64]
 
@@ -21,7 +22,7 @@ YIELD_SHARE = 0.9  # of α_u: plateau of the trilinear curve
 _PAPER = "Portioli et al., §7.1"
 
 
-class CapacityError(ValueError):
+class CapacityError(SaidError, ValueError):
     """The pushover curves do not define a capacity; the message names it and the reason."""
 
 
@@ -44,7 +45,7 @@ class CurveFit:
     d_y: float | None
     displacement: Array
     multiplier: Array
-    notes: tuple[str, ...] = ()
+    notes: tuple[Message, ...] = ()
     steps: Trace = ()
     source: str = "pushover, rigid contacts"
     elastic_end: float | None = None
@@ -95,7 +96,7 @@ def fit_bilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
     if excess(alpha_u) <= 0.0:
         return _idealised(
             "bilinear", (d, alpha, d_0), secant, alpha_u, alpha_u, None,
-            "no plateau below α_u has the area of the curve: α_y = α_u",
+            message("no plateau below α_u has the area of the curve: α_y = α_u"),
         )  # fmt: skip
     from scipy.optimize import brentq  # late: few fits need it, and it takes long to import
 
@@ -128,7 +129,10 @@ def _rigid_branch(rigid: Curve) -> tuple[Array, Array, float | None]:
     require(bool((np.diff(d) > 0.0).all()), "rigid curve", "displacement", "growing from point to point")
     if alpha[0] <= 0.0:
         raise CapacityError(
-            f"alpha_0 = {alpha[0]:.6g}: the rigid mechanism needs no horizontal load: no seismic capacity"
+            message(
+                "alpha_0 = {alpha:.6g}: the rigid mechanism needs no horizontal load: no seismic capacity",
+                alpha=float(alpha[0]),
+            )
         )
     down = np.flatnonzero(alpha <= 0.0)
     if not down.size:
@@ -142,22 +146,26 @@ def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Ar
     """Return where the curve reaches 0.4 α_u (m), α_u, and the curve up to where its displacement turns back."""
     if elastic is None:
         raise CapacityError(
-            "no elastic pushover curve: ask for contacts = [\"rigid\", \"elastic\"] and give "
-            "normal_stiffness_kN_m3, or set model = \"none\" (rigid branch alone)"
-        )  # fmt: skip
+            message(
+                'no elastic pushover curve: ask for contacts = ["rigid", "elastic"] and give '
+                'normal_stiffness_kN_m3, or set model = "none" (rigid branch alone)'
+            )
+        )
     d, alpha = _branch(elastic, "elastic curve")
     d, alpha = np.insert(d, 0, 0.0), np.insert(alpha, 0, 0.0)
     peak = int(np.argmax(alpha))
     alpha_u = float(alpha[peak])
     if alpha_u <= 0.0:
-        raise CapacityError(f"elastic curve: its peak alpha_u = {alpha_u:.6g} must be positive")
+        raise CapacityError(
+            message("elastic curve: its peak alpha_u = {alpha:.6g} must be positive", alpha=alpha_u)
+        )
     above = int(np.argmax(alpha >= SECANT_SHARE * alpha_u))
     share = (SECANT_SHARE * alpha_u - alpha[above - 1]) / (alpha[above] - alpha[above - 1])
     d_secant = float(d[above - 1] + share * (d[above] - d[above - 1]))
     back = np.maximum.accumulate(d) - d
     if d_secant <= 0.0 or back[: peak + 1].max() > SWAY * d[peak]:
         raise CapacityError(
-            "elastic curve: the control point does not advance as the load grows; choose another one"
+            message("elastic curve: the control point does not advance as the load grows; choose another one")
         )
     turned = np.flatnonzero(back[peak:] > 1e-9 * np.abs(d).max())
     end = peak + int(turned[0]) if turned.size else d.size
@@ -175,7 +183,7 @@ class _Plateau:
     alpha_y: float
     end: float
     cut: bool
-    notes: tuple[str, ...]
+    notes: tuple[Message, ...]
 
 
 def _idealised(
@@ -185,7 +193,7 @@ def _idealised(
     alpha_u: float,
     alpha_y: float,
     area: float | None = None,
-    *notes: str,
+    *notes: Message,
 ) -> CurveFit:
     """Return min(secant stiffness times d, α_y, rigid branch) as a piecewise-linear curve.
 
@@ -195,7 +203,11 @@ def _idealised(
     stiffness = SECANT_SHARE * alpha_u / secant
     if alpha_u > alpha[0]:
         notes += (
-            f"elastic peak α_u = {alpha_u:.4g} above the rigid onset α0 = {alpha[0]:.4g}: the fit is cut",
+            message(
+                "elastic peak α_u = {peak:.4g} above the rigid onset α0 = {onset:.4g}: the fit is cut",
+                peak=alpha_u,
+                onset=float(alpha[0]),
+            ),
         )
     plateau = _plateau(d, alpha, stiffness, alpha_y)
     displacement, multiplier = _joined(d, alpha, plateau)
@@ -220,19 +232,22 @@ def _plateau(d: Array, alpha: Array, stiffness: float, alpha_y: float) -> _Plate
     meets = _crossing(d, alpha - stiffness * d)
     if meets is None:
         raise CapacityError(
-            "the elastic branch does not meet the rigid branch: follow the rigid pushover further"
+            message("the elastic branch does not meet the rigid branch: follow the rigid pushover further")
         )
     if meets < d_y:
         alpha_y = float(stiffness * meets)
-        notes = (f"the secant meets the rigid branch at α = {alpha_y:.4g}, below the plateau: no plateau",)
-        return _Plateau(meets, alpha_y, meets, True, notes)
+        note = message(
+            "the secant meets the rigid branch at α = {alpha:.4g}, below the plateau: no plateau",
+            alpha=alpha_y,
+        )
+        return _Plateau(meets, alpha_y, meets, True, (note,))
     below = d >= d_y
     tail_d = np.concatenate([[d_y], d[below]])
     tail = np.concatenate([[np.interp(d_y, d, alpha)], alpha[below]]) - alpha_y
     end = _crossing(tail_d, tail)
     if end is None:
-        notes = ("the plateau does not meet the rigid branch within the curve",)
-        return _Plateau(float(d_y), float(alpha_y), float(d[-1]), False, notes)
+        note = message("the plateau does not meet the rigid branch within the curve")
+        return _Plateau(float(d_y), float(alpha_y), float(d[-1]), False, (note,))
     return _Plateau(float(d_y), float(alpha_y), end, False, ())
 
 

@@ -13,6 +13,7 @@ from assessment.ntc.demand.floor_spectrum import FloorSpectrum, FloorSpectrum200
 from assessment.ntc.demand.hazard import Hazard, HazardCurve
 from assessment.ntc.demand.hazard_grid import RETURN_PERIODS
 from assessment.ntc.demand.spectrum import ElasticSpectrum, Spectrum
+from mechanics.messages import Message, message
 
 Demand = Callable[[Spectrum], float]
 _LOW, *_, _HIGH = RETURN_PERIODS.tolist()
@@ -20,7 +21,7 @@ _LOW, *_, _HIGH = RETURN_PERIODS.tolist()
 
 def spectrum_at_return_period(
     demand: Demand, capacity: float, spectrum: Spectrum, hazard: HazardCurve
-) -> tuple[Spectrum, tuple[str, ...]]:
+) -> tuple[Spectrum, tuple[Message, ...]]:
     """Return the spectrum of the first return period whose demand is the capacity, and notes.
 
     demand maps a spectrum to an ordinate in the unit of capacity. Beyond 30–2475 years the spectrum of the
@@ -36,10 +37,12 @@ def spectrum_at_return_period(
     knots = [log(T_R) for T_R in RETURN_PERIODS]
     over = [excess(knot) >= 0.0 for knot in knots]
     if over[0]:
-        return at(_LOW), ("capacity below the hazard of 30 years: the shape of that return period is scaled",)
+        return at(_LOW), (
+            message("capacity below the hazard of 30 years: the shape of that return period is scaled"),
+        )
     if not any(over):
         return at(_HIGH), (
-            "capacity above the hazard of 2475 years: the shape of that return period is scaled",
+            message("capacity above the hazard of 2475 years: the shape of that return period is scaled"),
         )
     from scipy.optimize import brentq  # late: few projects need it, and it takes long to import
 

@@ -178,8 +178,10 @@ def _six_digits(value: float, words: Words) -> str:
 
 def _source(paragraph: str, words: Words) -> Markup:
     """Write where a number comes from in the language of the report; paragraphs of standards stay as they are."""
-    text = "; ".join(
-        ": ".join(words.name("source", part, translated(part, words)) for part in phrase.split(": "))
-        for phrase in paragraph.split("; ")
-    )
+    text = translated(paragraph, words)
+    if text == paragraph:
+        text = "; ".join(
+            ": ".join(words.name("source", part) for part in phrase.split(": "))
+            for phrase in paragraph.split("; ")
+        )
     return Markup(re.sub(r"\b([A-Za-zα-ω])_(\w+)", r"\1<sub>\2</sub>", str(Markup.escape(text))))

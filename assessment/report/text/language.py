@@ -7,7 +7,7 @@ import re
 import tomllib
 import unicodedata
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
 from typing import Any
@@ -15,6 +15,7 @@ from typing import Any
 from markupsafe import Markup
 
 from assessment.results.schema import Results
+from assessment.results.schema.messages import Worded
 
 LANGUAGES = ("it", "en")
 # blanks at which no line ends: before a unit, and around the equals sign before a number
@@ -24,10 +25,14 @@ SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 @dataclass(frozen=True)
 class Words:
-    """Strings of `templates/strings_<language>.toml`, found by dotted keys; numbers with its decimal mark."""
+    """Strings of `templates/strings_<language>.toml`, found by dotted keys; numbers with its decimal mark.
+
+    `messages`: what the sentences of the results are made of, by sentence.
+    """
 
     language: str
     strings: Mapping[str, Any]
+    messages: Mapping[str, Worded] = field(default_factory=dict)
 
     @classmethod
     def of(cls, language: str) -> Words:
@@ -105,7 +110,7 @@ def words_of(results: Results) -> Words:
     language = results.echo.report.language
     if language not in LANGUAGES:
         raise ValueError(f"report.language = {language!r}: must be one of {', '.join(LANGUAGES)}")
-    return Words.of(language)
+    return Words(language, _strings(language), results.messages or {})
 
 
 @cache

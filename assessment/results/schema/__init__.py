@@ -17,6 +17,7 @@ from assessment.results.schema.checks import (
 )
 from assessment.results.schema.dynamic import History, Incremental, Motion
 from assessment.results.schema.indices import Indices, Knowledge
+from assessment.results.schema.messages import Worded
 from assessment.results.schema.model import Echo, Geometry, LayerLoads, ModelSummary, Quality, Software
 from assessment.results.schema.part import Configuration, Part, key, optional
 from assessment.results.schema.static import Contacts, PushdownPath, Pushovers, Settlement, Strengthening
@@ -67,6 +68,7 @@ class Results(Part):
     campaign: Campaign | None = optional("fragility and loss of capacity against movement")
     convergence: Convergence = key("estimated errors")
     quality: Quality = key("certificates and warnings")
+    messages: dict[str, Worded] | None = optional("what its sentences are made of, by sentence")
     timing_s: dict[str, float] = key("computing time by analysis", "s")
     software: Software = key("versions")
 

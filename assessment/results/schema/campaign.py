@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assessment.results.schema.dynamic import Course, Level, Range
-from assessment.results.schema.part import Part, key, optional
+from assessment.results.schema.part import Part, Sentence, key, optional
 
 
 class CampaignRecord(Part):
@@ -69,7 +69,7 @@ class CampaignCombination(Part):
     all_collapsed: list[bool] | None = optional("of stripes: whether all collapse, by level")
     runs: int = key("motions computed")
     points: list[CampaignLevel] = key("every level that was run")
-    reason: str | None = key("why there is no answer")
+    reason: Sentence | None = key("why there is no answer")
     same_as: SameAs | None = optional("where another combination has the numbers")
 
 
@@ -121,7 +121,7 @@ class Campaign(Part):
     spectrum: CampaignSpectrum | None = key("their mean spectrum; null: no spectrum was asked for")
     combinations: list[CampaignCombination] = key("every combination")
     computed: int = key("distinct combinations")
-    failures: list[str] = key("what could not be completed, and why")
+    failures: list[Sentence] = key("what could not be completed, and why")
     fragility: list[CampaignFragility] = key("by movement and share")
     loss: list[CampaignLoss] = key("by movement and share")
-    warnings: list[str] = key("of the single runs")
+    warnings: list[Sentence] = key("of the single runs")

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Literal, Self
 
 from assessment.results.schema.model import Face, Line
-from assessment.results.schema.part import Configuration, Part, Point, key, optional, present
+from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional, present
 
 Direction = Literal["+x", "-x"]
 CHECKS = ("SLO", "SLO elastic", "SLD", "SLD elastic", "SLV linear", "SLV", "SLC")
@@ -49,7 +49,7 @@ class Check(Part):
     )
     return_period_stated: str | None = optional('"> 2475" or "< 30" beyond the hazard')
     governing: str = key("what gave a_g")
-    notes: list[str] = key("what to know about it")
+    notes: list[Sentence] = key("what to know about it")
     trace: list[Line] = key("its calculation")
     a_g_g_range: list[float | None] | None = optional("least and largest of an ensemble", "g")
     zeta_E_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
@@ -117,7 +117,7 @@ class Capacity(_Checked):
     T_0_s: float | None = key("period of the elastic branch; null: the curve is rigid", "s")
     model: str = key("fitted curve: trilinear, bilinear, none")
     d_0_star_m: float | None = key("displacement where the capacity vanishes, d_0*", "m")
-    notes: list[str] = key("what to know about the fitted curve")
+    notes: list[Sentence] = key("what to know about the fitted curve")
     curve: CapacityCurve = key("capacity curve")
     trace: list[Line] = key("calculation of the curve")
     SLO: Check | None = optional("check at SLO")
@@ -195,7 +195,7 @@ class GivenMechanism(_Checked):
 
     name: str = key("name in the project file")
     state: str = key("state that it starts from")
-    refused: str | None = optional("why it cannot move as given")
+    refused: Sentence | None = optional("why it cannot move as given")
     direction: Direction | None = optional("direction of the loads that start it")
     alpha_0: float | None = optional("multiplier by virtual work", "–")
     alpha_0_limit: float | None = optional("α_0 of its state in that direction; null: not known", "–")
@@ -214,7 +214,7 @@ class GivenMechanism(_Checked):
     penetration: float | None = optional("deepest penetration per largest displacement", "–")
     sliding_joints: list[int] | None = optional("numbers of the joints that slide")
     met: list[Face] | None = optional("pairs of faces that touch in its state and not as drawn")
-    notes: list[str] | None = optional("what to know about it")
+    notes: list[Sentence] | None = optional("what to know about it")
     trace: list[Line] | None = optional("its calculation")
     SLO: Check | None = optional("activation at SLO")
     SLD: Check | None = optional("activation at SLD")

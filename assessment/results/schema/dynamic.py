@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assessment.results.schema.model import Face
-from assessment.results.schema.part import Configuration, Part, Point, key, optional
+from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional
 
 Range = list[float | None]
 """Least and largest of the members of an ensemble; null: a collapse, beyond any value."""
@@ -97,7 +97,7 @@ class History(Part):
     residual_displacement_m: float | None = key("displacement at the end; null: collapse", "m")
     collapsed: bool | None = key("whether it ends in collapse; null: not computed")
     time_of_collapse_s: float | None = key("when, in the record's file; null: it stands", "s")
-    reason: str | None = key("of the collapse, or why it was not computed")
+    reason: Sentence | None = key("of the collapse, or why it was not computed")
     sustained_displacement_m: float | None = optional("largest one from which the structure came back", "m")
     time_of_peak_s: float | None = optional("when that is", "s")
     free_motion_from_s: float | None = optional(
@@ -112,7 +112,7 @@ class History(Part):
     integrator_share: float | None = optional("of all that was dissipated, taken by the integrator", "–")
     programs: int | None = optional("programs solved")
     halvings: int | None = optional("halvings of the time step where a step was not solved")
-    notes: list[str] | None = optional("what to know about it")
+    notes: list[Sentence] | None = optional("what to know about it")
     seconds: float | None = optional("computing time", "s")
     frames: AnimationFrames | None = optional("for the animation")
     ties: list[ShakenTie] | None = optional("tension of the ties of the state; missing: no tie")
@@ -133,7 +133,7 @@ class Level(Part):
     members_collapsed: int = key("members that collapse")
     collapsed: bool = key("whether any collapses")
     time_of_collapse_s: float | None = key("of the first to collapse", "s")
-    reason: str | None = key("of its collapse")
+    reason: Sentence | None = key("of its collapse")
 
 
 class Search(Part):
@@ -146,7 +146,7 @@ class Search(Part):
     runs: int = key("motions computed")
     resurrections_g: list[float] = key("levels above at which the structure stands again", "g")
     points: list[Level] = key("every level that was tried")
-    reason: str | None = key("why there is no answer")
+    reason: Sentence | None = key("why there is no answer")
     pga_collapse_g_range: Range | None = optional(
         "from `pga_collapse_g` to where all members collapse; null: not reached", "g"
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from assessment.results.schema.part import Part, Point, key, optional
+from assessment.results.schema.part import Part, Point, Sentence, key, optional
 
 
 class Tie(Part):
@@ -31,7 +31,7 @@ class ModelSummary(Part):
     paper_contact_points: int = key("contact points that the paper's discretisation would have")
     weight_kN: float = key("weight of the movable blocks with their vertical loads", "kN")
     self_weight_stable: bool = key("whether the structure stands as drawn; false: nothing else was computed")
-    warnings: list[str] = key("what is odd in the drawing")
+    warnings: list[Sentence] = key("what is odd in the drawing")
     ties: list[Tie] | None = optional("tie rods; missing: none")
 
 
@@ -162,7 +162,7 @@ class Quality(Part):
     worst_penetration_m: float | None = optional("the worst of all analyses", "m")
     worst_complementarity: float | None = optional("the worst of all analyses", "–")
     worst_cone_violation: float | None = optional("the worst of all analyses", "–")
-    warnings: list[str] = key("what the reader has to know")
+    warnings: list[Sentence] = key("what the reader has to know")
     by_stage: list[QualityRow] = key("the same of every analysis")
 
 
@@ -174,7 +174,7 @@ class Line(Part):
     inputs: dict[str, float] = key("the numbers put in")
     result: float = key("the result", "that of `unit`")
     unit: str = key("unit of the result")
-    paragraph: str = key("paragraph of the standard, or source of a datum")
+    paragraph: Sentence = key("paragraph of the standard, or source of a datum")
 
 
 __all__ = [

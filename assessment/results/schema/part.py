@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Self, TypeVar
+from typing import Annotated, Any, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+)
 
 Name = TypeVar("Name")
 Value = TypeVar("Value")
@@ -13,6 +20,15 @@ Value = TypeVar("Value")
 Point = list[float]
 Configuration = list[list[float]]
 """Of each block: displacement x, z (m) and rotation (rad) from the drawing."""
+
+
+def _kept(value: Any, checked: ValidatorFunctionWrapHandler) -> Any:
+    """Return a string as it is: of a message (a kind of string) pydantic makes a plain one."""
+    return value if isinstance(value, str) else checked(value)
+
+
+Sentence = Annotated[str, WrapValidator(_kept)]
+"""A sentence for people; a message keeps what it is made of."""
 
 
 class Part(BaseModel):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from assessment.results.schema.model import Face
-from assessment.results.schema.part import Configuration, Part, Point, key, optional, present
+from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional, present
 
 Contacts = Literal["rigid", "elastic"]
 Sliding = Literal["associative", "coulomb"]
@@ -62,7 +62,7 @@ class PushdownPath(Part):
     local_loss: LocalLoss | None = optional("the first joint that is lost; null: none")
     sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
     applied_movement_m: float = key("largest component of the movement that the settlement asks for", "m")
-    end: str = key("why the path ends")
+    end: Sentence = key("why the path ends")
     configuration: Configuration = key("after the whole movement, or where the structure falls", "m, rad")
     ultimate_configuration: Configuration | None = key("just before collapse; null: not reached", "m, rad")
     control_displacement_m: list[Point] | None = key("x, z of the first control point along the path", "m")
@@ -134,7 +134,7 @@ class RigidPush(Part):
     local_loss: LocalLoss | None = optional(
         "the first joint that is lost: limit of SLV and SLC where none is given"
     )
-    end: str = key("why the path ends")
+    end: Sentence = key("why the path ends")
     curve: Curve = key("the curve")
     members: list[Curve] | None = optional("curves of the other members of the ensemble")
     sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
@@ -160,7 +160,7 @@ class ElasticPush(Part):
     peak: int = key("which point of the curve that is")
     alpha_y: float | None = key("plateau of the fitted capacity curve; null: none was fitted", "–")
     d_y_m: float | None = key("end of its elastic branch, along the push; null: none was fitted", "m")
-    end: str = key("why the path ends")
+    end: Sentence = key("why the path ends")
     reached_zero: bool = key("whether the curve falls to α = 0")
     lost: bool | None = optional("whether no equilibrium lies beyond its last point")
     curve: Curve = key("the curve")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assessment.results.schema.checks import Direction
-from assessment.results.schema.part import Part, key, optional
+from assessment.results.schema.part import Part, Sentence, key, optional
 
 
 class ConvergenceRow(Part):
@@ -71,7 +71,7 @@ class Scenarios(Part):
     limit_state: str | None = key("limit state of a_g and ζ_E; null: no assessment")
     points: list[ScenarioPoint] = key("every part of every movement")
     worst: ScenarioPoint | None = key("the worst of them; null: none is known")
-    warnings: list[str] = key("of the single runs")
+    warnings: list[Sentence] = key("of the single runs")
 
 
 class SensitivityRun(Capacities):
@@ -88,4 +88,4 @@ class Sensitivity(Part):
 
     limit_state: str | None = key("limit state of a_g and ζ_E; null: no assessment")
     runs: list[SensitivityRun] = key("two to a property, state and direction")
-    warnings: list[str] = key("of the single runs")
+    warnings: list[Sentence] = key("of the single runs")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from assessment.analyses.checks.capacity import assess, capacities
-from assessment.analyses.dynamic.inputs import ultimates
+from assessment.analyses.dynamic.inputs import ultimates, why_not_reached
 from assessment.analyses.dynamic.time_history import Start
 from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
 from assessment.ntc.demand.spectrum import ElasticSpectrum, Spectrum
@@ -22,6 +22,7 @@ from assessment.studies.variants import (
     quantity,
     quoted_limit_state,
 )
+from mechanics.messages import Message, headed, message
 from mechanics.procedures import whole_movement
 
 if TYPE_CHECKING:
@@ -52,9 +53,14 @@ class Moved:
     ultimate: float | None
 
     @property
-    def title(self) -> str:
+    def title(self) -> Message:
         """The state, for messages."""
-        return f"{self.settlement} × {self.share:g}"
+        return moved_title(self.settlement, self.share)
+
+
+def moved_title(settlement: str, share: float) -> Message:
+    """Return the beginning of messages about the state after a share of a movement."""
+    return message("{state} × {share:g}", state=settlement, share=share)
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +144,7 @@ def _take(study: Study, name: str, share: float, stages: Iterable[StateResult]) 
     for stage in stages:
         study.quality += stage.quality
         study.seconds += sum(stage.seconds.values())
-        study.warnings += [f"{name} × {share:g}: {text}" for text in stage.failures]
+        study.warnings += [headed(moved_title(name, share), text) for text in stage.failures]
 
 
 def _rest(stages: Iterable[StateResult], table: CampaignTable) -> Start:
@@ -146,7 +152,7 @@ def _rest(stages: Iterable[StateResult], table: CampaignTable) -> Start:
     [own] = [stage for stage in stages if stage.behaviour == table.contacts]
     if own.reached is not None:
         return own.reached
-    return "; ".join(own.failures) or "the settled state was not reached"
+    return why_not_reached(own)
 
 
 def _beside(project: Project, table: CampaignTable) -> Project:
@@ -162,7 +168,7 @@ def _beside(project: Project, table: CampaignTable) -> Project:
     return project.model_copy(update=changed)
 
 
-def _static(project: Project, state: _Reviewed, demands: Demands, warnings: list[str]) -> float | None:
+def _static(project: Project, state: _Reviewed, demands: Demands, warnings: list[Message]) -> float | None:
     """Return the static capacity of the weaker direction, of the joints of `project`; None if one is not known."""
     if project.pushover is None:
         return None

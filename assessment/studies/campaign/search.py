@@ -14,6 +14,7 @@ from assessment.analyses.dynamic.response import Setting
 from assessment.analyses.dynamic.time_history import thinned
 from assessment.results.schema.campaign import CampaignCurve, CampaignLevel
 from mechanics import Assembly, ConvergenceError, State
+from mechanics.messages import Message
 
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
@@ -53,7 +54,7 @@ class Combination:
     programs: int = 0
     worst: float = 0.0
     seconds: float = 0.0
-    failures: list[str] = field(default_factory=list)
+    failures: list[Message] = field(default_factory=list)
 
 
 def search_collapse(
@@ -130,8 +131,8 @@ def _completed(levels: Levels, run: Callable[[Levels], Judged], curves: tuple[in
     try:
         result.judged = run(levels)
     except ConvergenceError as error:
-        result.reason = str(error)
-        result.failures.append(str(error))
+        result.reason = error.message
+        result.failures.append(error.message)
     members = [each for level in levels.members.values() for each in level]
     result.runs = len(members)
     for pga, level in sorted(levels.members.items()):

@@ -21,7 +21,7 @@ from assessment.results.schema.campaign import (
     SameAs,
 )
 from assessment.runtime.fingerprint import fingerprint
-from assessment.studies.campaign.movements import Moved, moved_states
+from assessment.studies.campaign.movements import Moved, moved_states, moved_title
 from assessment.studies.campaign.records import RecordSet, record_set
 from assessment.studies.campaign.search import (
     Combination,
@@ -31,6 +31,7 @@ from assessment.studies.campaign.search import (
 )
 from assessment.studies.campaign.summary import Observed, Place, fragility, loss
 from assessment.studies.variants import Statics, Study, quantity
+from mechanics.messages import Message, headed, message
 from mechanics.procedures import Mirror
 
 if TYPE_CHECKING:
@@ -59,9 +60,14 @@ class Asked:
     run_sign: int
 
     @property
-    def title(self) -> str:
+    def title(self) -> Message:
         """Name of the combination for messages."""
-        return f"{self.moved.title}, {self.motion.name}, {'+' if self.sign > 0 else '−'}"
+        return message(
+            "{state}, {record}, {sign}",
+            state=self.moved.title,
+            record=self.motion.name,
+            sign="+" if self.sign > 0 else "−",
+        )
 
     @property
     def key(self) -> tuple[str, str, int]:
@@ -113,12 +119,12 @@ def campaign(
         spectrum=records.spectrum,
         combinations=rows,
         computed=len(done),
-        failures=study.failures.copy(),
+        failures=list(study.failures),
         fragility=fits,
         loss=losses,
-        warnings=study.warnings,
+        warnings=list(study.warnings),
     )
-    study.findings += _findings(found)
+    study.findings += [_of_campaign(text) for text in _findings(found)]
     return found
 
 
@@ -203,7 +209,7 @@ def _rows(
         else:
             study.quality.append(quality_row(each.moved.title, "campaign", result.programs, result.worst))
             study.seconds += result.seconds
-            study.failures += [f"campaign: {each.title}: {text}" for text in result.failures]
+            study.failures += [_of_campaign(headed(each.title, text)) for text in result.failures]
         rows.append(row)
     return rows
 
@@ -273,46 +279,71 @@ def _by_movement(
     return fits, losses
 
 
-def _open_ends(row: CampaignFragility) -> list[str]:
+def _of_campaign(text: Message) -> Message:
+    return message("campaign: {text}", text=text)
+
+
+def _open_ends(row: CampaignFragility) -> list[Message]:
     """Return warnings of a fragility that rests on lower bounds, or has no median."""
-    where, findings = f"{row.settlement} × {row.share:g}", []
+    findings = []
     if row.withstood:
         findings.append(
-            f"campaign: {where}: {row.withstood} of {row.combinations} combinations do not collapse up to the largest "
-            "level tried and count as lower bounds; raise max_scale, or levels_g, to find their collapse"
+            message(
+                "{withstood} of {count} combinations do not collapse up to the largest level tried and count as lower "
+                "bounds; raise max_scale, or levels_g, to find their collapse",
+                withstood=row.withstood,
+                count=row.combinations,
+            )
         )
     if row.median_g is None and row.failed < row.combinations:
         findings.append(
-            f"campaign: {where}: no median of collapse is found; some levels have to be withstood, and others not"
+            message("no median of collapse is found; some levels have to be withstood, and others not")
         )
     return findings
 
 
-def _findings(found: Campaign) -> list[str]:
+def _findings(found: Campaign) -> list[Message]:
     """Return warnings about the campaign as a whole."""
     findings = []
     records = len(found.records)
     if records < ENOUGH:
-        findings.append(f"campaign: records: {records}; NTC 2018 §7.3.5 asks for at least {ENOUGH}")
+        findings.append(
+            message(
+                "records: {count}; NTC 2018 §7.3.5 asks for at least {least}", count=records, least=ENOUGH
+            )
+        )
     equal = sum(row.same_as is not None for row in found.combinations)
     if equal:
         findings.append(
-            f"campaign: {equal} of {len(found.combinations)} combinations are the same as another one, or its "
-            "mirror image, and were computed once"
+            message(
+                "{equal} of {count} combinations are the same as another one, or its mirror image, "
+                "and were computed once",
+                equal=equal,
+                count=len(found.combinations),
+            )
         )
     for row in found.fragility:
+        title = moved_title(row.settlement, row.share)
         if row.failed:
-            where = f"{row.settlement} × {row.share:g}"
-            findings.append(
-                f"campaign: {where}: {row.failed} of {row.combinations} combinations could not be completed; "
-                "median, dispersion and loss are those of the others"
+            failed = message(
+                "{failed} of {count} combinations could not be completed; "
+                "median, dispersion and loss are those of the others",
+                failed=row.failed,
+                count=row.combinations,
             )
-        findings += _open_ends(row)
+            findings.append(headed(title, failed))
+        findings += [headed(title, text) for text in _open_ends(row)]
     spectrum = found.spectrum
     if spectrum and not spectrum.within:
         low, high = spectrum.lowest_deviation, spectrum.highest_deviation
         findings.append(
-            f"campaign: the mean spectrum of the records deviates from that of the site by {low:.0%} to {high:.0%}; "
-            f"{LOW:.0%} to {HIGH:.0%} is usual"
+            message(
+                "the mean spectrum of the records deviates from that of the site by {low:.0%} to {high:.0%}; "
+                "{usual_low:.0%} to {usual_high:.0%} is usual",
+                low=low,
+                high=high,
+                usual_low=LOW,
+                usual_high=HIGH,
+            )
         )
     return findings

@@ -88,13 +88,31 @@ def refusal(content: Any) -> str:
     return first_error(refused.value)
 
 
-FREE = {"echo", "inputs", "packages", "timing_s", "levels", "required_zeta", "components", "origins"}
+FREE = {
+    "echo",
+    "inputs",
+    "packages",
+    "timing_s",
+    "levels",
+    "required_zeta",
+    "components",
+    "origins",
+    "fields",
+}
 """Tables whose keys are names."""
 
 
 def described(results: dict[str, Any]) -> list[tuple[Any, ...]]:
     """Tables of results whose keys the schema knows, one of each kind."""
-    named = {"states", "spectra", "pushdown", "pushover", "capacity", "scalings"}  # one level of names
+    named = {
+        "states",
+        "spectra",
+        "pushdown",
+        "pushover",
+        "capacity",
+        "scalings",
+        "messages",
+    }  # one level of names
     found: dict[tuple[Any, ...], tuple[Any, ...]] = {}
     for path in places(results):
         if not FREE & {*path} and not (path and path[-1] in named):

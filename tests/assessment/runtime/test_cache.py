@@ -10,11 +10,13 @@ import pytest
 from assessment.analyses.static.paths import PathResult
 from assessment.analyses.static.settlement import settle
 from assessment.results.schema.checks import Capacity, Check
+from assessment.results.schema.dynamic import Search
 from assessment.results.schema.model import QualityRow
 from assessment.runtime.cache import Store, packed, unpacked
 from assessment.runtime.fingerprint import fingerprint as digest
 from assessment.workflow.stages import run
 from mechanics import State
+from mechanics.messages import headed, message
 from tests.support.structures import block_on_base
 from tests.support.typed import filled, made
 
@@ -69,6 +71,21 @@ def test_a_part_of_the_results_comes_back_with_the_keys_that_it_had():
     assert found == part and found.checks["SLD elastic"].a_g_g == 1 / 7
     assert found.model_dump(exclude_unset=True) == part.model_dump(exclude_unset=True)
     assert "S" not in found.checks["SLD elastic"].model_fields_set
+
+
+def test_messages_keep_what_they_are_made_of():
+    """JSON takes them for plain strings: in a list, in a part of the results, within one another, and alone."""
+    inner = message("a step of {size:.3g} m turns a block by {turned:.2g} rad", size=1 / 7, turned=0.5)
+    outer = headed("original", message("{levels}", levels=[inner, inner]))
+    search = made(Search, {"record": "a"}).replace(reason=inner)
+    part = PathResult(found=search, warnings=[outer], failures=[inner])
+    found = unpacked(packed({"of": [part]}))["of"][0]
+    assert (
+        found.warnings == [outer]
+        and found.warnings[0].fields["text"].fields["levels"][1].template == inner.template
+    )
+    assert found.failures[0].fields == found.found.reason.fields == {"size": 1 / 7, "turned": 0.5}
+    assert unpacked(packed(inner)).fields == inner.fields
 
 
 def test_fingerprints_tell_every_content_and_type_apart():

@@ -17,7 +17,6 @@ from assessment.report.figures.drawings.deformed import found_mechanism
 from assessment.report.formats.viewer import viewer
 from assessment.report.tables.index import mechanisms, pushover_curves
 from assessment.report.text.language import words_of
-from assessment.report.text.messages import translated
 from assessment.results.configurations.hand_check import hand_check, weights
 from assessment.results.configurations.joint_states import situations
 from assessment.results.configurations.outlines import field, outlines, place
@@ -30,6 +29,7 @@ from mechanics.steps.equilibrium import reaction
 from tests.support.analysed import SETTLED, analysed
 from tests.support.structures import block_on_base
 from tests.support.typed import typed
+from tests.support.wording import in_italian
 
 PUSHED = [(state, direction) for state in ("original", SETTLED) for direction in ("+x", "-x")]
 
@@ -123,7 +123,7 @@ def test_a_control_point_that_takes_no_part_at_alpha_0_is_told_with_the_point_th
     alpha = later.multiplier[later.formed]
     [warning] = result.warnings
     assert f"d = {later.displacement[later.formed]:.4g} m, α = {alpha:.4g}" in warning
-    it = translated(warning, words_of(typed(analysed("it"))))
+    it = in_italian(warning)
     assert (
         "il punto di controllo non partecipa al meccanismo ad α_0" in it
         and f"{alpha:.4g}".replace(".", ",") in it

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, pushover
+from mechanics.messages import message
 from mechanics.procedures.mirror import Mirror
 from mechanics.program import certify
 from mechanics.steps.static_step import StepProblem
@@ -73,7 +74,9 @@ def test_messages_name_the_image():
     model = arch_on_piers()
     mirror = Mirror.of(model, "rigid")
     path = pushover(model, CONTROL["+x"], "+x", "rigid", 0.005, until=0.9)
-    image = mirror.pushover(replace(path, end="+x: lost, at block 0 first"))
+    image = mirror.pushover(
+        replace(path, end=message("{direction}: lost, at block {block} first", direction="+x", block=0))
+    )
     assert image.end == f"-x: lost, at block {mirror.block[0]} first"
 
 

@@ -28,11 +28,11 @@ from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import load_project
 from assessment.project.repair import with_repaired_drawing
 from assessment.report.tables.index import inert
-from assessment.report.text.language import Words, slug
-from assessment.report.text.messages import translated
+from assessment.report.text.language import slug
 from assessment.runtime.errors import ProjectError
 from assessment.workflow import output
 from mechanics.faults import visible
+from mechanics.messages import headed, message
 from mechanics.records.record import read_record
 from tests.mechanics.records import test_record as records
 from tests.support.block_project import ASSESSMENT, PROJECT, write_block
@@ -42,6 +42,7 @@ from tests.support.hostile.judge import commanded, judged
 from tests.support.hostile.strategies import damaged_bytes, damaged_lines, names, numbers, values
 from tests.support.results_example import results_example
 from tests.support.typed import typed
+from tests.support.wording import in_italian
 
 Try = Callable[[Any], str]
 WALL = MINIMAL + '[layers.BASE]\nsupport = "base"\n'
@@ -208,17 +209,12 @@ def _no_products() -> Iterator[None]:
 
 def _name(_: Path) -> Try:
     """Names in what a terminal, a table, an Italian warning and a file name make of them."""
-    italian = Words.of("it")
 
     def attempt(name: str) -> str:
         assert all(c.isprintable() for c in visible(name))
         assert not str(inert(name)).startswith(("=", "+", "-", "@", "\t", "\r"))
-        for text in (
-            f"{name}: {name}",
-            f"{name}, pushover +x, {name} contacts: {name}",
-            f'layer "{name}": {name}',
-        ):
-            assert translated(text, italian)
+        about = message('layer "{name}" holds no block: what the project says of it has no effect', name=name)
+        assert name in in_italian(headed(message("{state}", state=name), about))
         assert re.fullmatch(r"\d+[a-z0-9_]*", slug(typed({"states": {name: {}}}), name))
         return "completed"
 

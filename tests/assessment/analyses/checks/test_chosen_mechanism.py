@@ -23,8 +23,6 @@ from assessment.project.mechanisms import Chosen, MacroBlock
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.tables.capacity import chosen_mechanisms, trace
-from assessment.report.text.language import Words
-from assessment.report.text.messages import translated
 from assessment.results.plain import plain
 from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, limit_analysis, pushover
@@ -32,6 +30,7 @@ from tests.support.block_project import PROJECT
 from tests.support.structures import arch_on_piers, block_on_base, rectangle, semicircular_arch
 from tests.support.trace_check import recomputed
 from tests.support.typed import typed
+from tests.support.wording import in_italian
 
 STONE = Material(18.0, 0.7, 1e6)
 GROUND = ElasticSpectrum(0.25, 2.4, 0.30)
@@ -170,8 +169,7 @@ def test_a_wedge_without_hinges_has_no_nonlinear_check():
     answer = found(model, ((1e4, -1e5), -1e-5, [1, 2, 3]), demands={"SLV": GROUND})
     assert "SLV" not in answer.checks and "SLV linear" in answer.checks
     assert any("no nonlinear check: the hinges between" in note for note in answer.notes)
-    words = Words.of("it")
-    assert all(translated(note, words) != note for note in answer.notes)
+    assert all(in_italian(note) != note for note in answer.notes)
 
 
 def test_a_block_in_the_way_stops_the_motion():
@@ -251,7 +249,7 @@ def test_in_a_settled_state_it_stands_beside_the_alpha_0_that_is_printed():
     assert note.startswith(
         "alpha_0 is below that of the state, 0.2: a hinge of the settlement closes from α = 0.037"
     )
-    assert "cerniera del cedimento" in translated(note, Words.of("it"))
+    assert "cerniera del cedimento" in in_italian(note)
 
 
 def test_a_joint_that_slides_is_told():

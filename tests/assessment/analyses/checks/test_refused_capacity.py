@@ -11,10 +11,9 @@ from assessment.analyses.checks.demand import Demands
 from assessment.analyses.static.paths import crossings
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.report.text.language import words_of
-from assessment.report.text.messages import translated
 from tests.support.analysed import analysed, arch
 from tests.support.typed import typed
+from tests.support.wording import in_italian
 
 
 @pytest.fixture(scope="module")
@@ -60,8 +59,7 @@ def test_an_elastic_pushover_that_failed_is_not_asked_for_again(capacities):
     assert "+x" not in found and "-x" in found
     [said] = [text for text in warnings if text.startswith("+x: no capacity")]
     assert "was asked for and gave no curve" in said and "ask for contacts" not in said
-    reason = said.removeprefix("+x: ")
-    assert "è stato richiesto" in translated(reason, words_of(typed(analysed("it"))))
+    assert "è stato richiesto" in in_italian(said)
 
 
 def test_jumps_below_the_accuracy_of_the_path_are_left_out():

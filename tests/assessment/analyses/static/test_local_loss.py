@@ -16,7 +16,6 @@ from assessment.report.chapters.remarks import displacement_limits
 from assessment.report.document import write_page
 from assessment.report.figures.index import write_figures
 from assessment.report.text.language import Words
-from assessment.report.text.messages import translated
 from assessment.results.plain import plain
 from assessment.results.schema.static import LocalLoss
 from assessment.runtime.processes.pool import Pool
@@ -26,6 +25,7 @@ from tests.support.block_project import ASSESSMENT, PROJECT, write_block
 from tests.support.results_example import results_example
 from tests.support.structures import block_on_base, rectangle
 from tests.support.typed import typed
+from tests.support.wording import in_italian
 
 STONE = Material(18.0, 0.2)
 
@@ -50,8 +50,7 @@ def test_a_block_slides_past_an_edge():
     assert (
         local_loss(model, states, ways, 0.0 * forces, falls=True) is None
     )  # a joint that bears nothing loses nothing
-    words = Words.of("it")
-    assert "perdere l’appoggio a d = 0,4 m" in translated(loss_sentence(loss), words)
+    assert "perdere l’appoggio a d = 0,4 m" in in_italian(loss_sentence(loss))
 
 
 def test_a_hinge_that_turns_loses_nothing():

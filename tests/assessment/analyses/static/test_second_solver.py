@@ -10,14 +10,13 @@ from assessment.analyses.static import second_solver as module
 from assessment.analyses.static.second_solver import second_solver
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.report.text.language import Words
-from assessment.report.text.messages import translated
 from assessment.results.plain import plain
 from assessment.workflow.stages import run
 from mechanics.procedures import limit_in
 from tests.support.analysed import SETTLED, analysed
 from tests.support.block_project import PROJECT, write_block
 from tests.support.structures import block_on_base, column
+from tests.support.wording import in_italian
 
 
 @pytest.mark.parametrize("state", ["original", SETTLED])
@@ -70,7 +69,7 @@ def test_a_difference_above_one_in_a_million_is_warned_of(monkeypatch, share, wa
     assert part.found.relative_difference == pytest.approx(share, rel=1e-3)
     assert bool(part.warnings) == warned
     for warning in part.warnings:
-        italian = translated(warning, Words.of("it"))
+        italian = in_italian(warning)
         assert "moved" in italian and "scarto relativo" in italian and "written apart" not in italian
 
 
@@ -89,7 +88,7 @@ def test_an_optimum_that_highs_does_not_find_is_warned_of(monkeypatch):
     assert part.found.alpha_linear_program is None and part.found.relative_difference is None
     assert part.found.alpha_program == pytest.approx(0.2)
     [warning] = part.warnings
-    assert "ottimo" in translated(warning, Words.of("it"))
+    assert "ottimo" in in_italian(warning)
 
 
 def test_joints_that_crush_have_no_comparison():

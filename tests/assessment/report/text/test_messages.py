@@ -1,202 +1,213 @@
-"""No message of the analyses stands in English in an Italian report: every one that the code can make is known."""
+"""Messages are worded by the report: every template of the code has its Italian, and none is parsed back."""
 
 import ast
+import pickle
 import re
-import tomllib
+from string import Formatter
 
 import pytest
 
 from assessment.report.chapters.judgement import all_warnings
-from assessment.report.text.language import Words
-from assessment.report.text.messages import _entries, _translated, sentence, translated
+from assessment.report.text.language import Words, words_of
+from assessment.report.text.messages import sentence, templates, translated
+from assessment.results.file import as_bytes, read_results
+from assessment.results.messages import with_messages
+from assessment.results.schema import Results
+from mechanics import UnstableError
+from mechanics.messages import Message, SaidError, headed, linked, message
 from tests import ROOT
 from tests.support.analysed import analysed
 from tests.support.typed import typed
+from tests.support.wording import as_sentence, in_italian, knowing
 
-RAISED = {"UnstableError", "NoEquilibriumError", "CollapseError", "ConvergenceError", "ControlError"}
-RAISED |= {"CapacityError", "MechanismError"}
-LISTS = {"warnings", "notes", "failures", "findings"}
-ELSEWHERE = {"mechanics/records/synthetic.py", "assessment/benchmark/cases/dynamics.py"}  # no part of a run
-NAMED = {"_SHAPES", "_COLLAPSE_FIRST", "end"}
-SAYING = {
-    "loss_sentence",
-    "not_met",
-    "missed",
-    "collapse",
-    "overruns",
-    "passing_through",
-    "_notes",
-    "scatter",
-}
-SAYING |= {"_gap_texts", "_gap_warnings", "_remedy", "_scattered", "_spread", "_rigid_notes"}
-MESSAGE = "the whole movement is applied"  # in the place of a message within a message
-WITHIN = {
-    "error",
-    "collapse",
-    "stop",
-    "fall",
-    "refusal",
-    "note",
-    "text",
-    "why",
-    "start",
-    "end",
-    "sentence",
-    "missed",
-}
-WITHIN |= {"self.end", "unstable", "path.end", "last.collapse_reason", "failed[state]", "warnings[0]"}
-WITHIN |= {"what", "names"}
-ITALIAN, ENGLISH = Words.of("it"), Words.of("en")
+TITLE = message(
+    "{state}, pushover {direction}, {contacts} contacts",
+    state="moved 20 mm",
+    direction="-x",
+    contacts="rigid",
+)
+BY_ITSELF = "between d = {start:.4g} and {end:.4g} m a part moves by itself, until others hold it again"
 
 
-def messages():
-    """Yield where each message stands in the code, and an example of it."""
+def calls():
+    """Yield where each message is made in the code, and its template."""
     for package in ("assessment", "mechanics"):
         for path in sorted((ROOT / package).rglob("*.py")):
-            name = str(path.relative_to(ROOT))
-            if name not in ELSEWHERE:
-                for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                    for text in texts(node):
-                        yield f"{name}:{text.lineno}:{text.col_offset}", example(text)
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "message":
+                    yield f"{path.relative_to(ROOT)}:{node.lineno}", node
 
 
-def texts(node):
-    """Return the texts (strings, with or without fields) that a statement adds to warnings or raises.
-
-    Of some functions, whose answer is a message, all.
-    """
-    if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and called(node.exc) in RAISED:
-        parts = node.exc.args[:1]
-    elif isinstance(node, ast.AugAssign) and last(node.target) in LISTS:
-        parts = getattr(node.value, "elts", [getattr(node.value, "elt", None)])
-    elif isinstance(node, ast.Call) and called(node) == "append" and last(node.func.value) in LISTS:
-        parts = node.args
-    elif isinstance(node, ast.Assign) and last(node.targets[0]) in LISTS | NAMED:
-        parts = getattr(node.value, "elts", [node.value])
-    elif isinstance(node, ast.FunctionDef) and node.name in SAYING:
-        everything = [each for statement in node.body[1:] for each in ast.walk(statement)]
-        outer = [each for each in everything if isinstance(each, ast.JoinedStr)]
-        inner = {part for each in outer for part in ast.walk(each) if part is not each}
-        parts = [each for each in everything if each not in inner and (each in outer or is_sentence(each))]
-    else:
-        parts = []
-    return [part for part in parts if isinstance(part, ast.JoinedStr | ast.Constant)]
+def fields(template):
+    """The fields of a template with their formats; no other way of writing a value."""
+    parts = [part for part in Formatter().parse(template) if part[1] is not None]
+    assert not any(conversion for *_, conversion in parts), template
+    return {(name, form) for _, name, form, _ in parts}
 
 
-def is_sentence(node):
-    return isinstance(node, ast.Constant) and isinstance(node.value, str) and len(node.value.split()) > 2
+CALLS = dict(calls())
+MADE = {node.args[0].value for node in CALLS.values() if isinstance(node.args[0], ast.Constant)}
 
 
-def called(call):
-    return last(call.func)
+@pytest.mark.parametrize("where", CALLS)
+def test_a_message_is_made_of_a_template_and_exactly_its_fields(where):
+    """A template that is put together, as by an f-string, would not be found in Italian."""
+    [template], given = CALLS[where].args, {keyword.arg for keyword in CALLS[where].keywords}
+    assert isinstance(template, ast.Constant), ast.unparse(template)
+    assert given == {name for name, _ in fields(template.value)}
 
 
-def last(node):
-    return node.attr if isinstance(node, ast.Attribute) else getattr(node, "id", "")
+def test_the_italian_messages_are_those_of_the_code():
+    assert len(MADE) > 150
+    assert sorted(MADE - templates("it").keys()) == []
+    assert sorted(templates("it").keys() - MADE) == []
+    assert sorted(templates("en").keys() - MADE) == []
 
 
-def example(text):
-    if isinstance(text, ast.Constant):
-        return text.value
-    return "".join(
-        part.value if isinstance(part, ast.Constant) else value(ast.unparse(part.value))
-        for part in text.values
+@pytest.mark.parametrize("language", ["it", "en"])
+def test_the_wordings_have_the_fields_and_formats_of_their_templates(language):
+    wrong = {one: other for one, other in templates(language).items() if fields(one) != fields(other)}
+    assert wrong == {}
+
+
+def test_a_message_is_its_english_sentence_and_keeps_what_it_is_made_of():
+    inner = message("a step of {size:.3g} m turns a block by {turned:.2g} rad", size=0.00123, turned=0.5)
+    outer = headed("original", message("{first}; {second}", first=inner, second=linked([inner, inner])))
+    assert outer == f"original: {inner}; {inner}; {inner}"
+    assert message("{levels:.3g} g", levels=[0.12345, 0.2]) == "0.123, 0.2 g"
+    for copy in (pickle.loads(pickle.dumps(outer)), pickle.loads(pickle.dumps(SaidError(outer))).message):
+        assert copy == outer and copy.template == "{title}: {text}"
+        assert copy.fields["text"].fields["first"].fields == {"size": 0.00123, "turned": 0.5}
+    error = UnstableError(inner)
+    assert str(error) == inner and error.message is inner
+
+
+def test_results_keep_messages_and_their_file_what_they_are_made_of(tmp_path):
+    """Of a message within another one, too, in every list and text for people; of infinity only the word."""
+    results = typed(analysed())
+    note = message("{bound:g} {text}", bound=float("inf"), text=message("α = 0"))
+    path = results.states["original"].pushover["+x"].rigid
+    changed = with_messages(
+        results.replace(
+            model=results.model.replace(warnings=[note]),
+            states=results.states
+            | {
+                "original": results.states["original"].replace(
+                    pushover={
+                        "+x": results.states["original"]
+                        .pushover["+x"]
+                        .replace(rigid=path.replace(end=message("α = {alpha:.2g}", alpha=0.123)))
+                    }
+                )
+            },
+        )
+    )
+    file = tmp_path / "results.json"
+    file.write_bytes(as_bytes(changed))
+    again = read_results(file)
+    assert again.model.warnings == ["inf α = 0"]
+    assert again.messages == changed.messages
+    assert again.messages["inf α = 0"].fields["bound"] == "inf"
+    assert again.messages["inf α = 0"].fields["text"].template == "α = 0"
+    assert again.messages["α = 0.12"].fields == {"alpha": 0.123}
+    assert with_messages(again) == again
+
+
+def test_messages_within_messages_numbers_and_names():
+    falls = message(
+        "the structure falls: a step of {size:.3g} m moves it by {moved:.3g} m", size=0.001, moved=-0.2
+    )
+    ends = message(
+        "ends at d = {displacement:.4g} m, α = {multiplier:.4g}: {reason}",
+        displacement=0.0123,
+        multiplier=1e-5,
+        reason=falls,
+    )
+    assert in_italian(headed(TITLE, ends)) == (
+        "stato “moved 20 mm”, pushover in direzione −x, contatti rigidi: la curva termina a d = 0,0123 m, α = 1e−05: "
+        "la struttura perde l’equilibrio: un incremento di 0,001 m la sposta di −0,2 m"
+    )
+    spent = message("{limit}: no acceleration capacity is left at d* = {displacement:.6g} m",
+                    limit="SLC", displacement=0.1)  # fmt: skip
+    told = message("{direction}: {text}", direction="-x", text=spent)
+    assert in_italian(message("{state}: {text}", state="original", text=told)) == (
+        "originale: −x: SLC: a d* = 0,1 m la capacità in accelerazione è esaurita"
+    )
+    hidden = message(
+        'layer "{name}": {count} frozen, off or invisible polylines left out', name="A.1", count=3
+    )
+    assert in_italian(headed("geometry.dxf", hidden)) == (
+        "geometry.dxf: layer «A.1»: 3 polilinee congelate, spente o invisibili tralasciate"
     )
 
 
-def value(expression):
-    if expression in WITHIN:
-        return "increments" if expression == "what" else "depth" if expression == "names" else MESSAGE
-    if expression in {"title", "name", "state"}:
-        return "original, rigid contacts" if expression == "title" else "original"
-    if expression.startswith("name_of("):
-        return 'block 3 (layer "WALL", handle 2F)'
-    return {"direction": "+x", "limit_state": "SLV"}.get(expression, "1.5")
+def test_a_name_that_is_a_message_stays_a_name():
+    """What the English was parsed for: a name with colons and words of other messages."""
+    name = "original, pushover +x, rigid contacts: α = 0.5"
+    told = message('mechanism "{name}": {text}', name=name, text=message("α = 0"))
+    assert in_italian(told) == f"meccanismo «{name}»: α = 0"
 
 
-FOUND = dict(messages())
+def test_what_is_no_message_stays_as_it_is():
+    italian = Words.of("it")
+    assert translated("something new", italian) == "something new"
+    told = headed("original", "block 3 has fallen by 0.5 m")
+    assert in_italian(told) == "original: block 3 has fallen by 0.5 m"
+    unknown = message("unknown {number:.2g}", number=0.5)
+    assert in_italian(message("{state}: {text}", state="original", text=unknown)) == "originale: unknown 0.5"
 
 
-def test_the_code_is_looked_through():
-    assert len(FOUND) > 80
-
-
-@pytest.mark.parametrize("where", FOUND)
-def test_every_message_is_known_in_italian(where):
-    words = ITALIAN
-    text = _translated(FOUND[where], words, _entries("it"))
-    assert text is not None, FOUND[where]
-    assert MESSAGE not in text
-
-
-@pytest.mark.parametrize(
-    ("english", "italian"),
-    [
-        (
-            "right support 20 mm, pushover -x, rigid contacts: ends at d = 0.0123 m, α = 0.05: the structure falls: "
-            "a step of 0.001 m moves it by 0.2 m",
-            "stato “right support 20 mm”, pushover in direzione −x, contatti rigidi: la curva termina a d = 0,0123 m, "
-            "α = 0,05: la struttura perde l’equilibrio: un incremento di 0,001 m la sposta di 0,2 m",
-        ),
-        (
-            "original: +x: SLC: no acceleration capacity is left at d* = 0.1 m",
-            "originale: +x: SLC: a d* = 0,1 m la capacità in accelerazione è esaurita",
-        ),
-        (
-            'geometry.dxf: layer "A.1": 3 frozen, off or invisible polylines left out',
-            "geometry.dxf: layer «A.1»: 3 polilinee congelate, spente o invisibili tralasciate",
-        ),
-        ("something new", "something new"),
-    ],
-)
-def test_messages_within_messages_numbers_and_names(english, italian):
-    assert translated(english, ITALIAN) == italian
-    assert translated(english, ENGLISH) == english
-
-
-def test_warnings_are_sentences_in_the_report():
+def test_english_messages_stay_as_they_are_but_for_the_state_of_a_sentence():
     """A capital, a full stop, powers of ten; the state is told as one, whatever its name."""
-    message = (
-        "moved 20 mm, pushover -x, rigid contacts: between d = 7.7e-12 and 1e-05 m a part moves by itself"
+    moves = headed(TITLE, message(BY_ITSELF, start=7.7e-12, end=1e-5))
+    assert translated(moves, knowing(moves, "en")) == moves
+    assert as_sentence(moves, "en") == (
+        "State “moved 20 mm”, pushover in direction −x, rigid contacts: between d = 7.7·10⁻¹² and 1·10⁻⁵ m a part "
+        "moves by itself, until others hold it again."
     )
-    english = ENGLISH
-    assert sentence(message, english) == (
-        "State “moved 20 mm”, pushover in direction −x, rigid contacts: "
-        "between d = 7.7·10⁻¹² and 1·10⁻⁵ m a part moves by itself."
-    )
-    italian = sentence(f"{message}, until others hold it again", ITALIAN)
+    italian = as_sentence(moves, "it")
     assert italian.startswith(
         "Stato “moved 20 mm”, pushover in direzione −x, contatti rigidi: fra d = 7,7·10⁻¹² e"
     )
     assert italian.endswith("fino a trovare un nuovo contrasto.")
-    assert sentence("$INSUNITS says mm.", english) == "$INSUNITS says mm."
-    assert sentence("α = 0", english) == "α = 0."
+    assert sentence("$INSUNITS says mm.", Words.of("en")) == "$INSUNITS says mm."
+    assert sentence("α = 0", Words.of("en")) == "α = 0."
 
 
 def test_symbols_of_warnings_are_set_as_symbols():
-    message = (
-        "original, pushover +x, rigid contacts: with friction that does not lift what slides (Coulomb) "
-        "α0 is 0.07, not 0.08"
+    told = message(
+        "with friction that does not lift what slides (Coulomb) α0 is {coulomb:.4g}, not {multiplier:.4g}",
+        coulomb=0.07,
+        multiplier=0.08,
     )
-    assert sentence(message, ENGLISH).count("α<sub>0</sub> is") == 1
-    assert "α<sub>0</sub> vale 0,07" in sentence(message, ITALIAN)
+    assert as_sentence(told, "en").count("α<sub>0</sub> is") == 1
+    assert "α<sub>0</sub> vale 0,07" in as_sentence(told, "it")
     text = "SLV: S_De at T_SLV; see max_scale, Tc_star_s, d_0_m"
-    assert sentence(text, ENGLISH) == (
+    assert sentence(text, Words.of("en")) == (
         "SLV: S<sub>De</sub> at T<sub>SLV</sub>; see max_scale, Tc_star_s, d_0_m."
     )
-    assert sentence("<b> a_g", ENGLISH) == "&lt;b&gt; a<sub>g</sub>."
+    assert sentence("<b> a_g", Words.of("en")) == "&lt;b&gt; a<sub>g</sub>."
 
 
-def test_the_warnings_of_a_run_are_known():
-    words = ITALIAN
-    for warning in all_warnings(typed(analysed("it"))):
-        assert _translated(warning, words, _entries("it")) is not None, warning
+def test_every_warning_of_a_run_is_worded_in_italian():
+    """All the way through: from the analyses, through results.json, to the words of the report."""
+    results = Results.model_validate(analysed("it"))
+    words, warnings = words_of(results), all_warnings(results)
+    assert warnings
+    for warning in warnings:
+        assert warning in words.messages, warning
+        assert translated(warning, words) != warning
 
 
 def test_a_message_with_an_acceleration_says_which_it_is():
     """ "Collapse at 0.31 g" did not say of what: PGA, a_g, or the acceleration that is left of a block."""
-    named = re.compile(r"PGA|a_g|accelera|\{ag\}")
-    entries = tomllib.loads((ROOT / "templates/messages_it.toml").read_text(encoding="utf-8"))
-    found = [both for both in entries.items() if re.search(r"\} g\b", both[1])]
+    named = re.compile(r"PGA|a_g|accelera|\{ag:")
+    found = [both for both in templates("it").items() if re.search(r"\} g\b", both[1])]
     assert len(found) > 8
     assert [both for both in found if not all(map(named.search, both))] == []
+
+
+def test_messages_are_plain_text_in_results():
+    """Those who read the file, or use the results in Python, see strings."""
+    text = message("α = 0")
+    assert isinstance(text, str) and isinstance(text, Message) and f"{text}" == "α = 0"
