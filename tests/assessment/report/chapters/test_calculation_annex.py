@@ -1,6 +1,7 @@
 """Every number of the annex, of whole projects: recomputed from what tables/trace.csv and the report print."""
 
 import re
+from dataclasses import replace
 
 import ezdxf
 import numpy as np
@@ -19,6 +20,7 @@ from assessment.project.project import load_project
 from assessment.report.chapters.calculation_annex import traces
 from assessment.report.tables.capacity import scalings, trace, verification
 from assessment.report.text.language import Words, words_of
+from assessment.results.messages import with_messages
 from assessment.results.plain import plain
 from assessment.workflow.dynamic import read_motions
 from assessment.workflow.stages import run
@@ -114,14 +116,13 @@ def assessed(project, results):
         states[name] = state.replace(
             pushover=state.pushover | curves, capacity=capacity, governing=governing(capacity)
         )
-    return plain(
-        results.replace(
-            states=states,
-            quality=results.quality.replace(warnings=[*results.quality.warnings, *notes]),
-            spectra=demand_parts(project, demands),
-            mechanisms=assess_chosen(project, models, states, demands, notes),
-        )
+    found = results.replace(
+        states=states,
+        quality=results.quality.replace(warnings=[*results.quality.warnings, *notes]),
+        spectra=demand_parts(project, demands),
+        mechanisms=assess_chosen(project, models, states, demands, notes),
     )
+    return plain(with_messages(found))
 
 
 @pytest.mark.parametrize("name", VARIANTS)
@@ -192,11 +193,19 @@ def test_what_is_no_paragraph_of_a_standard_is_written_in_the_language_of_the_re
         part
         for results in outcomes.values()
         for row in trace(typed(results)).rows
+        if row["paragraph"] not in (typed(results).messages or {})
         for phrase in row["paragraph"].split("; ")
         for part in phrase.split(": ")
         if not standard.match(part)
     }
     assert said <= set(Words.of("it").strings["source"])
+    shown = [
+        str(row[-1])
+        for results in outcomes.values()
+        for grid in traces(typed(results), replace(Words.of("it"), messages=typed(results).messages or {}))
+        for row in grid.rows
+    ]
+    assert any("incompatibilità locale: the beam unseats" in text for text in shown)
 
 
 @pytest.mark.parametrize("name", VARIANTS)
