@@ -125,17 +125,12 @@ def solve_displacement(
     a_g = base.ag * d / S_De
     highest, at = base.largest_displacement(T_0, T)
     if highest > 1.001 * S_De:
-        notes += (
-            message(
-                "{limit}: S_De of the demand is larger at {at:.3g} s than at T = {T:.3g} s: the maximum over "
-                "[T_0, T] of the circular would give a_g = {least:.3g} g in place of {a_g:.3g} g",
-                limit=limit_state,
-                at=at,
-                T=T,
-                least=base.ag * d / highest,
-                a_g=a_g,
-            ),
-        )
+        larger = message(
+            "{limit}: S_De of the demand is larger at {at:.3g} s than at T = {T:.3g} s: the maximum over "
+            "[T_0, T] of the circular would give a_g = {least:.3g} g in place of {a_g:.3g} g",
+            limit=limit_state, at=at, T=T, least=base.ag * d / highest, a_g=a_g,
+        )  # fmt: skip
+        notes = (*notes, larger)
     lines += [
         _curve_step(capacity, f"a_{name}", d_secant, a),
         step(f"T_{name}", f"{rule.factor:g}*pi*sqrt(d/(a*g))", T, "s", LAW[method.circular], d=d_secant, a=a,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechanics.errors import ConvergenceError, require
-from mechanics.messages import message
+from mechanics.messages import Message, message
 from mechanics.records.record import Record
 from mechanics.records.response_spectrum import response_spectrum
 from mechanics.types import Array
@@ -78,14 +78,16 @@ def compatible_record(
         )
         if error <= tolerance:
             return Record(motion, time_step, name)
-    raise ConvergenceError(
-        message(
-            "seed = {seed}: the last motion is within {error:.1%} of the spectrum, not {tolerance:.1%}; "
-            "try another seed, a longer plateau or a wider tolerance",
-            seed=seed,
-            error=error,
-            tolerance=tolerance,
-        )
+    raise ConvergenceError(_missed(seed, error, tolerance))
+
+
+def _missed(seed: int, error: float, tolerance: float) -> Message:
+    return message(
+        "seed = {seed}: the last motion is within {error:.1%} of the spectrum, not {tolerance:.1%}; "
+        "try another seed, a longer plateau or a wider tolerance",
+        seed=seed,
+        error=error,
+        tolerance=tolerance,
     )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError
 from mechanics.kernels.joint import H
-from mechanics.messages import message
+from mechanics.messages import Message, message
 from mechanics.model.assembly import State
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, bed_gaps, end_forces
@@ -26,6 +26,8 @@ from mechanics.steps.static_step import Equilibrium, StepProblem, displaced
 from mechanics.steps.static_system import StaticSystem
 from mechanics.steps.tolerances import REST, STEP, RestTolerances
 from mechanics.types import GRAVITY, Array
+
+UNSTABLE = message("the structure balances on an unstable equilibrium: its joints are too soft to hold it")
 
 
 def way(one: Array, other: Array, size: float) -> float:
@@ -62,12 +64,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         moved, solves = last.at, solves + last.solves
         left, far = way(at, moved, model.size), way(begun, moved, model.size)
         if far > tolerances.farthest * model.size:
-            raise RunawayError(
-                message(
-                    "the structure falls: left to itself it moves by {moved:.2g} m and does not rest",
-                    moved=far,
-                )
-            )
+            raise _falls(far)
         force = left / time**2  # unbalanced force per mass
         if 0 < step == tolerances.steps // 2:
             half_way = force
@@ -89,19 +86,24 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
             if slowing and found.stable and found.certificate.worst(problem.size) <= USABLE:
                 return replace(found, solves=solves)
         if left <= tolerances.balanced * model.size and not found.stable:
-            raise RunawayError(
-                message(
-                    "the structure balances on an unstable equilibrium: its joints are too soft to hold it"
-                )
-            )
+            raise RunawayError(UNSTABLE)
         slowing = True
         still = 0.5 * force  # slow, but no equilibrium yet: at rest only if it slows down further
     kind = RunawayError if force > tolerances.steady * half_way else ConvergenceError
-    raise kind(
+    raise kind(_goes_on(left))
+
+
+def _falls(moved: float) -> RunawayError:
+    return RunawayError(
         message(
-            "left to itself the structure does not come to rest: it goes on by {moved:.2g} m a step",
-            moved=left,
+            "the structure falls: left to itself it moves by {moved:.2g} m and does not rest", moved=moved
         )
+    )
+
+
+def _goes_on(moved: float) -> Message:
+    return message(
+        "left to itself the structure does not come to rest: it goes on by {moved:.2g} m a step", moved=moved
     )
 
 
