@@ -28,7 +28,7 @@ from assessment.report.chapters.remarks import (
     too_many,
 )
 from assessment.report.chapters.second_solver import comparison
-from assessment.report.chapters.ties import strengthening_sentences, tie_assumptions, yielding_sentence
+from assessment.report.chapters.ties import strengthening_sentences, yielding_sentence
 from assessment.report.figures.index import pictures
 from assessment.report.formats.attachments import caption, stored
 from assessment.report.formats.page_fill import pdf_of
@@ -134,8 +134,7 @@ def render_html(
         summaries=list(summary_grids(results, words)),
         traces=list(traces(results, words)),
         contacts=contacts_of(results),
-        assumptions=list(assumptions(results, words, "elastic" in contacts_of(results))),
-        ties=list(tie_assumptions(results, words, contacts_of(results))),
+        assumptions=list(assumptions(results, words, contacts_of(results))),
         strengthened=list(strengthening_sentences(results, words)),
         yielding=list(yielding_sentence(results, words)),
         references=references(),
@@ -155,12 +154,17 @@ def render_html(
         limits=list(displacement_limits(results, words)),
         second_solver=list(comparison(results, words)),
         vertical=list(vertical_sentences(results, words)),
-        refused=[
-            {"name": given.name, "reason": translated(given.refused, words)}
-            for given in results.mechanisms or []
-            if given.refused
-        ],
+        refused=_refused(results, words),
     )
+
+
+def _refused(results: Results, words: Words) -> list[dict[str, str]]:
+    """Return name and reason of each mechanism of the user's that is refused."""
+    return [
+        {"name": given.name, "reason": translated(given.refused, words)}
+        for given in results.mechanisms or []
+        if given.refused
+    ]
 
 
 def _chapters(results: Results) -> list[str]:

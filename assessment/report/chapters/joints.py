@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from markupsafe import Markup
 
+from assessment.report.chapters.ties import tie_assumptions
 from assessment.report.tables.joints import PRINTED, bounded, crushes, edge_pressures
 from assessment.report.text.language import Words
 from assessment.results.echo import collisions, coulomb, segments
@@ -13,12 +14,13 @@ from assessment.results.schema import Results
 from assessment.results.schema.model import Echo
 
 
-def assumptions(results: Results, words: Words, elastic: bool) -> Iterator[Markup]:
-    """Yield what the model assumes of blocks, joints and supports; `elastic`: whether any joint is."""
+def assumptions(results: Results, words: Words, contacts: Sequence[str]) -> Iterator[Markup]:
+    """Yield what the model assumes of blocks, joints, supports and ties; `contacts`: how joints are taken."""
     for key in ("blocks_rigid", "plane", "no_tension"):
         yield words(f"text.{key}")
-    yield from joint_law(results, words, elastic)
+    yield from joint_law(results, words, "elastic" in contacts)
     yield words("text.supports_rigid")
+    yield from tie_assumptions(results, words, contacts)
 
 
 def joint_law(results: Results, words: Words, elastic: bool) -> Iterator[Markup]:
