@@ -142,7 +142,9 @@ def test_what_is_at_work_is_shown_with_the_time_that_it_takes(monkeypatch):
     with narrow.capture() as capture:
         narrow.print(bars.progress.get_renderable())
     line = without_colours(capture.get()).rstrip()
-    assert line.startswith("pushover: 0:00:12 on right") and line.endswith("… ━━━━━━━━━━ 0/4 0:00:00 left -:--:--")
+    assert line.startswith("pushover: 0:00:12 on right") and line.endswith(
+        "… ━━━━━━━━━━ 0/4 0:00:00 left -:--:--"
+    )
 
 
 class Titles(Show):
