@@ -14,6 +14,7 @@ from mechanics import limit_analysis, pushover, time_history
 from tests.support.structures import block_on_base, running_bond
 from tests.validation import test_paper_table_1 as paper
 from tests.validation import test_rocking as rocking
+from tests.validation import test_ties as ties
 from tests.validation.test_rectangular_block import BREADTH, HEIGHT
 from tests.validation.test_semicircular_arch import least_thickness, thrust
 from tests.validation.test_triumphal_arch import participation
@@ -37,6 +38,13 @@ def rocking_peaks():
     return rocking.peaks(motion.positions[:, 1, 2], alpha)
 
 
+def tied_wall():
+    """α0, and α at a rotation of 1/30."""
+    curve = pushover(ties.tied_wall(), (ties.B, ties.H), increment=0.02)
+    turns = [-state.positions[1, 2] for state in curve.states]
+    return [curve.multiplier[0], float(CubicSpline(turns, curve.multiplier)(1.0 / 30.0))]
+
+
 COMPUTED = {
     "block_onset": lambda: [limit_analysis(block_on_base(BREADTH, HEIGHT)).alpha],
     "block_curve": block_curve,
@@ -57,6 +65,7 @@ COMPUTED = {
     "paper_a_g_NC": list,  # not computed: the record is not distributed
     "triumphal_arch": participation,
     "rocking": rocking_peaks,
+    "tied_wall": tied_wall,
 }
 
 
