@@ -160,7 +160,7 @@ def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: R
         halvings=response.total("halvings"),
         notes=list(response.notes),
     )
-    ties = while_shaken(model, times, response.forces)
+    ties = while_shaken(model, times, response.forces, last.final, setting.table.contacts == "rigid")
     return found.replace(ties=ties) if ties else found
 
 

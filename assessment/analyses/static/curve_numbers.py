@@ -12,7 +12,7 @@ from assessment.ntc.capacity.curve import mechanism_participation
 from assessment.ntc.capacity.curve_fit import CapacityError
 from assessment.results.configurations.faces import Met
 from assessment.results.configurations.frames import pushover_frames
-from assessment.results.configurations.ties import along_path, lengthenings, tensions, yielding
+from assessment.results.configurations.ties import along_path, determined, lengthenings, tensions, yielding
 from assessment.results.plain import finite
 from assessment.results.schema.static import Curve, ElasticPush, Mechanism, RigidPush
 from assessment.results.table import sense
@@ -60,7 +60,10 @@ def rigid_push(
     )
     carried = [*([None] * (len(path.states) - len(path.steps))), *(step.forces for step in path.steps)]
     carried[path.formed] = path.forces
-    if ties := along_path(model, carried, path.formed, None):
+    moved = list(np.diff([state.positions for state in path.states], axis=0))
+    moved = [*(moved[:1] or [path.mechanism]), *moved]
+    moved[path.formed] = path.mechanism
+    if ties := along_path(model, carried, path.formed, None, determined(model, moved)):
         found = found.replace(ties=ties)
     return _with_other_law(found, model, direction, path) if mechanism.sliding_joints else found
 

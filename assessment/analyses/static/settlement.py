@@ -10,7 +10,7 @@ import numpy as np
 from assessment.analyses.static.local_loss import local_loss, loss_sentence
 from assessment.analyses.static.paths import PathResult, Quality, configuration, crossings, turns_on_rounding
 from assessment.results.configurations.frames import pushdown_frames
-from assessment.results.configurations.ties import along_path
+from assessment.results.configurations.ties import along_path, determined
 from assessment.results.schema.static import PushdownPath
 from mechanics import (
     Assembly,
@@ -154,9 +154,13 @@ def _pushdown_path(
     )
     asked = int(np.argmin(abs(path.movement - whole)))
     carried = [step.forces for step in path.steps]
-    start = carried[0] if behaviour == "elastic" and carried else None
-    ties = along_path(model, carried, asked, start) if carried else None
-    return found.replace(ties=ties) if ties else found
+    if not carried or not model.ties:
+        return found
+    if behaviour == "elastic":
+        return found.replace(ties=along_path(model, carried, asked, carried[0]))
+    moved = list(np.diff([state.positions for state in path.states], axis=0))
+    known = determined(model, [*(moved[:1] or [np.zeros_like(path.states[0].positions)]), *moved])
+    return found.replace(ties=along_path(model, carried, asked, None, known))
 
 
 def _control_path(model: Assembly, control: ControlTable, path: Pushdown) -> list[list[float]]:

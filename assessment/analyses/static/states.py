@@ -232,7 +232,7 @@ def curves(results: Iterable[StateResult]) -> dict[Direction, Pushovers]:
 def _together(request: Request, begun: Beginning) -> list[tuple[Direction, ...]]:
     """Return the directions of a request; two whose curves are mirror images of each other are one task."""
     alone: list[tuple[Direction, ...]] = [(direction,) for direction in request.directions]
-    if len(alone) < 2 or begun.state is not None or begun.model.ties:
+    if len(alone) < 2 or begun.state is not None:
         return alone
     mirror = Mirror.of(begun.model, request.behaviour)
     points = zip(*(_controls(request.project, direction) for direction in request.directions), strict=True)

@@ -14,9 +14,6 @@ SHORTEST = 1e-6  # m, of a tie
 def tie_problems(project: ProjectContent) -> Iterator[Problem]:
     """Yield a problem for each tie that joins nothing, is set beyond its yield force, or names no state."""
     yield from repeated_names("tie", [tie.name for tie in project.tie])
-    if project.tie and (project.history or project.incremental or project.campaign):
-        text = "motions are not analysed with ties yet; leave out [[history]], [incremental] and [campaign]"
-        yield Problem(("tie",), text)
     for index, tie in enumerate(project.tie):
         path: KeyPath = ("tie", index)
         if _length(tie) < SHORTEST:

@@ -118,7 +118,7 @@ COLUMNS = {
         (AT_SURFACE, "pga_g demand_pga_g dynamic_pga_g static_surface_pga_g record_pga_g pga_safe_g median_g"),
         (AT_SURFACE, "pga_collapse_g pga_all_collapse_g mean_pga_collapse_g lowest_pga_collapse_g"),
         (AT_SURFACE, "pga_collapse_error_g median_all_collapse_g"),
-        (Column(dash=True), "rest_kN peak_kN greatest_kN yield_force_kN stiffness_kN_m"),
+        (Column(dash=True), "rest_kN peak_kN greatest_kN time_of_greatest_s yield_force_kN stiffness_kN_m"),
         (RETURN_PERIOD, "return_period_years T_SLV_years"),
         (Column(dash=True), "x_C_m z_C_m"),  # a block that does not turn has no centre
         (Column(write=lambda value, words: words.comma(f"{100.0 * value:g}")), "share"),

@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from assessment.results.plain import finite
 from assessment.results.schema.dynamic import ShakenTie
 from assessment.results.schema.static import TieTension
 
 if TYPE_CHECKING:
-    from mechanics import Assembly
+    from mechanics import Assembly, State
     from mechanics.types import Array, Mask
 
 YIELDS = 1.0 - 1e-6  # of the yield force: the tension of a tie that yields
-NOTICED = 1e-6  # of the largest displacement: a tie that lengthens by less does not
+NOTICED = 1e-6  # of the largest displacement, or of the model's size: less is none
 
 
 def tensions(model: Assembly, forces: Array) -> Array:
@@ -26,39 +27,76 @@ def tensions(model: Assembly, forces: Array) -> Array:
 
 
 def along_path(
-    model: Assembly, carried: Sequence[Array | None], peak: int, rest: Array | None
+    model: Assembly, carried: Sequence[Array | None], peak: int, rest: Array | None, known: Mask | None = None
 ) -> list[TieTension] | None:
     """Return the tension of each tie along a path, None where there is no tie.
 
-    `carried`: forces (j, 3) at each point, None: not known; `peak`: which point; `rest`: forces where the path starts.
+    `carried`: forces (j, 3) at each point, None: not known; `peak`: which point; `rest`: forces where the path starts;
+    `known` (k, t): at which points the tension of a tie is determined, default at all.
     """
     if not model.ties:
         return None
-    known = [tensions(model, forces) for forces in carried if forces is not None]
-    greatest = np.max(known, axis=0) if known else None
-    at_peak = carried[peak]
+    pulled = np.full((len(carried), len(model.ties)), np.nan)
+    for point, forces in enumerate(carried):
+        if forces is not None:
+            pulled[point] = tensions(model, forces)
+    if known is not None:
+        pulled[~known] = np.nan
+    greatest = np.where(
+        np.isnan(pulled).all(axis=0), np.nan, np.max(np.nan_to_num(pulled, nan=-np.inf), axis=0)
+    )
+    yields = yielding(model, greatest)
     return [
         TieTension(
             tie=tie.name,
             rest_kN=None if rest is None else float(tensions(model, rest)[k]),
-            peak_kN=None if at_peak is None else float(tensions(model, at_peak)[k]),
-            greatest_kN=None if greatest is None else float(greatest[k]),
-            yields=greatest is not None and bool(yielding(model, greatest)[k]),
+            peak_kN=finite(float(pulled[peak, k])),
+            greatest_kN=finite(float(greatest[k])),
+            yields=bool(yields[k]),
         )
         for k, tie in enumerate(model.ties)
     ]
 
 
-def while_shaken(model: Assembly, time: Array, forces: Array) -> list[ShakenTie] | None:
+def determined(model: Assembly, moved: Sequence[Array]) -> Mask:
+    """Return in which motions (k, b, 3) the tension of each tie (k, t) is determined with rigid joints.
+
+    It is where the two blocks of a tie move against each other: the hinges of a mechanism leave no self-stress. Between
+    blocks that rest, or move as one, a tie and the joints beside it bear any self-stress that they can.
+    """
+    found = np.zeros((len(moved), len(model.ties)), dtype=bool)
+    for point, motion in enumerate(moved):
+        least = NOTICED * float(abs(motion[:, :2]).max())
+        for k, (tie, (a, b)) in enumerate(zip(model.ties, model.tie_blocks.tolist(), strict=True)):
+            arm = tie.points[0] - model.initial.positions[[a, b], :2]
+            at = [
+                motion[block, :2] + motion[block, 2] * np.array([-z, x])
+                for block, (x, z) in zip((a, b), arm, strict=True)
+            ]
+            turn = abs(motion[a, 2] - motion[b, 2]) * tie.taut_length
+            found[point, k] = max(float(abs(at[0] - at[1]).max()), float(turn)) > least
+    return found
+
+
+def while_shaken(
+    model: Assembly, time: Array, forces: Array, final: State, rigid: bool
+) -> list[ShakenTie] | None:
     """Return the greatest tension of each tie in a motion, None where there is no tie.
 
-    `time` (k,) s; `forces` (k, j, 3) kN and kNm of the drawn contacts, ties among them.
+    `time` (k,) s; `forces` (k, j, 3) kN and kNm of the drawn contacts, ties among them; `final`: the state at the end.
+    With `rigid` joints the tension is not determined, and a tie that has lengthened has yielded.
     """
     if not model.ties:
         return None
+    longer = np.zeros(len(model.ties)) if final.lengthened is None else final.lengthened
+    if rigid:
+        return [
+            ShakenTie(tie=tie.name, greatest_kN=None, time_s=None, yields=bool(more > NOTICED * model.size))
+            for tie, more in zip(model.ties, longer, strict=True)
+        ]
     pulled = np.array([tensions(model, each) for each in forces])
     at, greatest = pulled.argmax(axis=0), pulled.max(axis=0)
-    yields = yielding(model, greatest)
+    yields = yielding(model, greatest) | (longer > NOTICED * model.size)
     return [
         ShakenTie(
             tie=tie.name, greatest_kN=float(greatest[k]), time_s=float(time[at[k]]), yields=bool(yields[k])

@@ -56,8 +56,8 @@ class ShakenTie(Part):
     """`ties[]` of a history: the tension of a tie while the base moves."""
 
     tie: str = key("name of the tie")
-    greatest_kN: float = key("greatest tension", "kN")
-    time_s: float = key("when that is, in the record's file", "s")
+    greatest_kN: float | None = key("greatest tension; null: rigid joints do not determine it", "kN")
+    time_s: float | None = key("when that is, in the record's file; null: likewise", "s")
     yields: bool = key("whether it reaches the yield force")
 
 
@@ -75,7 +75,7 @@ class Energy(Part):
     potential_kNm: float = key("change of the potential energy of the weights", "kNm")
     elastic_kNm: float = key("change of what the joints store", "kNm")
     input_kNm: float = key("work of the base's motion", "kNm")
-    friction_kNm: float = key("dissipated by friction and crushing", "kNm")
+    friction_kNm: float = key("dissipated by friction, crushing and ties that yield", "kNm")
     impact_kNm: float = key("dissipated at impacts", "kNm")
     viscous_kNm: float = key("dissipated by viscous damping", "kNm")
     integrator_kNm: float = key("taken by the integrator itself", "kNm")

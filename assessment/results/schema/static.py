@@ -12,12 +12,14 @@ Sliding = Literal["associative", "coulomb"]
 
 
 class TieTension(Part):
-    """`ties[]`: the tension of a tie along a path."""
+    """`ties[]`: the tension of a tie along a path; rigid joints determine it where its blocks move apart or turn."""
 
     tie: str = key("name of the tie")
     rest_kN: float | None = key("where the path starts; null: rigid joints do not determine it", "kN")
-    peak_kN: float | None = key("where α_0 or α_u is reached, or the movement ends; null: not known", "kN")
-    greatest_kN: float | None = key("greatest along the path; null: not known", "kN")
+    peak_kN: float | None = key(
+        "where α_0 or α_u is reached, or the movement ends; null: not determined", "kN"
+    )
+    greatest_kN: float | None = key("greatest along the path, where determined; null: nowhere", "kN")
     yields: bool = key("whether it reaches the yield force")
 
 
