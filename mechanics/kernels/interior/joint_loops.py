@@ -70,6 +70,7 @@ inlined = compiler("contract", "reassoc", allocates=False, inline=True)
 TO_THE_BOUND = 0.995  # share of the way to the bounds that an iteration goes
 LEAST = 0.1  # of the target: smaller products are corrected
 MOST = 10.0  # of the target: larger products are corrected
+SHORTER = 100  # times that an iteration is shortened for joints not to be crushed
 
 
 class Joints(NamedTuple):
@@ -271,12 +272,13 @@ def _within(s: Array, k: int, reach: float) -> float:
     """A reach at which crushing, which is curved, leaves both ends a share of what they had."""
     if s[KAPPA + k] == 0.0:
         return reach
-    while True:
+    for _ in range(SHORTER):  # rounding may leave nothing of what an end had
         n1, n2 = s[N1 + k] + reach * s[CN1 + k], s[N2 + k] + reach * s[CN2 + k]
         least, keeps = s[KAPPA + k] * (n1 + n2) ** 2, 1.0 - TO_THE_BOUND
         if n1 - least > keeps * s[G1 + k] and n2 - least > keeps * s[G2 + k]:
             return reach
         reach *= 0.7
+    return 0.0
 
 
 @looped

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mechanics.kernels.interior import elimination as loops
+from mechanics.kernels.interior import joint_loops
 from mechanics.kernels.interior.elimination import KNOWN, LANES
 from mechanics.kernels.joint import CURVED, H, curvature
 from mechanics.kernels.law import BED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
@@ -149,3 +150,14 @@ def test_stiffness_of_a_joint_is_symmetric_and_positive(seed, kind):
     _, full, _ = eliminated(seed, kind, 1e-12)
     scale = np.sqrt(np.diag(full))
     assert np.linalg.eigvalsh(full / np.outer(scale, scale)).min() > 0.0
+
+
+def test_a_joint_at_its_strength_ends_the_shortening_of_an_iteration():
+    """Rounding may leave nothing between a force and the strength: however short, no iteration keeps a share of that."""
+    row, kappa = np.zeros(KNOWN), 0.25
+    for column, value in (("KAPPA", kappa), ("N1", 1.0), ("N2", 1.0), ("CN1", 0.1), ("CN2", 0.1)):
+        row[getattr(loops, column) + LANE] = value
+    assert joint_loops._within(row, LANE, 1.0) == 0.0
+    row[loops.N1 + LANE] = row[loops.N2 + LANE] = 0.5
+    row[loops.G1 + LANE] = row[loops.G2 + LANE] = 0.5 - kappa
+    assert joint_loops._within(row, LANE, 1.0) == 1.0
