@@ -153,7 +153,7 @@ def test_stiffness_of_a_joint_is_symmetric_and_positive(seed, kind):
 
 
 def test_a_joint_at_its_strength_ends_the_shortening_of_an_iteration():
-    """Rounding may leave nothing between a force and the strength: however short, no iteration keeps a share of that."""
+    """Rounding may leave nothing between force and strength: however short, no iteration keeps a share of that."""
     row, kappa = np.zeros(KNOWN), 0.25
     for column, value in (("KAPPA", kappa), ("N1", 1.0), ("N2", 1.0), ("CN1", 0.1), ("CN2", 0.1)):
         row[getattr(loops, column) + LANE] = value
