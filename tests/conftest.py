@@ -10,6 +10,10 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+# before NumPy is loaded, also by processes begun here: two tests at a time fill two cores, and threads of the BLAS that
+# wait for each other took a twentieth of the processor time
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
 from hypothesis import HealthCheck, settings
 

@@ -18,6 +18,12 @@ def test_one_thread_within_and_as_many_as_before_afterwards() -> None:
         any(wheel.glob(f"{name}.libs/*openblas*")) for wheel, name in zip(wheels, names, strict=True)
     )
     before = [ask() for ask, _ in _libraries()]
-    with one_thread():
-        assert all(ask() == 1 for ask, _ in _libraries())
-    assert [ask() for ask, _ in _libraries()] == before
+    try:
+        for _, give in _libraries():
+            give(2)
+        with one_thread():
+            assert all(ask() == 1 for ask, _ in _libraries())
+        assert all(ask() == 2 for ask, _ in _libraries())
+    finally:
+        for (_, give), threads in zip(_libraries(), before, strict=True):
+            give(threads)
