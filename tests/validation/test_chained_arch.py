@@ -1,7 +1,7 @@
 """The arch with a chain (projects/chained_arch): the multipliers of its README, and the tension that they need.
 
-The tension where α0 is reached is compared with limit analysis of a chain that yields: with a yield force a little above
-that tension α0 is that of an unbreakable chain, a tenth below it α0 is less.
+The tension where α0 is reached is compared with limit analysis of a chain that yields: with a yield force a little
+above it α0 is that of an unbreakable chain, a tenth below it α0 is less.
 """
 
 from __future__ import annotations
