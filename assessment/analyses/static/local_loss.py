@@ -31,7 +31,7 @@ def local_loss(
     """
     drawn = model.contacts
     overlap = np.array([2.0 * drawn.places(state.positions)[:, H] for state in states])
-    bears = (forces[: len(drawn), 0] > BEARS * model.weight) & (overlap[0] > 0.0) & ~drawn.ties
+    bears = (forces[: len(drawn), 0] > BEARS * model.weight) & (overlap[0] > 0.0)
     gone = (overlap <= 0.0) & bears
     if not gone.any():
         left = np.where(bears, overlap[-1] / np.where(bears, overlap[0], 1.0), np.inf)

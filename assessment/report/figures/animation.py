@@ -12,6 +12,7 @@ from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.patches import PathPatch
 
 from assessment.report.figures.drawings.deformed import GHOST, INK, SUPPORT
+from assessment.report.figures.drawings.ties import LINE, moved_ends
 from assessment.report.figures.dynamic import bounds_of_views, shaken
 from assessment.report.figures.style import STYLE, sheet
 from assessment.report.text.language import slug, words_of
@@ -48,7 +49,8 @@ def animation(results: Results, state: str, entry: History) -> bytes:
     words, shape = words_of(results), outlines(results)
     start = shape.moved(results.states[state].configuration)
     times = known(entry.frames).time_s
-    views = [shape.moved(configuration) for configuration in known(entry.frames).configuration]
+    configurations = known(entry.frames).configuration
+    views = [shape.moved(configuration) for configuration in configurations]
     supports = np.array([block.support is not None for block in results.geometry.blocks])
     with mpl.rc_context(STYLE):  # type: ignore[arg-type]
         page = sheet(bounds_of_views(start, views), border_mm=5.0, height_mm=115.0, below_mm=5.0)
@@ -61,10 +63,13 @@ def animation(results: Results, state: str, entry: History) -> bytes:
         ]
         for _, patch in groups:
             axes.add_patch(patch)
+        pulled = [axes.plot([], [], **LINE)[0] for _ in moved_ends(results, state, configurations[0])]
 
         def draw(frame: int) -> list[PathPatch]:
             for chosen, patch in groups:
                 patch.set_path(views[frame].path(chosen))
+            for line, ends in zip(pulled, moved_ends(results, state, configurations[frame]), strict=True):
+                line.set_data(*ends.T)
             axes.set_title(
                 words.plain("figure.frame", state=words.state(state), record=entry.record, time=times[frame])
             )

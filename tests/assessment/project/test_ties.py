@@ -7,13 +7,22 @@ import math
 import numpy as np
 import pytest
 
+from assessment.analyses.static.ensemble import shaken_corners
+from assessment.analyses.static.states import Request, _beginnings
 from assessment.project.consistency.strengthening import SHORTEST
 from assessment.project.formats.convert import convert
 from assessment.project.formats.toml import read_toml
 from assessment.project.model import build_model
 from assessment.project.plausibility import HEAVIEST_TIE
 from assessment.project.project import ProjectError, load_project
+from assessment.project.state_models import tie_lengths
+from assessment.results.configurations.tie_ends import ties_of
+from assessment.results.configurations.ties import determined
+from assessment.runtime.tasks import Workers
+from assessment.studies.sensitivity import with_factor
+from assessment.workflow.skeleton import describe
 from mechanics import State
+from tests import ROOT
 from tests.support.block_project import PROJECT, PUSHED, TURNED, block, edit, write_block
 from tests.support.tied_project import STRENGTHENED, TIE, strengthening, tie
 
@@ -175,3 +184,69 @@ def test_a_push_is_enough(tmp_path):
     folder = write_block(tmp_path / "block", block() + TURNED + STRENGTHENED + PUSHED)
     edit(folder, "increment_m = 0.2", "increment_m = 0.1")
     assert load_project(folder).states == ("original", "base turned", "strengthened")
+
+
+def test_an_ensemble_moves_the_corners_of_both_assemblies_of_a_strengthening(tmp_path):
+    text = PROJECT + STRENGTHENED + LAYER + "friction = 0.9\n"
+    state = build_model(load_project(write_block(tmp_path / "block", text))).states["strengthened"]
+    shaken = shaken_corners(state.settling, 1)
+    varied = state.varied(shaken)
+    assert varied.settling is shaken and varied.later == 1
+    assert np.array_equal(varied.assembly.blocks[1].polygon, shaken.blocks[1].polygon)
+    assert not np.array_equal(varied.assembly.blocks[1].polygon, state.assembly.blocks[1].polygon)
+    assert [each.name for each in varied.assembly.ties] == ["chain"]
+    assert varied.assembly.blocks[0].material.friction == 0.9 != shaken.blocks[0].material.friction
+
+
+def test_factors_on_properties_count_for_what_strengthening_changes(tmp_path):
+    text = PROJECT + STRENGTHENED + LAYER + "friction = 0.8\n"
+    project = with_factor(load_project(write_block(tmp_path / "block", text)), "friction", 0.5)
+    state = build_model(project).states["strengthened"]
+    assert (state.settling.blocks[0].material.friction, state.assembly.blocks[0].material.friction) == (
+        0.35,
+        0.4,
+    )
+
+
+def test_tension_is_determined_where_the_blocks_of_a_tie_move_against_each_other(tmp_path):
+    model = (
+        build_model(load_project(write_block(tmp_path / "block", PROJECT + TIE))).states["original"].assembly
+    )
+    still, together, over = np.zeros((2, 3)), np.full((2, 3), [0.1, 0.0, 0.0]), np.zeros((2, 3))
+    over[1] = (2.1, -0.3, -1.0)
+    assert determined(model, [still, together, over]).tolist() == [[False], [False], [True]]
+
+
+def test_what_strengthens_the_structure_as_drawn_finds_it_at_rest_on_elastic_joints(tmp_path):
+    """Its arch spreads as it comes to rest: a chain that is set then is longer than as drawn."""
+    project = load_project(ROOT / "projects" / "chained_arch")
+    made = project.strengthening[0].model_copy(update={"of": "original"})
+    project = project.model_copy(update={"strengthening": (made,)})
+    model = build_model(project).states["con catena"]
+    elastic, rigid = (Request(project, model, None, behaviour) for behaviour in ("elastic", "rigid"))
+    with Workers(1) as workers:
+        found = _beginnings([elastic, rigid], {}, workers, "")
+    begun = found[id(elastic)]
+    assert (
+        begun.state is not None
+        and begun.state.positions[2:, 1].min() < model.assembly.initial.positions[2:, 1].min()
+    )
+    [chain] = begun.model.ties
+    assert chain.taut_length == pytest.approx(
+        tie_lengths(model.assembly, begun.state.positions)[0], rel=1e-12
+    )
+    assert chain.taut_length > 8.4 + 1e-5
+    assert found[id(rigid)].state is None and found[id(rigid)].model is model.assembly
+
+
+def test_results_have_ties_in_the_order_of_the_assembly(tmp_path):
+    """Those that a strengthening sets come last, wherever they stand in the file."""
+    text = PROJECT + STRENGTHENED.replace(
+        "[[strengthening]]", TIE.replace("chain", "old") + "[[strengthening]]"
+    )
+    project = load_project(write_block(tmp_path / "block", text))
+    model = build_model(project)
+    described = describe(project, model)
+    for name, state in model.states.items():
+        assert [each.name for each in ties_of(described, name)] == [each.name for each in state.assembly.ties]
+    assert [each.name for each in ties_of(described, "strengthened")] == ["old", "chain"]
