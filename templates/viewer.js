@@ -121,7 +121,7 @@
 
   const ties = () => path.frames.ties.map((number, index) => {
     const tie = data.ties[number], known = path.frames.tension[frame];
-    const N = known ? known[index] : NaN;
+    const N = known?.[index] ?? NaN;
     return { index, tie, N, slack: N <= limits.idle * data.weight,
       ends: tie.ends.map((end, k) => placed(end, tie.blocks[k])) };
   });

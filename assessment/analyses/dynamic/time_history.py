@@ -140,6 +140,10 @@ def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: R
     last, drawn = response.last, model.initial.positions
     moved, times = response.displacement, motion.start + response.time
     peak, kept = sustained_peak(moved, response.collapsed), thinned(moved)
+    rigid = setting.table.contacts == "rigid"
+    kept_frames = snapshots(model, times, moved, response.positions, response.forces, peak)
+    if rigid and model.ties:
+        kept_frames = kept_frames.replace(tie_kN=None)
     found = _unanswered(motion, setting, last.collapse_reason or None).replace(
         peak_displacement_m=float(abs(moved).max()),
         sustained_displacement_m=float(abs(moved[peak])),
@@ -149,7 +153,7 @@ def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: R
         time_of_collapse_s=motion.start + float(response.time[-1]) if last.collapsed else None,
         free_motion_from_s=motion.start + motion.record.duration if len(response.parts) > 1 else None,
         curve=Course(time_s=times[kept].tolist(), displacement_m=moved[kept].tolist()),
-        snapshots=snapshots(model, times, moved, response.positions, response.forces, peak),
+        snapshots=kept_frames,
         peak_configuration=(response.positions[peak] - drawn).tolist(),
         final_configuration=(response.positions[-1] - drawn).tolist(),
         energy=response.energy(),
@@ -160,7 +164,7 @@ def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: R
         halvings=response.total("halvings"),
         notes=list(response.notes),
     )
-    ties = while_shaken(model, times, response.forces, last.final, setting.table.contacts == "rigid")
+    ties = while_shaken(model, times, response.forces, last.final, rigid)
     return found.replace(ties=ties) if ties else found
 
 

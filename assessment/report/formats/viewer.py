@@ -20,7 +20,7 @@ from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.dynamic import Snapshots
 from assessment.results.schema.model import Face, Joint
-from assessment.results.schema.static import Frames
+from assessment.results.schema.static import Frames, TieTension
 from assessment.results.table import sense
 
 NEAR = 0.01  # of a path's reach: so far beyond its end is at its end
@@ -100,7 +100,7 @@ def _pushdowns(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                 "x_label": words.plain("figure.movement"),
                 "y_label": words.plain("viewer.reactions"),
                 "series": [asdict(each) for each in series],
-                "frames": _frames(path.frames, series) | _ties(results, name, path.frames),
+                "frames": _frames(path.frames, series) | _ties(results, name, path.frames, path.ties),
             }
 
 
@@ -117,7 +117,7 @@ def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                     "x_label": words.plain("figure.x_displacement"),
                     "y_label": words.plain("figure.multiplier"),
                     "series": [asdict(each) for each in series],
-                    "frames": _frames(push.frames, series) | _ties(results, name, push.frames),
+                    "frames": _frames(push.frames, series) | _ties(results, name, push.frames, push.ties),
                 }
 
 
@@ -154,7 +154,7 @@ def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                         "x": kept.time_s,
                         "y": [[1000.0 * value for value in kept.displacement_m]],
                         **_drawn(kept),
-                        **_ties(results, name, kept),
+                        **_ties(results, name, kept, None),
                     },
                 }
 
@@ -181,15 +181,23 @@ def _drawn(kept: Frames | Snapshots) -> dict[str, Any]:
     }
 
 
-def _ties(results: Results, state: str, kept: Frames | Snapshots) -> dict[str, Any]:
-    """Which ties are in a state, by their places in the list of all, and their tension (kN) at each frame."""
+def _ties(
+    results: Results, state: str, kept: Frames | Snapshots, along: Sequence[TieTension] | None
+) -> dict[str, Any]:
+    """Which ties are in a state, by their places in the list of all, and their tension (kN) at each frame.
+
+    None where it is not known, or nowhere determined `along` the path.
+    """
     every = list(results.model.ties or ())
     own = ties_of(results, state)
-    tension = kept.tie_kN or [None] * len(kept.force_kN)
-    return {
-        "ties": [every.index(tie) for tie in own],
-        "tension": [None if each is None else _short(each) for each in tension] if own else [],
-    }
+    unknown = {each.tie for each in along or () if each.greatest_kN is None}
+    tension = [
+        None
+        if each is None
+        else [None if tie.name in unknown else value for tie, value in zip(own, _short(each), strict=True)]
+        for each in kept.tie_kN or [None] * len(kept.force_kN)
+    ]
+    return {"ties": [every.index(tie) for tie in own], "tension": tension if own else []}
 
 
 def _joint(joint: Face) -> dict[str, Any]:

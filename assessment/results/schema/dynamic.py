@@ -48,7 +48,9 @@ class Snapshots(Part):
     centre: list[list[float | None] | None] = key("where N presses, as a share of the joint; null: idle", "–")
     met: list[Face] = key("none: joints of the drawing only")
     tie_kN: list[list[float] | None] | None = optional(
-        "tension of each tie of the state, in the order of `model.ties`; missing: no tie", "kN"
+        "tension of each tie of the state, those that are set there last; null: rigid joints do not determine it; "
+        "missing: no tie",
+        "kN",
     )
 
 

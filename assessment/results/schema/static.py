@@ -34,7 +34,8 @@ class Frames(Part):
     centre: list[list[float | None] | None] = key("where N presses, as a share of the joint; null: idle", "–")
     met: list[Face] = key("pairs of faces that touch on the path and not as drawn")
     tie_kN: list[list[float] | None] | None = optional(
-        "tension of each tie of the state, in the order of `model.ties`; null: not known; missing: no tie",
+        "tension of each tie of the state, those that are set there last; null: not known; missing: no tie. With "
+        "rigid joints one of those that are possible, where `ties` has none",
         "kN",
     )
 

@@ -174,6 +174,22 @@ def test_the_page_has_ties_with_their_tension_at_every_step(results):
     assert max(tension for [tension] in tensions) == pytest.approx(5.0, rel=1e-4)
 
 
+def test_the_page_tells_no_tension_that_is_not_determined(results):
+    curves = results.states["strengthened"].pushover["+x"]
+    unknown = [each.replace(peak_kN=None, greatest_kN=None) for each in curves.rigid.ties]
+    changed = curves.replace(rigid=curves.rigid.replace(ties=unknown))
+    state = results.states["strengthened"]
+    state = state.replace(pushover=state.pushover | {"+x": changed})
+    told = results.replace(states=results.states | {"strengthened": state})
+    data = json.loads(str(viewer(told, Words.of("it")).data))
+    by_title = {
+        path["title"]: path["frames"]["tension"] for path in data["paths"] if "strengthened" in path["title"]
+    }
+    (first, pushed), (_, other) = by_title.items()
+    assert "+x" in first and all(each in (None, [None]) for each in pushed)
+    assert any(each not in (None, [None]) for each in other)
+
+
 def test_the_terminal_has_ties_and_gains(outcome, tmp_path):
     results = outcome.results
     assert ", ties 1" in model_summary(results)

@@ -34,6 +34,7 @@ def test_a_tie_holds_in_a_motion_what_falls_without_it(tmp_path):
     assert held.collapsed is False and held.peak_displacement_m < 1e-3
     [chain] = held.ties
     assert (chain.greatest_kN, chain.time_s, chain.yields) == (None, None, False)
+    assert held.snapshots.tie_kN is None and "tie_kN" in held.snapshots.model_fields_set
     assert fallen.snapshots.tie_kN is None
 
 
