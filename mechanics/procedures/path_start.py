@@ -91,15 +91,25 @@ def elastic_start(
     except NoEquilibriumError:  # interlocked rigid blocks have no multiplier that gives the scale
         limit = 1.0
     load = model.dead_load + START.first * limit * lateral
+    size = rest_size(model, "elastic")
     try:
-        problem = StepProblem(system, start.state, load, rest_size(model, "elastic"))
-        begun = find_equilibrium(problem, start.state.positions, start)
+        try:
+            problem = StepProblem(system, start.state, load, size)
+            begun = find_equilibrium(problem, start.state.positions, start)
+        except (NoEquilibriumError, ConvergenceError):
+            if not model.ties or increment < size:
+                raise
+            # a settled structure gives way by more than its joints are compressed until its ties hold it
+            problem = StepProblem(
+                system.around(start.state.positions, increment), start.state, load, increment
+            )
+            begun = find_equilibrium(problem, start.state.positions, start)
     except (NoEquilibriumError, ConvergenceError) as stop:
         if state is not None:
             raise
         raise no_way_from_rest(stop.message) from stop
     moved = begun.state.positions - start.state.positions
-    least = START.least * problem.size  # a stiff tie moves less than the rest is known to
+    least = START.least * size  # a stiff tie moves less than the rest is known to
     share = min(1.0, max(float(abs(moved[:, :2]).max()), least) / increment)
     rate = moved / float((lateral * moved).sum())
     return PathStart(

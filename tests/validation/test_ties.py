@@ -21,7 +21,7 @@ from mechanics import (
 )
 from mechanics.procedures import limit_in, static_theorem
 from mechanics.steps.tolerances import REST
-from tests.support.structures import rectangle, tied_arch
+from tests.support.structures import arch_on_piers, rectangle, tied_arch
 
 B, H, AT, AWAY = 0.5, 3.0, 2.5, 1.5  # width and height of the wall, height of the tie, its length, m
 STONE = Material(20.0, 5.0, normal_stiffness=1e6)
@@ -201,3 +201,16 @@ def test_a_tied_arch_is_shaken_in_balance_of_energy(contacts, amplitude):
     assert not motions[np.inf].final.lengthened.any()
     assert not motions[np.inf].collapsed
     assert time_history(tied_arch().tied([]), shock, 0.005, contacts).collapsed
+
+
+@pytest.mark.parametrize("stiffness", [None, 1400.0])
+def test_an_elastic_structure_that_its_tie_holds_is_pushed_though_it_gives_way_at_once(stiffness):
+    """A settled arch with open hinges moves by a hundred times the compression of its joints, until its tie pulls."""
+    arch = arch_on_piers(
+        voussoirs=12, thickness=0.126, pier_width=0.27, courses=5, friction=0.57, stiffness=1.7e6
+    ).tied([Tie("chain", (-0.7, 0.77), (0.7, 0.77), stiffness=stiffness)])
+    settled = pushdown(arch, "right", (0.03, -0.02), 0.002, contacts="elastic").final
+    path = pushover(arch, (0.6, 0.84), "-x", contacts="elastic", increment=0.005, state=settled)
+    assert path.multiplier.max() > 0.1
+    tie = len(arch.joints.a)
+    assert path.steps[int(np.argmax(path.multiplier))].forces[tie, 0] > 0.02 * arch.weight

@@ -40,7 +40,7 @@ from mechanics.kernels.interior.joint_loops import (
     within_strength,
 )
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.law import BED
+from mechanics.kernels.law import BED, STRENGTH
 from mechanics.kernels.linalg.cholesky import factorise, substitute
 from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.kernels.linalg.signed_factors import factorise_signed, substitute_signed
@@ -59,7 +59,8 @@ ROUNDING = 1e-3  # share of the unbalanced force, or of what is accepted, that a
 ROUNDED = 3e-15  # an imbalance, per weight, that is none
 WIDE = 1e-4  # gaps count for so much less than forces and products in what is accepted
 FARTHER = 1.5  # times as far as a step leads, products are looked at
-IDLE = 20  # iterations without progress after which the method ends
+IDLE = 10  # iterations without progress after which the method ends
+IDLE_CRUSHED = 20  # the same where joints can be crushed: their forces go from bound to bound first
 
 
 @compiled
@@ -136,6 +137,7 @@ def iterate(
     residual, dx, lateral_solution = np.empty(count), np.empty(count), np.empty(count)
     held, fine = np.empty(count), np.empty(count)
     best, since, iteration = np.inf, 0, 0
+    idle = IDLE_CRUSHED if (law[:, STRENGTH] < np.inf).any() else IDLE
     best_x, best_f, best_y = x.copy(), f.copy(), y.copy()
     best_alpha, best_off = alpha, (np.inf, np.inf, np.inf)
     while True:
@@ -159,7 +161,7 @@ def iterate(
         if max(off, product) < 0.5 * best:
             best, since = max(off, product), 0
             best_x[:], best_alpha, best_f[:], best_y[:], best_off = x, alpha, f, y, (force, gap, product)
-        if iteration == most or since > IDLE:  # rounding may throw back what is near the end
+        if iteration == most or since > idle:  # rounding may throw back what is near the end
             x[:], f[:], y[:] = best_x, best_f, best_y
             return iteration, best_alpha, best_off[0], best_off[1], best_off[2]
         iteration += 1
