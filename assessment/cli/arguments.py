@@ -33,6 +33,7 @@ STAGES = (
     "assessment",
     "scenarios",
     "sensitivity",
+    "identification",
 )
 EXAMPLES = {  # what the help of each command ends with; "": of all of them
     "": ("assesto new arch --template buttressed-arch", "assesto run arch"),

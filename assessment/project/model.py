@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from assessment.ntc.load_factors import psi_2
+from assessment.project.gauges import gauges
 from assessment.project.mechanisms import chosen_mechanisms
 from assessment.project.plausibility import implausible
 from assessment.project.state_models import StateModel, state_models
@@ -37,8 +38,8 @@ def build_model(project: Project) -> ProjectModel:
     """Read the drawing, check it, and place control points and ties.
 
     Raises DrawingError for a drawing that cannot be read, FaultyDrawingError, one of them, with all the faults of one
-    that is no assembly, and ProjectError for a control point or the end of a tie outside every block, or a mechanism
-    whose blocks are not there.
+    that is no assembly, and ProjectError for a control point the end of a tie or a measurement outside every block,
+    a crack or slip at no joint, or a mechanism whose blocks are not there.
     """
     drawing = survey_drawing(*how_to_read(project))
     geometry, (tolerance, warnings) = project.geometry, _laid_out(project, drawing)
@@ -64,6 +65,7 @@ def build_model(project: Project) -> ProjectModel:
                 f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}"
             ) from None
     chosen_mechanisms(project, assembly)  # raises for wrong mechanisms before any analysis
+    gauges(project, assembly)  # likewise
     states = state_models(project, assembly)
     return ProjectModel(assembly, states, (*warnings, *implausible(project, assembly)))
 

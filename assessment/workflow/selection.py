@@ -19,6 +19,7 @@ STAGES = {  # stage: table
     "assessment": "assessment",
     "scenarios": "settlements",
     "sensitivity": "sensitivity",
+    "identification": "identification",
 }
 HAVE_IT = "add it, or name a stage that it has"
 

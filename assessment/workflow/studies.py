@@ -1,12 +1,14 @@
-"""The studies of a run, scenarios, sensitivity and campaign, and their place in the results."""
+"""The studies of a run, scenarios, sensitivity, identification and campaign, and their place in the results."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from assessment.project.schema import ORIGINAL
 from assessment.results.quality import joined
 from assessment.studies.campaign.stage import campaign
+from assessment.studies.identification.stage import identification
 from assessment.studies.scenarios import asks_for_scenarios, scenarios
 from assessment.studies.sensitivity import sensitivity
 from assessment.studies.variants import Statics, Study
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.state_models import StateModel
     from assessment.results.schema.campaign import Campaign
+    from assessment.results.schema.identification import Identification
     from assessment.results.schema.studies import Scenarios, Sensitivity
     from assessment.runtime.tasks import Workers
     from assessment.workflow.draft import Draft
@@ -34,12 +37,16 @@ def add_studies(
     records: Sequence[BaseMotion],
     workers: Workers,
 ) -> bool:
-    """Compare the scenarios, vary the properties and run the campaign, each where asked for, and add the results.
+    """Fit movements, compare scenarios, vary properties and run the campaign, each where asked for; add the results.
 
     `records`: of the files that [campaign] names. Return whether all was completed. Raises KilledError where a process
     was ended from outside, ProjectError for a property that gives no model.
     """
-    made: dict[str, Callable[[Study], Scenarios | Sensitivity | Campaign]] = {}
+    made: dict[str, Callable[[Study], Scenarios | Sensitivity | Identification | Campaign]] = {}
+    if project.identification:
+        made["identification"] = lambda study: identification(
+            project, states[ORIGINAL].settling, workers, study
+        )
     if asks_for_scenarios(project):
         made["scenarios"] = lambda study: scenarios(project, states, statics, demands, workers, study)
     if project.sensitivity:

@@ -7,7 +7,13 @@ from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.mechanism import hinges, virtual_work_multiplier
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.path_start import settled
-from mechanics.procedures.pushdown import Pushdown, whole_movement
+from mechanics.procedures.pushdown import (
+    Pushdown,
+    SupportMovement,
+    drawn_extent,
+    pushdown_together,
+    whole_movement,
+)
 from mechanics.procedures.pushover import Pushover
 from mechanics.procedures.static_theorem import static_theorem
 from mechanics.procedures.step_control import PATH
@@ -17,8 +23,11 @@ __all__ = [
     "Mirror",
     "Pushdown",
     "Pushover",
+    "SupportMovement",
+    "drawn_extent",
     "hinges",
     "limit_in",
+    "pushdown_together",
     "settled",
     "static_theorem",
     "virtual_work_multiplier",

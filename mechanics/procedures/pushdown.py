@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -48,6 +50,15 @@ class PushdownTolerances:
 
 
 PUSHDOWN = PushdownTolerances()
+
+
+@dataclass(frozen=True)
+class SupportMovement:
+    """A support displaced by `displacement` (x, z), m, and turned by `rotation` (rad) about its drawn centroid."""
+
+    support: str
+    displacement: tuple[float, float]
+    rotation: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,12 +108,39 @@ def pushdown(
     """
     # nine arguments: the public function of the package, called with keywords
     Assembly.check(model)
-    target, full = _target(model, support, displacement, rotation)
+    movement = _checked(model, support, displacement, rotation)
     require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
     check_self_weight(model)
-    moving = _Moving(static_system(model, contacts, sliding), support, target, rotation, full)
+    moving = _Moving(static_system(model, contacts, sliding), (movement,))
+    return _followed(moving, increment, to_collapse, tolerances)
+
+
+def pushdown_together(
+    model: Assembly,
+    movements: Sequence[SupportMovement],
+    increment: float,
+    sliding: Sliding = "associative",
+    tolerances: PushdownTolerances = PUSHDOWN,
+) -> Pushdown:
+    """Move several supports of rigid blocks in proportion to each other; `reaction` is that of the first one.
+
+    `increment` (m): of the largest component of all movements. Raises as `pushdown`.
+    """
+    Assembly.check(model)
+    checked = tuple(_checked(model, each.support, each.displacement, each.rotation) for each in movements)
+    require(len(checked) > 0, "movements", 0, "the movement of one support or more")
+    require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
+    check_self_weight(model)
+    return _followed(_Moving(static_system(model, "rigid", sliding), checked), increment, False, tolerances)
+
+
+def _followed(
+    moving: _Moving, increment: float, to_collapse: bool, tolerances: PushdownTolerances
+) -> Pushdown:
+    """Follow the path of moving supports. Raises as `pushdown`."""
+    full = moving.full
     path = _Path(moving, increment, tolerances)
-    limit = max(full, _longest(model)) if to_collapse else full
+    limit = max(full, _longest(path.model)) if to_collapse else full
     final, ultimate, bisection = None, None, Bisection(increment)
     end = message("the whole movement is applied")
     while path.movement[-1] < limit * (1.0 - 1e-9):
@@ -130,7 +168,7 @@ def pushdown(
             except RunawayError as stop:
                 ultimate, end = here, stop.message
                 break
-        elif final is not None and rotation == 0.0 and path.moves_as_a_whole(by / full * target):
+        elif final is not None and path.moves_as_a_whole(by):
             end = message("the structure moves with its support as a whole")
             break
     if final is None:
@@ -143,8 +181,8 @@ def _longest(model: Assembly) -> float:
     return float(np.ptp(drawn_extent(model), axis=0).max())
 
 
-def _target(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> tuple[Array, float]:
-    """Return the displacement (2,) of the whole movement, m, and its largest component; ArgumentError if it is none."""
+def _checked(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> SupportMovement:
+    """Return the whole movement of a support; ArgumentError if it is none."""
     target = array_of("displacement", displacement, "(x, z) in m")
     require(
         target.shape == (2,) and bool(np.isfinite(target).all()), "displacement", displacement, "(x, z) in m"
@@ -156,31 +194,50 @@ def _target(model: Assembly, support: str, displacement: ArrayLike, rotation: fl
     require(
         max(full, arc) > least, "displacement", displacement, f"with the rotation, more than {least:.1g} m"
     )
-    return target, full
+    return SupportMovement(support, (float(target[0]), float(target[1])), rotation)
 
 
 @dataclass(frozen=True, eq=False)
 class _Moving:
-    """A moving support: displaced by `displacement` (2,) and `rotation` when the movement is `full`."""
+    """Supports that move in proportion to each other; the largest component of their movements is `full` (m)."""
 
     system: StaticSystem
-    support: str
-    displacement: Array
-    rotation: float
-    full: float
+    movements: tuple[SupportMovement, ...]
 
-    def moved(self, positions: Array, movement: float) -> Array:
-        """Return the positions (b, 3) with the support displaced by a movement (m)."""
-        share = movement / self.full
-        return self.system.model.moved_support(
-            positions, self.support, share * self.displacement, share * self.rotation
+    @cached_property
+    def full(self) -> float:
+        """Largest component of the whole movements, m."""
+        model = self.system.model
+        return max(
+            whole_movement(model, each.support, each.displacement, each.rotation) for each in self.movements
         )
 
     @property
+    def shifts(self) -> bool:
+        """Whether a support moves other than by turning."""
+        return any(any(each.displacement) for each in self.movements)
+
+    def moved(self, positions: Array, movement: float) -> Array:
+        """Return the positions (b, 3) with the supports displaced by a movement (m)."""
+        share = movement / self.full
+        for each in self.movements:
+            shift = share * np.array(each.displacement)
+            positions = self.system.model.moved_support(positions, each.support, shift, share * each.rotation)
+        return positions
+
+    def translation(self, by: float) -> Array | None:
+        """Return how far (2,) a movement of `by` (m) takes the support; None where several move, or one turns."""
+        one = self.movements[0]
+        if len(self.movements) > 1 or one.rotation:
+            return None
+        return by / self.full * np.array(one.displacement)
+
+    @property
     def lever(self) -> float:
-        """Ratio, 1 or more, of the longest way of the support's corners to the movement: a rotation may exceed it."""
-        turned = whole_movement(self.system.model, self.support, (0.0, 0.0), self.rotation)
-        return max(1.0, turned / self.full)
+        """Ratio, 1 or more, of the longest way of the supports' corners to the movement: a rotation may exceed it."""
+        model = self.system.model
+        turned = [whole_movement(model, each.support, (0.0, 0.0), each.rotation) for each in self.movements]
+        return max(1.0, max(turned) / self.full)
 
 
 class _Path:
@@ -189,7 +246,7 @@ class _Path:
     def __init__(self, moving: _Moving, increment: float, tolerances: PushdownTolerances) -> None:
         self.moving, self.system, self.model = moving, moving.system, moving.system.model
         self.tolerances = tolerances
-        self.index = self.model.support(moving.support)
+        self.index = self.model.support(moving.movements[0].support)
         self.smallest = 0.0 if self.system.rigid else rest_size(self.model, "elastic")
         start = rest(self.system, self.model.initial)
         begun = start
@@ -235,7 +292,7 @@ class _Path:
     @property
     def too_many_points(self) -> Message:
         """Why a path to collapse ends after so many points, and what to change."""
-        key = "increment_m" if self.moving.displacement.any() else "increment_rad"
+        key = "increment_m" if self.moving.shifts else "increment_rad"
         return message(
             "a path has {count} points at most; write a larger {key}", count=self.tolerances.points, key=key
         )
@@ -256,8 +313,11 @@ class _Path:
         self.certificates.append(rested.certificate)
         return rested.state
 
-    def moves_as_a_whole(self, moved: Array) -> bool:
-        """Whether every movable block moved by just the support's translation (2,) m in the last step."""
+    def moves_as_a_whole(self, by: float) -> bool:
+        """Whether every movable block moved by just the support's translation in the last step, of `by` (m)."""
+        moved = self.moving.translation(by)
+        if moved is None:
+            return False
         before, after = (step.state.positions for step in self.steps[-2:])
         apart = abs((after - before)[self.model.movable] - [*moved, 0.0]).max()
         return bool(apart < self.tolerances.whole * float(abs(moved).max()))

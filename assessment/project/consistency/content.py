@@ -14,6 +14,7 @@ from assessment.project.consistency.checks import (
     site_problems,
 )
 from assessment.project.consistency.files import attachment_problems, missing_file
+from assessment.project.consistency.identification import identification_problems
 from assessment.project.consistency.motions import motion_problems
 from assessment.project.consistency.names import repeated_names
 from assessment.project.consistency.strengthening import strengthening_problems, tie_problems
@@ -55,5 +56,6 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
             yield from floor_problems(project.assessment.floor, project.assessment)
         if project.assessment.site:
             yield from site_problems(project.assessment.site, project.assessment.limit_states, folder)
+    yield from identification_problems(project)
     if project.sensitivity:
         yield from sensitivity_problems(project, project.sensitivity)

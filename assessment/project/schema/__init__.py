@@ -14,6 +14,7 @@ from assessment.project.schema.assessment import (
 )
 from assessment.project.schema.content import ProjectContent, ReportTable
 from assessment.project.schema.dynamic import HistoryTable, IncrementalTable, MotionTable, StatesTable
+from assessment.project.schema.identification import IdentificationTable, MeasurementTable
 from assessment.project.schema.static import PushoverTable, SettlementTable
 from assessment.project.schema.strengthening import ChangedLayerTable, StrengtheningTable, TieTable
 from assessment.project.schema.structure import (
@@ -49,12 +50,14 @@ __all__ = [
     "GeometryTable",
     "HazardTable",
     "HistoryTable",
+    "IdentificationTable",
     "IncrementalTable",
     "KeyPath",
     "KnowledgeTable",
     "LayerTable",
     "LimitState",
     "MaterialTable",
+    "MeasurementTable",
     "MechanismTable",
     "MotionTable",
     "ProjectContent",

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from assessment.project.schema.assessment import AssessmentTable, MechanismTable
 from assessment.project.schema.dynamic import HistoryTable, IncrementalTable
+from assessment.project.schema.identification import IdentificationTable, MeasurementTable
 from assessment.project.schema.static import PushoverTable, SettlementTable
 from assessment.project.schema.strengthening import StrengtheningTable, TieTable
 from assessment.project.schema.structure import (
@@ -91,6 +92,12 @@ class ProjectContent(Table):
     )
     sensitivity: SensitivityTable | None = Field(
         default=None, description="capacity with properties of the masonry lower and higher, one at a time"
+    )
+    identification: IdentificationTable | None = Field(
+        default=None, description="the support movement that explains what was measured"
+    )
+    measurement: Annotated[tuple[MeasurementTable, ...], TABLES] = Field(
+        default=(), description="what was measured: cracks, slips, leans, relative displacements"
     )
     report: ReportTable = Field(default=ReportTable(), description="language and title page of the report")
 

@@ -27,7 +27,8 @@ MOST_LAYERS = 10_000
 """There are no more tables [layers.NAME]."""
 
 
-def _unique(items: tuple[Entry, ...]) -> tuple[Entry, ...]:
+def unique(items: tuple[Entry, ...]) -> tuple[Entry, ...]:
+    """Return the items. Raises ValueError where one appears twice."""
     if len(set(items)) < len(items):
         raise ValueError("an entry appears twice; write each entry once")
     return items
@@ -84,23 +85,23 @@ Name = Annotated[str, Field(max_length=200, pattern=rf"^[^\s{_UNSEEN}]([^\t\n{_U
 Text = Annotated[str, StringConstraints(strip_whitespace=True, max_length=2000, pattern=rf"^[^{_UNSEEN}]*$")]
 ENTRIES = Field(strict=False, min_length=1, max_length=MOST_ENTRIES, json_schema_extra={"uniqueItems": True})
 TABLES = Field(strict=False, max_length=MOST_ENTRIES)
-Names = Annotated[tuple[Name, ...], ENTRIES, AfterValidator(_unique)]
+Names = Annotated[tuple[Name, ...], ENTRIES, AfterValidator(unique)]
 Contacts = Literal["rigid", "elastic"]
 Direction = Literal["+x", "-x"]
 LimitState = Literal["SLD", "SLV", "SLC"]
 UseCategory = Literal["A", "B", "C", "D", "E", "F", "G", "H", "I", "K", "snow", "snow above 1000 m", "wind"]
-ContactsList = Annotated[tuple[Contacts, ...], ENTRIES, AfterValidator(_unique)]
-Directions = Annotated[tuple[Direction, ...], ENTRIES, AfterValidator(_unique)]
-LimitStates = Annotated[tuple[LimitState, ...], ENTRIES, AfterValidator(_unique)]
+ContactsList = Annotated[tuple[Contacts, ...], ENTRIES, AfterValidator(unique)]
+Directions = Annotated[tuple[Direction, ...], ENTRIES, AfterValidator(unique)]
+LimitStates = Annotated[tuple[LimitState, ...], ENTRIES, AfterValidator(unique)]
 
 RecordSet = Annotated[
-    tuple[Name, ...], ENTRIES, AfterValidator(_unique),
+    tuple[Name, ...], ENTRIES, AfterValidator(unique),
     BeforeValidator(lambda given: (given,) if isinstance(given, str) else given),
 ]  # fmt: skip
-Shares = Annotated[tuple[Share, ...], ENTRIES, AfterValidator(_unique)]
-Signs = Annotated[tuple[Literal[1, -1], ...], ENTRIES, AfterValidator(_unique)]
-MemberNumbers = Annotated[tuple[Members, ...], ENTRIES, AfterValidator(_unique)]
-Levels = Annotated[tuple[Acceleration, ...], ENTRIES, AfterValidator(_unique)]
+Shares = Annotated[tuple[Share, ...], ENTRIES, AfterValidator(unique)]
+Signs = Annotated[tuple[Literal[1, -1], ...], ENTRIES, AfterValidator(unique)]
+MemberNumbers = Annotated[tuple[Members, ...], ENTRIES, AfterValidator(unique)]
+Levels = Annotated[tuple[Acceleration, ...], ENTRIES, AfterValidator(unique)]
 Periods = Annotated[tuple[Seconds, Seconds], Field(strict=False)]
 
 

@@ -16,6 +16,7 @@ from assessment.results.schema.checks import (
     StrengtheningRow,
 )
 from assessment.results.schema.dynamic import History, Incremental, Motion
+from assessment.results.schema.identification import Identification
 from assessment.results.schema.indices import Indices, Knowledge
 from assessment.results.schema.messages import Worded
 from assessment.results.schema.model import Echo, Geometry, LayerLoads, ModelSummary, Quality, Software
@@ -65,6 +66,7 @@ class Results(Part):
     strengthening: list[StrengtheningRow] | None = optional("strengthened states beside what they strengthen")
     scenarios: Scenarios | None = optional("all movements side by side")
     sensitivity: Sensitivity | None = optional("every state with each property lower and higher")
+    identification: Identification | None = optional("the support movement that explains what was measured")
     campaign: Campaign | None = optional("fragility and loss of capacity against movement")
     convergence: Convergence = key("estimated errors")
     quality: Quality = key("certificates and warnings")

@@ -128,6 +128,8 @@ class Echo(Part):
     assessment: dict[str, Any] | None = optional("[assessment]")
     mechanism: list[dict[str, Any]] | None = optional("[[mechanism]]")
     sensitivity: dict[str, Any] | None = optional("[sensitivity]")
+    identification: dict[str, Any] | None = optional("[identification]")
+    measurement: list[dict[str, Any]] | None = optional("[[measurement]]")
     report: EchoedReport = key("title page")
 
 

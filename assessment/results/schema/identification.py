@@ -1,0 +1,87 @@
+"""Identification of the support movement that explains what was measured."""
+
+from __future__ import annotations
+
+from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional
+
+
+class SupportMovement(Part):
+    """`movement[]`: what a support did; standard errors are null where the measurements do not determine them.
+
+    Components that the hypothesis holds at zero have no standard error.
+    """
+
+    support: str = key("support")
+    x_m: float = key("movement along x", "m")
+    z_m: float = key("movement along z, upward", "m")
+    rotation_rad: float = key("rotation about the support's centroid, anticlockwise", "rad")
+    x_standard_error_m: float | None = optional("standard error of x", "m")
+    z_standard_error_m: float | None = optional("standard error of z", "m")
+    rotation_standard_error_rad: float | None = optional("standard error of the rotation", "rad")
+
+
+class Fitted(Part):
+    """`fit[]`: a measurement beside what the movement predicts."""
+
+    measurement: str = key("name of the measurement")
+    kind: str = key("crack, slip, lean or relative")
+    unit: str = key("mm or mrad, of the four values")
+    predicted: float = key("predicted by the movement")
+    measured: float = key("measured")
+    sigma: float = key("standard deviation of the measured value")
+    residual: float = key("predicted less measured")
+    residual_in_sigma: float = key("the same over sigma", "–")
+
+
+class Explanation(Part):
+    """`hypotheses[]`: the movement of some supports that fits the measurements best."""
+
+    hypothesis: Sentence = key("supports and their unknowns")
+    unknowns: int = key("number of unknowns")
+    movement: list[SupportMovement] = key("the best movement; empty: none could be followed")
+    chi_squared: float | None = key(
+        "sum of the squared residuals over sigma; null: none could be followed", "–"
+    )
+    degrees_of_freedom: int = key("measurements less unknowns")
+    probability: float | None = key(
+        "of a χ² as large, were the hypothesis true; null: no degree of freedom", "–"
+    )
+    aic: float | None = key("Akaike's criterion, χ² plus twice the number of unknowns", "–")
+    distinguished: bool = key("whether its AIC is more than 2 above the best one")
+    undetermined: list[Sentence] = key("movements that the measurements do not determine")
+    contradicting: list[str] = key("measurements more than 3 sigma from what is predicted")
+    at_collapse: bool = key("whether the fit would improve beyond what the structure survives")
+    fit: list[Fitted] = key("the measurements, each beside its prediction")
+    configuration: Configuration | None = key("of the blocks after the movement; null: none", "m, rad")
+
+
+class ReadySettlement(Part):
+    """`settlements[]`: a support's movement as [[settlements]] of the project file has it."""
+
+    name: str = key("name of the state")
+    support: str = key("support")
+    displacement_m: Point = key("along x and z", "m")
+    rotation_rad: float = key("about the support's centroid", "rad")
+
+
+class Site(Part):
+    """`sites[]`: where a measurement was made, as drawn."""
+
+    measurement: str = key("name of the measurement")
+    point_m: Point = key("x and z of the point", "m")
+    from_m: Point | None = optional(
+        "of the point that a relative displacement counts from; null: the benchmark", "m"
+    )
+    block: int = key("block that the point moves with")
+    from_block: int | None = optional("block of the other point; null: the benchmark")
+
+
+class Identification(Part):
+    """`identification`: movements of supports fitted to the measurements."""
+
+    hypotheses: list[Explanation] = key("every hypothesis, in the order of the project file")
+    best: int | None = key("number of the one with the least AIC, from 0; null: none could be followed")
+    sites: list[Site] = key("where the measurements were made")
+    settlements: list[ReadySettlement] = key(
+        "the best movement for the project file; empty: several supports move at once, which is no settlement"
+    )

@@ -1,0 +1,1 @@
+"""Identification: the movement of supports that explains what was measured."""

@@ -1,0 +1,92 @@
+"""What the reader of an identification has to know, as sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import reduce
+
+from assessment.results.schema.identification import Explanation, Identification
+from assessment.studies.identification.unknowns import Unknowns
+from mechanics.messages import Message, headed, message
+from mechanics.types import Array
+
+UNLIKELY = 0.01  # probability of a χ² as large, below which a hypothesis does not explain the measurements
+IN_IT = 0.3  # of a unit vector: a component that takes part in a movement that is not determined
+PHRASES = {
+    "x": "the movement along x of the support {name}",
+    "z": "the movement along z of the support {name}",
+    "rotation": "the rotation of the support {name}",
+}
+
+
+def open_movement(unknowns: Unknowns, direction: Array) -> Message:
+    """Return a movement (n,) that is not determined in words: the components that can change together."""
+    parts = [
+        message(PHRASES[name], name=support)
+        for (support, name), part in zip(unknowns.components, direction, strict=True)
+        if abs(part) > IN_IT
+    ]
+    return reduce(
+        lambda first, second: message("{first} together with {second}", first=first, second=second), parts
+    )
+
+
+def findings(found: Identification) -> list[Message]:
+    """Return what is not determined, what contradicts, and which hypotheses are not told from each other."""
+    return [
+        *(
+            headed(message("identification, {hypothesis}", hypothesis=each.hypothesis), text)
+            for each in found.hypotheses
+            for text in _of_hypothesis(each)
+        ),
+        *_alike(found),
+    ]
+
+
+def _of_hypothesis(each: Explanation) -> Iterator[Message]:
+    """Yield what is to be known of a hypothesis; of one that another explains far better, no more than that."""
+    if each.chi_squared is None:
+        yield message("no movement could be followed")
+        return
+    if each.probability is not None and each.probability < UNLIKELY:
+        yield message(
+            "the movement does not explain the measurements: a χ² of {square:.3g} or more has a probability of "
+            "{probability:.2g}",
+            square=each.chi_squared,
+            probability=each.probability,
+        )
+    if each.distinguished:
+        return
+    if each.degrees_of_freedom == 0:
+        yield message(
+            "as many unknowns as measurements: nothing is left by which the fit could be judged; measure more"
+        )
+    for text in each.undetermined:
+        yield message("the measurements do not determine {text}; measure where it shows", text=text)
+    for row in each.fit:
+        if row.measurement in each.contradicting:
+            yield message(
+                "the measurement {name} contradicts the rest: predicted {predicted:.3g} {unit}, measured "
+                "{measured:.3g} ± {sigma:.3g} {unit}",
+                name=row.measurement,
+                predicted=row.predicted,
+                measured=row.measured,
+                sigma=row.sigma,
+                unit=row.unit,
+            )
+    if each.at_collapse:
+        yield message("the fit would improve beyond what the structure survives")
+
+
+def _alike(found: Identification) -> Iterator[Message]:
+    if found.best is None:
+        return
+    best = found.hypotheses[found.best]
+    for each in found.hypotheses:
+        if each is not best and not each.distinguished:
+            yield message(
+                "identification: the measurements do not tell one hypothesis ({first}) from another ({second}): their "
+                "AIC differ by less than 2",
+                first=best.hypothesis,
+                second=each.hypothesis,
+            )

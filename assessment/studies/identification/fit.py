@@ -1,0 +1,180 @@
+"""Least squares: the values of the unknowns that minimise χ² = Σ ((predicted − measured)/σ)², and how sure they are.
+
+Gauss–Newton with central differences and bounds (Nocedal and Wright, Numerical Optimization, 2006, ch. 10); damped
+steps (Levenberg–Marquardt) are tried beside the full one, as each is a path of its own and paths run side by side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from assessment.studies.identification.unknowns import Unknowns
+from mechanics.types import Array, Mask
+
+Predict = Callable[[Sequence[Array]], Sequence[Array | None]]
+"""Residuals over σ (m,) at each of some values (n,), m, of the unknowns; None: the structure does not survive them."""
+
+
+@dataclass(frozen=True)
+class FitTolerances:
+    """Tolerances of the fit.
+
+    `difference`: of finite differences, as a share of the length of the movement; `least` (m): of them, and of steps;
+    `step`: of the movement, below which it counts as found; `iterations`: at most; `dampings`: of the trial steps,
+    relative to the largest curvature; `singular`: of the largest singular value, below which a direction has no effect.
+    """
+
+    difference: float = 0.01
+    least: float = 1e-6
+    step: float = 1e-5
+    iterations: int = 20
+    dampings: tuple[float, ...] = (0.0, 1e-3, 1e-2, 0.1, 1.0)
+    singular: float = 1e-6
+
+
+FIT = FitTolerances()
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The best values `u` (n,), m; `residual` (m,) over σ; `jacobian` (m, n) 1/m of the residuals.
+
+    `stopped`: whether a step towards a better fit ended in a movement that the structure does not survive.
+    """
+
+    u: Array
+    residual: Array
+    jacobian: Array
+    stopped: bool
+
+    @property
+    def chi_squared(self) -> float:
+        """Sum of the squared residuals over σ."""
+        return float(self.residual @ self.residual)
+
+
+def best_length(share: Array, residual: Array) -> tuple[float, float]:
+    """Return the share of a path at which χ² is least, and χ² there.
+
+    `share` (k,) and `residual` (k, m) of its points; between two points the residuals are taken as linear.
+    """
+    if len(share) < 2:
+        return float(share[0]), float(residual[0] @ residual[0])
+    start, change = residual[:-1], np.diff(residual, axis=0)
+    slope = np.einsum("km,km->k", change, change)
+    along = np.einsum("km,km->k", start, change)
+    part = np.clip(-along / np.where(slope > 0.0, slope, 1.0), 0.0, 1.0)
+    squares = np.sum((start + part[:, None] * change) ** 2, axis=1)
+    k = int(np.argmin(squares))
+    return float(share[k] + part[k] * (share[k + 1] - share[k])), float(squares[k])
+
+
+def refined(
+    unknowns: Unknowns, start: Array, residual: Array, predict: Predict, tolerances: FitTolerances = FIT
+) -> Fit:
+    """Return the fit near the values `start` (n,), m, whose residuals over σ (m,) are given."""
+    u, stopped = start, False
+    jacobian = _jacobian(unknowns, u, residual, predict, tolerances)
+    for _ in range(tolerances.iterations):
+        trials = [
+            unknowns.bounded(u + _step(unknowns, u, residual, jacobian, damping, tolerances))
+            for damping in tolerances.dampings
+        ]
+        found = predict(trials)
+        stopped = any(each is None for each in found)
+        better = [
+            (float(each @ each), number)
+            for number, each in enumerate(found)
+            if each is not None and each @ each < residual @ residual
+        ]
+        if not better:
+            break
+        square, number = min(better)
+        length = float(np.linalg.norm(trials[number] - u))
+        gained = float(residual @ residual) - square
+        residual = np.asarray(found[number])
+        u = trials[number]
+        if length < max(tolerances.step * float(np.linalg.norm(u)), tolerances.least) or gained < 1e-9:
+            break
+        jacobian = _jacobian(unknowns, u, residual, predict, tolerances)
+    return Fit(u, residual, _jacobian(unknowns, u, residual, predict, tolerances), stopped)
+
+
+def _jacobian(
+    unknowns: Unknowns, u: Array, residual: Array, predict: Predict, tolerances: FitTolerances
+) -> Array:
+    """Return the derivatives (m, n), 1/m, by central differences; one-sided at a bound, or where one side falls."""
+    size = max(tolerances.difference * float(np.linalg.norm(u)), tolerances.least)
+    sides = [
+        np.array([unknowns.bounded(u + sign * size * unit) for sign in (1.0, -1.0)])
+        for unit in np.eye(len(u))
+    ]
+    found = predict([side for pair in sides for side in pair])
+    columns = []
+    for k, pair in enumerate(sides):
+        known = [
+            (float(side[k] - u[k]), each)
+            for side, each in zip(pair, found[2 * k : 2 * k + 2], strict=True)
+            if each is not None and side[k] != u[k]
+        ]
+        if len(known) == 2:
+            columns.append((known[0][1] - known[1][1]) / (known[0][0] - known[1][0]))
+        elif known:
+            columns.append((known[0][1] - residual) / known[0][0])
+        else:
+            columns.append(np.zeros_like(residual))
+    return np.array(columns).T
+
+
+def _step(
+    unknowns: Unknowns, u: Array, residual: Array, jacobian: Array, damping: float, tolerances: FitTolerances
+) -> Array:
+    """Return the damped step (n,), m; unknowns that it would take over their bound stay on it."""
+    free = np.ones(len(u), dtype=bool)
+    step = np.zeros(len(u))
+    for _ in range(len(u)):
+        step = np.where(free, 0.0, unknowns.bounded(u) - u)
+        step[free] = _least_squares(jacobian[:, free], -residual - jacobian @ step, damping, tolerances)
+        over: Mask = free & unknowns.falling & (u + step > 0.0) & (u >= 0.0)
+        if not over.any() or over.sum() == free.sum():
+            break
+        free &= ~over
+    return step
+
+
+def _least_squares(jacobian: Array, target: Array, damping: float, tolerances: FitTolerances) -> Array:
+    """Return the shortest x that minimises |J x − target|² + damping · s₁² |x|², s₁ the largest singular value."""
+    left, s, right = np.linalg.svd(jacobian, full_matrices=False)
+    if not s.size or s[0] == 0.0:
+        return np.zeros(jacobian.shape[1])
+    kept = s > tolerances.singular * s[0]
+    factor = np.where(kept, s / (s**2 + damping * s[0] ** 2), 0.0)
+    found: Array = right.T @ (factor * (left.T @ target))
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Sureness:
+    """Standard errors `error` (n,) m, infinite where not determined; `open` (d, n): unit vectors not determined."""
+
+    error: Array
+    open: Array
+
+
+def sureness(fit: Fit, measured: float, part: float = 0.1, tolerances: FitTolerances = FIT) -> Sureness:
+    """Return standard errors from (JᵀJ)⁻¹, and the directions that the measurements leave open.
+
+    A direction is open where it has no effect, or where its standard error is longer than the whole movement and than
+    the largest `measured` displacement (m); unknowns with more than a `part` in one have no error.
+    """
+    _, s, right = np.linalg.svd(fit.jacobian, full_matrices=True)
+    n = len(fit.u)
+    s = np.concatenate([s, np.zeros(n - len(s))])
+    longest = max(float(np.linalg.norm(fit.u)), measured)
+    open_ = (s <= tolerances.singular * s[0]) | (s * longest < 1.0)
+    variance = np.sum((right[~open_] / s[~open_, None]) ** 2, axis=0)
+    touched = (abs(right[open_]) > part).any(axis=0) if open_.any() else np.zeros(n, dtype=bool)
+    return Sureness(np.where(touched, np.inf, np.sqrt(variance)), right[open_])

@@ -1,0 +1,72 @@
+"""What the gauges show while supports move: one path predicts every length of its direction."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from assessment.analyses.static.paths import Quality, configuration
+from assessment.project.gauges import Gauge, readings
+from assessment.results.schema.model import QualityRow
+from assessment.results.schema.part import Configuration
+from mechanics import Assembly, CollapseError, ConvergenceError, NoEquilibriumError
+from mechanics.procedures import Pushdown, SupportMovement, pushdown_together, whole_movement
+from mechanics.steps import Sliding
+from mechanics.types import Array
+
+
+@dataclass
+class Followed:
+    """A path of moving supports: at each `share` (k,) of the whole movement the readings `shown` (k, m), mm or mrad.
+
+    `configuration` (b, 3): after the whole movement; None where the structure falls before, or cannot be followed.
+    """
+
+    share: Array
+    shown: Array
+    configuration: Configuration | None = None
+    quality: list[QualityRow] = field(default_factory=list)
+    seconds: float = 0.0
+
+
+def follow(
+    model: Assembly,
+    movements: Sequence[SupportMovement],
+    increments: int,
+    sliding: Sliding,
+    gauges: Sequence[Gauge],
+) -> Followed:
+    """Move the supports from their places as drawn, in so many increments; a fall on the way is a result."""
+    began = time.perf_counter()
+    moved = tuple(each for each in movements if any(each.displacement) or each.rotation)
+    if not moved:
+        start = model.initial
+        shown = readings(model, gauges, start.positions)
+        return Followed(np.zeros(1), shown[None, :], configuration=configuration(model, start))
+    reached, path = False, None
+    try:
+        path = pushdown_together(model, moved, _largest(model, moved) / increments, sliding)
+        reached = True
+    except CollapseError as error:
+        assert isinstance(error.path, Pushdown)
+        path = error.path
+    except (NoEquilibriumError, ConvergenceError):
+        pass  # whatever stops it, no further movement in this direction is predicted
+    found = Followed(np.zeros(0), np.zeros((0, len(gauges))))
+    if path is not None:
+        states = [*path.states[:-1], path.final if reached else path.states[-1]]
+        found.share = path.movement / _largest(model, moved)
+        found.shown = np.array([readings(model, gauges, state.positions) for state in states])
+        found.configuration = configuration(model, path.final) if reached else None
+        quality = Quality("", "identification")
+        quality.add(path)
+        found.quality.append(quality.row)
+    found.seconds = time.perf_counter() - began
+    return found
+
+
+def _largest(model: Assembly, movements: Sequence[SupportMovement]) -> float:
+    return max(whole_movement(model, each.support, each.displacement, each.rotation) for each in movements)
