@@ -13,6 +13,7 @@ from markupsafe import Markup
 
 from assessment.report.chapters.calculation_annex import traces
 from assessment.report.chapters.grid import summary_grids
+from assessment.report.chapters.identification import identification_sentences, ready_lines
 from assessment.report.chapters.joints import assumptions, pressure_sentences
 from assessment.report.chapters.judgement import all_warnings, draft_judgement, worst_scenario
 from assessment.report.chapters.printed_tables import macro_block_grids, printed_tables
@@ -61,6 +62,7 @@ CHAPTERS = (
 DYNAMIC = ("history", "incremental")  # chapters before the comparison, where the project has their stages
 STUDIES = ("scenarios", "sensitivity")  # likewise
 CAMPAIGN = "campaign"  # likewise, behind them
+IDENTIFICATION = "identification"  # before the settlements, likewise
 
 
 def write_page(results: Results, folder: Path, edited: Markup | None = None) -> None:
@@ -138,6 +140,8 @@ def render_html(
         strengthened=list(strengthening_sentences(results, words)),
         yielding=list(yielding_sentence(results, words)),
         references=references(),
+        identified=list(identification_sentences(results, words)),
+        ready=ready_lines(results),
         pressures=pressure_sentences(results, words),
         cracks=list(crack_sentences(results, words)),
         damping=damping_sentence(results, words),
@@ -178,8 +182,9 @@ def _chapters(results: Results) -> list[str]:
         CAMPAIGN: results.campaign is not None,
     }
     asked = [name for name in (*STUDIES, *DYNAMIC, CAMPAIGN) if there[name]]
-    place = CHAPTERS.index("comparison")
-    return [*CHAPTERS[:place], *asked, *CHAPTERS[place:]]
+    place, first = CHAPTERS.index("comparison"), CHAPTERS.index("settlements")
+    identified = [IDENTIFICATION] if results.identification else []
+    return [*CHAPTERS[:first], *identified, *CHAPTERS[first:place], *asked, *CHAPTERS[place:]]
 
 
 def _unit_kept(head: Markup) -> Markup:
@@ -214,7 +219,7 @@ class Embedded:
 def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[Embedded]]:
     """Return the figures by chapter, cracks apart."""
     found: dict[str, list[Embedded]] = {
-        section: [] for section in (*CHAPTERS, *STUDIES, *DYNAMIC, CAMPAIGN, "cracks")
+        section: [] for section in (*CHAPTERS, *STUDIES, *DYNAMIC, CAMPAIGN, IDENTIFICATION, "cracks")
     }
     for picture in pictures(results):
         svg = base64.b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()

@@ -4,7 +4,8 @@ Single tables (project, geometry, material, pushover, incremental, campaign, ass
 key | value | comment; "project" holds the title, and a table within a table is written with a point
 (`control.+x`, `SLV.ag_g`). Lists of tables (layers, control, settlements, tie, strengthening, history, mechanism) have
 a header of keys and one row per entry; the first column of "layers" is the layer's name, and what a strengthening
-changes of a layer stands in columns `layers.NAME.friction` and so on. A list stands in one cell,
+changes of a layer stands in columns `layers.NAME.friction` and so on. Of a list of tables within a single table
+(`hypotheses` of identification) every entry has rows of its own, `hypotheses.1.NAME`. A list stands in one cell,
 "0.020; -0.020"; numbers in a text may have a decimal comma. An empty cell is an absent key, a missing
 sheet an absent table.
 """
@@ -71,6 +72,11 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str]]:
     for name in content.keys() & _FORMS.keys():
         if _FORMS[name] == "list" and isinstance(content[name], dict):
             content[name] = list(content[name].values())
+        elif _FORMS[name] == "single" and isinstance(content[name], dict):
+            content[name] = {
+                key: list(value.values()) if isinstance(value, dict) and _listed((name, key)) else value
+                for key, value in content[name].items()
+            }
     return content, places
 
 
@@ -146,8 +152,23 @@ def _table_entries(name: str, rows: Rows) -> Iterator[_Entry]:
         key, value = (*row, None)[:2]
         if value is None or (index == 0 and str(key).strip().lower() == "key"):
             continue
-        path = (*table, *_text(key).strip().split("."))
+        path = _row_path(table, _text(key).strip())
         yield _Entry(path, _typed(value, annotation_at(path)), f", cell B{number}")
+
+
+def _row_path(table: KeyPath, key: str) -> KeyPath:
+    """Return the path of a row of a single table; in a list of named entries `key.1.NAME`, NAME may have points."""
+    first, _, rest = key.partition(".")
+    number, _, name = rest.partition(".")
+    if _listed((*table, first)) and number.isdigit():
+        return (*table, first, int(number) - 1, name)
+    return (*table, *key.split("."))
+
+
+def _listed(path: KeyPath) -> bool:
+    """Whether the value at a path is a list of entries by name, which are no tables."""
+    members = [get_args(kind)[0] for kind in alternatives(annotation_at(path)) if get_origin(kind) is tuple]
+    return any(get_origin(kind) is dict for member in members for kind in alternatives(member))
 
 
 def _list_entries(name: str, rows: Rows) -> Iterator[_Entry]:
@@ -242,7 +263,10 @@ def _table_rows(table: KeyPath, node: Mapping[str, Any]) -> Iterator[list[Any]]:
         path = (*table, key)
         if path in _SHEETS.values():
             continue
-        if isinstance(value, Mapping):
+        if _listed(path) and isinstance(value, list):
+            for number, entry in enumerate(value, 1):
+                yield from ([f"{key}.{number}.{k}", _cell(v), comments[key]] for k, v in entry.items())
+        elif isinstance(value, Mapping):
             inner = keys_at(path)
             yield from ([f"{key}.{k}", _cell(v), inner.get(k, comments[key])] for k, v in value.items())
         else:

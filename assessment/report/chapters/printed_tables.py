@@ -24,6 +24,7 @@ from assessment.report.tables.dynamic import (
 from assessment.report.tables.dynamic import (
     ranges as history_ranges,
 )
+from assessment.report.tables.identification import reported_identification
 from assessment.report.tables.indices import index_tables, reported_indices
 from assessment.report.tables.joints import reported_pressures
 from assessment.report.tables.loads import reported_loads, vertical
@@ -77,6 +78,7 @@ def _tables(results: Results, words: Words) -> list[Table]:
         _without(tables.layers(results), *(["vertical_load_kN"] if results.loads else [])),
         reported_loads(results, words),
         ties(results),
+        *reported_identification(results),
         tables.settlements(results),
         reported_cracks(results),
         mechanisms(results),

@@ -26,6 +26,7 @@ from assessment.report.figures.drawings.deformed import (
     draw_overturned,
     draw_settlement,
 )
+from assessment.report.figures.drawings.identification import draw_identification
 from assessment.report.figures.drawings.model import draw_model
 from assessment.report.figures.drawings.thrust import draw_thrust
 from assessment.report.figures.dynamic import (
@@ -103,6 +104,9 @@ def pictures(results: Results) -> list[Picture]:
     """List the figures that the results allow: nothing is drawn of what was not computed."""
     words = words_of(results)
     found = [Picture("model", "model", partial(draw_model, results, words), "model")]
+    if results.identification and results.identification.best is not None:
+        identified = partial(draw_identification, results, words)
+        found.append(Picture("identification", "identification", identified, "identification"))
     for name, state in results.states.items():
         fields: dict[str, object] = {"state": words.state(name)}
         if state.settlement:

@@ -21,6 +21,7 @@ from assessment.report.tables.capacity import (
 from assessment.report.tables.convergence import convergence_tables
 from assessment.report.tables.cracks import cracks
 from assessment.report.tables.dynamic import dynamic_tables
+from assessment.report.tables.identification import identification_tables
 from assessment.report.tables.indices import index_tables
 from assessment.report.tables.joints import edge_pressure_table
 from assessment.report.tables.loads import loads, vertical
@@ -99,6 +100,7 @@ def tables(results: Results) -> list[Table]:
         scalings(results),
         trace(results),
         *index_tables(results),
+        *identification_tables(results),
         *study_tables(results),
         *dynamic_tables(results),
         *campaign_tables(results),

@@ -13,6 +13,7 @@ from assessment.ntc.capacity.return_period import stated
 from assessment.ntc.demand.hazard_grid import RETURN_PERIODS
 from assessment.ntc.limit_states import ROCK, SURFACE
 from assessment.report.text.language import Words, direction_name
+from assessment.report.text.messages import translated
 from assessment.results.table import Row
 
 COARSE = 2  # digits of numbers that follow from a few records, or are only shown to be small
@@ -103,6 +104,9 @@ COLUMNS = {
     name: column
     for column, names in (
         (MILLIMETRES, "d_y_m d_0_m d_0_star_m d_star_m displacement_x_m displacement_z_m movement_m d_0_error_m"),
+        (Column(factor=1000.0, digits=COARSE, dash=True), "x_error_m z_error_m"),
+        (Column(digits=COARSE, dash=True), "rotation_error_mrad chi_squared_probability"),
+        (_text(translated), "hypothesis"),
         (MILLIMETRES, "ultimate_rigid_m ultimate_elastic_m ultimate_movement_m"),
         (TENTHS, "opening_m other_opening_m slip_m"),  # of a millimetre: what a survey measures
         (SURVEYED, "x_m z_m from_x_m from_z_m to_x_m to_z_m"),
@@ -125,6 +129,7 @@ COLUMNS = {
         (Column(text=True, dash=True, ground=SURFACE), "resurrections"),
         (TEXT, "layer support quantity use_class IS_V_class PAM_class risk_class origin counts soil topography"),
         (TEXT, "refused collapses collapsed table setting value expected computed case source control settlement tie"),
+        (TEXT, "measurement unit told_apart"),
         (_text(lambda value, words: "; ".join(map(words.state, value.split("; ")))), "states"),
         (_text(lambda value, words: words.state(value)), "state"),
         (_text(lambda value, words: direction_name(value)), "direction"),
@@ -139,7 +144,7 @@ COLUMNS = {
         (_text(lambda value, words: words.plain(f"value.scaling_{value.replace('-', '_')}")), "scaling"),
         (_text(lambda value, words: words.plain("value.whole_structure") if value == WHOLE else value),
          "macro_element"),
-        (WORD_OF_VALUE, "contacts property rule"),
+        (WORD_OF_VALUE, "contacts property rule measured_kind"),
         (WORD_OF_SETTING, "use_category integrator"),
     )
     for name in names.split()

@@ -14,6 +14,7 @@ from assessment.results.table import Row
 Path = tuple[str, ...]
 # keys whose values are words of the program; others are the user's own
 CHOICES = {"accuracy", "sliding", "contacts", "model", "spectrum", "method", "record_demand", "language"}
+CHOICES |= {"kind", "from_m", "component"}
 CHOICES |= {"state", "states", "of", "use_category", "directions", "integrator"}
 GENERATED = re.compile(r"generate:(\d+)")
 LOADS = ("vertical_load_kN", "variable_load_kN")
@@ -28,7 +29,7 @@ def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:
         yield {
             "table": _group(path, words) if path != last else Markup(""),
             "setting": _setting(path, key, words),
-            "value": Markup.escape(_value(value, words, key in CHOICES)),
+            "value": Markup.escape(_value(value, words, key in CHOICES or "hypotheses" in path)),
         }
         last = path
 

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 
 from assessment.ntc.limit_states import INDEXED
 from assessment.results.echo import turns
+from assessment.results.identified import best_of, movement_text, settlement_lines
 from assessment.results.plain import plain
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction
+from assessment.results.schema.identification import SupportMovement
 from assessment.results.schema.static import Contacts
 from assessment.results.table import quoted_limit_state
 
@@ -52,6 +54,7 @@ def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
         if each.ultimate_movement_m is not None
     ]
     lines += _strengthened(results)
+    lines += _identified(results)
     worst = results.scenarios.worst if results.scenarios else None
     if worst:
         lines.append(
@@ -65,6 +68,27 @@ def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
         )
     lines.append(f"results: {folder}")
     return "\n".join([*lines, *warning_lines(_warnings(results, warnings))])
+
+
+def _best_movement(results: Results) -> list[SupportMovement] | None:
+    found = results.identification
+    best = best_of(found) if found else None
+    return best.movement if best else None
+
+
+def _identified(results: Results) -> list[str]:
+    """Return a line for the best movement, and those of it for the project file."""
+    found = results.identification
+    best = best_of(found) if found else None
+    if found is None or best is None:
+        return []
+    moved = "; ".join(map(movement_text, best.movement))
+    lines = [
+        f"best movement: {moved} (χ² {best.chi_squared:.3g}, {best.degrees_of_freedom} degrees of freedom)"
+    ]
+    for ready in found.settlements:
+        lines += [f"  {line}" for line in settlement_lines(ready)]
+    return lines
 
 
 def _strengthened(results: Results) -> list[str]:
@@ -101,6 +125,7 @@ def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
         "worst_scenario": plain(results.scenarios.worst) if results.scenarios else None,
         "comparison": plain(results.comparison),
         "strengthening": plain(results.strengthening),
+        "best_movement": plain(_best_movement(results)),
         "warnings": _warnings(results, warnings),
         "timing_s": results.timing_s,
     }

@@ -1,0 +1,61 @@
+"""The outcome of an identification: hypotheses worth telling, the best movement on a line and for the project file."""
+
+from __future__ import annotations
+
+import json
+
+from assessment.results.schema.identification import (
+    Explanation,
+    Identification,
+    ReadySettlement,
+    SupportMovement,
+)
+
+
+def best_of(found: Identification) -> Explanation | None:
+    """Return the hypothesis with the least AIC; None where none could be followed."""
+    return None if found.best is None else found.hypotheses[found.best]
+
+
+def told_of(found: Identification) -> list[Explanation]:
+    """Return the hypotheses that are not told from the best one, it first."""
+    best = best_of(found)
+    others = [each for each in found.hypotheses if each is not best and not each.distinguished]
+    return [] if best is None else [best, *others]
+
+
+def settlement_lines(ready: ReadySettlement) -> list[str]:
+    """Return the lines of a movement in a project file."""
+    x, z = ready.displacement_m
+    lines = [
+        "[[settlements]]",
+        f"name = {json.dumps(ready.name, ensure_ascii=False)}",
+        f"support = {json.dumps(ready.support, ensure_ascii=False)}",
+        f"displacement_m = [{_number(x)}, {_number(z)}]",
+    ]
+    return [*lines, f"rotation_rad = {_number(ready.rotation_rad)}"] if ready.rotation_rad else lines
+
+
+def movement_text(each: SupportMovement) -> str:
+    """Return a movement on one line, in mm and mrad, with the standard errors that are known."""
+    parts = [
+        ("x", "mm", each.x_m, each.x_standard_error_m, "x_standard_error_m"),
+        ("z", "mm", each.z_m, each.z_standard_error_m, "z_standard_error_m"),
+        (
+            *("rotation", "mrad", each.rotation_rad, each.rotation_standard_error_rad),
+            "rotation_standard_error_rad",
+        ),
+    ]
+    told = [
+        f"{name} {1e3 * value:.3g}"
+        + (" (not determined)" if error is None else f" ± {1e3 * error:.2g} {unit}")
+        for name, unit, value, error, key in parts
+        if key in each.model_fields_set
+    ]
+    return f"{each.support}: {', '.join(told)}"
+
+
+def _number(value: float) -> str:
+    """Return a number as TOML has it: with a point, and without a power."""
+    text = f"{value:.7f}".rstrip("0")
+    return f"{text}0" if text.endswith(".") else text

@@ -1,0 +1,237 @@
+"""Support movements found again from measurements of movements that are known.
+
+The measurements are made by a pushdown with other increments; the arch has no friction path here, its joints only
+open, so that a path predicts what any other path to the same movement does.
+"""
+
+import numpy as np
+import pytest
+
+from assessment.project.gauges import Gauge, readings
+from assessment.studies.identification.fit import Fit, best_length, refined, sureness
+from assessment.studies.identification.stage import probability
+from assessment.studies.identification.unknowns import Unknowns, unknowns_of
+from tests.support.surveyed_arch import (
+    CROWN,
+    LEFT,
+    PIER,
+    RIGHT,
+    SPRINGING,
+    entry,
+    identified,
+    measured,
+    surveyed,
+    write_surveyed,
+)
+
+TRUTH = (0.012, -0.008, 0.004)
+PLACES = [
+    ("crown", "crack", CROWN),
+    ("left haunch", "crack", LEFT),
+    ("right pier", "lean", PIER),
+    ("span", "span", SPRINGING),
+    ("foot", "foot", (0.27, 0.10)),
+]
+RIGHT_MOVES = '[{ destro = ["x", "z", "rotation"] }]'
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory):
+    folder = write_surveyed(tmp_path_factory.mktemp("arch"), RIGHT_MOVES, *synthetic_zero())
+    return surveyed(folder)[1]
+
+
+def synthetic_zero():
+    return [entry(name, kind, point, 0.0) for name, kind, point in PLACES]
+
+
+def synthetic(model, places, movement=TRUTH, sigma=0.2, noise=None, support="destro"):
+    noise = np.zeros(len(places)) if noise is None else noise
+    return [
+        entry(name, kind, point, measured(model, kind, point, movement, support) + error, sigma)
+        for (name, kind, point), error in zip(places, noise, strict=True)
+    ]
+
+
+def movement_of(explained):
+    [moved] = explained.movement
+    return np.array([moved.x_m, moved.z_m, moved.rotation_rad])
+
+
+def test_a_movement_is_found_again_from_exact_measurements(model, tmp_path):
+    # tolerance: rounding of the paths, 1e-9 m, over the derivatives of the readings (about 0.1)
+    found, study = identified(write_surveyed(tmp_path, RIGHT_MOVES, *synthetic(model, PLACES)))
+    [explained] = found.hypotheses
+    assert movement_of(explained) == pytest.approx(TRUTH, abs=1e-6)
+    assert explained.chi_squared < 1e-6 and explained.probability > 0.999
+    assert explained.degrees_of_freedom == 2
+    assert explained.aic == pytest.approx(explained.chi_squared + 6.0)
+    assert not study.findings and not study.failures and study.quality
+    [ready] = found.settlements
+    assert ready.support == "destro" and ready.displacement_m == pytest.approx(TRUTH[:2], abs=1e-6)
+
+
+def test_noise_moves_it_within_its_standard_errors(model, tmp_path):
+    # four standard errors: the chance of one of three normal deviates beyond is 2e-4, and the seed is fixed
+    noise = 0.2 * np.random.default_rng(3).standard_normal(len(PLACES))
+    found, _ = identified(write_surveyed(tmp_path, RIGHT_MOVES, *synthetic(model, PLACES, noise=noise)))
+    [explained] = found.hypotheses
+    [moved] = explained.movement
+    errors = np.array([moved.x_standard_error_m, moved.z_standard_error_m, moved.rotation_standard_error_rad])
+    assert (abs(movement_of(explained) - TRUTH) < 4.0 * errors).all()
+    assert (abs(movement_of(explained) - TRUTH) > 1e-6).any()
+    assert 1e-5 < errors[0] < 5e-3
+    assert 0.01 < explained.probability < 0.999
+
+
+def test_a_crack_that_is_not_there_tells_two_hypotheses_apart(model, tmp_path):
+    """What is symmetric cannot tell which support went down; the haunch without a crack does."""
+    both = '[{ destro = ["x", "z"] }, { sinistro = ["x", "z"] }]'
+    places = [("crown", "crack", CROWN), ("span", "span", SPRINGING)]
+    moved = (0.012, -0.008, 0.0)
+    symmetric = [*synthetic(model, places, moved), entry("again", "crack", CROWN, measured(model, "crack", CROWN, moved))]
+    unclear, study = identified(write_surveyed(tmp_path / "unclear", both, *symmetric))
+    assert not any(each.distinguished for each in unclear.hypotheses)
+    assert any("do not tell one hypothesis" in text for text in study.findings)
+    there = entry("left haunch", "crack", LEFT, measured(model, "crack", LEFT, moved))
+    clear, _ = identified(
+        write_surveyed(tmp_path / "clear", both, *symmetric, there, entry("right haunch", "crack", RIGHT, 0.0))
+    )
+    assert clear.best == 0 and [each.distinguished for each in clear.hypotheses] == [False, True]
+    assert movement_of(clear.hypotheses[0])[:2] == pytest.approx(moved[:2], abs=1e-5)
+
+
+def test_a_movement_that_no_measurement_shows_is_named(model, tmp_path):
+    """Above the springing nothing tells a rotation of the pier from a movement of its support."""
+    places = [("crown", "crack", CROWN), ("left", "crack", LEFT), ("right", "crack", RIGHT)]
+    found, study = identified(write_surveyed(tmp_path, RIGHT_MOVES, *synthetic(model, places)))
+    [explained] = found.hypotheses
+    assert any("the rotation of the support destro" in text for text in explained.undetermined)
+    assert explained.movement[0].rotation_standard_error_rad is None
+    assert any("the measurements do not determine" in text for text in study.findings)
+
+
+def test_the_measurement_that_contradicts_the_rest_is_named(model, tmp_path):
+    wrong = entry("foot again", "foot", (0.27, 0.10), -2.0)
+    found, study = identified(write_surveyed(tmp_path, RIGHT_MOVES, *synthetic(model, PLACES), wrong))
+    [explained] = found.hypotheses
+    assert "foot again" in explained.contradicting and "crown" not in explained.contradicting
+    assert any("foot again contradicts the rest" in text for text in study.findings)
+    assert any("does not explain the measurements" in text for text in study.findings)
+
+
+def test_supports_do_not_rise_unless_they_may(model, tmp_path):
+    up = synthetic(model, [PLACES[3], PLACES[4]], (0.004, 0.006, 0.0))
+    hypotheses = '[{ destro = ["x", "z"] }]'
+    held, _ = identified(write_surveyed(tmp_path / "held", hypotheses, *up))
+    assert held.hypotheses[0].movement[0].z_m == 0.0
+    free, _ = identified(write_surveyed(tmp_path / "free", hypotheses + "\ndownward_only = false", *up))
+    assert movement_of(free.hypotheses[0])[:2] == pytest.approx([0.004, 0.006], abs=1e-5)
+
+
+def test_a_movement_that_the_structure_does_not_survive_is_no_answer(tmp_path):
+    wide = entry("span", "span", SPRINGING, 400.0, 1.0)
+    found, study = identified(write_surveyed(tmp_path, '[{ destro = ["x"] }]', wide))
+    [explained] = found.hypotheses
+    assert explained.at_collapse and explained.movement[0].x_m < 0.399
+    assert any("beyond what the structure survives" in text for text in study.findings)
+
+
+def test_supports_that_move_together(model, tmp_path):
+    """Both go out by the same: the span shows the sum, each foot its own; there is no settlement to paste."""
+    places = [("span", "span", SPRINGING, 16.0), ("foot", "foot", (0.27, 0.10), -3.0)]
+    entries = [entry(*each) for each in places]
+    entries.append(entry("left foot", "foot", (-0.27, 0.10), 0.0))
+    found, _ = identified(write_surveyed(tmp_path, '[{ destro = ["x", "z"], sinistro = ["z"] }]', *entries))
+    right, left = found.hypotheses[0].movement
+    assert [right.x_m, right.z_m, left.z_m] == pytest.approx([0.016, -0.003, 0.0], abs=1e-4)
+    assert right.rotation_standard_error_rad is None and "rotation_standard_error_rad" not in right.model_fields_set
+
+
+# parts of it, by hand
+
+
+def test_readings_of_a_block_that_turns(model):
+    """A pier turned by θ about its lower corner: opening b·θ at the other end, lean θ, top moved by h·θ."""
+    block, turn = model.block_at(PIER), 1e-4
+    pivot = np.array([0.42, 0.0])
+    joints = [j for j in range(len(model.joints.a)) if block in (model.joints.a[j], model.joints.b[j])]
+    joint = min(joints, key=lambda j: model.joints.ends[j, :, 1].mean())
+    ends = model.joints.ends[joint]
+    pivot = ends[np.argmax(ends[:, 0])]
+    positions = model.rotated(block, pivot, -turn).positions
+    far = int(np.argmin(ends[:, 0]))
+    gauges = [
+        Gauge("crack", tuple(ends[far]), block, joint, far),
+        Gauge("crack", tuple(ends[1 - far]), block, joint, 1 - far),
+        Gauge("slip", tuple(ends[far]), block, joint, far),
+        Gauge("lean", PIER, block),
+        Gauge("relative", PIER, block, axis=0),
+        Gauge("relative", PIER, block, origin=SPRINGING, origin_block=model.block_at(SPRINGING), axis=1),
+    ]
+    width = abs(ends[0, 0] - ends[1, 0])
+    arm = np.array(PIER) - pivot
+    shown = readings(model, gauges, positions)
+    expected = 1e3 * turn * np.array([width, 0.0, 0.0, -1.0, arm[1], -arm[0]])
+    assert shown == pytest.approx(expected, abs=1e-4 * 1e3 * turn * width + 1e-9)  # second order in the rotation
+
+
+def test_the_best_length_lies_between_two_points():
+    # residual −1 → +3 along the second stretch: zero a quarter of the way
+    share, square = best_length(np.array([0.0, 1.0, 2.0]), np.array([[-2.0], [-1.0], [3.0]]))
+    assert share == pytest.approx(1.25) and square == pytest.approx(0.0)
+    assert best_length(np.array([0.0]), np.array([[2.0]])) == (0.0, 4.0)
+
+
+def test_half_of_the_directions_go_up_and_are_left_out():
+    given = {"right": ("rotation", "x", "z")}
+    free, held = unknowns_of(given, 0.5, False), unknowns_of(given, 0.5, True)
+    assert len(free.directions()) == 26 and len(held.directions()) == 17
+    assert [name for _, name in held.components] == ["x", "z", "rotation"]
+    assert all(np.linalg.norm(each) == pytest.approx(1.0) for each in free.directions())
+    [moved] = held.movements(np.array([0.1, -0.2, 0.05]))
+    assert moved.displacement == (0.1, -0.2) and moved.rotation == pytest.approx(0.1)
+
+
+LINEAR = np.array([[2.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
+
+
+def linear(offset):
+    def predict(values):
+        return [LINEAR @ u - offset for u in values]
+
+    return predict
+
+
+def two(downward=False):
+    return Unknowns((("a", "x"), ("a", "z")), 1.0, downward)
+
+
+def test_a_linear_problem_is_solved_with_its_standard_errors():
+    offset = np.array([1.0, 2.0, 4.0])
+    predict, start = linear(offset), np.array([0.1, -0.1])
+    fit = refined(two(), start, LINEAR @ start - offset, predict)
+    assert fit.u == pytest.approx(np.linalg.lstsq(LINEAR, offset, rcond=None)[0], abs=1e-9)
+    errors = np.sqrt(np.diag(np.linalg.inv(LINEAR.T @ LINEAR)))
+    assert sureness(fit, 1.0).error == pytest.approx(errors, abs=1e-9)
+    assert not len(sureness(fit, 1.0).open)
+
+
+def test_a_bound_holds_and_the_others_go_on():
+    offset, start = np.array([1.0, 2.0, 4.0]), np.array([0.1, -0.1])
+    fit = refined(two(True), start, LINEAR @ start - offset, linear(offset))
+    assert fit.u[1] == 0.0
+    assert fit.u[0] == pytest.approx(LINEAR[:, 0] @ offset / (LINEAR[:, 0] @ LINEAR[:, 0]), abs=1e-9)
+
+
+def test_a_direction_without_effect_is_open():
+    fit = Fit(np.array([1.0, 1.0]), np.zeros(2), np.array([[10.0, 10.0], [10.0, 10.0]]), False)
+    found = sureness(fit, 1.0)
+    assert np.isinf(found.error).all()
+    assert abs(found.open[0]) == pytest.approx([0.5**0.5] * 2)
+
+
+def test_probability_of_chi_squared():
+    # Abramowitz and Stegun, table 26.8: 5 % at 3.841 with one degree of freedom and 7.815 with three
+    assert probability(3.84146, 1) == pytest.approx(0.05, abs=1e-5)
+    assert probability(7.81473, 3) == pytest.approx(0.05, abs=1e-5)
