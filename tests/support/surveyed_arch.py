@@ -78,8 +78,8 @@ def surveyed(folder: Path) -> tuple[Project, Assembly]:
     return project, build_model(project).assembly
 
 
-def identified(folder: Path) -> tuple[Identification, Study]:
-    """Return the identification of a project in this process."""
+def identified(folder: Path, workers: Workers) -> tuple[Identification, Study]:
+    """Return the identification of a project, and its messages."""
     project, model = surveyed(folder)
     study = Study()
-    return identification(project, model, Workers(jobs=1), study), study
+    return identification(project, model, workers, study), study

@@ -24,15 +24,17 @@ class FitTolerances:
 
     `difference`: of finite differences, as a share of the length of the movement; `least` (m): of them, and of steps;
     `step`: of the movement, below which it counts as found; `iterations`: at most; `dampings`: of the trial steps,
-    relative to the largest curvature; `singular`: of the largest singular value, below which a direction has no effect.
+    relative to the largest curvature; `singular`: of the largest singular value, below which a direction has no effect; `gain`: of χ², below which a step has
+    none.
     """
 
     difference: float = 0.01
     least: float = 1e-6
     step: float = 1e-5
     iterations: int = 20
-    dampings: tuple[float, ...] = (0.0, 1e-3, 1e-2, 0.1, 1.0)
+    dampings: tuple[float, ...] = (0.0, 1e-2, 1.0)
     singular: float = 1e-6
+    gain: float = 1e-6
 
 
 FIT = FitTolerances()
@@ -97,10 +99,11 @@ def refined(
         gained = float(residual @ residual) - square
         residual = np.asarray(found[number])
         u = trials[number]
-        if length < max(tolerances.step * float(np.linalg.norm(u)), tolerances.least) or gained < 1e-9:
-            break
         jacobian = _jacobian(unknowns, u, residual, predict, tolerances)
-    return Fit(u, residual, _jacobian(unknowns, u, residual, predict, tolerances), stopped)
+        short = length < max(tolerances.step * float(np.linalg.norm(u)), tolerances.least)
+        if short or gained < tolerances.gain * square:
+            break
+    return Fit(u, residual, jacobian, stopped)
 
 
 def _jacobian(

@@ -18,6 +18,9 @@ from mechanics.steps import Sliding
 from mechanics.types import Array
 
 
+ROUNDING = 1e-8  # of a block's size: a movement that is none
+
+
 @dataclass
 class Followed:
     """A path of moving supports: at each `share` (k,) of the whole movement the readings `shown` (k, m), mm or mrad.
@@ -41,7 +44,7 @@ def follow(
 ) -> Followed:
     """Move the supports from their places as drawn, in so many increments; a fall on the way is a result."""
     began = time.perf_counter()
-    moved = tuple(each for each in movements if any(each.displacement) or each.rotation)
+    moved = tuple(each for each in movements if _moves(model, each))
     if not moved:
         start = model.initial
         shown = readings(model, gauges, start.positions)
@@ -66,6 +69,12 @@ def follow(
         found.quality.append(quality.row)
     found.seconds = time.perf_counter() - began
     return found
+
+
+def _moves(model: Assembly, each: SupportMovement) -> bool:
+    """Whether a movement is told from rounding."""
+    far = max(*map(abs, each.displacement), abs(each.rotation) * model.size)
+    return far > ROUNDING * model.size
 
 
 def _largest(model: Assembly, movements: Sequence[SupportMovement]) -> float:
