@@ -64,7 +64,7 @@ class ReadySettlement(Part):
     rotation_rad: float = key("about the support's centroid", "rad")
 
 
-class Site(Part):
+class MeasuredPoint(Part):
     """`sites[]`: where a measurement was made, as drawn."""
 
     measurement: str = key("name of the measurement")
@@ -81,7 +81,7 @@ class Identification(Part):
 
     hypotheses: list[Explanation] = key("every hypothesis, in the order of the project file")
     best: int | None = key("number of the one with the least AIC, from 0; null: none could be followed")
-    sites: list[Site] = key("where the measurements were made")
+    sites: list[MeasuredPoint] = key("where the measurements were made")
     settlements: list[ReadySettlement] = key(
         "the best movement for the project file; empty: several supports move at once, which is no settlement"
     )

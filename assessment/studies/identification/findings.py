@@ -12,23 +12,26 @@ from mechanics.types import Array
 
 UNLIKELY = 0.01  # probability of a χ² as large, below which a hypothesis does not explain the measurements
 IN_IT = 0.3  # of a unit vector: a component that takes part in a movement that is not determined
-PHRASES = {
-    "x": "the movement along x of the support {name}",
-    "z": "the movement along z of the support {name}",
-    "rotation": "the rotation of the support {name}",
-}
 
 
 def open_movement(unknowns: Unknowns, direction: Array) -> Message:
     """Return a movement (n,) that is not determined in words: the components that can change together."""
     parts = [
-        message(PHRASES[name], name=support)
+        _component(support, name)
         for (support, name), part in zip(unknowns.components, direction, strict=True)
         if abs(part) > IN_IT
     ]
     return reduce(
         lambda first, second: message("{first} together with {second}", first=first, second=second), parts
     )
+
+
+def _component(support: str, name: str) -> Message:
+    if name == "x":
+        return message("the movement along x of the support {name}", name=support)
+    if name == "z":
+        return message("the movement along z of the support {name}", name=support)
+    return message("the rotation of the support {name}", name=support)
 
 
 def findings(found: Identification) -> list[Message]:

@@ -24,8 +24,8 @@ class FitTolerances:
 
     `difference`: of finite differences, as a share of the length of the movement; `least` (m): of them, and of steps;
     `step`: of the movement, below which it counts as found; `iterations`: at most; `dampings`: of the trial steps,
-    relative to the largest curvature; `singular`: of the largest singular value, below which a direction has no effect; `gain`: of χ², below which a step has
-    none.
+    relative to the largest curvature; `singular`: of the largest singular value, below which a direction has no effect;
+    `gain`: of χ², below which a step has none.
     """
 
     difference: float = 0.01

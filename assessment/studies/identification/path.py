@@ -17,7 +17,6 @@ from mechanics.procedures import Pushdown, SupportMovement, pushdown_together, w
 from mechanics.steps import Sliding
 from mechanics.types import Array
 
-
 ROUNDING = 1e-8  # of a block's size: a movement that is none
 
 

@@ -12,8 +12,8 @@ from assessment.results.schema.identification import (
     Explanation,
     Fitted,
     Identification,
+    MeasuredPoint,
     ReadySettlement,
-    Site,
     SupportMovement,
 )
 from assessment.studies.identification.findings import findings, open_movement
@@ -150,8 +150,8 @@ def _fitted(each: MeasurementTable, residual: float) -> Fitted:
     )
 
 
-def _site(each: MeasurementTable, gauge: Gauge) -> Site:
-    found = Site(measurement=each.name, point_m=list(each.point_m), block=gauge.block)
+def _site(each: MeasurementTable, gauge: Gauge) -> MeasuredPoint:
+    found = MeasuredPoint(measurement=each.name, point_m=list(each.point_m), block=gauge.block)
     if each.kind != "relative":
         return found
     origin = None if gauge.origin is None else list(gauge.origin)

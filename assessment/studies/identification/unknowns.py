@@ -13,7 +13,7 @@ from mechanics.procedures import SupportMovement
 from mechanics.types import Array, Mask
 
 COMPONENTS = ("x", "z", "rotation")
-WORDS = {"x": message("x"), "z": message("z"), "rotation": message("rotation")}
+WORDS: dict[str, str] = {"x": "x", "z": "z", "rotation": message("rotation")}
 TOGETHER = 3  # unknowns that a direction of the search moves at once; where there are more, pairs
 
 

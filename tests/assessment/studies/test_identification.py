@@ -150,7 +150,10 @@ def test_supports_that_move_together(identify, tmp_path):
     found, _ = identify(write_surveyed(tmp_path, '[{ destro = ["x", "z"], sinistro = ["z"] }]', *entries))
     right, left = found.hypotheses[0].movement
     assert [right.x_m, right.z_m, left.z_m] == pytest.approx([0.016, -0.003, 0.0], abs=1e-4)
-    assert right.rotation_standard_error_rad is None and "rotation_standard_error_rad" not in right.model_fields_set
+    assert (
+        right.rotation_standard_error_rad is None
+        and "rotation_standard_error_rad" not in right.model_fields_set
+    )
 
 
 # parts of it, by hand
@@ -178,7 +181,9 @@ def test_readings_of_a_block_that_turns(model):
     arm = np.array(PIER) - pivot
     shown = readings(model, gauges, positions)
     expected = 1e3 * turn * np.array([width, 0.0, 0.0, -1.0, arm[1], -arm[0]])
-    assert shown == pytest.approx(expected, abs=1e-4 * 1e3 * turn * width + 1e-9)  # second order in the rotation
+    assert shown == pytest.approx(
+        expected, abs=1e-4 * 1e3 * turn * width + 1e-9
+    )  # second order in the rotation
 
 
 def test_the_best_length_lies_between_two_points():

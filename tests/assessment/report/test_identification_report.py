@@ -1,0 +1,109 @@
+"""An identification in results, report, drawing, tables and on the terminal: the arch with a support that moved out."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.project.schema import SettlementTable
+from assessment.report.chapters.identification import ready_lines
+from assessment.report.document import render_html
+from assessment.report.figures.drawings.identification import MARK, draw_identification
+from assessment.report.tables.index import tables
+from assessment.report.text.language import Words
+from assessment.results.configurations.outlines import outlines
+from assessment.results.messages import with_messages
+from assessment.runtime.terminal.summary import as_json, summary
+from assessment.workflow.selection import select
+from assessment.workflow.stages import run
+from tests.support.pictured import draw_sections
+from tests.support.surveyed_arch import PIER, SPRINGING, entry, write_surveyed
+
+
+@pytest.fixture(scope="module")
+def outcome(tmp_path_factory):
+    """Right support out by 10 mm or left one by as much; a lean of the pier that contradicts; see test_identification."""
+    folder = write_surveyed(
+        tmp_path_factory.mktemp("arch"),
+        '[{ destro = ["x"] }, { sinistro = ["x"] }]',
+        entry("span", "span", SPRINGING, 10.0),
+        entry("pier", "lean", PIER, 1.0),
+    )
+    project = select(load_project(folder), ["identification"])
+    return run(project, build_model(project), jobs=1)
+
+
+@pytest.fixture(scope="module")
+def results(outcome):
+    return with_messages(outcome.results)
+
+
+@pytest.fixture(scope="module")
+def pages(results, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("page")
+    draw_sections(results, folder)
+    return {
+        language: " ".join(render_html(results, folder, words_in(results, language)).split())
+        for language in ("it", "en")
+    }
+
+
+def words_in(results, language):
+    words = Words.of(language)
+    return Words(language, words.strings, results.messages or {})
+
+
+def test_the_results_have_what_was_asked_for(outcome, results):
+    found = results.identification
+    assert outcome.complete and results.quality.solves > 0 and "identification" in results.timing_s
+    assert [each.movement[0].x_m for each in found.hypotheses] == pytest.approx([0.01, -0.01], abs=1e-5)
+    assert all(not each.distinguished and each.contradicting == ["pier"] for each in found.hypotheses)
+    assert found.hypotheses[0].chi_squared == pytest.approx(25.0, abs=1e-3)  # (1 mrad/0.2)²
+    error = found.hypotheses[0].movement[0].x_standard_error_m
+    assert error == pytest.approx(0.2e-3, rel=1e-3)  # σ of the span, which moves with the support
+
+
+def test_the_page_tells_it_in_both_languages(pages):
+    for language, phrases in {
+        "it": ("Cedimento che spiega il rilievo", "Le misure non distinguono", "contraddicono le altre", "Previsto"),
+        "en": ("The settlement that explains the survey", "do not distinguish", "contradict the rest", "Predicted"),
+    }.items():
+        assert all(phrase in pages[language] for phrase in phrases), language
+        assert "displacement_m = [0.01, 0.0]" in pages[language]
+    assert "the measurement pier contradicts" not in pages["it"]
+    assert "la misura pier contraddice le altre: previsto" in pages["it"]
+
+
+def test_the_lines_are_a_settlement_of_a_project_file(results):
+    [given] = tomllib.loads(ready_lines(results))["settlements"]
+    settlement = SettlementTable.model_validate(given)
+    assert settlement.support == "destro" and settlement.displacement_m == pytest.approx((0.01, 0.0), abs=1e-5)
+
+
+def test_the_terminal_tells_the_movement_and_the_lines(outcome, tmp_path):
+    text = summary(outcome, tmp_path, [])
+    assert "best movement: destro: x 10 ± 0.2 mm (χ² 25, 1 degrees of freedom)" in text
+    assert '  [[settlements]]\n  name = "destro, as measured"' in text
+    [moved] = json.loads(as_json(outcome, tmp_path, []))["best_movement"]
+    assert moved["x_m"] == pytest.approx(0.01, abs=1e-5)
+
+
+def test_the_tables_have_every_hypothesis(results):
+    found = {table.name: table for table in tables(results)}
+    assert len(found["hypotheses"].rows) == 2 and len(found["identified_movements"].rows) == 2
+    rows = found["measurements"].rows
+    assert [row["number"] for row in rows] == [1, 2, 1, 2]
+    assert rows[1]["residual"] == pytest.approx(-1.0, abs=1e-6)
+
+
+def test_marks_go_with_their_blocks(results):
+    axes = draw_identification(results, Words.of("en")).axes[0]
+    [marks] = [line for line in axes.lines if line.get_marker() == MARK["marker"] and len(line.get_xdata()) == 2]
+    drawn, moved = outlines(results), np.array(results.identification.hypotheses[0].configuration)
+    times = float(axes.get_title().rpartition("× ")[2])
+    block = results.identification.sites[0].block
+    assert marks.get_xdata()[0] == pytest.approx(SPRINGING[0] + times * moved[block, 0], abs=1e-6)
+    assert len(drawn.centroids) == len(moved)
