@@ -26,10 +26,10 @@ class Fitted(Part):
     measurement: str = key("name of the measurement")
     kind: str = key("crack, slip, lean or relative")
     unit: str = key("mm or mrad, of the four values")
-    predicted: float = key("predicted by the movement")
-    measured: float = key("measured")
-    sigma: float = key("standard deviation of the measured value")
-    residual: float = key("predicted less measured")
+    predicted: float = key("predicted by the movement", "mm, mrad")
+    measured: float = key("measured", "mm, mrad")
+    sigma: float = key("standard deviation of the measured value", "mm, mrad")
+    residual: float = key("predicted less measured", "mm, mrad")
     residual_in_sigma: float = key("the same over sigma", "–")
 
 

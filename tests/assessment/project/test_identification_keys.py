@@ -60,7 +60,7 @@ def said(folder, hypotheses, *entries):
         (
             GOOD,
             [CRACK.replace("sigma_mm = 0.2", "")],
-            'measurement[1].sigma_mm: missing; a measurement of kind',
+            "measurement[1].sigma_mm: missing; a measurement of kind",
         ),
         (GOOD, [CRACK.replace("2.0", "-2.0")], "measurement[1].opening_mm: -2 is negative"),
         (

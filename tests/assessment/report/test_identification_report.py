@@ -25,7 +25,7 @@ from tests.support.surveyed_arch import PIER, SPRINGING, entry, write_surveyed
 
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
-    """Right support out by 10 mm or left one by as much; a lean of the pier that contradicts; see test_identification."""
+    """Right support out by 10 mm, or left one by as much; a lean of the pier that contradicts either."""
     folder = write_surveyed(
         tmp_path_factory.mktemp("arch"),
         '[{ destro = ["x"] }, { sinistro = ["x"] }]',
@@ -68,8 +68,18 @@ def test_the_results_have_what_was_asked_for(outcome, results):
 
 def test_the_page_tells_it_in_both_languages(pages):
     for language, phrases in {
-        "it": ("Cedimento che spiega il rilievo", "Le misure non distinguono", "contraddicono le altre", "Previsto"),
-        "en": ("The settlement that explains the survey", "do not distinguish", "contradict the rest", "Predicted"),
+        "it": (
+            "Cedimento che spiega il rilievo",
+            "Le misure non distinguono",
+            "contraddicono le altre",
+            "Previsto",
+        ),
+        "en": (
+            "The settlement that explains the survey",
+            "do not distinguish",
+            "contradict the rest",
+            "Predicted",
+        ),
     }.items():
         assert all(phrase in pages[language] for phrase in phrases), language
         assert "displacement_m = [0.01, 0.0]" in pages[language]
@@ -80,7 +90,9 @@ def test_the_page_tells_it_in_both_languages(pages):
 def test_the_lines_are_a_settlement_of_a_project_file(results):
     [given] = tomllib.loads(ready_lines(results))["settlements"]
     settlement = SettlementTable.model_validate(given)
-    assert settlement.support == "destro" and settlement.displacement_m == pytest.approx((0.01, 0.0), abs=1e-5)
+    assert settlement.support == "destro" and settlement.displacement_m == pytest.approx(
+        (0.01, 0.0), abs=1e-5
+    )
 
 
 def test_the_terminal_tells_the_movement_and_the_lines(outcome, tmp_path):
@@ -101,7 +113,9 @@ def test_the_tables_have_every_hypothesis(results):
 
 def test_marks_go_with_their_blocks(results):
     axes = draw_identification(results, Words.of("en")).axes[0]
-    [marks] = [line for line in axes.lines if line.get_marker() == MARK["marker"] and len(line.get_xdata()) == 2]
+    [marks] = [
+        line for line in axes.lines if line.get_marker() == MARK["marker"] and len(line.get_xdata()) == 2
+    ]
     drawn, moved = outlines(results), np.array(results.identification.hypotheses[0].configuration)
     times = float(axes.get_title().rpartition("× ")[2])
     block = results.identification.sites[0].block
