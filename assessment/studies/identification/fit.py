@@ -167,17 +167,17 @@ class Sureness:
     open: Array
 
 
-def sureness(fit: Fit, measured: float, part: float = 0.1, tolerances: FitTolerances = FIT) -> Sureness:
+def sureness(fit: Fit, measured: float, part: float = 0.1) -> Sureness:
     """Return standard errors from (JᵀJ)⁻¹, and the directions that the measurements leave open.
 
-    A direction is open where it has no effect, or where its standard error is longer than the whole movement and than
+    A direction is open where its standard error, infinite without an effect, is longer than the whole movement and than
     the largest `measured` displacement (m); unknowns with more than a `part` in one have no error.
     """
     _, s, right = np.linalg.svd(fit.jacobian, full_matrices=True)
     n = len(fit.u)
     s = np.concatenate([s, np.zeros(n - len(s))])
     longest = max(float(np.linalg.norm(fit.u)), measured)
-    open_ = (s <= tolerances.singular * s[0]) | (s * longest < 1.0)
+    open_ = s * longest < 1.0
     variance = np.sum((right[~open_] / s[~open_, None]) ** 2, axis=0)
     touched = (abs(right[open_]) > part).any(axis=0) if open_.any() else np.zeros(n, dtype=bool)
     return Sureness(np.where(touched, np.inf, np.sqrt(variance)), right[open_])

@@ -175,12 +175,12 @@ def test_readings_of_a_block_that_turns(model):
         Gauge("slip", tuple(ends[far]), block, joint, far),
         Gauge("lean", PIER, block),
         Gauge("relative", PIER, block, axis=0),
-        Gauge("relative", PIER, block, origin=SPRINGING, origin_block=model.block_at(SPRINGING), axis=1),
+        Gauge("relative", SPRINGING, model.block_at(SPRINGING), origin=PIER, origin_block=block, axis=1),
     ]
     width = abs(ends[0, 0] - ends[1, 0])
     arm = np.array(PIER) - pivot
     shown = readings(model, gauges, positions)
-    expected = 1e3 * turn * np.array([width, 0.0, 0.0, -1.0, arm[1], -arm[0]])
+    expected = 1e3 * turn * np.array([width, 0.0, 0.0, -1.0, arm[1], arm[0]])
     assert shown == pytest.approx(
         expected, abs=1e-4 * 1e3 * turn * width + 1e-9
     )  # second order in the rotation
