@@ -18,13 +18,20 @@ compiled = compiler("contract", "reassoc", allocates=False)
 @compiled
 def motion(p: Array, i: int, j: int, x: Array) -> tuple[float, float, float]:
     """Changes of u, φ and v of a joint at a place p (PLACE,) that displacements x (m,) of its blocks cause."""
-    dx, dz, turn = 0.0, 0.0, 0.0
+    ax, az, ta, bx, bz, tb = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if i >= 0:
-        dx, dz, turn = x[i], x[i + 1], x[i + 2]
+        ax, az, ta = x[i], x[i + 1], x[i + 2]
     if j >= 0:
-        dx -= x[j] - p[LZ] * x[j + 2]
-        dz -= x[j + 1] + p[LX] * x[j + 2]
-        turn -= x[j + 2]
+        bx, bz, tb = x[j], x[j + 1], x[j + 2]
+    return moved_by(p, ax, az, ta, bx, bz, tb)
+
+
+@compiled
+def moved_by(
+    p: Array, ax: float, az: float, ta: float, bx: float, bz: float, tb: float
+) -> tuple[float, float, float]:
+    """A₀ᵀΔx of a joint at a place p (PLACE,): changes of u, φ and v as block a moves by x, z and ω, and b likewise."""
+    dx, dz, turn = ax - (bx - p[LZ] * tb), az - (bz + p[LX] * tb), ta - tb
     return (
         p[NX] * dx + p[NZ] * dz + p[MU] * turn,
         p[MPHI] * turn,

@@ -6,8 +6,9 @@ import numpy as np
 
 from mechanics.kernels.bed import stored
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.joint import LX, LZ, MPHI, MU, MV, NX, NZ, PHI, H, U
+from mechanics.kernels.joint import PHI, H, U
 from mechanics.kernels.law import BED, SHEAR
+from mechanics.kernels.matrix import moved_by
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -31,15 +32,7 @@ def relative(p: Array, a: int, b: int, moved: Array) -> tuple[float, float, floa
 
     As matrix.motion, whose displacements are in the order of elimination; a view of these by rows took 13 % of a step.
     """
-    lx, lz = p[LX], p[LZ]
-    dx = moved[a, 0] - (moved[b, 0] - lz * moved[b, 2])
-    dz = moved[a, 1] - (moved[b, 1] + lx * moved[b, 2])
-    turn = moved[a, 2] - moved[b, 2]
-    return (
-        p[NX] * dx + p[NZ] * dz + p[MU] * turn,
-        p[MPHI] * turn,
-        p[NZ] * dx - p[NX] * dz + p[MV] * turn,
-    )
+    return moved_by(p, moved[a, 0], moved[a, 1], moved[a, 2], moved[b, 0], moved[b, 1], moved[b, 2])
 
 
 @compiled
