@@ -63,4 +63,6 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
     if "scenarios" not in wanted:
         whole = (each.model_copy(update={"steps": None}) for each in project.settlements)
         dropped["settlements"] = tuple(whole)
+    if {*wanted} == {"identification"} and not project.mechanism:
+        dropped["settlements"] = ()  # it moves supports by itself
     return project.model_copy(update=dropped)

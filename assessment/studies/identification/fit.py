@@ -25,7 +25,7 @@ class FitTolerances:
     `difference`: of finite differences, as a share of the length of the movement; `least` (m): of them, and of steps;
     `step`: of the movement, below which it counts as found; `iterations`: at most; `dampings`: of the trial steps,
     relative to the largest curvature; `singular`: of the largest singular value, below which a direction has no effect;
-    `gain`: of χ², below which a step has none.
+    `gain`: of χ², or of `exact` where it is less, below which a step has none.
     """
 
     difference: float = 0.01
@@ -35,6 +35,7 @@ class FitTolerances:
     dampings: tuple[float, ...] = (0.0, 1e-2, 1.0)
     singular: float = 1e-6
     gain: float = 1e-6
+    exact: float = 1e-2
 
 
 FIT = FitTolerances()
@@ -101,7 +102,7 @@ def refined(
         u = trials[number]
         jacobian = _jacobian(unknowns, u, residual, predict, tolerances)
         short = length < max(tolerances.step * float(np.linalg.norm(u)), tolerances.least)
-        if short or gained < tolerances.gain * square:
+        if short or gained < tolerances.gain * max(square, tolerances.exact):
             break
     return Fit(u, residual, jacobian, stopped)
 

@@ -16,6 +16,7 @@ from assessment.results.schema.identification import (
     ReadySettlement,
     SupportMovement,
 )
+from assessment.runtime.show import SILENCE
 from assessment.studies.identification.findings import findings, open_movement
 from assessment.studies.identification.fit import Fit, Sureness, sureness
 from assessment.studies.identification.search import Measured, Search
@@ -32,9 +33,8 @@ if TYPE_CHECKING:
     from assessment.studies.variants import Study
     from mechanics import Assembly
 
-AS_GOOD = (
-    2.0  # difference of AIC up to which hypotheses are not told from each other (Burnham and Anderson, 2002)
-)
+# difference of AIC up to which hypotheses are not told from each other (Burnham and Anderson, 2002)
+AS_GOOD = 2.0
 CONTRADICTS = 3.0  # σ between what is measured and predicted
 DIGITS_M, DIGITS_RAD = 6, 7  # of a movement in a project file
 
@@ -52,7 +52,7 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
         unknowns_of(each, lever, project.identification.downward_only)
         for each in project.identification.hypotheses
     ]
-    hypotheses = [_explained(project, search, unknowns) for unknowns in asked]
+    hypotheses = _all_explained(project, search, asked)
     known = [each.aic for each in hypotheses if each.aic is not None]
     best = next((k for k, each in enumerate(hypotheses) if known and each.aic == min(known)), None)
     if best is not None:
@@ -79,6 +79,23 @@ def measured(project: Project, found: Sequence[Gauge], lever: float) -> Measured
     size = np.array([lever if each.kind == "lean" else 1.0 for each in project.measurement])
     largest = 1e-3 * float((size * np.maximum(abs(value), sigma)).max())
     return Measured(tuple(found), value, sigma, largest)
+
+
+def _all_explained(project: Project, search: Search, asked: Sequence[Unknowns]) -> list[Explanation]:
+    """Return the best movement of each hypothesis; one line of progress for all of their many short paths."""
+    workers = search.workers
+    show, workers.show = workers.show, SILENCE
+    show.begin("identification", len(asked), 0, float(len(asked)))
+    found: list[Explanation] = []
+    try:
+        for unknowns in asked:
+            show.under_way(unknowns.title)
+            found.append(_explained(project, search, unknowns))
+            show.advance(float(len(found)))
+    finally:
+        workers.show = show
+    show.end()
+    return found
 
 
 def _explained(project: Project, search: Search, unknowns: Unknowns) -> Explanation:

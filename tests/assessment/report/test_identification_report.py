@@ -16,6 +16,7 @@ from assessment.report.tables.index import tables
 from assessment.report.text.language import Words
 from assessment.results.configurations.outlines import outlines
 from assessment.results.messages import with_messages
+from assessment.runtime.show import Show
 from assessment.runtime.terminal.summary import as_json, summary
 from assessment.workflow.selection import select
 from assessment.workflow.stages import run
@@ -64,6 +65,33 @@ def test_the_results_have_what_was_asked_for(outcome, results):
     assert found.hypotheses[0].chi_squared == pytest.approx(25.0, abs=1e-3)  # (1 mrad/0.2)²
     error = found.hypotheses[0].movement[0].x_standard_error_m
     assert error == pytest.approx(0.2e-3, rel=1e-3)  # σ of the span, which moves with the support
+
+
+def test_that_stage_alone_moves_no_support_of_a_settlement(tmp_path):
+    folder = write_surveyed(tmp_path, '[{ destro = ["x"] }]', entry("span", "span", SPRINGING, 10.0))
+    with (folder / "project.toml").open("a") as file:
+        file.write('[[settlements]]\nname = "moved"\nsupport = "destro"\ndisplacement_m = [0.01, 0.0]\n')
+    project = load_project(folder)
+    assert select(project, ["identification"]).settlements == ()
+    assert select(project, ["identification", "pushdown"]).settlements == project.settlements
+    assert select(project, ["pushdown"]).identification is None
+
+
+class Recorded(Show):
+    """What the progress is told."""
+
+    def __init__(self):
+        self.lines = []
+
+    def begin(self, stage, total, taken, work):
+        self.lines.append((stage, total))
+
+
+def test_its_many_paths_are_one_line_of_progress(tmp_path):
+    folder = write_surveyed(tmp_path, '[{ destro = ["x"] }]', entry("span", "span", SPRINGING, 10.0))
+    project, show = load_project(folder), Recorded()
+    run(project, build_model(project), jobs=1, show=show)
+    assert show.lines == [("self-weight", 1), ("identification", 1)]
 
 
 def test_the_page_tells_it_in_both_languages(pages):
