@@ -48,7 +48,7 @@ def movement_text(each: SupportMovement) -> str:
     ]
     told = [
         f"{name} {1e3 * value:.3g}"
-        + (" (not determined)" if error is None else f" ± {1e3 * error:.2g} {unit}")
+        + (f" {unit} (not determined)" if error is None else f" ± {1e3 * error:.2g} {unit}")
         for name, unit, value, error, key in parts
         if key in each.model_fields_set
     ]
