@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from assessment.project.schema.values import (
     MOST_LAYERS,
@@ -49,6 +49,8 @@ class TieTable(Table):
 
 class ChangedLayerTable(Table):
     """[strengthening.layers.NAME]: what repointing or injection makes of the joints of a layer."""
+
+    model_config = ConfigDict(json_schema_extra={"minProperties": 1})
 
     friction: Friction | None = Field(default=None, description="tangent of the friction angle from then on")
     normal_stiffness_kN_m3: Stiffness | None = Field(
