@@ -52,10 +52,10 @@ def check(options: argparse.Namespace) -> int:
     """
     from assessment.analyses.checks.demand import demand_spectra
     from assessment.analyses.static.paths import stand
-    from assessment.project.model import build_model
     from assessment.project.plausibility import implausible_hazard
     from assessment.project.project import load_project
     from assessment.project.repair import with_repaired_drawing
+    from assessment.project.structure.model import build_model
     from assessment.report.chapters.judgement_file import refuse_unreadable
     from assessment.report.figures.drawings.faults import draw_faults
     from assessment.report.figures.drawings.model import draw_model

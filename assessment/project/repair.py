@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from assessment.project.model import how_to_read
+from assessment.project.structure.model import how_to_read
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files.atomic_files import write_atomically
 from mechanics.model import repair_drawing

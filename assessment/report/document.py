@@ -35,7 +35,7 @@ from assessment.report.formats.attachments import caption, stored
 from assessment.report.formats.page_fill import pdf_of
 from assessment.report.formats.pdf import command, load_weasyprint
 from assessment.report.formats.viewer import Viewer, viewer
-from assessment.report.tables.loads import vertical_sentences
+from assessment.report.tables.structure.loads import vertical_sentences
 from assessment.report.text.language import Words, unparted, words_of
 from assessment.report.text.messages import sentence, translated
 from assessment.results.schema import Results

@@ -7,8 +7,8 @@ from itertools import product
 from math import inf, isfinite
 from typing import TYPE_CHECKING
 
-from assessment.project.model import build_model
 from assessment.project.schema import Table
+from assessment.project.structure.model import build_model
 from assessment.results.schema.studies import Sensitivity, SensitivityRun
 from assessment.studies.increments import refined
 from assessment.studies.variants import Study, Variant, analyse, quoted_limit_state

@@ -25,7 +25,7 @@ from mechanics.messages import Message
 if TYPE_CHECKING:
     from assessment.analyses.static.states import StateResult
     from assessment.project.project import Project
-    from assessment.project.state_models import StateModel
+    from assessment.project.structure.state_models import StateModel
     from assessment.results.schema.dynamic import History, Search
     from assessment.runtime.tasks import Workers
     from assessment.workflow.draft import Draft

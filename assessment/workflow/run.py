@@ -78,7 +78,7 @@ def carry_out(
 def _analysed(
     project: Project, folder: Path, jobs: int, fresh: bool, report: bool, show: Show, scheduler: str | None
 ) -> Outcome:
-    from assessment.project.model import build_model
+    from assessment.project.structure.model import build_model
     from assessment.report.chapters.judgement_file import refuse_unreadable
     from assessment.runtime.cache import FOLDER, Store
     from assessment.workflow.output import prepare

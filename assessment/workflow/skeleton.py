@@ -34,9 +34,9 @@ from mechanics.faults import visible
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
-    from assessment.project.model import ProjectModel
     from assessment.project.project import Project
     from assessment.project.schema import SettlementTable, TieTable
+    from assessment.project.structure.model import ProjectModel
     from mechanics import Assembly
 
 PACKAGES = (

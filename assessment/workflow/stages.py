@@ -39,9 +39,9 @@ from assessment.workflow.studies import add_studies
 from mechanics.messages import Message, headed, message
 
 if TYPE_CHECKING:
-    from assessment.project.model import ProjectModel
     from assessment.project.project import Project
-    from assessment.project.state_models import StateModel
+    from assessment.project.structure.model import ProjectModel
+    from assessment.project.structure.state_models import StateModel
     from assessment.results.schema import Results
     from assessment.results.schema.checks import Direction
     from assessment.results.schema.part import Configuration

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
-    from assessment.project.state_models import StateModel
+    from assessment.project.structure.state_models import StateModel
     from assessment.results.schema.campaign import Campaign
     from assessment.results.schema.identification import Identification
     from assessment.results.schema.studies import Scenarios, Sensitivity

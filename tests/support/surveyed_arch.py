@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from assessment.project.model import build_model
 from assessment.project.project import Project, load_project
+from assessment.project.structure.model import build_model
 from assessment.results.schema.identification import Identification
 from assessment.runtime.tasks import Workers
 from assessment.studies.identification.stage import identification

@@ -28,8 +28,8 @@ from assessment.ntc.demand.spectrum import Spectrum
 from assessment.ntc.limit_states import QUOTED
 from assessment.ntc.verification import Check, Method, verify
 from assessment.ntc.vertical import THRUSTING_A_G, vertical_component
-from assessment.project.mechanisms import chosen_mechanisms
 from assessment.project.schema import ORIGINAL
+from assessment.project.structure.mechanisms import chosen_mechanisms
 from assessment.results.lines import lines
 from assessment.results.plain import finite
 from assessment.results.schema import checks as parts
@@ -43,7 +43,7 @@ from mechanics.messages import Message, message
 if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import AssessmentTable
-    from assessment.project.state_models import StateModel
+    from assessment.project.structure.state_models import StateModel
     from assessment.results.schema import State
     from mechanics import Assembly
 

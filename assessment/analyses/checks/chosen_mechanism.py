@@ -33,7 +33,7 @@ from mechanics.types import Index, Mask
 
 if TYPE_CHECKING:
     from assessment.ntc.demand.spectrum import Spectrum
-    from assessment.project.mechanisms import Chosen
+    from assessment.project.structure.mechanisms import Chosen
     from mechanics import Assembly
 
 Array = NDArray[np.float64]

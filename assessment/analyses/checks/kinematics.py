@@ -17,7 +17,7 @@ from mechanics.messages import SaidError, message
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
-    from assessment.project.mechanisms import Chosen
+    from assessment.project.structure.mechanisms import Chosen
     from mechanics import Assembly
 
 Array = NDArray[np.float64]

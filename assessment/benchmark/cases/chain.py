@@ -17,7 +17,7 @@ from assessment.analyses.static.states import PAST_PEAK
 from assessment.benchmark.cases.structures import assembly, template
 from assessment.benchmark.measure import FAILURES, ROUNDS, once_a_step
 from assessment.benchmark.table import Row
-from assessment.project.model import build_model
+from assessment.project.structure.model import build_model
 from assessment.runtime.processes.garbage import collect_rarely
 from assessment.workflow.selection import select
 from assessment.workflow.stages import run

@@ -136,7 +136,7 @@ def all_skips() -> list[Skip]:
 
 def stages(only: tuple[str, ...] | None, store: Store | None = None) -> tuple[Array, int]:
     """Multiplier and displacement capacity of the block template as drawn, from some of its stages or all."""
-    from assessment.project.model import build_model
+    from assessment.project.structure.model import build_model
     from assessment.results.schema.part import known
     from assessment.workflow.selection import select
     from assessment.workflow.stages import run

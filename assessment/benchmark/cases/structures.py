@@ -126,7 +126,7 @@ def template(name: str) -> Project:
 @cache
 def assembly(name: str, segments: int | None = None) -> Assembly:
     """The assembly of a template, its elastic joints of `segments`; None: exact."""
-    from assessment.project.model import build_model
+    from assessment.project.structure.model import build_model
 
     project = template(name)
     geometry = project.geometry.model_copy(update={"segments_per_joint": segments})

@@ -11,7 +11,7 @@ from markupsafe import Markup
 from assessment.ntc.limit_states import CHECKS, INDEX, INDEXED, ROCK
 from assessment.report.tables.capacity import SummaryLine, directions, summary_lines
 from assessment.report.tables.ranges import Range
-from assessment.report.tables.ties import gains
+from assessment.report.tables.structure.ties import gains
 from assessment.report.text.columns import cell, check_name, heading, is_text, written
 from assessment.report.text.language import Words, direction_name, unparted
 from assessment.results.schema import Results

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from markupsafe import Markup
 
 from assessment.report.chapters.ties import tie_assumptions
-from assessment.report.tables.joints import PRINTED, bounded, crushes, edge_pressures
+from assessment.report.tables.structure.joints import PRINTED, bounded, crushes, edge_pressures
 from assessment.report.text.language import Words
 from assessment.results.echo import collisions, coulomb, segments
 from assessment.results.schema import Results

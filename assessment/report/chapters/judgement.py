@@ -14,8 +14,8 @@ from assessment.ntc.limit_states import CHECKS
 from assessment.report.chapters.grid import ROUNDING
 from assessment.report.chapters.second_solver import agreement
 from assessment.report.tables.capacity import capacities, directions
+from assessment.report.tables.structure.ties import gains
 from assessment.report.tables.studies import bars
-from assessment.report.tables.ties import gains
 from assessment.report.text.columns import COARSE, PER_CENT_DECIMALS, check_name
 from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.hand_check import hand_checks, mechanisms

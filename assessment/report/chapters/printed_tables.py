@@ -13,7 +13,6 @@ from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import index as tables
 from assessment.report.tables.campaign import reported_campaign
 from assessment.report.tables.convergence import convergence_tables, reported
-from assessment.report.tables.cracks import reported_cracks
 from assessment.report.tables.dynamic import (
     energy,
     histories,
@@ -26,12 +25,13 @@ from assessment.report.tables.dynamic import (
 )
 from assessment.report.tables.identification import reported_identification
 from assessment.report.tables.indices import index_tables, reported_indices
-from assessment.report.tables.joints import reported_pressures
-from assessment.report.tables.loads import reported_loads, vertical
-from assessment.report.tables.mechanisms import all_mechanisms, mechanisms, reported_second_solver
 from assessment.report.tables.ranges import ranges
+from assessment.report.tables.structure.cracks import reported_cracks
+from assessment.report.tables.structure.joints import reported_pressures
+from assessment.report.tables.structure.loads import reported_loads, vertical
+from assessment.report.tables.structure.mechanisms import all_mechanisms, mechanisms, reported_second_solver
+from assessment.report.tables.structure.ties import shaken_ties, tie_tensions, ties
 from assessment.report.tables.studies import reported_studies
-from assessment.report.tables.ties import shaken_ties, tie_tensions, ties
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.hand_check import (

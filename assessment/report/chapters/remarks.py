@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from assessment.ntc.limit_states import QUOTED
 from assessment.report.tables.capacity import capacities, directions
-from assessment.report.tables.cracks import PRINTED, SEEN, cracks_of
+from assessment.report.tables.structure.cracks import PRINTED, SEEN, cracks_of
 from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.hand_check import BY_HAND, figures_of, governing_mechanisms, mechanisms
 from assessment.results.echo import limit_states, local_limit

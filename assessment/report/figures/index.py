@@ -41,7 +41,7 @@ from assessment.report.figures.dynamic import (
 from assessment.report.figures.spectra import draw_demand, draw_spectra
 from assessment.report.figures.studies import draw_scenarios, draw_tornado, varied
 from assessment.report.figures.style import save_png, save_svg
-from assessment.report.tables.cracks import cracks_of
+from assessment.report.tables.structure.cracks import cracks_of
 from assessment.report.text.language import Words, direction_name, slug, words_of
 from assessment.results.configurations.joint_states import situations
 from assessment.results.schema import Results, State

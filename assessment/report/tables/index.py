@@ -19,16 +19,16 @@ from assessment.report.tables.capacity import (
     verification,
 )
 from assessment.report.tables.convergence import convergence_tables
-from assessment.report.tables.cracks import cracks
 from assessment.report.tables.dynamic import dynamic_tables
 from assessment.report.tables.identification import identification_tables
 from assessment.report.tables.indices import index_tables
-from assessment.report.tables.joints import edge_pressure_table
-from assessment.report.tables.loads import loads, vertical
-from assessment.report.tables.mechanisms import all_mechanisms, mechanisms, second_solver
 from assessment.report.tables.ranges import static_ranges
+from assessment.report.tables.structure.cracks import cracks
+from assessment.report.tables.structure.joints import edge_pressure_table
+from assessment.report.tables.structure.loads import loads, vertical
+from assessment.report.tables.structure.mechanisms import all_mechanisms, mechanisms, second_solver
+from assessment.report.tables.structure.ties import shaken_ties, strengthening, tie_tensions, ties
 from assessment.report.tables.studies import study_tables
-from assessment.report.tables.ties import shaken_ties, strengthening, tie_tensions, ties
 from assessment.results.configurations.hand_check import hand_check, macro_block_table, outline_area
 from assessment.results.configurations.reactions import balance, joint_table, reactions
 from assessment.results.echo import material, taken_to_collapse

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable
-    from assessment.project.state_models import StateModel
+    from assessment.project.structure.state_models import StateModel
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
 

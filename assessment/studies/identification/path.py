@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from assessment.analyses.static.paths import Quality, configuration
-from assessment.project.gauges import Gauge, readings
+from assessment.project.structure.gauges import Gauge, readings
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import Configuration
 from mechanics import Assembly, CollapseError, ConvergenceError, NoEquilibriumError

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from assessment.project.gauges import Gauge
+from assessment.project.structure.gauges import Gauge
 from assessment.runtime.tasks import Workers, large
 from assessment.studies.identification.fit import Fit, best_length, refined
 from assessment.studies.identification.path import Followed, follow

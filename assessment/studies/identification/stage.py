@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import gammaincc
 
-from assessment.project.gauges import Gauge, gauges
+from assessment.project.structure.gauges import Gauge, gauges
 from assessment.results.schema.identification import (
     Explanation,
     Fitted,

@@ -10,9 +10,9 @@ import pytest
 from assessment.cli.main import main
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.catalogue.templates import TEMPLATES
-from assessment.project.model import build_model
 from assessment.project.plausibility import implausible, implausible_hazard
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from assessment.report.tables.index import layers
 from assessment.report.text.columns import cell
 from assessment.report.text.language import Words

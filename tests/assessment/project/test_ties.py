@@ -12,10 +12,10 @@ from assessment.analyses.static.states import Request, _beginnings
 from assessment.project.consistency.strengthening import SHORTEST
 from assessment.project.formats.convert import convert
 from assessment.project.formats.toml import read_toml
-from assessment.project.model import build_model
 from assessment.project.plausibility import HEAVIEST_TIE
 from assessment.project.project import ProjectError, load_project
-from assessment.project.state_models import tie_lengths
+from assessment.project.structure.model import build_model
+from assessment.project.structure.state_models import tie_lengths
 from assessment.results.configurations.tie_ends import ties_of
 from assessment.results.configurations.ties import determined
 from assessment.runtime.tasks import Workers

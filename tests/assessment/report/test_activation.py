@@ -15,8 +15,8 @@ import pytest
 from lxml import html
 
 from assessment.analyses.static.curve_numbers import mechanism_participation
-from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from assessment.report.document import render_html
 from assessment.report.figures.curves import draw_pushover
 from assessment.report.figures.drawings.thrust import draw_thrust

@@ -6,9 +6,9 @@ import tomllib
 import numpy as np
 import pytest
 
-from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.project.schema import SettlementTable
+from assessment.project.structure.model import build_model
 from assessment.report.chapters.identification import ready_lines
 from assessment.report.document import render_html
 from assessment.report.figures.drawings.identification import MARK, draw_identification

@@ -9,8 +9,8 @@ import ezdxf
 import numpy as np
 import pytest
 
-from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from assessment.report.chapters.printed_tables import macro_block_grids, printed_tables
 from assessment.report.document import render_html
 from assessment.report.figures.drawings.deformed import draw_mechanisms, draw_overturned

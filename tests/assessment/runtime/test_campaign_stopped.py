@@ -22,8 +22,8 @@ from typing import Any
 import pytest
 
 from assessment.cli.main import main
-from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from assessment.results.plain import plain
 from assessment.runtime import tasks
 from assessment.runtime.cache import FOLDER, Store

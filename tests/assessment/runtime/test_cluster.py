@@ -9,8 +9,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from assessment.results.plain import plain
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.errors import ProjectError

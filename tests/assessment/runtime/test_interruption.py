@@ -17,8 +17,8 @@ import pytest
 
 from assessment.analyses.static import states
 from assessment.cli.main import main
-from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from assessment.report.figures import index as figures
 from assessment.results.plain import plain
 from assessment.runtime.cache import FOLDER, Store

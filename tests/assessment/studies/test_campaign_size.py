@@ -15,8 +15,8 @@ import pytest
 
 from assessment.analyses.dynamic import incremental
 from assessment.analyses.dynamic.response import Response
-from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from assessment.results.file import as_bytes
 from assessment.results.plain import plain
 from assessment.runtime import tasks

@@ -14,9 +14,9 @@ from assessment.analyses.checks.demand import Demands
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.catalogue.new_project import new_project, template_layout, write_drawing
 from assessment.project.formats.convert import convert
-from assessment.project.model import build_model
 from assessment.project.project import Project, load_project
 from assessment.project.schema import PushoverTable, SettlementTable
+from assessment.project.structure.model import build_model
 from assessment.report.document import render_html
 from assessment.report.text.language import words_of
 from assessment.results.plain import plain

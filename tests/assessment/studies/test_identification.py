@@ -7,7 +7,7 @@ open, so that a path predicts what any other path to the same movement does.
 import numpy as np
 import pytest
 
-from assessment.project.gauges import Gauge, readings
+from assessment.project.structure.gauges import Gauge, readings
 from assessment.runtime.tasks import Workers
 from assessment.studies.identification.fit import Fit, best_length, refined, sureness
 from assessment.studies.identification.stage import probability

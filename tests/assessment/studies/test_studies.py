@@ -10,8 +10,8 @@ import pytest
 
 from assessment.cli.main import main
 from assessment.project.catalogue.new_project import template_layout, write_drawing
-from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from assessment.results.plain import plain
 from assessment.results.schema.studies import ScenarioPoint, Sensitivity, SensitivityRun
 from assessment.studies.scenarios import part, worst

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from assessment.analyses.dynamic.response import Setting, respond
-from assessment.project.model import build_model
 from assessment.project.motions import history_motions
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from mechanics import Assembly, Block, Material, State, time_history
 from tests.support.analysed import arch
 from tests.support.structures import rectangle

@@ -22,11 +22,11 @@ from hypothesis import strategies as st
 from assessment.ntc.demand.hazard import RETURN_PERIODS, site_curve
 from assessment.ntc.demand.hazard_grid import HazardError
 from assessment.project.formats.xlsx import to_xlsx
-from assessment.project.model import build_model
 from assessment.project.motions import history_motions
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import load_project
 from assessment.project.repair import with_repaired_drawing
+from assessment.project.structure.model import build_model
 from assessment.report.tables.index import inert
 from assessment.report.text.language import slug
 from assessment.runtime.errors import ProjectError

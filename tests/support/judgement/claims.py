@@ -12,9 +12,9 @@ from markupsafe import Markup
 from assessment.report.chapters.judgement import RESIDUALS, all_warnings, draft_judgement
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import index as tables
-from assessment.report.tables import mechanisms as mechanism_tables
 from assessment.report.tables import studies as study_tables
 from assessment.report.tables.convergence import convergence_tables
+from assessment.report.tables.structure import mechanisms as mechanism_tables
 from assessment.report.text.columns import check_name
 from assessment.report.text.language import direction_name, words_of
 from assessment.results.configurations.hand_check import hand_check

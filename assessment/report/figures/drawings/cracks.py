@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from assessment.report.figures.drawings.deformed import INK, fill_roles, foot, legend, union
 from assessment.report.figures.drawings.labels import LETTER, POINT_MM, Labels
 from assessment.report.figures.style import Sheet, sheet
-from assessment.report.tables.cracks import PRINTED, cracks_of
+from assessment.report.tables.structure.cracks import PRINTED, cracks_of
 from assessment.report.text.language import Words
 from assessment.results.configurations.outlines import Array, Outlines, outlines
 from assessment.results.schema import Results

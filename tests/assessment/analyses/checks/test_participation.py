@@ -18,8 +18,8 @@ import pytest
 
 from assessment.project.catalogue.geometry import rectangle
 from assessment.project.catalogue.new_project import write_drawing
-from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from assessment.workflow.stages import run
 from tests.support.block_project import block
 

@@ -9,8 +9,8 @@ import pytest
 from assessment.analyses.checks.capacity import CONTRADICTION, assess
 from assessment.analyses.checks.demand import Demands
 from assessment.analyses.static.paths import crossings
-from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from tests.support.analysed import analysed, arch
 from tests.support.typed import typed
 from tests.support.wording import in_italian

@@ -16,9 +16,9 @@ from assessment.analyses.dynamic.errors import collapses_again
 from assessment.analyses.dynamic.incremental import search
 from assessment.analyses.dynamic.inputs import Campaign, Resting
 from assessment.analyses.dynamic.time_history import DynamicResult, Shaking
-from assessment.project.model import build_model
 from assessment.project.motions import incremental_motions
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from assessment.results.plain import plain
 from assessment.results.schema.dynamic import Search
 from assessment.runtime.cache import Store

@@ -15,10 +15,10 @@ from assessment.analyses.dynamic.time_history import Shaking, history, thinned
 from assessment.ntc.demand.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.catalogue.record import write_artificial_record
-from assessment.project.model import build_model
 from assessment.project.motions import BaseMotion, history_motions
 from assessment.project.project import load_project
 from assessment.project.schema import ControlTable, HistoryTable
+from assessment.project.structure.model import build_model
 from assessment.report.document import render_html
 from assessment.report.figures.animation import animation, write_animations
 from assessment.report.figures.index import pictures, write_figures

@@ -10,8 +10,8 @@ from assessment.analyses.checks.demand import demand_spectra
 from assessment.analyses.static.local_loss import local_loss, loss_sentence
 from assessment.ntc.verification import Method
 from assessment.project.catalogue.new_project import write_drawing
-from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from assessment.report.chapters.remarks import displacement_limits
 from assessment.report.document import write_page
 from assessment.report.figures.index import write_figures

@@ -8,8 +8,8 @@ import pytest
 
 from assessment.analyses.static import second_solver as module
 from assessment.analyses.static.second_solver import second_solver
-from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from assessment.results.plain import plain
 from assessment.workflow.stages import run
 from mechanics.procedures import limit_in

@@ -18,8 +18,8 @@ from assessment.analyses.static.ensemble import (
 )
 from assessment.analyses.static.paths import turns_on_rounding
 from assessment.analyses.static.states import Request, analyse_states
-from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from assessment.results.schema import State
 from assessment.results.schema.checks import Capacity
 from assessment.results.schema.model import Line

@@ -145,8 +145,8 @@ def test_modes_are_added_by_the_root_of_their_squares_by_hand():
 @pytest.mark.parametrize("circular", [2019, 2009])
 def test_a_height_of_zero_means_the_ground(tmp_path, circular):
     """It divided by zero."""
-    from assessment.project.model import build_model
     from assessment.project.project import load_project
+    from assessment.project.structure.model import build_model
 
     site = f'[assessment.site]\nsoil = "B"\n{HAZARD}'
     floor = f"[assessment.floor]\nheight_m = 0\nbuilding_height_m = {H}\nstoreys = 2\nperiod_s = 0.3\n"

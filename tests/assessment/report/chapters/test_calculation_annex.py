@@ -15,8 +15,8 @@ from assessment.cli.main import main
 from assessment.ntc.capacity.return_period import stated
 from assessment.ntc.demand.hazard import RETURN_PERIODS
 from assessment.ntc.limit_states import CHECKS
-from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from assessment.report.chapters.calculation_annex import traces
 from assessment.report.tables.capacity import scalings, trace, verification
 from assessment.report.text.language import Words, words_of

@@ -6,7 +6,7 @@ import pytest
 
 from assessment.report.chapters.second_solver import agreement, comparison
 from assessment.report.tables.index import second_solver
-from assessment.report.tables.mechanisms import reported_second_solver
+from assessment.report.tables.structure.mechanisms import reported_second_solver
 from assessment.report.text.language import words_of
 from tests.support.results_example import results_example
 from tests.support.typed import typed

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.patches import Rectangle
 
-from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
 from assessment.report.figures.curves import draw_pushdown, draw_pushover
 from assessment.report.figures.drawings import deformed
 from assessment.report.figures.drawings.deformed import draw_mechanisms, draw_settlement, found_mechanism

@@ -10,7 +10,7 @@ from assessment.report.chapters.remarks import crack_sentences, damping_sentence
 from assessment.report.figures.drawings.cracks import LARGEST_PT, NUMBER, draw_cracks, room
 from assessment.report.figures.drawings.labels import POINT_MM, Labels
 from assessment.report.figures.style import STYLE, sheet
-from assessment.report.tables.cracks import SEEN, cracks
+from assessment.report.tables.structure.cracks import SEEN, cracks
 from assessment.report.text.language import words_of
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed

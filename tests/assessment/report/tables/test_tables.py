@@ -13,8 +13,8 @@ from assessment.report.chapters.remarks import index_sentences
 from assessment.report.tables.capacity import summary, trace, verification
 from assessment.report.tables.index import blocks, layers, write_tables
 from assessment.report.tables.indices import indices, reported_indices
-from assessment.report.tables.mechanisms import all_mechanisms
 from assessment.report.tables.ranges import Range
+from assessment.report.tables.structure.mechanisms import all_mechanisms
 from assessment.report.text.columns import cell
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import LANGUAGES, Words

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assessment.report.chapters.joints import joint_law, pressure_sentences
-from assessment.report.tables.joints import edge_pressures, reported_pressures
+from assessment.report.tables.structure.joints import edge_pressures, reported_pressures
 from assessment.report.text.language import words_of
 from assessment.results.configurations.faces import Met, described, faces_of
 from assessment.results.configurations.frames import MOST, chosen, pushdown_frames, pushover_frames, snapshots

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from assessment.ntc.load_factors import psi_2
-from assessment.project.gauges import gauges
-from assessment.project.mechanisms import chosen_mechanisms
 from assessment.project.plausibility import implausible
-from assessment.project.state_models import StateModel, state_models
+from assessment.project.structure.gauges import gauges
+from assessment.project.structure.mechanisms import chosen_mechanisms
+from assessment.project.structure.state_models import StateModel, state_models
 from assessment.runtime.errors import ProjectError
 from mechanics import Assembly, DrawingError, Material
 from mechanics.faults import Fault, FaultyDrawingError

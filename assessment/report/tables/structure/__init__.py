@@ -1,0 +1,1 @@
+"""Tables of the structure: loads, joints and their cracks, ties, mechanisms."""
