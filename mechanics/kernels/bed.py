@@ -16,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from mechanics.kernels.jit import compiler
+from mechanics.kernels.joint import H
 from mechanics.kernels.law import BED, SEGMENTS, STRENGTH
 from mechanics.types import Array
 
@@ -23,6 +24,7 @@ compiled = compiler("contract", "reassoc", allocates=False)
 
 MOST_SEGMENTS = 64  # of a bed of points
 NEWTON, HALVINGS = 60, 30  # iterations for the displacements of a bed of finite strength, and halvings of one
+UNDER_STRENGTH = 0.9  # of the strength of a joint: the most of its force where a search begins
 EXACT = 1e-13  # of the force: an imbalance of the bed that is none
 
 
@@ -145,6 +147,19 @@ def under(n1: float, n2: float, half: float, stiffness: float, strength: float) 
             share *= 0.5
         u, phi = u + share * du, phi + share * dphi / half
     return u - half * phi, u + half * phi
+
+
+@compiled
+def keep_within_strength(places: Array, law: Array, f: Array) -> None:
+    """Scale N₁, N₂ and T, f (j, 3), of joints at places (j, PLACE) to a share of the strength, where it is finite."""
+    for k in range(len(f)):
+        most = 2.0 * places[k, H] * law[k, STRENGTH]
+        if most == np.inf:
+            continue
+        n, low = f[k, 0] + f[k, 1], min(f[k, 0], f[k, 1])
+        share = min(1.0, UNDER_STRENGTH * most / n, UNDER_STRENGTH * 2.0 * low * most / (n * n))
+        for e in range(3):
+            f[k, e] *= share
 
 
 @compiled

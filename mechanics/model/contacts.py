@@ -208,10 +208,10 @@ def drawn_contacts(blocks: Sequence[Block], joints: Joints, segments: int, toler
 
 def _meet(faces: Array, tolerance: float) -> Array:
     """Return how near corners of faces (j, FACE) that touch as drawn meet (j,), m."""
-    return np.maximum(CORNER * _shorter(faces), tolerance)
+    return np.maximum(CORNER * shorter_face(faces), tolerance)
 
 
-def _shorter(faces: Array) -> Array:
+def shorter_face(faces: Array) -> Array:
     """Return the length of the shorter face (j,), m."""
     return np.minimum(faces[:, A2] - faces[:, A1], faces[:, B2] - faces[:, B1])
 
@@ -232,7 +232,7 @@ def between(
         series = 2.0 / (1.0 / k[a] + 1.0 / k[b])
     thin = np.minimum(depth[a], depth[b])
     length = np.minimum(faces[:, A2], faces[:, B2]) - np.maximum(faces[:, A1], faces[:, B1])
-    length = np.where(length > tolerance, length, _shorter(faces))
+    length = np.where(length > tolerance, length, shorter_face(faces))
     return Contacts(
         a=a,
         b=b,

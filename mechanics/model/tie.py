@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from mechanics.errors import array_of, is_number, require
 from mechanics.kernels.joint import A1, A2, B1, B2, FACE, LENGTH, MEET, PX, PZ, QX, QZ
-from mechanics.model.contacts import Contacts
+from mechanics.model.contacts import Contacts, shorter_face
 from mechanics.types import Array, Index
 
 ACROSS = 1e-7  # of the tension: a force across the tie, without which the cone of friction had no inside
@@ -96,7 +96,7 @@ def tie_contacts(ties: Sequence[Tie], blocks: Index, centroid: Array, drawn: Con
     """Return the contacts of ties between the `blocks` (t, 2) with centroids (b, 2) m, beside the `drawn` joints.
 
     Their length along the joint is 1 m: bed and strength are stiffness and yield force. A rigid one is as stiff as
-    RIGID times the stiffest joint where joints are elastic, and has no pretension.
+    RIGID times the stiffest joint where joints are elastic.
     """
     count = len(ties)
     faces = np.zeros((count, FACE))
@@ -106,9 +106,7 @@ def tie_contacts(ties: Sequence[Tie], blocks: Index, centroid: Array, drawn: Con
         ends[:, 1] - centroid[blocks[:, 1]],
     )
     faces[:, [A1, B1]], faces[:, [A2, B2]], faces[:, MEET] = -0.5, 0.5, 1.0
-    joint = drawn.bed * np.minimum(
-        drawn.faces[:, A2] - drawn.faces[:, A1], drawn.faces[:, B2] - drawn.faces[:, B1]
-    )
+    joint = drawn.bed * shorter_face(drawn.faces)
     stiffest = RIGID * float(joint.max()) if len(joint) and not np.isnan(joint).any() else 1.0
     faces[:, LENGTH] = [tie.taut_length for tie in ties]
     number = np.arange(count)

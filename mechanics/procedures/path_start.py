@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
@@ -14,7 +16,7 @@ from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import lifted, motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
-from mechanics.steps.static_system import Sliding, static_system
+from mechanics.steps.static_system import Sliding, StaticSystem, static_system
 from mechanics.steps.tolerances import REST
 from mechanics.types import Array
 
@@ -92,18 +94,10 @@ def elastic_start(
         limit = 1.0
     load = model.dead_load + START.first * limit * lateral
     size = rest_size(model, "elastic")
+    # a settled structure gives way by more than its joints are compressed until its ties hold it
+    sizes = (size, increment) if model.ties and increment > size else (size,)
     try:
-        try:
-            problem = StepProblem(system, start.state, load, size)
-            begun = find_equilibrium(problem, start.state.positions, start)
-        except (NoEquilibriumError, ConvergenceError):
-            if not model.ties or increment < size:
-                raise
-            # a settled structure gives way by more than its joints are compressed until its ties hold it
-            problem = StepProblem(
-                system.around(start.state.positions, increment), start.state, load, increment
-            )
-            begun = find_equilibrium(problem, start.state.positions, start)
+        begun = _pushed_a_little(system, start, load, sizes)
     except (NoEquilibriumError, ConvergenceError) as stop:
         if state is not None:
             raise
@@ -115,6 +109,21 @@ def elastic_start(
     return PathStart(
         start.state, start, 0.0, start.forces, start.contacts, start.certificate, rate, share, limit
     )
+
+
+def _pushed_a_little(
+    system: StaticSystem, start: Equilibrium, load: Array, sizes: Sequence[float]
+) -> Equilibrium:
+    """Return an equilibrium near the start under a load (b, 3), kN and kNm.
+
+    It is searched about each of `sizes` (m) away, until it is found. Raises NoEquilibriumError or ConvergenceError if none is found.
+    """
+    *first, last = sizes
+    at = start.state.positions
+    for size in first:
+        with suppress(NoEquilibriumError, ConvergenceError):
+            return find_equilibrium(StepProblem(system.around(at, size), start.state, load, size), at, start)
+    return find_equilibrium(StepProblem(system.around(at, last), start.state, load, last), at, start)
 
 
 def no_way_from_rest(why: Message) -> UnstableError:

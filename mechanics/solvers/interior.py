@@ -6,10 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from mechanics.kernels.bed import keep_within_strength
 from mechanics.kernels.interior.inertia import inertia
 from mechanics.kernels.interior.iteration import HOLDING, STIFFEST, iterate
 from mechanics.kernels.joint import CURVED, H
-from mechanics.kernels.law import FRICTION, STRENGTH
+from mechanics.kernels.law import FRICTION
 from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, certify
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.threads import one_thread
@@ -17,7 +18,6 @@ from mechanics.types import Array
 
 MOST_ITERATIONS = 100
 COLD = 3.0  # per weight and step and root of the number of blocks: forces and gaps of a cold start
-UNDER_STRENGTH = 0.9  # of the strength of a joint: the most of its force at a cold start
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +34,9 @@ class Iterate:
         p = program
         mu = np.maximum(p.law[:, FRICTION], 1.0)
         least = 0.5 * distance * p.weight
-        forces = np.empty_like(self.forces)
+        forces = np.zeros_like(self.forces)
         forces[:, :2] = np.maximum(self.forces[:, :2], least)
-        forces[:, :2] *= _within_strength(p, forces[:, :2])
+        keep_within_strength(p.places, p.law, forces)
         bound = (1.0 - distance) * p.law[:, FRICTION] * forces[:, :2].sum(axis=1)
         forces[:, 2] = np.clip(self.forces[:, 2], -bound, bound)
         gaps = np.maximum(self.gaps, distance * p.step * np.stack([mu**0, mu**0, 1.0 / mu, 1.0 / mu], axis=1))
@@ -64,19 +64,9 @@ def cold(program: Program) -> Iterate:
     mu = np.maximum(program.law[:, FRICTION], 1.0)
     forces = np.zeros((len(program.places), 3))
     forces[:, :2] = 0.5 * far * program.weight
-    forces[:, :2] *= _within_strength(program, forces[:, :2])
+    keep_within_strength(program.places, program.law, forces)
     gaps = far * program.step * np.stack([mu**0, mu**0, 1.0 / mu, 1.0 / mu], axis=1)
     return Iterate(forces, gaps, 0.0, np.zeros(len(program.load)))
-
-
-def _within_strength(program: Program, ends: Array) -> Array:
-    """Return factors (j, 1) that bring forces of two ends (j, 2) within the strength of their joints."""
-    most = 2.0 * UNDER_STRENGTH * program.places[:, H] * program.law[:, STRENGTH]
-    n = ends.sum(axis=1)
-    centred = np.minimum(1.0, most / n)  # as if both ends carried the same force
-    skew = n * n / (4.0 * program.places[:, H] * program.law[:, STRENGTH]) / ends.min(axis=1)
-    found: Array = np.minimum(centred, UNDER_STRENGTH / np.maximum(skew, UNDER_STRENGTH))
-    return found[:, None]
 
 
 @one_thread()

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import shapely
 
+from assessment.project.structure.points import block_at
 from assessment.runtime.errors import ProjectError
-from mechanics import ArgumentError, Assembly
+from mechanics import Assembly
 from mechanics.model import V, end_gaps
 from mechanics.types import Array
 
@@ -75,13 +76,13 @@ def _gauge(project: Project, model: Assembly, each: MeasurementTable) -> Gauge:
         joint, end = _joint_at(model, f"{key}.point_m", each.point_m)
         block = int(model.joints.a[joint])
         return Gauge(each.kind, each.point_m, block, joint, end)
-    block = _block_at(model, f"{key}.point_m", each.point_m)
+    block = block_at(model, f"{key}.point_m", each.point_m)
     if each.kind == "lean" or each.from_m is None:
         return Gauge(each.kind, each.point_m, block)
     axis = 0 if each.component == "x" else 1
     if each.from_m == "benchmark":
         return Gauge("relative", each.point_m, block, axis=axis)
-    other = _block_at(model, f"{key}.from_m", each.from_m)
+    other = block_at(model, f"{key}.from_m", each.from_m)
     if other == block:
         raise ProjectError(f"{key}.from_m: in the same block as point_m; write a point of another one")
     return Gauge("relative", each.point_m, block, origin=each.from_m, origin_block=other, axis=axis)
@@ -97,12 +98,3 @@ def _joint_at(model: Assembly, key: str, point: tuple[float, float]) -> tuple[in
             f"{key}: {list(point)} is at no joint (the nearest one is {distance[joint]:.4g} m away); move it there"
         )
     return joint, int(np.argmin(np.hypot(*(ends[joint] - np.array(point)).T)))
-
-
-def _block_at(model: Assembly, key: str, point: tuple[float, float]) -> int:
-    """Return the block of a point (m). Raises ProjectError where there is none."""
-    try:
-        return model.block_at(point)
-    except ArgumentError as error:
-        reason = str(error).partition("must be ")[2]
-        raise ProjectError(f"{key}: {list(point)} must be {reason}; move it there") from None

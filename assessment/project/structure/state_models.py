@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from assessment.project.structure.points import block_at
 from assessment.runtime.errors import ProjectError, nearest
-from mechanics import ArgumentError, Assembly, State, Tie
+from mechanics import Assembly, State, Tie
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
@@ -120,7 +121,7 @@ def _tied(project: Project, model: Assembly, tables: Iterable[TieTable]) -> Asse
     ties = []
     for table in tables:
         key = f"{project.source}: tie.{table.name}"
-        blocks = [_block_at(model, f"{key}.{end}", getattr(table, end)) for end in ("from_m", "to_m")]
+        blocks = [block_at(model, f"{key}.{end}", getattr(table, end)) for end in ("from_m", "to_m")]
         if blocks[0] == blocks[1]:
             raise ProjectError(
                 f"{key}.to_m: both ends are in block {blocks[0]}; write a point of another one"
@@ -139,15 +140,6 @@ def _tied(project: Project, model: Assembly, tables: Iterable[TieTable]) -> Asse
             )
         )
     return model.tied(ties)
-
-
-def _block_at(model: Assembly, key: str, point: tuple[float, float]) -> int:
-    """Return the block that holds the end of a tie. Raises ProjectError naming the key where none does."""
-    try:
-        return model.block_at(point)
-    except ArgumentError as error:
-        reason = str(error).partition("must be ")[2]
-        raise ProjectError(f"{key}: {list(point)} must be {reason}; move it there") from None
 
 
 def _with_changed_layers(project: Project, model: Assembly, made: StrengtheningTable) -> Assembly:

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from mechanics.kernels.bed import keep_within_strength
 from mechanics.kernels.dynamics.newton import newton
 from mechanics.kernels.interior.iteration import iterate
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import CURVED, PHI, H, U
-from mechanics.kernels.law import FRICTION, STRENGTH
+from mechanics.kernels.law import FRICTION
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -20,7 +21,6 @@ ROUGHLY = 1e-4  # missed per weight and span: the joints that slide are known
 # the interior point is asked only where many have changed
 CENTRAL_RIGID, CENTRAL_ELASTIC = 0.1, 1.0
 WITHIN = 0.98  # of the bound of friction: the most of a force there
-UNDER_STRENGTH = 0.9  # of the strength of a joint: the most of its force where the interior point begins
 COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a cold start
 MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
 
@@ -34,19 +34,6 @@ def _begin_cold(at: Array, span: float, stops: float, f: Array, y: Array) -> Non
             y[k, e] = COLD * span + max(gap, 0.0)
             f[k, e] = stops * COLD * span / y[k, e]
         f[k, 2], y[k, 2], y[k, 3] = 0.0, COLD * span, COLD * span
-
-
-@compiled
-def _within_strength(at: Array, laws: Array, f: Array) -> None:
-    """Bring forces (j, 3) of joints that can be crushed within their strength."""
-    for k in range(len(f)):
-        most = 2.0 * at[k, H] * laws[k, STRENGTH]
-        if most == np.inf:
-            continue
-        n, low = f[k, 0] + f[k, 1], min(f[k, 0], f[k, 1])
-        share = min(1.0, UNDER_STRENGTH * most / n, UNDER_STRENGTH * 2.0 * low * most / (n * n))
-        for e in range(3):
-            f[k, e] *= share
 
 
 @compiled
@@ -109,7 +96,7 @@ def solve(
         _begin_cold(at, span, stops, f, y)
     else:
         _begin_near(laws, weight, span, CENTRAL_ELASTIC if elastic else CENTRAL_RIGID, f, y)
-    _within_strength(at, laws, f)
+    keep_within_strength(at, laws, f)
     if elastic:
         rough = (weight, size, span, ROUGHLY, ROUGHLY)
         more, force, gap, product = _interior_point(

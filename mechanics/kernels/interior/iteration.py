@@ -118,8 +118,7 @@ def iterate(
 ) -> tuple[int, float, float, float, float]:  # fmt: skip
     """Iterate on x (m,), α, f (j, 3): N₁, N₂, T, and y (j, 4): y₁, y₂, λ₊, λ₋, in one geometry and in place.
 
-    `places` (j, PLACE), `law` (j, LAW); `lateral`, `mass` (m,) and `curved` (j, CURVED: joint.curvature) may be
-    empty;
+    `places` (j, PLACE), `law` (j, LAW); `lateral`, `mass` (m,) and `curved` (j, CURVED) may be empty;
     `scale`: weight, size and step; what is accepted of unbalanced forces per weight and of gaps, 1/WIDE times as much,
     per step; and of products per weight and step. `which` (j,): their places among the joints of the pattern, that of
     `packed`. Returns the number of iterations, negative if no iteration leads on (with curvature: if equilibrium is not
