@@ -116,7 +116,8 @@ def _pushed_a_little(
 ) -> Equilibrium:
     """Return an equilibrium near the start under a load (b, 3), kN and kNm.
 
-    It is searched about each of `sizes` (m) away, until it is found. Raises NoEquilibriumError or ConvergenceError if none is found.
+    `sizes` (m): how far away it is looked for, one after the other. Raises NoEquilibriumError or ConvergenceError if
+    none is found.
     """
     *first, last = sizes
     at = start.state.positions
