@@ -27,6 +27,14 @@ Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
 
 
+@dataclass(frozen=True)
+class From:
+    """An argument of a task that follows from the result of an earlier one, by its number: `read(result)`."""
+
+    number: int
+    read: Callable[[Any], Any]
+
+
 class Engine(Protocol):
     """Computes outside this process: in processes of this machine, or on a cluster."""
 
@@ -101,6 +109,36 @@ class _Work:
         return self.done + sum(at_work)
 
 
+@dataclass(frozen=True, eq=False)
+class _Plan:
+    """The tasks of a stage, each an application of `function`, and the results that are `known` of them so far.
+
+    `keys`: their fingerprints, as far as they were asked for.
+    """
+
+    function: Callable[..., Any]
+    tasks: Sequence[tuple[Any, ...]]
+    known: Mapping[int, Any]
+    keys: dict[int, str] = field(default_factory=dict)
+
+    def ready(self, number: int) -> bool:
+        """Whether all results are known that the arguments of a task follow from."""
+        return all(each.number in self.known for each in self.tasks[number] if isinstance(each, From))
+
+    def task(self, number: int) -> tuple[Any, ...]:
+        """Return the arguments of a task that is ready."""
+        return tuple(
+            each.read(self.known[each.number]) if isinstance(each, From) else each
+            for each in self.tasks[number]
+        )
+
+    def key(self, number: int) -> str:
+        """Return the fingerprint of a task that is ready."""
+        if number not in self.keys:
+            self.keys[number] = fingerprint(self.function, self.task(number))
+        return self.keys[number]
+
+
 @dataclass
 class Workers:
     """How analyses are computed, and how many were.
@@ -132,12 +170,16 @@ class Workers:
     ) -> list[Result]:
         """Return function(*task) for every task, in their order; `weights`: about how long each takes, in any unit.
 
+        An argument that is `From` an earlier task is what its result gives: the task begins when that is known.
         Computed results pass through JSON as stored ones do, so that both are equal to the last bit.
         Raises KilledError where a process was ended from outside.
         """
-        keys = [fingerprint(function, task) for task in tasks] if self.store else []
-        sought = () if self.fresh else enumerate(keys)
-        known = {number: unpacked(text) for number, key in sought if (text := self._find(key))}
+        known: dict[int, Result] = {}
+        plan = _Plan(function, tasks, known)
+        if self.store and not self.fresh:
+            for number in range(len(tasks)):
+                if plan.ready(number) and (text := self.store.find(plan.key(number))):
+                    known[number] = unpacked(text)
         unknown = [number for number in range(len(tasks)) if number not in known]
         self.taken += len(known)
         if not tasks:
@@ -148,9 +190,9 @@ class Workers:
         for number, result in known.items():
             self._tell(titles[number], result)
         try:
-            for number, text in self._compute(function, tasks, titles, unknown, worthwhile, work):
+            for number, text in self._compute(plan, titles, unknown, worthwhile, work):
                 if self.store:
-                    self.store.keep(keys[number], text)
+                    self.store.keep(plan.key(number), text)
                 known[number] = unpacked(text)  # now, while other processes compute
                 self.computed += 1
                 work.finish(number)
@@ -165,13 +207,9 @@ class Workers:
         if reasons := [text for part in parts for text in getattr(part, "failures", ())]:
             self.show.fault(title, reasons)
 
-    def _find(self, key: str) -> str | None:
-        return self.store.find(key) if self.store else None
-
     def _compute(
         self,
-        function: Callable[[*Arguments], Result],
-        tasks: Sequence[tuple[*Arguments]],
+        plan: _Plan,
         titles: Sequence[str],
         numbers: Sequence[int],
         worthwhile: bool,
@@ -185,17 +223,24 @@ class Workers:
         if not numbers or not (worthwhile or several):
             for number in numbers:
                 self.show.under_way(titles[number])
-                yield number, _packed(function, tasks[number], partial(work.hear, number))
+                yield number, _packed(plan.function, plan.task(number), partial(work.hear, number))
             return
-        engine = self._engine()
-        futures = {
-            engine.submit(_packed, function, tasks[number], engine.teller(number)): number
-            for number in numbers
-        }
+        engine, waiting = self._engine(), list(numbers)
+        futures: dict[Future[str], int] = {}
+
+        def begin() -> None:
+            for number in filter(plan.ready, tuple(waiting)):
+                waiting.remove(number)
+                task = engine.submit(_packed, plan.function, plan.task(number), engine.teller(number))
+                futures[task] = number
+
+        begin()
         if self.meanwhile is not None:
             self.meanwhile()
             self.meanwhile = None
-        yield from finished(futures, lambda: work.look_elsewhere(engine.shares()))
+        for number, text in finished(futures, lambda: work.look_elsewhere(engine.shares())):
+            yield number, text
+            begin()  # what waited for this result, which is known now
 
     def _engine(self) -> Engine:
         """Return the processes, or the cluster; started at first use and kept for later stages."""

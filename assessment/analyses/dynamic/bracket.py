@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 # shares of the PGA at collapse that are run as well: a weaker motion may collapse a structure too
 BELOW = (0.2, 0.4, 0.6, 0.8)
 ABOVE = (1.2, 1.4, 1.6)
+DOUBLE = 2.0  # the longest step, a factor, in search of a level on the other side
 
 Judge = Callable[[float], bool]
 """Whether some, or all, members of an ensemble collapse at a level (g)."""
@@ -41,6 +42,7 @@ def find_collapse(
     tolerance: float,
     relative: float = 0.0,
     grid: Sequence[float] = (*BELOW, *ABOVE),
+    stride: float = DOUBLE,
 ) -> Bracket:
     """Bracket the lowest level at which `some` member and at which `every` one collapses, within `tolerance`; in g.
 
@@ -48,11 +50,12 @@ def find_collapse(
     shares of the level at collapse that are tried as well.
 
     `first` is doubled, up to `largest`, or halved until there is a level on each side; then follows a bisection between
-    levels that were both run. A structure that collapses at one level may stand at a higher one: a collapse found on
-    the grid below starts the bisection again. At zero the state stands by itself.
+    levels that were both run. `stride`: factor of the first steps in place of 2, where `first` is near what is
+    expected. A structure that collapses at one level may stand at a higher one: a collapse found on the grid below
+    starts the bisection again. At zero the state stands by itself.
     """
     levels = _Levels(some, tolerance, relative)
-    _first_collapse(levels, min(first, largest), largest)
+    _first_collapse(levels, min(first, largest), largest, stride)
     while True:
         collapse, safe = levels.lowest_collapse(), levels.highest_safe()
         if collapse is not None and collapse - safe > levels.within(collapse):
@@ -112,15 +115,24 @@ class _Levels:
         return tuple(sorted(level for level, fallen in self.tried.items() if level > collapse and not fallen))
 
 
-def _first_collapse(levels: _Levels, first: float, largest: float) -> None:
-    """Run levels from `first` on: doubled until some member collapses, or halved until none does."""
-    level = first
+def _first_collapse(levels: _Levels, first: float, largest: float, stride: float) -> None:
+    """Run levels from `first` on: upwards until some member collapses, or downwards until none does."""
+    level, factors = first, _factors(stride)
     if levels.falls(level):
         while level > levels.tolerance and levels.falls(level):
-            level /= 2.0
+            level /= next(factors)
     else:
-        while level < largest and not levels.falls(min(2.0 * level, largest)):
-            level = min(2.0 * level, largest)
+        while level < largest and not levels.falls(level):
+            level = min(next(factors) * level, largest)
+        levels.falls(level)
+
+
+def _factors(stride: float) -> Iterator[float]:
+    """Yield the factors between levels: `stride` twice, then each the square of the one before, DOUBLE at most."""
+    yield stride
+    while True:
+        yield stride
+        stride = min(stride**2, DOUBLE)
 
 
 def _certain(

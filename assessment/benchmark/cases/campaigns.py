@@ -25,12 +25,12 @@ from assessment.project.schema import MotionTable
 from assessment.runtime.cache import packed
 from assessment.runtime.processes.pool import cores
 from assessment.runtime.tasks import Workers
-from assessment.studies.campaign.search import Combination, search_collapse
+from assessment.studies.campaign.search import Combination, Reach, search_collapse
 from mechanics.records import Record
 
 STEP, DURATION = 0.005, 3.0  # s, of the records
 STRENGTH = 0.3  # g
-LARGEST, TOLERANCE = 5.0, 0.05
+REACH = Reach(max_scale=5.0, tolerance=0.05)
 SINGLE = Scatter(1, 0.05)
 MANY, SIMULATED = 200, (4, 16)  # combinations: 20 records, 5 shares, 2 signs; workers
 LINK = 1.25e7  # bytes/s in and out of the machine that asks: 100 Mbit/s
@@ -89,7 +89,7 @@ def _tasks(count: int) -> list[tuple[Any, ...]]:
     for frequency in np.linspace(1.0, 3.0, count):
         record = Record(shaking(STRENGTH, frequency)(at), STEP, f"{frequency:.3g} Hz")
         motion = BaseMotion(record, record, record.pga, 1.0)
-        tasks.append((model, motion, setting, model.initial, SINGLE, LARGEST, TOLERANCE))
+        tasks.append((model, motion, setting, model.initial, SINGLE, REACH))
     return tasks
 
 

@@ -124,14 +124,19 @@ def finished(
 ) -> Iterator[tuple[Key, Result]]:
     """Yield key and result of every future as it is finished; `meanwhile`: done every LOOK in which none is.
 
-    Of those that are finished at one time the failed ones come last: nothing that was computed is lost. Raises what
-    they raised, KilledError where a process was ended from outside.
+    `futures` may grow while results are taken. Of those that are finished at one time the failed ones come last:
+    nothing that was computed is lost. Raises what they raised, KilledError where a process was ended from outside.
     """
     ended: queue.SimpleQueue[Future[Result]] = queue.SimpleQueue()
-    for future in futures:
-        future.add_done_callback(ended.put)
-    left = len(futures)
-    while left:
+    heard: set[Future[Result]] = set()
+    left = 0
+    while True:
+        for future in futures.keys() - heard:
+            heard.add(future)
+            left += 1
+            future.add_done_callback(ended.put)
+        if not left:
+            return
         try:
             done = [ended.get(timeout=LOOK)]
         except queue.Empty:

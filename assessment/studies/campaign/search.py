@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from assessment.analyses.dynamic.bracket import BELOW, find_collapse
+from assessment.analyses.dynamic.bracket import BELOW, DOUBLE, find_collapse
 from assessment.analyses.dynamic.ensemble import PAIR, Scatter
 from assessment.analyses.dynamic.incremental import Levels, Member, point
 from assessment.analyses.dynamic.response import Setting
@@ -21,6 +22,14 @@ if TYPE_CHECKING:
 
 LEAST = 1e-3  # g: the lowest level of a search
 CURVE_POINTS = 400  # of a curve: those of ten thousand motions stay below 100 MB
+
+
+@dataclass(frozen=True)
+class Reach:
+    """How far a search goes, `max_scale` times the PGA of the record, and the relative `tolerance` of its bracket."""
+
+    max_scale: float
+    tolerance: float
 
 
 @dataclass(frozen=True)
@@ -63,24 +72,27 @@ def search_collapse(
     setting: Setting,
     start: State,
     scatter: Scatter,
-    max_scale: float,
-    tolerance: float,
+    reach: Reach,
     curves: tuple[int, ...] = (),
+    near: float | None = None,
 ) -> Combination:
-    """Bracket the PGA (g) at collapse within a relative `tolerance`, up to `max_scale` times the PGA of the record.
+    """Bracket the PGA (g) at collapse within its tolerance.
 
-    `curves`: numbers of the members whose curves are kept.
+    `curves`: numbers of the members whose curves are kept; `near` (g): level at which collapse is expected, from which
+    the search goes on in steps of the tolerance; None: it doubles or halves the record itself.
     """
+    first, stride = (motion.pga, DOUBLE) if near is None else (near, 1.0 + reach.tolerance)
 
     def searched(levels: Levels) -> Judged:
         found = find_collapse(
             levels.some,
             levels.every,
-            motion.pga,
-            max_scale * motion.pga,
+            first,
+            reach.max_scale * motion.pga,
             LEAST,
-            tolerance,
+            reach.tolerance,
             BELOW,
+            stride,
         )
         return Judged(
             found.collapse,
@@ -90,6 +102,14 @@ def search_collapse(
         )
 
     return _completed(Levels(model, motion, setting, start, scatter), searched, curves)
+
+
+def level_found(found: Combination) -> float | None:
+    """Return a level (g) in the bracket of a search, the one withstood where none collapsed; None: not completed."""
+    judged = found.judged
+    if judged.collapse is None or not judged.safe:
+        return judged.collapse or judged.safe
+    return math.sqrt(judged.safe * judged.collapse)
 
 
 def run_stripes(

@@ -21,11 +21,14 @@ from assessment.results.schema.campaign import (
     SameAs,
 )
 from assessment.runtime.fingerprint import fingerprint
+from assessment.runtime.tasks import From
 from assessment.studies.campaign.movements import Moved, moved_states, moved_title
 from assessment.studies.campaign.records import RecordSet, record_set
 from assessment.studies.campaign.search import (
     Combination,
     Judged,
+    Reach,
+    level_found,
     run_stripes,
     search_collapse,
 )
@@ -160,11 +163,19 @@ def _run(
     asked: Sequence[Asked],
     workers: Workers,
 ) -> dict[tuple[str, str, int], Combination]:
-    """Run each combination once, the ones with most samples first: no long one begins last."""
+    """Run each combination once, the ones with most samples first: no long one begins last.
+
+    A search begins at the level that is found for its neighbour, which comes before it.
+    """
     own = MotionTable(**{key: getattr(table, key) for key in MotionTable.model_fields})
     point = project.control_point(table.control)
-    distinct = {each.key: each for each in reversed(asked) if not isinstance(each.moved.start, str)}
+    distinct: dict[tuple[str, str, int], Asked] = {}
+    for each in asked:
+        if not isinstance(each.moved.start, str):
+            distinct.setdefault(each.key, each)
     order = sorted(distinct, key=lambda key: -distinct[key].motion.record.acceleration.size)
+    numbers = {key: number for number, key in enumerate(order)}
+    neighbours = {} if table.levels_g else _neighbours(asked, distinct)
     tasks: list[tuple[Any, ...]] = []
     curves = table.curve_members or ()
     for each in (distinct[key] for key in order):
@@ -173,7 +184,9 @@ def _run(
         if table.levels_g:
             tasks.append((*common, tuple(level / each.ratio for level in table.levels_g), curves))
         else:
-            tasks.append((*common, table.max_scale, table.tolerance, curves))
+            neighbour = neighbours.get(each.key)
+            near = None if neighbour is None else From(numbers[neighbour], level_found)
+            tasks.append((*common, Reach(table.max_scale, table.tolerance), curves, near))
     samples = [distinct[key].motion.record.acceleration.size for key in order]
     found: list[Combination] = workers.each(
         "campaign",
@@ -185,6 +198,29 @@ def _run(
         samples,
     )
     return dict(zip(order, found, strict=True))
+
+
+def _neighbours(
+    asked: Sequence[Asked], distinct: Mapping[tuple[str, str, int], Asked]
+) -> dict[tuple[str, str, int], tuple[str, str, int]]:
+    """Return the keys of searches that begin near another one's level, with the key of that one.
+
+    That of the same record and sign at the share before, or at the first share that of its other sign. It is given by
+    what is asked for alone, not by what is finished: levels are the same however they are computed.
+    """
+    first: dict[str, tuple[str, str, int]] = {}
+    before: dict[tuple[str, str, int], tuple[str, str, int]] = {}
+    found: dict[tuple[str, str, int], tuple[str, str, int]] = {}
+    for each in asked:
+        if each.key not in distinct:
+            continue
+        place = (each.moved.settlement, each.motion.name, each.run_sign)
+        neighbour = before.get(place) or first.get(each.motion.name)
+        if neighbour is not None and distinct[each.key] is each:
+            found[each.key] = neighbour
+        before[place] = each.key
+        first.setdefault(each.motion.name, each.key)
+    return found
 
 
 def _rows(

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import gc
 import multiprocessing
+import operator
 import os
 import time
 from pathlib import Path
 
 import pytest
 
-from assessment.runtime.tasks import Workers
+from assessment.runtime.cache import Store
+from assessment.runtime.tasks import From, Workers
 from tests.support.told import Seen, quarter
 
 
@@ -42,6 +44,23 @@ def test_how_far_an_analysis_is_gets_told_before_it_is_finished(tmp_path, worthw
     first = show.lines[: show.lines.index(("advance", 8.0))]
     assert first[0] == ("begin", 32.0) and {*first[1:]} == {("reached", 2.0)}
     assert show.lines[-1] == ("advance", 32.0)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_an_argument_from_an_earlier_result(jobs, tmp_path):
+    """Each begins when the one that it follows from is known; what was kept of them is taken over, and not the rest."""
+    tasks = [(1.0, 3.0), (From(0, _doubled), 4.0), (5.0, 5.0), (From(1, _doubled), 2.0)]
+    sums = [4.0, 12.0, 10.0, 26.0]
+    with Workers(jobs=jobs, store=Store(tmp_path)) as workers:
+        assert workers.each("add", operator.add, tasks[:2], [""] * 2, False) == sums[:2]
+        assert workers.each("add", operator.add, tasks, [""] * 4, False) == sums
+        assert (workers.computed, workers.taken) == (4, 2)
+        assert workers.each("add", operator.add, tasks, [""] * 4, False) == sums
+        assert (workers.computed, workers.taken) == (4, 6)
+
+
+def _doubled(result: float) -> float:
+    return 2.0 * result
 
 
 def test_an_error_in_another_process_is_the_error():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from contextlib import suppress
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,7 +16,7 @@ from scipy.special import ndtr
 from scipy.stats import norm
 
 from assessment.analyses.dynamic import ensemble
-from assessment.analyses.dynamic.bracket import find_collapse
+from assessment.analyses.dynamic.bracket import BELOW, find_collapse
 from assessment.analyses.dynamic.incremental import fragility as censored_fit
 from assessment.analyses.dynamic.record_set import Target, compatibility, scaled_to
 from assessment.ntc.demand.spectrum import ElasticSpectrum
@@ -23,9 +24,12 @@ from assessment.project.motions import BaseMotion
 from assessment.project.project import load_project
 from assessment.project.record_set import check_record_set, doubtful_records
 from assessment.project.schema import CampaignTable
+from assessment.project.structure.model import build_model
 from assessment.results.plain import plain
+from assessment.runtime.cache import Store
 from assessment.runtime.errors import ProjectError
-from assessment.studies.campaign import records, search
+from assessment.runtime.show import Show
+from assessment.studies.campaign import records, search, stage
 from assessment.studies.campaign.fragility import (
     Scatter,
     confidence,
@@ -36,6 +40,7 @@ from assessment.studies.campaign.fragility import (
 from assessment.studies.campaign.movements import surface_pga
 from assessment.studies.campaign.stage import _open_ends
 from assessment.studies.campaign.summary import Observed, Place, fragility, loss
+from assessment.workflow.stages import run as workflow
 from mechanics.records.record import Record
 from tests.support.block_project import edit, read_results, run, timeless
 from tests.support.campaign_project import SEARCHES, write_campaign
@@ -228,6 +233,41 @@ def test_a_relative_tolerance_bounds_the_bracket_relative_to_the_level(limit, re
     assert found.certain == found.collapse
 
 
+@given(
+    limit=st.floats(0.1, 4.0),
+    near=st.floats(0.05, 6.0),
+    relative=st.sampled_from([0.02, 0.05, 0.2]),
+    island=st.sampled_from([None, 0.45, 0.81]),
+)
+def test_a_search_that_begins_anywhere_brackets_the_same_collapse(limit, near, relative, island):
+    """A collapse of a weaker motion is found too where it meets a level below; no level between is left out."""
+    levels = []
+
+    def falls(level):
+        levels.append(level)
+        return level >= limit or (island is not None and abs(level / (island * limit) - 1.0) < 0.15)
+
+    found = find_collapse(falls, falls, near, 5.0, 1e-3, relative, BELOW, 1.0 + relative)
+    assert falls(found.collapse) and not falls(found.safe)
+    assert 0.0 < found.collapse - found.safe <= max(relative * found.collapse, 1e-3) + 1e-12
+    assert not any(falls(level) for level in [*levels] if level < found.collapse)
+    for share in BELOW:
+        level = share * found.collapse
+        assert min(abs(level - other) for other in levels) <= max(relative * level, 1e-3)
+
+
+@given(limit=st.floats(0.2, 2.0), away=st.floats(-0.9, 0.9))
+def test_a_search_that_begins_at_the_collapse_costs_two_levels_and_those_below(limit, away):
+    levels = []
+
+    def falls(level):
+        levels.append(level)
+        return level >= limit
+
+    find_collapse(falls, falls, limit * 1.05**away, 5.0, 1e-3, 0.05, BELOW, 1.05)
+    assert len(set(levels)) == 2 + len(BELOW)
+
+
 def motion(name, acceleration, step=0.01):
     record = Record(np.asarray(acceleration), step, name)
     return BaseMotion(record, record, record.pga, 1.0)
@@ -313,6 +353,48 @@ def test_a_small_campaign(tmp_path, request):
     before = timeless(read_results(block / "output"))
     assert run(block, "--jobs", "2", "--fresh") == 0
     assert timeless(read_results(block / "output")) == before
+
+
+def test_a_search_begins_where_its_neighbour_ends(block, monkeypatch):
+    """Every bracket is as narrow as that of a search from the record itself, in fewer motions; from the plan alone."""
+    edit(block, 'records = ["wave*.csv"]', 'records = ["wave[12].csv"]')
+    edit(block, "shares = [0.0, 1.0]", "shares = [0.0, 0.5, 1.0]")
+    edit(block, "tolerance = 0.2", "tolerance = 0.05")
+    edit(block, "scatter = 2", "scatter = 1")
+    project = load_project(block)
+    model = build_model(project)
+    whole = workflow(project, model, jobs=2)
+    shows = [Stopping(after) for after in (1, 2, 6)]
+    for show in shows:  # stopped twice, then run to its end, in one process
+        with suppress(KeyboardInterrupt):
+            again = workflow(project, model, jobs=1, store=Store(block / "kept"), show=show)
+    assert again.complete and sum(show.finished for show in shows) == whole.computed
+    assert timeless(plain(again.results)) == timeless(plain(whole.results))
+    near = plain(whole.results)["campaign"]["combinations"]
+    monkeypatch.setattr(stage, "_neighbours", lambda *_: {})
+    alone = plain(workflow(project, model, jobs=1).results)["campaign"]["combinations"]
+    for one, other in zip(near, alone, strict=True):
+        assert one["pga_collapse_g"] == pytest.approx(other["pga_collapse_g"], rel=0.06)
+        assert one["pga_collapse_g"] - one["pga_safe_g"] <= 0.05 * one["pga_collapse_g"] + 1e-12
+    first = len(near) // 3
+    assert [row["runs"] for row in near[:first]] == [row["runs"] for row in alone[:first]]
+    assert sum(row["runs"] for row in near[first:]) <= 0.85 * sum(row["runs"] for row in alone[first:])
+
+
+class Stopping(Show):
+    """Interrupts a campaign of six combinations before so many are finished; counts all that is `finished`."""
+
+    def __init__(self, after):
+        self.left, self.searches, self.finished = after, False, 0
+
+    def begin(self, stage, total, taken, work):
+        self.searches = (stage, total) == ("campaign", 6)
+
+    def advance(self, done):
+        self.finished += 1
+        self.left -= self.searches
+        if self.left < 0:
+            raise KeyboardInterrupt
 
 
 def test_curves_are_kept_of_the_members_asked_for_and_change_nothing_else(block):
