@@ -24,7 +24,7 @@ from assessment.runtime.cache import FOLDER, Store
 from assessment.workflow.stages import run
 from tests.support.block_project import ASSESSMENT, PROJECT, write_block
 
-RECORDS, SAMPLES = 25, 2000
+RECORDS, SAMPLES = 30, 2000
 TABLE = """[campaign]
 records = ["made*.csv"]
 shares = [0.0, 0.25, 0.5, 0.75, 1.0]
