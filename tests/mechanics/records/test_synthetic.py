@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from mechanics.errors import ConvergenceError
+from mechanics.records import synthetic
 from mechanics.records.response_spectrum import response_spectrum
 from mechanics.records.synthetic import compatible_record
 
@@ -68,9 +69,18 @@ def test_stationary_record():
     assert rms.min() > 0.5 * rms.max()
 
 
-def test_unreachable_tolerance_is_refused():
-    with pytest.raises(ConvergenceError, match=r"seed = 1: .*another seed"):
-        compatible_record(spectrum, duration=6.0, time_step=0.02, seed=1, plateau=2.0, tolerance=1e-3)
+def test_a_motion_that_comes_no_closer_is_refused(monkeypatch):
+    """Every draw and all its corrections are tried: the spectrum is stuck at twice the target at some periods."""
+    tried = []
+
+    def stuck(acceleration, time_step, periods):
+        tried.append(acceleration)
+        return spectrum(periods) * np.where(periods < 1.0, 2.0, 1.0), None
+
+    monkeypatch.setattr(synthetic, "response_spectrum", stuck)
+    with pytest.raises(ConvergenceError, match=r"seed = 1: .*within 33.3% .*not 10.0%.*another seed"):
+        compatible_record(spectrum, duration=6.0, time_step=0.02, seed=1, plateau=2.0)
+    assert len(tried) == synthetic.ATTEMPTS * synthetic.ITERATIONS
 
 
 @pytest.mark.parametrize(

@@ -106,6 +106,12 @@ def outcomes(tmp_path_factory):
     return found
 
 
+@pytest.fixture(scope="module")
+def results(outcomes):
+    """The same by type."""
+    return {name: typed(content) for name, content in outcomes.items()}
+
+
 def assessed(project, results):
     """Add to pushovers what the assessment of the project makes of them."""
     models, notes = build_model(project).states, []
@@ -126,10 +132,10 @@ def assessed(project, results):
 
 
 @pytest.mark.parametrize("name", VARIANTS)
-def test_every_line_of_the_trace_table_follows_from_its_inputs(outcomes, name):
-    lines = trace(typed(outcomes[name])).rows
+def test_every_line_of_the_trace_table_follows_from_its_inputs(results, name):
+    lines = trace(results[name]).rows
     parts = {(row["state"], row["direction"], row["part"]) for row in lines}
-    checks = verification(typed(outcomes[name])).rows
+    checks = verification(results[name]).rows
     numbered = [row for row in checks if row["a_g_g"] is not None]
     assert len({(row["state"], row["direction"]) for row in numbered}) == 4
     assert {"SLD", "SLV linear", "SLV"} <= {row["limit_state"] for row in numbered}
@@ -145,11 +151,11 @@ def test_every_line_of_the_trace_table_follows_from_its_inputs(outcomes, name):
 
 
 @pytest.mark.parametrize("name", VARIANTS)
-def test_every_line_of_the_printed_annex_follows_from_its_printed_inputs(outcomes, name):
+def test_every_line_of_the_printed_annex_follows_from_its_printed_inputs(results, name):
     computed = 0
     known = {}  # per column of a table what it printed last: the seismic action, the capacity curve, then each check
     action, curve = {}, {}
-    for grid in traces(typed(outcomes[name]), words_of(typed(outcomes[name]))):
+    for grid in traces(results[name], words_of(results[name])):
         titles = [str(head) for head in grid.head[2:-1]]
         part = str(grid.caption).removeprefix("Steps: ").split(", chosen")[0].rstrip(".").split(",")[0]
         for column, title in enumerate(titles, 2):
@@ -172,28 +178,28 @@ def test_every_line_of_the_printed_annex_follows_from_its_printed_inputs(outcome
 
 
 @pytest.mark.parametrize("name", VARIANTS)
-def test_the_checks_are_the_last_numbers_of_their_traces(outcomes, name):
-    results = {}
-    for row in trace(typed(outcomes[name])).rows:
-        results[row["state"], row["direction"], row["part"], row["symbol"]] = row["result"]
-    for row in verification(typed(outcomes[name])).rows:
+def test_the_checks_are_the_last_numbers_of_their_traces(results, name):
+    traced = {}
+    for row in trace(results[name]).rows:
+        traced[row["state"], row["direction"], row["part"], row["symbol"]] = row["result"]
+    for row in verification(results[name]).rows:
         if row["zeta_E"] is not None:
             key = (row["state"], row["direction"], row["limit_state"])
             limit = row["limit_state"].partition(" ")[0]
             symbol = "zeta_E" if limit == "SLV" else f"r_{limit}"  # §8.3: at SLD and SLC no index
-            assert results[*key, symbol] == row["zeta_E"]
-            assert results[*key, "a_g_demand"] == row["demand_a_g_g"]
+            assert traced[*key, symbol] == row["zeta_E"]
+            assert traced[*key, "a_g_demand"] == row["demand_a_g_g"]
 
 
-def test_what_is_no_paragraph_of_a_standard_is_written_in_the_language_of_the_report(outcomes):
+def test_what_is_no_paragraph_of_a_standard_is_written_in_the_language_of_the_report(results):
     standard = re.compile(
         r"NTC|Circolare|D\.M\.|D\.P\.C\.M\.|Portioli|eq\.|T_R = |α = 0|site\.csv|grid\.txt|the beam unseats"
     )
     said = {
         part
-        for results in outcomes.values()
-        for row in trace(typed(results)).rows
-        if row["paragraph"] not in (typed(results).messages or {})
+        for each in results.values()
+        for row in trace(each).rows
+        if row["paragraph"] not in (each.messages or {})
         for phrase in row["paragraph"].split("; ")
         for part in phrase.split(": ")
         if not standard.match(part)
@@ -201,19 +207,19 @@ def test_what_is_no_paragraph_of_a_standard_is_written_in_the_language_of_the_re
     assert said <= set(Words.of("it").strings["source"])
     shown = [
         str(row[-1])
-        for results in outcomes.values()
-        for grid in traces(typed(results), replace(Words.of("it"), messages=typed(results).messages or {}))
+        for each in results.values()
+        for grid in traces(each, replace(Words.of("it"), messages=each.messages or {}))
         for row in grid.rows
     ]
     assert any("incompatibilità locale: the beam unseats" in text for text in shown)
 
 
 @pytest.mark.parametrize("name", VARIANTS)
-def test_symbols_are_set_and_carry_the_unit_of_their_quantity(outcomes, name):
+def test_symbols_are_set_and_carry_the_unit_of_their_quantity(results, name):
     """A period in s beside a return period in years; no caret, underscore or English word below a symbol."""
     italian = Words.of("it")
-    heads = [str(row[0]) for grid in traces(typed(outcomes[name]), italian) for row in grid.rows]
-    formulas = [str(row[1]) for grid in traces(typed(outcomes[name]), italian) for row in grid.rows]
+    rows = [row for grid in traces(results[name], italian) for row in grid.rows]
+    heads, formulas = [str(row[0]) for row in rows], [str(row[1]) for row in rows]
     assert not [
         text for text in heads + formulas if re.search(r"[_^]|demand|capacity|linear\b|elastic|local", text)
     ]
@@ -230,14 +236,13 @@ def test_symbols_are_set_and_carry_the_unit_of_their_quantity(outcomes, name):
         ("level of knowledge", "Circolare 7/2019, C8.5.4, LC2"),
     ],
 )
-def test_the_source_of_the_confidence_factor_is_what_it_follows_from(outcomes, name, source):
+def test_the_source_of_the_confidence_factor_is_what_it_follows_from(results, name, source):
     """Of each check and of a chosen mechanism; C8.5.4 was printed where 1 + Σ F_Ck of the D.P.C.M. gives it."""
-    results = typed(outcomes[name])
-    told = {row["paragraph"] for row in trace(results).rows if row["symbol"] == "F_C"}
+    told = {row["paragraph"] for row in trace(results[name]).rows if row["symbol"] == "F_C"}
     assert told == {source}
     shown = {
         str(row[-1])
-        for grid in traces(results, Words.of("en"))
+        for grid in traces(results[name], Words.of("en"))
         for row in grid.rows
         if row[0] == "F<sub>C</sub>"
     }
@@ -269,18 +274,18 @@ def test_the_demand_is_that_of_the_project(outcomes):
     assert whole["demand_a_g_g"] == pytest.approx(0.334 * 1.2 * (1.7 - 0.6 * 2.40 * 0.334))
 
 
-def test_the_local_limit_is_printed_with_its_source(outcomes):
-    results = outcomes["typed hazard, trilinear, local limit"]
-    line = next(row for row in trace(typed(results)).rows if row["symbol"] == "d_SLC")
+def test_the_local_limit_is_printed_with_its_source(results):
+    given = results["typed hazard, trilinear, local limit"]
+    line = next(row for row in trace(given).rows if row["symbol"] == "d_SLC")
     assert line["result"] == pytest.approx(0.075)  # 0.15 m of the top, Γ* = 1/2
     assert line["paragraph"].endswith("local limit: the beam unseats")
-    governing = {row["limit_state"]: row["governing"] for row in verification(typed(results)).rows}
+    governing = {row["limit_state"]: row["governing"] for row in verification(given).rows}
     assert governing["SLC"] == "local limit"
 
 
-def test_the_return_period_of_the_capacity_is_on_the_hazard_curve(outcomes):
+def test_the_return_period_of_the_capacity_is_on_the_hazard_curve(outcomes, results):
     """a_g of a whole column of the table gives its return period: here between two columns, log-log."""
-    rows = verification(typed(outcomes["site table, bilinear"])).rows
+    rows = verification(results["site table, bilinear"]).rows
     periods = np.log(RETURN_PERIODS)
     for row in rows:
         expected = np.exp(np.interp(np.log(row["a_g_g"]), np.log(0.05 * np.arange(1, 10)), periods))
@@ -321,15 +326,14 @@ def test_zeta_does_not_know_the_unit_of_the_drawing(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["site table, bilinear", "grid, rigid, along the return period"])
-def test_both_ways_of_following_the_demand_are_printed(outcomes, name):
+def test_both_ways_of_following_the_demand_are_printed(results, name):
     """Two rows of each state and direction at SLV: the way that counts gives the check, each its own return period."""
-    results = typed(outcomes[name])
-    rows = scalings(results).rows
+    rows = scalings(results[name]).rows
     counts, other = ("grid", "demand-shape") if name.startswith("grid") else ("demand-shape", "grid")
     assert [row["scaling"] for row in rows] == [counts, other] * 4
     checks = {
         (row["state"], row["direction"]): row
-        for row in verification(results).rows
+        for row in verification(results[name]).rows
         if row["limit_state"] == "SLV"
     }
     for row in rows:
