@@ -15,10 +15,18 @@ from itertools import pairwise
 from types import ModuleType
 from typing import Any
 
+from assessment.report.figures.style import WIDTH_MM
+
 MM = 96.0 / 25.4  # CSS pixels
 PAGE = 251.0 * MM  # of A4 without its margins
 SLACKS = (0.5 * MM, 3.0 * MM, 6.0 * MM)  # what heights may be wrong by: taken larger where a page shows it
-AGREES = 2.0 * MM  # a page that is blank by no more than this beside what was expected shows no wrong height
+LINE = 9.0 * 1.4 * 96.0 / 72.0  # of text
+CAPTION = (
+    8.5 * 1.4 * 96.0 / 72.0 + 1.5 * MM
+)  # of a figure, in one line; it has its size beside a smaller picture too
+AGREES = (
+    LINE + 0.5 * MM
+)  # a page that is blank by no more than this beside what was expected shows no wrong height
 TOP = 24.0 * MM  # margin of a page
 MARGINS = {  # above and below a block, as in report.css; that above is dropped at the head of a page
     "h2": (9.0 * MM, 2.0 * MM),
@@ -69,9 +77,11 @@ class Block:
 
     @property
     def breakable(self) -> bool:
-        """Whether it may go on on the next page."""
-        return self.kind in {"p", "ul"} or (
-            self.kind == "table" and 'class="' in self.text and " long" in self.text
+        """Whether it may go on on the next page: of a paragraph two lines or more stay together on either."""
+        return (
+            (self.kind == "p" and self.height > 3.5 * LINE)
+            or self.kind == "ul"
+            or (self.kind == "table" and 'class="' in self.text and " long" in self.text)
         )
 
     @property
@@ -80,13 +90,18 @@ class Block:
         name = re.search(r'data-file="figures/([a-z]+)', self.text)
         return SIZES if name and name[1] not in TO_SCALE else SIZES[:1]
 
+    def high(self, size: float) -> float:
+        """Return the height in a size."""
+        return self.height - (1.0 - size) * (self.height - CAPTION)
+
 
 @dataclass(frozen=True)
 class Filled:
     """Pages filled so far: their cost, the most that one is blank, what is used of the last, and what was set.
 
     `page`, px, that a page has; `used`, px, of the last; `below`, px, the margin under its last block; `hanging`, px,
-    of headings at its end, which go with what follows; `order`: the numbers of the blocks with their sizes.
+    of headings at its end, which go with what follows, and of the margin `above` them, which does not; `order`: the
+    numbers of the blocks with their sizes.
     """
 
     page: float = PAGE
@@ -95,25 +110,34 @@ class Filled:
     used: float = 0.0
     below: float = 0.0
     hanging: float = 0.0
+    above: float = 0.0
     order: tuple[tuple[int, float], ...] = ()
 
     def with_block(self, number: int, block: Block, size: float = 1.0, cost: float = 0.0) -> Filled:
         """Return the pages with one block more: on this page, begun on it, or on the next."""
-        height, (above, below) = size * block.height, MARGINS[block.kind]
+        height, (above, below) = block.high(size), MARGINS[block.kind]
         top = self.used + max(above, self.below) if self.used or not self.order else 0.0
         blank, used = 0.0, top + height
         if used > self.page and self.used:
             if block.breakable and self.page - top > LEAST[block.kind]:
-                used = max(WIDOWS, self._gone_on(used + block.head - self.page, block.head))
+                rest = height - self._begun(block.kind, self.page - top)
+                used = max(WIDOWS, self._gone_on(rest + block.head, block.head))
             else:
                 blank = (self.page - self.used + self.hanging) / PAGE
-                used = self._gone_on(
-                    self.hanging + (top - self.used if self.hanging else 0.0) + height, block.head
-                )
-        hanging = used - (self.used - self.hanging if used > self.used else 0.0) if block.heading else 0.0
+                headings = self.hanging - self.above + (top - self.used) if self.hanging else 0.0
+                used = self._gone_on(headings + height, block.head)
+        hanging = margin = 0.0
+        if block.heading:
+            stays = used > self.used
+            hanging = used - (self.used - self.hanging if stays else 0.0)
+            margin = (self.above if self.hanging else top - self.used) if stays else 0.0
         worse = cost + max(0.0, blank - TAIL) ** 2 + (MUCH if blank > BLANK else 0.0)
         order, worst = (*self.order, (number, size)), max(self.worst, blank)
-        return Filled(self.page, self.cost + worse, worst, used, below, hanging, order)
+        return Filled(self.page, self.cost + worse, worst, used, below, hanging, margin, order)
+
+    def _begun(self, kind: str, room: float) -> float:
+        """Return how much of what breaks stands in the room at the foot of a page: of a text, whole lines."""
+        return room if kind == "table" else room // LINE * LINE
 
     def _gone_on(self, height: float, head: float) -> float:
         """Return how much of its last page fills what is so high, its head again on each."""
@@ -176,7 +200,7 @@ def _named(number: int, text: str) -> str:
 
 
 def _sized(text: str, size: float) -> str:
-    return text if size == 1.0 else text.replace("<img ", f'<img style="width: {100.0 * size:g}%" ', 1)
+    return text if size == 1.0 else text.replace("<img ", f'<img style="width: {size * WIDTH_MM:g}mm" ', 1)
 
 
 def _last_chapter(page: str) -> int:

@@ -8,7 +8,19 @@ from importlib.resources import files
 import pypdf
 import pytest
 
-from assessment.report.formats.page_fill import MM, PAGE, Block, Filled, _parts, pdf_of
+from assessment.report.formats.page_fill import (
+    BLOCK,
+    MM,
+    PAGE,
+    TOP,
+    Block,
+    Filled,
+    _measured,
+    _named,
+    _parts,
+    _sized,
+    pdf_of,
+)
 
 weasyprint = pytest.importorskip("weasyprint", exc_type=OSError)
 STYLE = (files("templates") / "report.css").read_text(encoding="utf-8")
@@ -140,6 +152,38 @@ def test_a_page_that_nothing_fills_is_laid_out_once_more_and_not_three_times(mon
     assert len(drawn) == 2  # the endless sheet, and the pages
 
 
+def placed(blocks: list[str], size: float = 1.0) -> tuple[float, float]:
+    """Where the last of these blocks ends on its page, px: as expected of heights, and laid out; it has a size."""
+    page = report(*blocks)
+    found = list(BLOCK.finditer(page))[: len(blocks) + 1]
+    measured = [block for _, block in _measured(page, found, weasyprint)]
+    expected = Filled(PAGE)
+    for number, block in enumerate(measured):
+        expected = expected.with_block(number, block, size if number == len(blocks) else 1.0)
+    last = _named(0, _sized(measured[-1].text, size))
+    sheets = weasyprint.HTML(string=page.replace(measured[-1].text, last)).render().pages
+    [*_, box] = [sheet.anchors["block0"] for sheet in sheets if "block0" in sheet.anchors]
+    return expected.used, box[3] - TOP
+
+
+@pytest.mark.parametrize(
+    ("blocks", "size"),
+    [
+        ([text("first", 48), "<h3>Two</h3>", figure("mechanism", 60.0)], 1.0),
+        ([text("first", 47), "<h2>Two</h2>", "<h3>Three</h3>", text("second", 9)], 1.0),
+        ([text("first", 46), text("second", 12)], 1.0),
+        ([text("first", 48), text("second", 5)], 1.0),
+        ([text("first", 51), text("second", 3)], 1.0),
+        ([text("first", 20), figure("pushover", 60.0)], 0.85),
+    ],
+    ids=["heading moved", "two headings moved", "lines parted", "two lines left", "three lines", "smaller"],
+)
+def test_blocks_end_where_their_heights_say(blocks, size):
+    """A margin that is none at the head of a page, or part of a line, cost two more layouts of the whole report."""
+    expected, found = placed(blocks, size)
+    assert expected == pytest.approx(found, abs=0.2 * MM)
+
+
 def test_a_page_with_what_is_no_block_stays_as_it_is():
     """What the search does not know it might lose."""
     page = report(text("first", 26), "<div>loose</div>", figure("mechanism", 130.0), text("second", 16))
@@ -151,7 +195,9 @@ def test_a_heading_goes_with_what_follows():
     full = Filled(used=220.0 * MM, order=((0, 1.0),)).with_block(1, Block("h3", "", 6.0 * MM))
     assert full.used == pytest.approx(230.0 * MM)
     after = full.with_block(2, Block("figure", "", 40.0 * MM))
-    assert after.used == pytest.approx((10.0 + 3.0 + 40.0) * MM)
+    assert after.used == pytest.approx(
+        (6.0 + 3.0 + 40.0) * MM
+    )  # at the head of a page it has no margin above
     assert after.worst == pytest.approx((21.0 * MM + 10.0 * MM) / PAGE)
 
 
