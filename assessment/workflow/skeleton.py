@@ -89,7 +89,7 @@ def _summary(project: Project, model: ProjectModel) -> ModelSummary:
         movable_blocks=int(a.movable.sum()),
         joints=len(a.joints.a),
         unknowns=3 * len(a.joints.a),  # N, P and T of each joint
-        paper_contact_points=4 * int(np.maximum(a.contacts.segments, 1).sum()),
+        contact_points=4 * int(np.maximum(a.contacts.segments, 1).sum()),
         weight_kN=a.weight,
         self_weight_stable=True,
         warnings=list(model.warnings),

@@ -24,7 +24,7 @@ from assessment.results.schema.part import Configuration, Part, key, optional
 from assessment.results.schema.static import Contacts, PushdownPath, Pushovers, Settlement, Strengthening
 from assessment.results.schema.studies import Convergence, Scenarios, Sensitivity
 
-FORMAT: Final = 1
+FORMAT: Final = 2
 """Of the file: it changes where a key goes, or gets another meaning."""
 
 
@@ -49,7 +49,7 @@ class State(Part):
 class Results(Part):
     """The whole file."""
 
-    format: Literal[1] = key("format of the file; a file of another one is refused")
+    format: Literal[2] = key("format of the file; a file of another one is refused")
     assesto: str = key("version of the program")
     title: str = key("title of the project")
     inputs: dict[str, str] = key("SHA-256 of each file that was read, by name")
