@@ -146,7 +146,8 @@ class Workers:
     `jobs`: processes, 0: one per core if the work is worth starting them; `scheduler`: address of a Dask cluster that
     computes in their place. `store`: where finished analyses are kept and
     looked for, None: nowhere; `fresh`: they are kept, but not looked for. `meanwhile`: what this process does, once,
-    while others compute.
+    while others compute. `computed`, and `taken` over from what earlier runs `kept`: what this one computed and needs
+    again is neither.
     """
 
     jobs: int = 0
@@ -155,6 +156,7 @@ class Workers:
     show: Show = SILENCE
     computed: int = 0
     taken: int = 0
+    kept: set[str] = field(default_factory=set)
     meanwhile: Callable[[], object] | None = None
     scheduler: str | None = None
     engine: Engine | None = None
@@ -178,10 +180,10 @@ class Workers:
         plan = _Plan(function, tasks, known)
         if self.store and not self.fresh:
             for number in range(len(tasks)):
-                if plan.ready(number) and (text := self.store.find(plan.key(number))):
+                if plan.ready(number) and (text := self.store.find(key := plan.key(number))):
                     known[number] = unpacked(text)
+                    self.taken += key not in self.kept
         unknown = [number for number in range(len(tasks)) if number not in known]
-        self.taken += len(known)
         if not tasks:
             return []
         known_weights = {number: weights[number] if weights else 1.0 for number in unknown}
@@ -192,7 +194,8 @@ class Workers:
         try:
             for number, text in self._compute(plan, titles, unknown, worthwhile, work):
                 if self.store:
-                    self.store.keep(plan.key(number), text)
+                    self.store.keep(key := plan.key(number), text)
+                    self.kept.add(key)
                 known[number] = unpacked(text)  # now, while other processes compute
                 self.computed += 1
                 work.finish(number)

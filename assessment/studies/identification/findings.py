@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import reduce
 
+import numpy as np
+
 from assessment.results.schema.identification import Explanation, Identification
 from assessment.studies.identification.unknowns import Unknowns
 from mechanics.messages import Message, headed, message
@@ -14,8 +16,19 @@ UNLIKELY = 0.01  # probability of a χ² as large, below which a hypothesis does
 IN_IT = 0.3  # of a unit vector: a component that takes part in a movement that is not determined
 
 
-def open_movement(unknowns: Unknowns, direction: Array) -> Message:
-    """Return a movement (n,) that is not determined in words: the components that can change together."""
+def open_movements(unknowns: Unknowns, directions: Array) -> list[Message]:
+    """Return the movements that are not determined, of unit vectors (d, n) at right angles, in words.
+
+    Components that are free by themselves stand alone; of the others those stand together that can change together.
+    """
+    free = np.linalg.norm(directions, axis=0) > np.sqrt(1.0 - IN_IT**2)
+    alone = [_component(*unknowns.components[k]) for k in np.flatnonzero(free)]
+    together = np.linalg.svd(np.where(free, 0.0, directions))[2][: len(directions) - len(alone)]
+    return [*alone, *(_together(unknowns, direction) for direction in together)]
+
+
+def _together(unknowns: Unknowns, direction: Array) -> Message:
+    """Return the components that can change together along a direction (n,)."""
     parts = [
         _component(support, name)
         for (support, name), part in zip(unknowns.components, direction, strict=True)

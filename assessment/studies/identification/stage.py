@@ -17,7 +17,7 @@ from assessment.results.schema.identification import (
     SupportMovement,
 )
 from assessment.runtime.show import SILENCE
-from assessment.studies.identification.findings import findings, open_movement
+from assessment.studies.identification.findings import findings, open_movements
 from assessment.studies.identification.fit import Fit, Sureness, sureness
 from assessment.studies.identification.search import Measured, Search
 from assessment.studies.identification.unknowns import Unknowns, unknowns_of
@@ -122,7 +122,7 @@ def _explained(project: Project, search: Search, unknowns: Unknowns) -> Explanat
         probability=probability(fit.chi_squared, freedom) if freedom else None,
         aic=fit.chi_squared + 2.0 * n,
         distinguished=False,
-        undetermined=[open_movement(unknowns, direction) for direction in sure.open],
+        undetermined=[*open_movements(unknowns, sure.open)],
         contradicting=[row.measurement for row in rows if abs(row.residual_in_sigma) > CONTRADICTS],
         at_collapse=fit.stopped,
         fit=rows,

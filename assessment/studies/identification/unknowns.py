@@ -65,8 +65,8 @@ class Unknowns:
         return np.where(self.falling, np.minimum(u, 0.0), u)
 
     def movements(self, u: Array) -> tuple[SupportMovement, ...]:
-        """Return the movement of each support at values u (n,), m."""
-        value = {each: float(v) for each, v in zip(self.components, u / self.size, strict=True)}
+        """Return the movement of each support at values u (n,), m; of none, 0 has no sign."""
+        value = {each: float(v) + 0.0 for each, v in zip(self.components, u / self.size, strict=True)}
         return tuple(
             SupportMovement(
                 support,

@@ -48,15 +48,20 @@ def test_how_far_an_analysis_is_gets_told_before_it_is_finished(tmp_path, worthw
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_an_argument_from_an_earlier_result(jobs, tmp_path):
-    """Each begins when the one that it follows from is known; what was kept of them is taken over, and not the rest."""
+    """Each begins when the one that it follows from is known; what was kept of them is not computed again.
+
+    Taken over is what an earlier run kept: a first run told that it took over what it had computed itself.
+    """
     tasks = [(1.0, 3.0), (From(0, _doubled), 4.0), (5.0, 5.0), (From(1, _doubled), 2.0)]
     sums = [4.0, 12.0, 10.0, 26.0]
     with Workers(jobs=jobs, store=Store(tmp_path)) as workers:
         assert workers.each("add", operator.add, tasks[:2], [""] * 2, False) == sums[:2]
         assert workers.each("add", operator.add, tasks, [""] * 4, False) == sums
-        assert (workers.computed, workers.taken) == (4, 2)
         assert workers.each("add", operator.add, tasks, [""] * 4, False) == sums
-        assert (workers.computed, workers.taken) == (4, 6)
+        assert (workers.computed, workers.taken) == (4, 0)
+    with Workers(jobs=jobs, store=Store(tmp_path)) as again:
+        assert again.each("add", operator.add, tasks, [""] * 4, False) == sums
+        assert (again.computed, again.taken) == (0, 4)
 
 
 def _doubled(result: float) -> float:

@@ -10,6 +10,7 @@ import pytest
 from assessment.project.structure.gauges import Gauge, readings
 from assessment.runtime.cache import Store
 from assessment.runtime.tasks import Workers
+from assessment.studies.identification.findings import open_movements
 from assessment.studies.identification.fit import Fit, best_length, refined, sureness
 from assessment.studies.identification.stage import probability
 from assessment.studies.identification.unknowns import Unknowns, unknowns_of
@@ -116,6 +117,30 @@ def test_a_movement_that_no_measurement_shows_is_named(identify, model, tmp_path
     assert any("the rotation of the support destro" in text for text in explained.undetermined)
     assert explained.movement[0].rotation_standard_error_rad is None
     assert any("the measurements do not determine" in text for text in study.findings)
+
+
+def test_unknowns_that_are_free_by_themselves_are_named_alone():
+    """Of two open directions in a plane no component needs the other: their sentence was there twice."""
+    unknowns = unknowns_of({"right": ["x", "z", "rotation"]}, 1.0, downward_only=True)
+    plane = np.array([[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0]])
+    assert open_movements(unknowns, plane) == [
+        "the movement along x of the support right",
+        "the movement along z of the support right",
+    ]
+    line = np.array([[0.6, 0.8, 0.0]])
+    tied = "the movement along x of the support right together with the movement along z of the support right"
+    assert open_movements(unknowns, line) == [tied]
+    assert open_movements(unknowns, np.vstack([line, [0.0, 0.0, 1.0]])) == [
+        "the rotation of the support right",
+        tied,
+    ]
+    assert open_movements(unknowns, np.zeros((0, 3))) == []
+
+
+def test_no_movement_has_no_sign():
+    unknowns = unknowns_of({"right": ["x", "z"]}, 1.0, downward_only=True)
+    [movement] = unknowns.movements(np.array([-0.0, -0.0]))
+    assert [str(each) for each in movement.displacement] == ["0.0", "0.0"]
 
 
 def test_the_measurement_that_contradicts_the_rest_is_named(identify, model, tmp_path):
