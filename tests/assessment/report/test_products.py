@@ -21,7 +21,7 @@ from assessment.results.configurations.hand_check import (
 )
 from assessment.results.configurations.reactions import balance, reactions
 from assessment.workflow.output import write
-from tests.assessment.report.test_document import one_direction, without_settlement
+from tests.assessment.report.test_document import one_direction, without_assessment, without_settlement
 from tests.support.analysed import SETTLED, analysed
 from tests.support.results_example import results_example
 from tests.support.typed import typed
@@ -142,6 +142,7 @@ def test_the_same_results_leave_the_same_bytes(tmp_path):
     results = results_example("en")
     without_settlement(results)
     one_direction(results)
+    without_assessment(results)
     shares: list[float] = []
     assert write(typed(results), tmp_path / "one") == []
     assert write(typed(results), tmp_path / "two", jobs=2, tell=shares.append) == []

@@ -14,6 +14,7 @@ from tests.support.block_project import (
     ROOT,
     command,
     contents,
+    edit,
     read_results,
     run,
     timeless,
@@ -55,43 +56,27 @@ def elsewhere(tmp_path):
 
 
 def test_a_run_gives_what_it_gives_on_linux(tmp_path, elsewhere):
-    folder = write_block(tmp_path / "block", PROJECT)
-    assert run(folder, "--jobs", "1", "--out", str(tmp_path / "here")) == 0
-    for jobs in "21":  # the second time, files are replaced
-        options = ("--no-report", "--fresh", "--jobs", jobs)
-        done = command("run", str(folder), *options, env=elsewhere, encoding="cp1252")
+    """In two processes; the second time, with another title, files are replaced by the process itself."""
+    folder, title = write_block(tmp_path / "block", PROJECT), 'title = "Block"'
+    for text, jobs in ((title, "2"), (title.replace("Block", "Tuff"), "1")):
+        edit(folder, title, text)
+        done = command(
+            "run", str(folder), "--no-report", "--jobs", jobs, env=elsewhere, encoding="cp1252"
+        )  # fmt: skip
         assert (done.returncode, done.stderr) == (0, "")
         assert "alpha0" in done.stdout
-        found, expected = read_results(folder / "output"), read_results(tmp_path / "here")
-        assert timeless(found) == timeless(expected)
-        assert contents(folder / "output").keys() == contents(tmp_path / "here").keys()
+    assert run(folder, "--jobs", "1", "--out", str(tmp_path / "here")) == 0
+    found, expected = read_results(folder / "output"), read_results(tmp_path / "here")
+    assert timeless(found) == timeless(expected)
+    assert contents(folder / "output").keys() == contents(tmp_path / "here").keys()
     assert {path.name for path in (folder / "output").iterdir()} >= {FOLDER, "results.json"}
 
 
-def test_a_template_is_checked(tmp_path, elsewhere):
+def test_every_module_can_be_imported_a_template_checked_and_what_hangs_ended(tmp_path, elsewhere):
+    """Those of the tests too: `tests.stress.harness` could not; nothing there limits the time of a process."""
     new_project(tmp_path / "wall", "wall", {})
-    done = command("check", str(tmp_path / "wall"), env=elsewhere, encoding="cp1252")
-    assert (done.returncode, done.stderr) == (0, "")
-    assert (tmp_path / "wall" / "output" / "model.svg").is_file()
-
-
-def test_a_case_of_the_stress_tests_that_hangs_is_ended(elsewhere):
-    """Nothing there limits the processor time of a process."""
     code = (
-        "from tests.stress import harness\n"
-        "assert harness.resource is None\n"
-        "harness._limit(1)\n"
-        "while True:\n"
-        "    pass"
-    )
-    done = command(code=code, env=elsewhere)
-    assert (done.returncode, done.stderr) == (HUNG, "")
-
-
-def test_every_module_can_be_imported(elsewhere):
-    """Those of the tests too: `tests.stress.harness` could not."""
-    code = (
-        "import contextlib, importlib, pkgutil, pytest, assessment, mechanics, tests\n"
+        "import contextlib, importlib, pkgutil, pytest, sys, assessment, mechanics, tests\n"
         "for package in (assessment, mechanics, tests):\n"
         "    for module in pkgutil.walk_packages(package.__path__, package.__name__ + '.'):\n"
         "        with contextlib.suppress(pytest.skip.Exception):\n"
@@ -99,8 +84,17 @@ def test_every_module_can_be_imported(elsewhere):
         "from assessment.benchmark.machine import machine\n"
         "from assessment.benchmark.measure import peak_memory\n"
         "from assessment.benchmark.cases.chain import _children\n"
-        "print(ascii(machine()), peak_memory(), _children())"
+        "print(ascii(machine()), peak_memory(), _children())\n"
+        "from assessment.cli.main import main\n"
+        f"print('checked:', main(['check', {str(tmp_path / 'wall')!r}]), flush=True)\n"
+        "from tests.stress import harness\n"
+        "assert harness.resource is None\n"
+        "harness._limit(1)\n"
+        "while True:\n"
+        "    pass"
     )
-    done = command(code=code, env=elsewhere)
-    assert (done.returncode, done.stderr) == (0, "")
+    done = command(code=code, env=elsewhere, encoding="cp1252")
+    assert (done.returncode, done.stderr) == (HUNG, "")
     assert "load unknown at the start" in done.stdout
+    assert done.stdout.splitlines()[-1] == "checked: 0"
+    assert (tmp_path / "wall" / "output" / "model.svg").is_file()
