@@ -5,17 +5,14 @@ What would not end is ended by pytest's faulthandler_timeout, long before the ho
 
 from __future__ import annotations
 
-import contextlib
 import multiprocessing
 import os
 import signal
-import subprocess
-import sys
 import time
 
 import pytest
 
-from assessment.analyses.static import states
+from assessment.analyses.static import lateral, states
 from assessment.cli.main import main
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
@@ -24,12 +21,13 @@ from assessment.results.plain import plain
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.files.journal import NAME as JOURNAL
 from assessment.workflow.stages import run
-from tests import ROOT
 from tests.support.block_project import command, contents, edit, read_results, timeless
 from tests.support.every_stage import ALL, assesto, counts, entries, write_every_stage
+from tests.support.forked import forked
 
 pytestmark = pytest.mark.usefixtures("no_figures")
-IMAGES = figures.write_images
+FIGURES, IMAGES, save_svg = figures.write_figures, figures.write_images, figures.save_svg
+FORKS = pytest.mark.skipif(not hasattr(os, "fork"), reason="the child has what was put into the program here")
 
 
 @pytest.fixture
@@ -46,7 +44,7 @@ def whole(tmp_path_factory):
     ]
 
 
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="the child has what was put into the program here")
+@FORKS
 @pytest.mark.parametrize("finished", range(ALL + 1))
 def test_a_run_killed_at_any_boundary_goes_on_from_there(project, capsys, whole, finished):
     """SIGKILL as soon as some analyses are kept, in a process of its own; after the last, before files are written."""
@@ -97,37 +95,25 @@ def test_an_interrupted_run_keeps_what_is_finished_and_says_so(project, capsys, 
     assert f"taken over from earlier runs: 3 of {ALL} analyses, inputs unchanged" in out
 
 
-@pytest.mark.skipif(os.name != "posix", reason="signals")
+@FORKS
 @pytest.mark.parametrize("sent", ["SIGINT", "SIGTERM", "SIGHUP", "SIGKILL"])
-def test_no_process_is_left_behind(project, sent):
+def test_no_process_is_left_behind(project, monkeypatch, sent):
     """A signal to the parent alone while two others work on something endless."""
-    code = (
-        "import os, signal, sys, time\n"
-        "signal.signal(signal.SIGHUP, signal.SIG_DFL)\n"  # under nohup the tests hand on that it is ignored
-        "from assessment.analyses.static import states\n"
-        "from assessment.cli.main import main\n"
-        "def endless(*_):\n"
-        "    os.write(1, b'begun\\n')\n"
-        "    time.sleep(3600)\n"
-        "states.push = endless\n"
-        "sys.exit(main())"
-    )
+    monkeypatch.setattr(states, "push", endless)
     edit(project, '["+x"]', '["+x", "-x"]')
-    started = subprocess.Popen(
-        [sys.executable, "-c", code, "run", str(project), "--no-report", "--jobs", "2"],
-        cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
-    )  # fmt: skip
-    try:
-        assert started.stdout is not None
-        assert [started.stdout.readline() for _ in range(2)] == ["begun\n", "begun\n"]
-        started.send_signal(getattr(signal, sent))
-        _, err = started.communicate()  # ends where no process holds its pipes any more
-    finally:
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(started.pid, signal.SIGKILL)
-    assert started.returncode == (-signal.SIGKILL if sent == "SIGKILL" else 3)
+    with forked("run", str(project), "--no-report", "--jobs", "2") as started:
+        assert [started.out.readline() for _ in range(2)] == ["begun\n", "begun\n"]
+        started.send(getattr(signal, sent))
+        code, _, err = started.end()  # ends where no process holds its pipes any more
+    assert code == (-signal.SIGKILL if sent == "SIGKILL" else 3)
     assert "Traceback" not in err
     assert len(entries(project)) == 2  # self-weight and the pushdown
+
+
+def endless(*_):
+    """In the place of an analysis."""
+    os.write(1, b"begun\n")
+    time.sleep(3600)
 
 
 def ended_from_outside(*_):
@@ -197,61 +183,49 @@ def test_nohup_keeps_a_run_alive():
     assert "KeyboardInterrupt" in done.stderr, "what a command makes its message of"
 
 
-SWALLOWED = (
-    "    while True:\n        with contextlib.suppress(KeyboardInterrupt):\n            time.sleep(3600)\n"
-)
-RENAMED = (
-    "    try:\n        time.sleep(3600)\n    except KeyboardInterrupt:\n        raise {}\n"  # as numba does
-)
+@FORKS
+@pytest.mark.parametrize("renamed", [None, SystemError, ValueError, OSError])
+def test_an_interruption_that_a_library_swallows_ends_the_run_all_the_same(project, monkeypatch, renamed):
+    """Or makes another exception of, as numba does."""
 
+    def deaf(*_, **__):
+        os.write(1, b"begun\n")
+        while True:
+            try:
+                time.sleep(3600)
+            except KeyboardInterrupt:
+                if renamed is not None:
+                    raise renamed from None
 
-@pytest.mark.parametrize("deaf", [SWALLOWED, *map(RENAMED.format, ("SystemError", "ValueError", "OSError"))])
-def test_an_interruption_that_a_library_swallows_ends_the_run_all_the_same(project, deaf):
-    code = (
-        "import contextlib, os, sys, time\n"
-        "from assessment.analyses.static import lateral\n"
-        "from assessment.cli.main import main\n"
-        "def deaf(*_, **__):\n"
-        "    os.write(1, b'begun\\n')\n"
-        f"{deaf}"
-        "lateral.pushover = deaf\n"
-        "main()"
-    )
-    started = subprocess.Popen(
-        [sys.executable, "-c", code, "run", str(project), "--no-report"],
-        cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    try:
-        assert started.stdout is not None
-        assert started.stdout.readline() == "begun\n"
-        started.send_signal(signal.SIGINT)
-        _, err = started.communicate()
-    finally:
-        started.kill()
-    assert started.returncode == 3
+    monkeypatch.setattr(lateral, "pushover", deaf)
+    with forked("run", str(project), "--no-report") as started:
+        assert started.out.readline() == "begun\n"
+        started.send(signal.SIGINT)
+        code, _, err = started.end()
+    assert code == 3
     assert err == (
         "interrupted: nothing of an earlier result was changed; finished analyses are kept: run again to go on\n"
     )
     assert len(entries(project)) == 2  # self-weight and the pushdown
 
 
-def test_a_killed_run_leaves_the_earlier_result(project):
+@FORKS
+def test_a_killed_run_leaves_the_earlier_result(project, monkeypatch):
     """SIGKILL wherever it strikes: during the analyses and while files are written."""
     assert assesto(project) == 0
     before = contents(project / "output")
     edit(project, "increment_m = 0.2", "increment_m = 0.1")
+
     # the process kills itself after its first figure: that is written, results.json is not
-    code = (
-        "import os, signal, sys, assessment.report.figures.index as figures\n"
-        "from assessment.cli.main import main\n"
-        "draw = figures.save_svg\n"
-        "figures.save_svg = lambda *it: (draw(*it), os.kill(os.getpid(), signal.SIGKILL))\n"
-        "main(['run', sys.argv[1], '--no-report', '--jobs', '1'])"
-    )
-    killed = subprocess.run(
-        [sys.executable, "-c", code, str(project)], cwd=ROOT, capture_output=True, check=False
-    )
-    assert killed.returncode == -signal.SIGKILL
+    def draw_and_die(*of):
+        save_svg(*of)
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(figures, "write_figures", FIGURES)
+        patch.setattr(figures, "save_svg", draw_and_die)
+        with forked("run", str(project), "--no-report", "--jobs", "1") as killed:
+            assert killed.end()[0] == -signal.SIGKILL
     left = contents(project / "output")
     assert any(name.startswith(".assesto-") for name in left)
     assert {name: value for name, value in left.items() if not name.startswith(".")} == before
