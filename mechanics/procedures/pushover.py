@@ -121,7 +121,8 @@ def pushover(
 
     Every point is an equilibrium in its own displaced geometry: the multiplier is free, and the lateral loads do a
     given work (eq. 5; with elastic joints the same program follows the curve through its peak). If no equilibrium lies
-    near, the blocks are released with that work held constant; at α = 0 they are released under gravity. If they come
+    near, the blocks are released with that work held constant; at α = 0 they are released under gravity, but for a
+    structure pushed as drawn whose control point moves: its capacity is spent, whatever it falls on. If they come
     to rest, the curve goes on (with rigid joints at the multiplier that moves them again; with elastic ones, past its
     peak, at the largest load so far). If they do not, or the
     control point goes back, or α jumps below zero, the structure has collapsed: the last equilibrium before is located.
@@ -209,7 +210,8 @@ class _Curve:
         structure falls, NoEquilibriumError or ConvergenceError where no point is found.
         """
         self._next(length, shortest)
-        if self.end and not self.system.rigid and len(self.states) < self.tolerances.points:
+        spent = self.reached and self._overturns()
+        if self.end and not self.system.rigid and not spent and len(self.states) < self.tolerances.points:
             self._snap_through()
 
     def _next(self, length: float, shortest: bool) -> None:
@@ -236,7 +238,7 @@ class _Curve:
             self._append(*nearest)
         zero = self.multiplier[-1] <= self.tolerances.nearly * max(self.multiplier)
         self.multiplier[-1], self.end = 0.0 if zero else self.multiplier[-1], None
-        held = self._held_again(step)
+        held = None if zero and self._overturns() else self._held_again(step)
         if held is not None and self._go_on_from(held):
             return
         self.reached, self.lost = zero, not zero
@@ -283,6 +285,18 @@ class _Curve:
             else:
                 low, high = (chord, step.alpha), (high[0], 0.5 * high[1])
         return last
+
+    def _overturns(self) -> bool:
+        """Return whether the structure falls at α = 0, wherever it comes to rest: as drawn, if the control point moves.
+
+        What falls without it may be a loose block; in a settled state a hinge of the settlement may close.
+        """
+        return self.drawn and self._moved()
+
+    def _moved(self) -> bool:
+        """Return whether the control point takes part in what has moved."""
+        moved = float(abs(self.states[-1].positions - self.states[0].positions)[:, :2].max())
+        return max(self.displacement) >= self.tolerances.still * moved
 
     def _held_again(self, beyond: Equilibrium) -> Equilibrium | None:
         """Return the rest under gravity near an equilibrium beyond α = 0; None if there is none or it lies far back."""
@@ -401,8 +415,7 @@ class _Curve:
         assert self.end is not None
         if len(self.states) == 1 and not self.system.rigid and self.drawn:
             raise no_way_from_rest(self.end)
-        moved = float(abs(self.states[-1].positions - self.states[0].positions)[:, :2].max())
-        if len(self.states) == 1 or max(self.displacement) < self.tolerances.still * moved:
+        if len(self.states) == 1 or not self._moved():
             raise ControlError(
                 message(
                     "control = {point} takes no part in the mechanism along {direction}, "

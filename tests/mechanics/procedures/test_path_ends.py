@@ -128,6 +128,20 @@ def test_an_increment_wider_than_the_settlement_is_no_reason_to_give_up(contacts
 
 
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_a_wall_that_overturns_onto_its_neighbour_has_spent_its_capacity(contacts):
+    """It fell by half a metre, rested on the other wall, and the push that moves both, 0.7, was taken for its α0."""
+    stone = Material(20.0, 0.7, 1e6)
+    base = Block(rectangle(-2.0, -0.3, 5.0, 0.0), 1.0, stone, support="base")
+    wall = Block(rectangle(0.0, 0.0, 0.3, 2.0), 1.0, stone)
+    alone = Assembly([base, wall])
+    beside = Assembly([base, wall, Block(rectangle(1.0, 0.0, 2.2, 1.5), 1.0, stone)])
+    expected, found = (pushover(model, (0.3, 2.0), "+x", contacts, 0.02) for model in (alone, beside))
+    assert found.reached_zero and not len(found.crossed)
+    assert found.multiplier.max() == pytest.approx(expected.multiplier.max(), rel=1e-3)
+    assert found.displacement[-1] == pytest.approx(expected.displacement[-1], rel=1e-3)
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
 def test_a_block_that_only_slides_is_not_followed_for_ever(contacts):
     model = block_on_base(friction=0.1, stiffness=1e6)
     path = pushover(model, (0.2, 1.0), "+x", contacts, 0.02)
