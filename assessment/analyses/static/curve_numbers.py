@@ -9,7 +9,7 @@ import numpy as np
 from assessment.analyses.static.local_loss import local_loss
 from assessment.analyses.static.paths import configuration
 from assessment.ntc.capacity.curve import mechanism_participation
-from assessment.ntc.capacity.curve_fit import CapacityError
+from assessment.ntc.capacity.curve_fit import CapacityError, yield_point
 from assessment.results.configurations.faces import Met
 from assessment.results.configurations.frames import pushover_frames
 from assessment.results.configurations.ties import along_path, determined, lengthenings, tensions, yielding
@@ -69,13 +69,17 @@ def rigid_push(
 
 
 def elastic_push(model: Assembly, sliding: Sliding, direction: Direction, path: Pushover) -> ElasticPush:
-    """Return an elastic curve: its peak (α_u at d_u, m) and its end; the yield point is fitted later."""
+    """Return an elastic curve: its peak (α_u at d_u, m), its yield point and its end.
+
+    A check against the standard replaces the yield point by that of the capacity curve that it fits.
+    """
+    yields = _yield_point(path)
     found = ElasticPush(
         alpha_u=float(path.multiplier[path.peak]),
         d_u_m=float(path.displacement[path.peak]),
         peak=path.peak,
-        alpha_y=None,
-        d_y_m=None,
+        alpha_y=yields[1] if yields else None,
+        d_y_m=yields[0] if yields else None,
         end=path.end,
         reached_zero=path.reached_zero,
         lost=path.lost,
@@ -88,6 +92,14 @@ def elastic_push(model: Assembly, sliding: Sliding, direction: Direction, path: 
     carried = [step.forces for step in path.steps]
     ties = along_path(model, carried, path.peak, carried[0])
     return found.replace(ties=ties) if ties else found
+
+
+def _yield_point(path: Pushover) -> tuple[float, float] | None:
+    """Return d_y (m) and α_y of an elastic curve; None where the control point does not advance as the load grows."""
+    try:
+        return yield_point((path.displacement, path.multiplier))
+    except CapacityError:
+        return None
 
 
 def _mechanism(model: Assembly, control: ControlTable, path: Pushover, met: Met) -> Mechanism:

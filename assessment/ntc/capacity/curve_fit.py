@@ -76,6 +76,15 @@ def fit_trilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
     return _idealised("trilinear", (d, alpha, d_0), secant, alpha_u, YIELD_SHARE * alpha_u)
 
 
+def yield_point(elastic: Curve) -> tuple[float, float]:
+    """Return (d_y m, α_y) of the paper's curve (§7.1): 0.9 α_u on the secant at 0.4 α_u, if no rigid branch cuts it.
+
+    Raises CapacityError where the elastic curve does not rise with the displacement of the control point.
+    """
+    secant, alpha_u, _ = _rising_branch(elastic)
+    return YIELD_SHARE / SECANT_SHARE * secant, YIELD_SHARE * alpha_u
+
+
 def fit_bilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
     """Return the elastic-plastic curve of equal area, cut by the rigid branch.
 

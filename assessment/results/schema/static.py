@@ -161,8 +161,12 @@ class ElasticPush(Part):
     alpha_u_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
     d_u_m: float = key("displacement where it is reached, along the push", "m")
     peak: int = key("which point of the curve that is")
-    alpha_y: float | None = key("plateau of the fitted capacity curve; null: none was fitted", "–")
-    d_y_m: float | None = key("end of its elastic branch, along the push; null: none was fitted", "m")
+    alpha_y: float | None = key(
+        "plateau of the fitted capacity curve; without a check 0.9 α_u; null: d does not grow with α", "–"
+    )
+    d_y_m: float | None = key(
+        "end of its elastic branch, along the push, on the secant at 0.4 α_u; null: as α_y", "m"
+    )
     end: Sentence = key("why the path ends")
     reached_zero: bool = key("whether the curve falls to α = 0")
     lost: bool | None = optional("whether no equilibrium lies beyond its last point")

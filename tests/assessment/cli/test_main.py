@@ -272,3 +272,11 @@ def test_e_star_and_gamma_star_without_an_assessment(project):
     mechanism = read_results(project / "output")["states"]["original"]["pushover"]["+x"]["rigid"]["mechanism"]
     assert mechanism["e_star"] == pytest.approx(1.0)
     assert mechanism["gamma_star"] == pytest.approx(0.5)
+
+
+def test_the_yield_point_of_an_elastic_curve_without_an_assessment(project):
+    edit(project, 'contacts = ["rigid"]', 'contacts = ["elastic"]')
+    assert run(project) == 0
+    elastic = read_results(project / "output")["states"]["original"]["pushover"]["+x"]["elastic"]
+    assert elastic["alpha_y"] == pytest.approx(0.9 * elastic["alpha_u"])
+    assert 0.0 < elastic["d_y_m"] < elastic["d_u_m"]

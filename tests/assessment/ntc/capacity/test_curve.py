@@ -6,7 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assessment.ntc.capacity.curve import capacity_curve, participation
-from assessment.ntc.capacity.curve_fit import CapacityError, fit_bilinear, fit_curve, fit_rigid, fit_trilinear
+from assessment.ntc.capacity.curve_fit import (
+    CapacityError,
+    fit_bilinear,
+    fit_curve,
+    fit_rigid,
+    fit_trilinear,
+    yield_point,
+)
 from mechanics.types import GRAVITY
 
 
@@ -106,6 +113,7 @@ def test_trilinear():
     np.testing.assert_allclose(fit.multiplier[:3], [0.0, 0.063, 0.063])
     np.testing.assert_allclose(np.interp(0.2, fit.displacement, fit.multiplier), 0.1 / 3.0)
     assert fit.d_0 == pytest.approx(0.3)
+    assert yield_point((d, alpha)) == pytest.approx((fit.d_y, fit.alpha_y), rel=1e-12)
 
 
 def test_bilinear_has_the_area_of_the_curve():
