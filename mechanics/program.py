@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mechanics.kernels.bed import ends_under
+from mechanics.kernels.crushing import ends_under
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import BED, CRUSHED, FRICTION, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import forces_on_blocks, relative_motion

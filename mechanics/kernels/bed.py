@@ -7,25 +7,17 @@ at its two ends, N = N₁ + N₂ and P = h(N₂ − N₁):
     W* = 2N³/(9kL N₁)                  where it opens at the first end; likewise at the other
 
 Its gradient are the closures of the ends, its Hessian their compliance; both are continuous. A bed of points at the
-ends of n equal segments (the paper's) and one of finite strength have no W* in closed form: there the displacements
-under two forces are found first.
+ends of n equal segments (the paper's) has no W* in closed form: there the displacements under two forces are found
+first. Beds of finite strength: crushing.
 """
 
 from __future__ import annotations
 
-import numpy as np
-
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.joint import H
-from mechanics.kernels.law import BED, SEGMENTS, STRENGTH
-from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc", allocates=False)
 
 MOST_SEGMENTS = 64  # of a bed of points
-NEWTON, HALVINGS = 60, 30  # iterations for the displacements of a bed of finite strength, and halvings of one
-UNDER_STRENGTH = 0.9  # of the strength of a joint: the most of its force where a search begins
-EXACT = 1e-13  # of the force: an imbalance of the bed that is none
 
 
 @compiled
@@ -99,80 +91,16 @@ def pressed(u: float, phi: float, half: float, stiffness: float) -> tuple[float,
 
 
 @compiled
-def crushed(
-    u: float, phi: float, half: float, stiffness: float, strength: float
+def stiffened(
+    u: float, phi: float, half: float, stiffness: float
 ) -> tuple[float, float, float, float, float]:
-    """N, P and −∂N/∂u, −∂N/∂φ, −∂P/∂φ of a bed that bears at most the `strength`, kN/m: the difference of two beds."""
-    n, m, c0, c1, c2 = _bed(u, phi, half, stiffness)
-    if strength < np.inf:
-        more = _bed(u + strength / stiffness, phi, half, stiffness)
-        n, m, c0, c1, c2 = n - more[0], m - more[1], c0 - more[2], c1 - more[3], c2 - more[4]
-    return n, m, c0, c1, c2
-
-
-@compiled
-def _bed(u: float, phi: float, half: float, stiffness: float) -> tuple[float, float, float, float, float]:
+    """N, P and −∂N/∂u, −∂N/∂φ, −∂P/∂φ of a gap u + φs, |s| ≤ h."""
     n, m, length = pressed(u, phi, half, stiffness)
     middle = half - 0.5 * length
     if phi > 0.0:
         middle = -middle
     c0 = stiffness * length
     return n, m, c0, c0 * middle, c0 * (middle * middle + length * length / 12.0)
-
-
-@compiled
-def under(n1: float, n2: float, half: float, stiffness: float, strength: float) -> tuple[float, float]:
-    """Gaps of the two ends of a bed of finite strength under forces within it (Newton, on the energy W_c + Nu + Pφ)."""
-    n, m = n1 + n2, half * (n2 - n1)
-    w1, w2 = closures(n1, n2, 1.0 / (2.0 * half * stiffness))
-    u, phi = 0.5 * (w1 + w2), 0.5 * (w2 - w1) / half
-    for _ in range(NEWTON):
-        f, p, c0, c1, c2 = crushed(u, phi, half, stiffness, strength)
-        rn, rp = f - n, (p - m) / half
-        if abs(rn) + abs(rp) <= EXACT * n:
-            break
-        c1, c2 = c1 / half, c2 / (half * half)
-        det = c0 * c2 - c1 * c1
-        if not det > 1e-14 * c0 * c0:  # all that is in contact is crushed: back towards what is not
-            du, dphi = rn / (stiffness * half), rp / (stiffness * half)
-        else:
-            du, dphi = (c2 * rn - c1 * rp) / det, (c0 * rp - c1 * rn) / det
-        share, slope = 1.0, rn * du + rp * dphi
-        for _ in range(
-            HALVINGS
-        ):  # the slope of the convex energy along the step must not turn by more than half
-            f, p, c0, c1, c2 = crushed(u + share * du, phi + share * dphi / half, half, stiffness, strength)
-            if (f - n) * du + (p - m) / half * dphi >= -0.5 * slope:
-                break
-            share *= 0.5
-        u, phi = u + share * du, phi + share * dphi / half
-    return u - half * phi, u + half * phi
-
-
-@compiled
-def keep_within_strength(places: Array, law: Array, f: Array) -> None:
-    """Scale N₁, N₂ and T, f (j, 3), of joints at places (j, PLACE) to a share of the strength, where it is finite."""
-    for k in range(len(f)):
-        most = 2.0 * places[k, H] * law[k, STRENGTH]
-        if most == np.inf:
-            continue
-        n, low = f[k, 0] + f[k, 1], min(f[k, 0], f[k, 1])
-        share = min(1.0, UNDER_STRENGTH * most / n, UNDER_STRENGTH * 2.0 * low * most / (n * n))
-        for e in range(3):
-            f[k, e] *= share
-
-
-@compiled
-def softness(
-    w1: float, w2: float, half: float, stiffness: float, strength: float
-) -> tuple[float, float, float]:
-    """C₁₁, −C₁₂ and C₂₂ of a bed of finite strength with these gaps of its ends."""
-    _, _, c0, c1, c2 = crushed(0.5 * (w1 + w2), 0.5 * (w2 - w1) / half, half, stiffness, strength)
-    c1, c2 = c1 / half, c2 / (half * half)
-    # of N₁, N₂ = (N ∓ P/h)/2 against u ∓ hφ
-    d11, d22, d12 = 0.25 * (c0 - 2.0 * c1 + c2), 0.25 * (c0 + 2.0 * c1 + c2), 0.25 * (c0 - c2)
-    det = d11 * d22 - d12 * d12
-    return d22 / det, d12 / det, d11 / det
 
 
 @compiled
@@ -233,18 +161,3 @@ def points(
             n, m = n - k * gap, m - k * gap * s
             c0, c1, c2 = c0 + k, c1 + k * s, c2 + k * s * s
     return n, m, c0, c1, c2
-
-
-@compiled
-def ends_under(ends: Array, half: Array, law: Array, gaps: Array) -> None:
-    """Gaps (j, 2), m, of the ends of elastic joints under end forces (j, 2) > 0, kN; `half` (j,) m, `law` (j, LAW)."""
-    for k in range(len(ends)):
-        n1, n2, h = ends[k, 0], ends[k, 1], half[k]
-        bed, strength, segments = law[k, BED], law[k, STRENGTH], law[k, SEGMENTS]
-        soft = 1.0 / (2.0 * h * bed)
-        if strength < np.inf:
-            gaps[k, 0], gaps[k, 1] = under(n1, n2, h, bed, strength)
-        elif segments > 0.0:
-            gaps[k, 0], gaps[k, 1], _, _, _ = points_under(n1, n2, int(segments), soft)
-        else:
-            gaps[k, 0], gaps[k, 1] = closures(n1, n2, soft)

@@ -1,7 +1,8 @@
 """What a joint obeys, as compiled loops take it: the columns of `law` (j, LAW)."""
 
 # friction; compliance in shear, m/kN; stiffness of the bed, kN/m² (inf: rigid); slip from which the slide counts, m;
-# strength, kN/m (inf: none); segments of a bed of points (0: exact)
-FRICTION, SHEAR, BED, SLID, STRENGTH, SEGMENTS = range(6)
-LAW = 6
+# strength, kN/m (inf: none); segments of a bed of points (0: exact); lines, m, that a bed of finite
+# strength remembers of having been crushed, two values each (crushing)
+FRICTION, SHEAR, BED, SLID, STRENGTH, SEGMENTS, LEFT = range(7)
+LAW = 10
 CRUSHED = 0.99  # of the strength: the force of a joint that is crushed, of a tie that yields

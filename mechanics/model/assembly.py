@@ -178,6 +178,11 @@ class Assembly:
         if behaviour == "elastic" and np.isnan(self.contacts.bed).any():
             raise ArgumentError("normal_stiffness: elastic contacts need it for the material of every block")
 
+    @property
+    def crushes(self) -> bool:
+        """Whether joints of some block have a finite compressive strength."""
+        return any(block.material.compressive_strength < np.inf for block in self.blocks)
+
     @cached_property
     def joints_in_a_row(self) -> int:
         """Largest number of joints from a block to the support nearest to it."""

@@ -14,9 +14,9 @@ class Energy:
     """Energies (k,) in kNm.
 
     `kinetic`, `potential` (from the start) and `elastic` (joints) are stored, computed from positions and velocities.
-    `input` by the base motion and dissipated by `friction`, `impact`s, `viscous` joint forces and the `integrator` are
-    summed since the start, each from its own forces and displacements. The balance is therefore a check: its
-    `residual` is the error that the solver's tolerance leaves.
+    `input` by the base motion and dissipated by `friction` (of slides, and of joints and ties that yield),
+    `impact`s, `viscous` joint forces and the `integrator` are summed since the start, each from its own forces and
+    displacements. The balance is therefore a check: its `residual` is the error that the solver's tolerance leaves.
 
     The `integrator` term holds the losses of the scheme itself. Implicit Euler loses ½ΔvᵀMΔv in each step, impacts
     included. Elastic beds lose energy where the force of a step is not its mean force, as in impacts shorter than a

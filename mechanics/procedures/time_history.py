@@ -135,7 +135,8 @@ def time_history(
     or moving, is released as it is. `vertical_acceleration` (k,) g, upward. `damping_ratio` (elastic joints): of
     viscous contact forces proportional to stiffness, at the first frequency of the structure as drawn with all joints
     closed. `restitution` (rigid joints, second order): of normal velocities at impacts. `control`: a drawn point (2,) m
-    whose horizontal displacement is recorded.
+    whose horizontal displacement is recorded. Joints of finite strength have to be elastic: what is crushed of them
+    stays so (kernels.crushing).
 
     The motion ends at collapse: a block has turned by more than 1 rad, has fallen by more than its size and still
     falls, or is out of reach of all its contacts; or the control point is past its `ultimate` displacement (m) and
@@ -144,7 +145,7 @@ def time_history(
     # twelve arguments: the public function of the package, called with keywords
     Assembly.check(model)
     base = _base(acceleration, vertical_acceleration, time_step)
-    _check(contacts, integrator, damping_ratio, restitution)
+    _check(model, contacts, integrator, damping_ratio, restitution)
     point = _control_point(model, control, ultimate)
     used, chosen = _chosen(model, contacts, integrator, tolerances.few)
     system, start, motion = _begun(
@@ -185,8 +186,12 @@ def _until_collapse(
     return part, None
 
 
-def _check(contacts: Behaviour, integrator: Integrator, damping_ratio: float, restitution: float) -> None:
-    """Raise ArgumentError for an integrator, a damping or a restitution that the contacts do not have."""
+def _check(
+    model: Assembly, contacts: Behaviour, integrator: Integrator, damping_ratio: float, restitution: float
+) -> None:
+    """Raise ArgumentError for contacts that cannot move so, and what the contacts do not have of the others."""
+    require(contacts == "elastic" or not model.crushes, "contacts", contacts,
+            '"elastic" where joints have a compressive_strength: rigid ones forget what was crushed')  # fmt: skip
     names = ("auto", "moreau-jean", "second-order", "implicit-euler")
     require(integrator in names, "integrator", integrator, ", ".join(f'"{name}"' for name in names))
     require(

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mechanics.kernels.bed import keep_within_strength
+from mechanics.kernels.crushing import keep_within_strength
 from mechanics.kernels.interior.inertia import inertia
 from mechanics.kernels.interior.iteration import HOLDING, STIFFEST, iterate
 from mechanics.kernels.joint import CURVED, H

@@ -14,7 +14,16 @@ from scipy.sparse.csgraph import connected_components
 
 from mechanics.errors import ConvergenceError
 from mechanics.kernels.dynamics.march import march
-from mechanics.kernels.dynamics.motion import ELASTIC, ENERGIES, JOINT, LONGER, SPRING, SUNK, strain_energy
+from mechanics.kernels.dynamics.motion import (
+    ELASTIC,
+    ENERGIES,
+    JOINT,
+    LONGER,
+    SPRING,
+    SUNK,
+    remember,
+    strain_energy,
+)
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import BED, SHEAR
 from mechanics.kernels.linalg.cholesky import factorise, substitute
@@ -175,7 +184,8 @@ class DynamicSystem:
             joints[:, :2], joints[:, 2] = end_forces(forces, places[:, H]), forces[:, 2]
         if not self.system.rigid:
             joints[:, SPRING] = spring_forces(self.contacts, start)
-            energy[ELASTIC] = strain_energy(places, self.system.law, joints[:, SPRING], self.model.size)
+            remember(places, self.system.law, joints, self.model.size)
+            energy[ELASTIC] = strain_energy(places, self.system.law, joints, self.model.size)
         return Motion(
             np.stack([start.positions, start.velocities, np.zeros_like(start.positions)]), joints, energy
         )

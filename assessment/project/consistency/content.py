@@ -20,6 +20,7 @@ from assessment.project.consistency.names import repeated_names
 from assessment.project.consistency.strengthening import strengthening_problems, tie_problems
 from assessment.project.consistency.structure import (
     control_problems,
+    crushing_problems,
     load_problems,
     settlement_problems,
     stiffness_problems,
@@ -35,6 +36,7 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
     """
     yield from missing_file(folder, ("geometry", "drawing"), project.geometry.drawing)
     yield from stiffness_problems(project)
+    yield from crushing_problems(project)
     for name, layer in project.layers.items():
         yield from load_problems(("layers", name), layer)
     yield from repeated_names("control", [point.name for point in project.control])

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from assessment.ntc.load_factors import OWN_PSI_2, PSI_2
 from assessment.project.consistency.names import unknown_name
 from assessment.project.errors import Problem
-from assessment.project.schema import ORIGINAL, KeyPath, LayerTable, ProjectContent, SettlementTable
+from assessment.project.schema import (
+    ORIGINAL,
+    KeyPath,
+    LayerTable,
+    MotionTable,
+    ProjectContent,
+    SettlementTable,
+)
 
 _MOST_INCREMENTS = 100_000
 LEAST_MOVEMENT = 1e-7
@@ -63,6 +71,28 @@ def stiffness_problems(project: ProjectContent) -> Iterator[Problem]:
             '(or write contacts "rigid", model "none")'
         )
         yield Problem(("material", "normal_stiffness_kN_m3"), text)
+
+
+def crushing_problems(project: ProjectContent) -> Iterator[Problem]:
+    """Yield a problem for each motion of rigid joints where joints have a compressive strength: see `time_history`."""
+    strengths: list[float | None] = [project.material.compressive_strength_kN_m2]
+    strengths += [layer.compressive_strength_kN_m2 for layer in project.layers.values()]
+    for each in project.strengthening:
+        strengths += [layer.compressive_strength_kN_m2 for layer in each.layers.values()]
+    if not any(strength is not None and strength < math.inf for strength in strengths):
+        return
+    motions: list[tuple[KeyPath, MotionTable]] = [
+        (("history", index), motion) for index, motion in enumerate(project.history)
+    ]
+    motions += [(("incremental",), project.incremental)] if project.incremental else []
+    motions += [(("campaign",), project.campaign)] if project.campaign else []
+    for path, motion in motions:
+        if motion.contacts == "rigid":
+            text = (
+                '"rigid" joints do not remember in a motion what was crushed; write "elastic", or leave '
+                "compressive_strength_kN_m2 out"
+            )
+            yield Problem((*path, "contacts"), text)
 
 
 def control_problems(project: ProjectContent) -> Iterator[Problem]:

@@ -4,6 +4,8 @@ Elastic joints: of a fibre of the bed that is closed the force is −k(w₀ + θ
 −kθ(w₀ + Δw); dashpots add −kβΔw/h. In one: −k(θ + β/h)(Δw + g), where g is w₀/(θ + β/h) at an end that is closed and w₀
 at one that closes.
 
+A bed that has been crushed begins where that has left it (crushing): what counts as closed is the gap to there.
+
 No step leaves a bed deeper than its forces pressed it, nor with more stored than was done on it (it may give more):
 where the blocks come closer than that, by the geometry of the step or a slide that stops, the bed has `sunk` until they
 part. Otherwise a stiff bed would turn an error of microns in a gap into an impact.
@@ -17,21 +19,25 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.bed import pressed, stored
+from mechanics.kernels.crushing import leave
 from mechanics.kernels.dynamics.motion import (
     GAPS,
     GONE,
     LONGER,
     RATE,
+    REMAINS,
     SPEED,
     SPRING,
     SUNK,
+    bed_under,
+    crushable,
     elastic_beds,
     relative,
+    work_on_bed,
 )
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, TIED, H, U, V, place
-from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, FRICTION, LEFT, SHEAR, SLID, STRENGTH
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -59,33 +65,41 @@ def _apart(gap: float, rate: float, closed: float, bounce: float) -> float:
 
 
 @compiled
-def _storing(u: float, phi: float, half: float, stiffness: float, most: float) -> float:
-    """The gap at the middle, u or more, at which a bed turned by φ stores at most that energy (Newton)."""
+def _storing(p: Array, u: float, law: Array, joint: Array, most: float) -> float:
+    """The gap, u or more, at the middle of a bed at a place p (PLACE,) that so much work leads to (Newton)."""
     if most <= 0.0:
-        return max(u, half * abs(phi))
+        return max(u, p[H] * abs(p[PHI]))
     for _ in range(NEWTON):
-        over = stored(u, phi, half, stiffness) - most
+        over = work_on_bed(p, u, law, joint) - most
         if over <= 1e-12 * most:
             break
-        u += over / pressed(u, phi, half, stiffness)[0]
+        u += over / bed_under(p, u, p[PHI], law, joint)[0]
     return u
 
 
 @compiled
-def _begins(p: Array, s: Array, rate: tuple[float, float], h: float, closed: float) -> None:
+def _begins(
+    p: Array, s: Array, rate: tuple[float, float], h: float, closed: float, law: Array, joint: Array
+) -> None:
     """Set u and φ of an elastic joint at a place p so that its ends have the gaps g, see above.
 
-    `s` (PLACE,): at the start, where its gap changes at the `rate` (u, φ); `closed`: 1/(θ + β/h).
+    `s` (PLACE,): at the start, where its gap changes at the `rate` (u, φ); `closed`: 1/(θ + β/h). What crushing has
+    left in it is scaled like the gaps, in the `law` (LAW,) of the step.
     """
     low, high = p[U] - p[H] * p[PHI], p[U] + p[H] * p[PHI]
-    if min(low, high) >= 0.0:
-        return
-    side = 1.0 if high > low else -1.0
-    if max(low, high) > 0.0 and max(low, high) + h * (rate[0] + side * s[H] * rate[1]) <= 0.0:
-        low, high = (low, closed * high) if high < low else (closed * low, high)
+    first, second = 1.0, 1.0  # factors of the gaps of the ends
+    left = joint[REMAINS:]
+    bare_low, bare_high = low + max(left[0], left[2], 0.0), high + max(left[1], left[3], 0.0)
+    if min(bare_low, bare_high) < 0.0:
+        first, second = closed, closed
+        side = 1.0 if bare_high > bare_low else -1.0
+        wide = max(bare_low, bare_high)
+        if wide > 0.0 and wide + h * (rate[0] + side * s[H] * rate[1]) <= 0.0:
+            first, second = (1.0, closed) if bare_high < bare_low else (closed, 1.0)
+        low, high = first * low, second * high
         p[U], p[PHI] = 0.5 * (low + high), 0.5 * (high - low) / p[H]
-    else:
-        p[U], p[PHI] = p[U] * closed, p[PHI] * closed
+    for line in range(0, 4, 2):
+        law[LEFT + line], law[LEFT + line + 1] = first * left[line], second * left[line + 1]
 
 
 @compiled
@@ -140,7 +154,7 @@ def posed(
             law[k, SHEAR] /= stretch
             law[k, SLID] += law[k, SHEAR] * joints[k, SPRING]
             u0, phi0, _ = relative(s, a[k], b[k], v)
-            _begins(p, s, (u0, phi0), h, 1.0 / stretch)
+            _begins(p, s, (u0, phi0), h, 1.0 / stretch, law[k], joints[k])
         else:  # where a slower slide has let rigid faces into each other, it is left until they are out again
             back[k] = max(back[k] + min(gap, 0.0), 0.0)
         p[U] += back[k]
@@ -151,16 +165,17 @@ def posed(
 def sunk(
     start: Array, end: Array, basic: Array, closest: Array, done: Array, joints: Array, size: float
 ) -> tuple[float, float]:
-    """What beds store more at the end of a step than at its start, and what ties took that yielded (kNm).
+    """What beds store more at the end of a step than at its start, and what yielding took, of ties and of beds (kNm).
 
-    SUNK and LONGER of the `joints` become those of the end. `start`, `end` (j, PLACE); `closest` (j,) m: the least gap
-    that the forces of the step led to; `done` (j,) kNm: the work that was done on each bed, less what yielding took.
+    SUNK, LONGER and REMAINS of the `joints` become those of the end. `start`, `end` (j, PLACE); `closest` (j,) m: the
+    least gap that the forces of the step led to; `done` (j,) kNm: the work that was done on each bed, less what ties
+    took.
     """
     more, plastic = 0.0, 0.0
     for k in range(len(start)):
         s, e, stiffness, before = start[k], end[k], basic[k, BED], 0.0
         if s[H] > GONE * size:
-            before = stored(s[U] - joints[k, SUNK], s[PHI], s[H], stiffness)
+            before = work_on_bed(s, s[U] - joints[k, SUNK], basic[k], joints[k])
         more -= before
         if e[TIED] > 0.0:
             yielded = joints[k, SUNK] - e[U] - basic[k, STRENGTH] / stiffness
@@ -172,8 +187,14 @@ def sunk(
         joints[k, SUNK] = 0.0
         if e[H] > GONE * size:
             u = e[U] + max(min(closest[k], 0.0) - e[U] + e[H] * abs(e[PHI]), 0.0)
-            if stored(u, e[PHI], e[H], stiffness) > before + done[k]:
-                u = _storing(u, e[PHI], e[H], stiffness, before + done[k])
+            work = work_on_bed(e, u, basic[k], joints[k])
+            if work > before + done[k]:
+                u = _storing(e, u, basic[k], joints[k], before + done[k])
+                work = work_on_bed(e, u, basic[k], joints[k])
             joints[k, SUNK] = e[U] - u
-            more += stored(u, e[PHI], e[H], stiffness)
+            if crushable(e, basic[k]):
+                leave(u, e[PHI], e[H], stiffness, basic[k, STRENGTH], joints[k, REMAINS:])
+                stays = work_on_bed(e, u, basic[k], joints[k])
+                plastic, work = plastic + work - stays, stays
+            more += work
     return more, plastic

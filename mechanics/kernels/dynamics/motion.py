@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechanics.kernels.bed import stored
+from mechanics.kernels.bed import stiffened, stored
+from mechanics.kernels.crushing import crushed, leave, worked
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.joint import PHI, H, U
-from mechanics.kernels.law import BED, SHEAR
+from mechanics.kernels.joint import PHI, TIED, H, U
+from mechanics.kernels.law import BED, SHEAR, STRENGTH
 from mechanics.kernels.matrix import moved_by
 from mechanics.types import Array
 
@@ -17,11 +18,11 @@ compiled = compiler("contract", "reassoc")
 # stepping; put in; and the largest kinetic energy so far, by which what steps take is measured
 ELASTIC, FRICTION_WORK, IMPACT, VISCOUS, STEPPING, INPUT, LARGEST = range(7)
 ENERGIES = 7
-# columns of the state of a joint (joints, j × 12): N₁, N₂, T and y₁, y₂, λ₊, λ₋ of the last program; force of the
+# columns of the state of a joint (joints, j × 16): N₁, N₂, T and y₁, y₂, λ₊, λ₋ of the last program; force of the
 # spring in shear, kN; speed of the slide, m/s, and its acceleration; gap of the blocks less that of the bed, m; by how
-# much a tie is longer than as it was made, m
-N1, GAPS, SPRING, SPEED, RATE, SUNK, LONGER = 0, 3, 7, 8, 9, 10, 11
-JOINT = 12
+# much a tie is longer than as it was made, m; what a bed remembers of having been crushed (law)
+N1, GAPS, SPRING, SPEED, RATE, SUNK, LONGER, REMAINS = 0, 3, 7, 8, 9, 10, 11, 12
+JOINT = 16
 STANDARD_GRAVITY = 9.80665  # m/s²
 GONE = 1e-9  # of the block size: an overlap that is none
 
@@ -36,13 +37,46 @@ def relative(p: Array, a: int, b: int, moved: Array) -> tuple[float, float, floa
 
 
 @compiled
-def strain_energy(places: Array, law: Array, shear: Array, size: float) -> float:
-    """Energy (kNm) of the beds at places (j, PLACE) and of springs in shear with forces (j,)."""
+def crushable(p: Array, law: Array) -> bool:
+    """Whether a joint at a place p (PLACE,) is a bed that can be crushed; ties yield, see gaps."""
+    return bool(law[STRENGTH] < np.inf and p[TIED] == 0.0)
+
+
+@compiled
+def work_on_bed(p: Array, u: float, law: Array, joint: Array) -> float:
+    """The work (kNm) that presses the bed of a joint at a place p (PLACE,) to the gap u at its middle."""
+    if crushable(p, law):
+        return worked(u, p[PHI], p[H], law[BED], law[STRENGTH], joint[REMAINS:])
+    return stored(u, p[PHI], p[H], law[BED])
+
+
+@compiled
+def bed_under(
+    p: Array, u: float, phi: float, law: Array, joint: Array
+) -> tuple[float, float, float, float, float]:
+    """N, P and −∂N/∂u, −∂N/∂φ, −∂P/∂φ of the bed of a joint at a place p (PLACE,) under the gap u + φs."""
+    if crushable(p, law):
+        return crushed(u, phi, p[H], law[BED], law[STRENGTH], joint[REMAINS:])
+    return stiffened(u, phi, p[H], law[BED])
+
+
+@compiled
+def remember(places: Array, law: Array, joints: Array, size: float) -> None:
+    """Let the beds of `joints` at places (j, PLACE) remember as what they are there of having been crushed."""
+    for k in range(len(places)):
+        if places[k, H] > GONE * size and crushable(places[k], law[k]):
+            u = places[k, U] - joints[k, SUNK]
+            leave(u, places[k, PHI], places[k, H], law[k, BED], law[k, STRENGTH], joints[k, REMAINS:])
+
+
+@compiled
+def strain_energy(places: Array, law: Array, joints: Array, size: float) -> float:
+    """Energy (kNm) stored in the beds at places (j, PLACE), and in springs in shear with the forces of `joints`."""
     total = 0.0
     for k in range(len(places)):
         if places[k, H] > GONE * size:
-            total += stored(places[k, U], places[k, PHI], places[k, H], law[k, BED])
-        total += 0.5 * law[k, SHEAR] * shear[k] ** 2
+            total += work_on_bed(places[k], places[k, U], law[k], joints[k])
+        total += 0.5 * law[k, SHEAR] * joints[k, SPRING] ** 2
     return total
 
 

@@ -17,11 +17,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mechanics.kernels.bed import crushed, points
+from mechanics.kernels.bed import points, stiffened
+from mechanics.kernels.crushing import crushed
 from mechanics.kernels.interior.joint_loops import unbalanced
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, FRICTION, LEFT, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.kernels.linalg.cholesky import solve
 from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.kernels.matrix import diagonal, motion, push, stiffen
@@ -60,7 +61,9 @@ def pressed_bed(law: Array, h: float, u: float, phi: float) -> tuple[float, floa
     """N, P and −∂N/∂u, −∂N/∂φ, −∂P/∂φ of a joint's bed."""
     if law[SEGMENTS] > 0.0:
         return points(u, phi, h, law[BED], int(law[SEGMENTS]))
-    return crushed(u, phi, h, law[BED], law[STRENGTH])
+    if law[STRENGTH] < np.inf:
+        return crushed(u, phi, h, law[BED], law[STRENGTH], law[LEFT:])
+    return stiffened(u, phi, h, law[BED])
 
 
 @looped

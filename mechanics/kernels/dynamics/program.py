@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.bed import keep_within_strength
+from mechanics.kernels.crushing import keep_within_strength
 from mechanics.kernels.dynamics.newton import newton
 from mechanics.kernels.interior.iteration import iterate
 from mechanics.kernels.jit import compiler

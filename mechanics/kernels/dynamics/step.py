@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.bed import crushed
 from mechanics.kernels.dynamics.gaps import placed, posed, sunk
 from mechanics.kernels.dynamics.motion import (
     ELASTIC,
@@ -33,13 +32,14 @@ from mechanics.kernels.dynamics.motion import (
     STEPPING,
     SUNK,
     VISCOUS,
+    bed_under,
     elastic_beds,
     relative,
 )
 from mechanics.kernels.dynamics.program import COLD, solve
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import LENGTH, PHI, PLACE, TIED, H, U
-from mechanics.kernels.law import BED, CRUSHED, FRICTION, SHEAR, STRENGTH
+from mechanics.kernels.law import CRUSHED, FRICTION, SHEAR, STRENGTH
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -187,7 +187,7 @@ def _worked(
             if beta > 0.0:
                 # dashpots along the contact of the middle of the step, and that of the spring in shear
                 u, phi = start[k, U] - joints[k, SUNK] + 0.5 * du, start[k, PHI] + 0.5 * dphi
-                _, _, c0, c1, c2 = crushed(u, phi, at[q, H], basic[k, BED], np.inf)
+                _, _, c0, c1, c2 = bed_under(at[q], u, phi, basic[k], joints[k])
                 spent[VISCOUS] += beta / h * (c0 * du * du + 2.0 * c1 * du * dphi + c2 * dphi * dphi)
                 spent[VISCOUS] += beta / h * basic[k, SHEAR] * ((t - shear[k]) / stretch) ** 2
         elif at[q, TIED] > 0.0 and normal > CRUSHED * laws[q, STRENGTH]:

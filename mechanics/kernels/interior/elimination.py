@@ -15,14 +15,14 @@ from mechanics.kernels.bed import (
     closures,
     linearised,
     points_under,
-    softness,
-    under,
 )
+from mechanics.kernels.crushing import softness, under
 from mechanics.kernels.jit import compiler, larger
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import (
     BED,
     FRICTION,
+    LEFT,
     SEGMENTS,
     SHEAR,
     SLID,
@@ -117,8 +117,8 @@ def _bed(
         return 0.0, 0.0, 0.0, 0.0, 0.0, -1.0
     soft = 1.0 / (2.0 * h * law[BED])
     if law[STRENGTH] < np.inf:
-        w1, w2 = under(n1, n2, h, law[BED], law[STRENGTH])
-        c11, c12, c22 = softness(w1, w2, h, law[BED], law[STRENGTH])
+        w1, w2 = under(n1, n2, h, law[BED], law[STRENGTH], law[LEFT:])
+        c11, c12, c22 = softness(w1, w2, h, law[BED], law[STRENGTH], law[LEFT:])
         return w1, w2, c11, c12, c22, -1.0
     if law[SEGMENTS] > 0.0:
         w1, w2, c11, c12, c22 = points_under(n1, n2, int(law[SEGMENTS]), soft)

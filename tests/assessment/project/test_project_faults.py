@@ -343,6 +343,13 @@ SITE = 'latitude = 42.35\nlongitude = 13.40\ngrid = "allegato_b.txt"\n'
             "incremental.contacts",
         ),
         (
+            MINIMAL.replace("[material]", "[material]\ncompressive_strength_kN_m2 = 900.0")
+            + CONTROL
+            + '[[history]]\nrecord = "records/b.csv"\ncontacts = "rigid"\n',
+            "history[1].contacts",
+            "compressive_strength_kN_m2",
+        ),
+        (
             MINIMAL + '[layers.R]\nsupport = "right"\n' + SETTLEMENT + "steps = 2\n",
             "settlements[1].steps",
             "add [pushover]",

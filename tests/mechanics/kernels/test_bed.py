@@ -1,4 +1,4 @@
-"""The bed of a joint: its closed forms against integrals, its dual, points, crushing."""
+"""The bed of a joint: its closed forms against integrals, its dual, points."""
 
 from __future__ import annotations
 
@@ -10,13 +10,11 @@ from hypothesis import strategies as st
 from mechanics.kernels.bed import (
     closures,
     compliance,
-    crushed,
     linearised,
     points_under,
     pressed,
-    softness,
+    stiffened,
     stored,
-    under,
 )
 from tests.support.reference_loops import bed_of_points, bed_resultants
 
@@ -53,13 +51,13 @@ def test_forces_are_minus_the_gradient_of_the_energy_and_stiffness_its_derivativ
     u, phi = -closed, turn * closed / half
     assume(abs(abs(turn) - 1.0) > 1e-3)  # the stiffness has a kink where an end begins to open
     du, dphi = STEP * closed, STEP * closed / half
-    n, p, c0, c1, c2 = crushed(u, phi, half, k, np.inf)
+    n, p, c0, c1, c2 = stiffened(u, phi, half, k)
     slope = (stored(u + du, phi, half, k) - stored(u - du, phi, half, k)) / (2.0 * du)
     tilt = (stored(u, phi + dphi, half, k) - stored(u, phi - dphi, half, k)) / (2.0 * dphi)
     assert -slope == pytest.approx(n, rel=1e-6)
     assert -tilt == pytest.approx(p, abs=1e-6 * n * half)
-    along_u = [np.array(crushed(u + sign * du, phi, half, k, np.inf)[:2]) for sign in (1, -1)]
-    along_phi = [np.array(crushed(u, phi + sign * dphi, half, k, np.inf)[:2]) for sign in (1, -1)]
+    along_u = [np.array(stiffened(u + sign * du, phi, half, k)[:2]) for sign in (1, -1)]
+    along_phi = [np.array(stiffened(u, phi + sign * dphi, half, k)[:2]) for sign in (1, -1)]
     assert -(along_u[0] - along_u[1]) / (2.0 * du) == pytest.approx([c0, c1], abs=1e-5 * c0 * max(half, 1.0))
     assert -(along_phi[0] - along_phi[1]) / (2.0 * dphi) == pytest.approx(
         [c1, c2], abs=1e-5 * c0 * max(half, half**2)
@@ -149,37 +147,3 @@ def test_points_come_to_the_exact_bed_where_it_opens(eccentricity):
     )
     contact = 1.5 * (1.0 - abs(eccentricity))  # of the joint
     assert (error < 8.0 / (numbers * contact) ** 2).all()
-
-
-@settings(deadline=None, max_examples=60)
-@given(half=halves, k=stiffnesses, turn=turns, over=st.floats(0.05, 5.0))
-def test_a_bed_that_crushes_bears_the_lesser_of_spring_and_strength(half, k, turn, over):
-    """Mean closure `over` times the one at which it yields; the difference of two beds."""
-    strength = 1.0
-    closed = over * strength / k
-    u, phi = -closed, turn * closed / half
-    _, n, p = bed_resultants(u, phi, half, k, strength, points=20_001)
-    found = crushed(u, phi, half, k, strength)
-    assert found[0] == pytest.approx(n, rel=1e-6)
-    assert found[1] == pytest.approx(p, abs=1e-6 * n * half)
-
-
-@settings(deadline=None, max_examples=60)
-@given(half=halves, k=stiffnesses, eccentricity=st.floats(-0.9, 0.9), used=st.floats(0.05, 0.97))
-def test_gaps_of_a_bed_that_crushes_are_those_that_its_forces_need(half, k, eccentricity, used):
-    """At a share of the force that the strength allows at this eccentricity, N(1 − |e|/h) ≤ …"""
-    strength = 1.0
-    most = 2.0 * half * strength * (1.0 - abs(eccentricity))  # |P| ≤ N(L − N/σ)/2
-    n1, n2 = ends_of(eccentricity, used * most)
-    ends = under(n1, n2, half, k, strength)
-    u, phi = displacements(half, ends)
-    n, p, c0, c1, c2 = crushed(u, phi, half, k, strength)
-    assert n == pytest.approx(n1 + n2, rel=1e-9)
-    assert p == pytest.approx(half * (n2 - n1), abs=1e-9 * n * half)
-    c11, c12, c22 = softness(*ends, half, k, strength)
-    stiff = np.array([[c0, c1], [c1, c2]])
-    to_ends = np.array([[1.0, -half], [1.0, half]])
-    expected = to_ends @ np.linalg.inv(stiff) @ to_ends.T
-    assert [c11, -c12, c22] == pytest.approx(
-        [expected[0, 0], expected[0, 1], expected[1, 1]], rel=1e-5, abs=1e-6 * abs(expected).max()
-    )

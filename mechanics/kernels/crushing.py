@@ -1,0 +1,180 @@
+"""The bed of finite strength, and what it keeps of having been crushed.
+
+A fibre of the bed at s is pressed in by p = −w. It bears at most the strength σ; what it is pressed in beyond σ/k
+stays:
+
+    f = min(σ, k⟨p − r⟩)      r(s) = max(0, q₁(s), q₂(s))      q = p − σ/k when an end was pressed in the most
+
+A line q is remembered for either end: that of the moment at which the end was pressed in the farthest. Loads that grow
+find the bed that they left, and one that has been let go touches where it is left. Where r has a kink the bed is
+divided; on each part f is the difference of two beds without strength, k⟨p − r⟩ − k⟨p − r − σ/k⟩.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mechanics.kernels.bed import closures, points_under, stiffened, stored
+from mechanics.kernels.jit import compiler
+from mechanics.kernels.joint import H
+from mechanics.kernels.law import BED, LEFT, SEGMENTS, STRENGTH
+from mechanics.types import Array
+
+compiled = compiler("contract", "reassoc", allocates=False)
+
+PARTS = 4  # of a bed, at most
+NEWTON, HALVINGS = 60, 30  # iterations for the displacements under given forces, and halvings of one
+UNDER_STRENGTH = 0.9  # of the strength of a joint: the most of its force where a search begins
+EXACT = 1e-13  # of the force: an imbalance of the bed that is none
+
+
+@compiled
+def _zero(first: float, second: float, half: float) -> float:
+    """Where a line with these values at the ends of a bed is zero; its second end if it is nowhere within."""
+    return half * (first + second) / (first - second) if first * second < 0.0 else half
+
+
+@compiled
+def divide(half: float, left: Array) -> tuple[float, float, float]:
+    """Where r has its kinks, in order; `left` (4,) m: q₁ at both ends, then q₂."""
+    a, b = _zero(left[0], left[1], half), _zero(left[2], left[3], half)
+    c = _zero(left[0] - left[2], left[1] - left[3], half)
+    low, high = min(a, b), max(a, b)
+    return min(low, c), max(low, min(high, c)), max(high, c)
+
+
+@compiled
+def part(number: int, half: float, kinks: Any, left: Array) -> tuple[float, float, float, float]:
+    """Middle and half-length of a part of a bed, r in its middle and its slope there."""
+    low = -half if number == 0 else kinks[number - 1]
+    high = half if number == PARTS - 1 else kinks[number]
+    middle, residual, slope = 0.5 * (low + high), 0.0, 0.0
+    for line in range(0, 4, 2):
+        along = 0.5 * (left[line + 1] - left[line]) / half
+        there = 0.5 * (left[line] + left[line + 1]) + along * middle
+        if there > residual:
+            residual, slope = there, along
+    return middle, 0.5 * (high - low), residual, slope
+
+
+@compiled
+def crushed(
+    u: float, phi: float, half: float, stiffness: float, strength: float, left: Array
+) -> tuple[float, float, float, float, float]:
+    """N, P and −∂N/∂u, −∂N/∂φ, −∂P/∂φ of a bed that bears at most the `strength`, kN/m; `left` (4,): see divide."""
+    yields, kinks = strength / stiffness, divide(half, left)
+    n, m, c0, c1, c2 = 0.0, 0.0, 0.0, 0.0, 0.0
+    for number in range(PARTS):
+        s, h, residual, slope = part(number, half, kinks, left)
+        if h <= 0.0:
+            continue
+        w, turn = u + phi * s + residual, phi + slope
+        less, more = stiffened(w, turn, h, stiffness), stiffened(w + yields, turn, h, stiffness)
+        pn, pm, p0, p1, p2 = (
+            less[0] - more[0], less[1] - more[1], less[2] - more[2], less[3] - more[3], less[4] - more[4],
+        )  # fmt: skip
+        n, m = n + pn, m + pm + s * pn
+        c0, c1, c2 = c0 + p0, c1 + p1 + s * p0, c2 + p2 + 2.0 * s * p1 + s * s * p0
+    return n, m, c0, c1, c2
+
+
+@compiled
+def worked(u: float, phi: float, half: float, stiffness: float, strength: float, left: Array) -> float:
+    """The work ψ = ½k∫(⟨p − r⟩² − ⟨p − r − σ/k⟩²) ds that presses a bed in; −∂ψ/∂u = N, −∂ψ/∂φ = P.
+
+    Where no fibre is pressed in beyond r + σ/k it is stored.
+    """
+    yields, kinks, total = strength / stiffness, divide(half, left), 0.0
+    for number in range(PARTS):
+        s, h, residual, slope = part(number, half, kinks, left)
+        if h > 0.0:
+            w, turn = u + phi * s + residual, phi + slope
+            total += stored(w, turn, h, stiffness) - stored(w + yields, turn, h, stiffness)
+    return total
+
+
+@compiled
+def leave(u: float, phi: float, half: float, stiffness: float, strength: float, left: Array) -> None:
+    """Remember in `left` (4,) that the bed has been pressed to gaps u + φs, for ends that never were so far."""
+    q1, q2 = half * phi - u - strength / stiffness, -half * phi - u - strength / stiffness
+    if q1 > left[0]:
+        left[0], left[1] = q1, q2
+    if q2 > left[3]:
+        left[2], left[3] = q1, q2
+
+
+@compiled
+def under(
+    n1: float, n2: float, half: float, stiffness: float, strength: float, left: Array
+) -> tuple[float, float]:
+    """Gaps of the two ends of a bed of finite strength under forces within it (Newton, on the energy ψ + Nu + Pφ)."""
+    n, m = n1 + n2, half * (n2 - n1)
+    w1, w2 = closures(n1, n2, 1.0 / (2.0 * half * stiffness))
+    w1, w2 = w1 - max(left[0], left[2], 0.0), w2 - max(left[1], left[3], 0.0)
+    u, phi = 0.5 * (w1 + w2), 0.5 * (w2 - w1) / half
+    for _ in range(NEWTON):
+        f, p, c0, c1, c2 = crushed(u, phi, half, stiffness, strength, left)
+        rn, rp = f - n, (p - m) / half
+        if abs(rn) + abs(rp) <= EXACT * n:
+            break
+        c1, c2 = c1 / half, c2 / (half * half)
+        det = c0 * c2 - c1 * c1
+        if not det > 1e-14 * c0 * c0:  # all that is in contact is crushed: back towards what is not
+            du, dphi = rn / (stiffness * half), rp / (stiffness * half)
+        else:
+            du, dphi = (c2 * rn - c1 * rp) / det, (c0 * rp - c1 * rn) / det
+        share, slope = 1.0, rn * du + rp * dphi
+        # it must keep in touch, and the slope of the convex energy along the step not turn by more than half
+        for _ in range(HALVINGS):
+            f, p, c0, c1, c2 = crushed(
+                u + share * du, phi + share * dphi / half, half, stiffness, strength, left
+            )
+            if f > 0.0 and (f - n) * du + (p - m) / half * dphi >= -0.5 * slope:
+                break
+            share *= 0.5
+        u, phi = u + share * du, phi + share * dphi / half
+    return u - half * phi, u + half * phi
+
+
+@compiled
+def softness(
+    w1: float, w2: float, half: float, stiffness: float, strength: float, left: Array
+) -> tuple[float, float, float]:
+    """C₁₁, −C₁₂ and C₂₂ of a bed of finite strength with these gaps of its ends."""
+    u, phi = 0.5 * (w1 + w2), 0.5 * (w2 - w1) / half
+    _, _, c0, c1, c2 = crushed(u, phi, half, stiffness, strength, left)
+    c1, c2 = c1 / half, c2 / (half * half)
+    # of N₁, N₂ = (N ∓ P/h)/2 against u ∓ hφ
+    d11, d22, d12 = 0.25 * (c0 - 2.0 * c1 + c2), 0.25 * (c0 + 2.0 * c1 + c2), 0.25 * (c0 - c2)
+    det = d11 * d22 - d12 * d12
+    return d22 / det, d12 / det, d11 / det
+
+
+@compiled
+def keep_within_strength(places: Array, law: Array, f: Array) -> None:
+    """Scale N₁, N₂ and T, f (j, 3), of joints at places (j, PLACE) to a share of the strength, where it is finite."""
+    for k in range(len(f)):
+        most = 2.0 * places[k, H] * law[k, STRENGTH]
+        if most == np.inf:
+            continue
+        n, low = f[k, 0] + f[k, 1], min(f[k, 0], f[k, 1])
+        share = min(1.0, UNDER_STRENGTH * most / n, UNDER_STRENGTH * 2.0 * low * most / (n * n))
+        for e in range(3):
+            f[k, e] *= share
+
+
+@compiled
+def ends_under(ends: Array, half: Array, law: Array, gaps: Array) -> None:
+    """Gaps (j, 2), m, of the ends of elastic joints under end forces (j, 2) > 0, kN; `half` (j,) m, `law` (j, LAW)."""
+    for k in range(len(ends)):
+        n1, n2, h = ends[k, 0], ends[k, 1], half[k]
+        bed, strength, segments = law[k, BED], law[k, STRENGTH], law[k, SEGMENTS]
+        soft = 1.0 / (2.0 * h * bed)
+        if strength < np.inf:
+            gaps[k, 0], gaps[k, 1] = under(n1, n2, h, bed, strength, law[k, LEFT:])
+        elif segments > 0.0:
+            gaps[k, 0], gaps[k, 1], _, _, _ = points_under(n1, n2, int(segments), soft)
+        else:
+            gaps[k, 0], gaps[k, 1] = closures(n1, n2, soft)
