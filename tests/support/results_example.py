@@ -36,6 +36,7 @@ def results_example(language: str = "it") -> dict[str, Any]:
             "movable_blocks": 5,
             "joints": 6,
             "unknowns": 18,
+            "paper_contact_points": 24,
             "contact_points": 24,
             "weight_kN": 11.5 * 0.1 * _area() + 0.5,
             "self_weight_stable": True,

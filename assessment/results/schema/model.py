@@ -28,9 +28,10 @@ class ModelSummary(Part):
     movable_blocks: int = key("blocks that are no support")
     joints: int = key("joints found in the drawing")
     unknowns: int = key("internal forces: three a joint")
-    contact_points: int = key(
+    paper_contact_points: int = key(
         "contact points of the paper's discretisation; analysed with `segments_per_joint` only"
     )
+    contact_points: int = key("the same, for scripts that read it by this name")
     weight_kN: float = key("weight of the movable blocks with their vertical loads", "kN")
     self_weight_stable: bool = key("whether the structure stands as drawn; false: nothing else was computed")
     warnings: list[Sentence] = key("what is odd in the drawing")

@@ -65,13 +65,14 @@ def test_results_have_the_keys_of_the_contract(project):
         "movable_blocks",
         "joints",
         "unknowns",
+        "paper_contact_points",
         "contact_points",
         "weight_kN",
         "self_weight_stable",
         "warnings",
     }
-    counts = ("blocks", "movable_blocks", "joints", "unknowns", "contact_points")
-    assert [model[key] for key in counts] == [2, 1, 1, 3, 4]
+    counts = ("blocks", "movable_blocks", "joints", "unknowns", "paper_contact_points", "contact_points")
+    assert [model[key] for key in counts] == [2, 1, 1, 3, 4, 4]
     assert model["weight_kN"] == pytest.approx(0.6 * 4.2 * 18.0)
     assert model["self_weight_stable"] is True
     assert list(found["states"]) == ["original", "base turned"]
