@@ -9,7 +9,7 @@ test: setup
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
 	.venv/bin/lint-imports --no-cache
-	.venv/bin/python -m pytest -n 2
+	.venv/bin/python -m pytest -n 2 --dist loadfile
 
 docs: setup
 	.venv/bin/python -m sphinx -q -W --keep-going -b html docs build/docs

@@ -31,6 +31,13 @@ class Forked:
         """Send a signal to the child alone."""
         os.kill(self.pid, number)
 
+    @property
+    def at_work(self) -> bool:
+        """Whether the child has not ended."""
+        if self._code is None and (ended := os.waitpid(self.pid, os.WNOHANG)) != (0, 0):
+            self._code = os.waitstatus_to_exitcode(ended[1])
+        return self._code is None
+
     def end(self) -> tuple[int, str, str]:
         """Wait until nobody holds the pipes; return exit code, minus the number of a signal, and what was printed."""
         out, err = self.out.read(), self.err.read()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
 import zipfile
 from html.parser import HTMLParser
 from xml.etree import ElementTree
@@ -86,6 +87,16 @@ def test_hostile_names_reach_every_product_and_do_nothing_there(tmp_path, capsys
         assert not any(cell.startswith(("=", "@", "+")) for cell in cells)
 
 
+CHECK_BOTH = """
+import sys
+from assessment.cli.main import main
+sys.argv = ["assesto", "check", {!r}]
+print(main(), "and the other", file=sys.stderr, flush=True)
+sys.argv[2] = {!r}
+main()
+"""
+
+
 def test_libraries_say_nothing(tmp_path):
     """Neither what openpyxl warns of nor what ezdxf and matplotlib log, with the user's names, reaches the terminal."""
     folder = write_block(tmp_path / "block")
@@ -97,11 +108,11 @@ def test_libraries_say_nothing(tmp_path):
     with zipfile.ZipFile(folder / "book.xlsx") as good, zipfile.ZipFile(folder / "project.xlsx", "w") as own:
         for name in good.namelist():
             own.writestr(name, good.read(name).replace(b"</worksheet>", extension))
-    checked = command("check", str(folder))
-    assert checked.returncode == 0, checked.stderr
-    assert checked.stderr == ""
-    assert "\x1b" not in checked.stdout
-    (folder / "geometry.dxf").write_text(drawing.replace("AcDbPolyline", "AcDb\x1b[31m"), encoding="utf-8")
-    damaged = command("check", str(folder))
-    assert all(line.startswith(("error: ", "drawing with")) for line in damaged.stderr.splitlines())
-    assert "\x1b" not in damaged.stdout + damaged.stderr
+    damaged = shutil.copytree(folder, tmp_path / "damaged")
+    (damaged / "geometry.dxf").write_text(drawing.replace("AcDbPolyline", "AcDb\x1b[31m"), encoding="utf-8")
+    checked = command(code=CHECK_BOTH.format(str(folder), str(damaged)))
+    assert checked.returncode == 0
+    good, _, bad = checked.stderr.partition("and the other\n")
+    assert good == "0 "
+    assert all(line.startswith(("error: ", "drawing with")) for line in bad.splitlines())
+    assert "\x1b" not in checked.stdout + checked.stderr

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import signal
-import subprocess
-import sys
+import os
 import time
 from types import SimpleNamespace
 
@@ -19,9 +17,9 @@ from assessment.runtime.files.lock import locked
 from assessment.runtime.show import Show
 from assessment.runtime.terminal import status as statuses
 from assessment.runtime.terminal.status import status
-from tests import ROOT
 from tests.support.block_project import contents, read_results, timeless
 from tests.support.campaign_project import STRIPES, write_campaign
+from tests.support.forked import forked
 
 
 def test_stages_failures_and_the_time_left_are_told(tmp_path):
@@ -122,21 +120,19 @@ def test_the_status_of_damaged_results_is_told_in_a_message(tmp_path, capsys, co
     )
 
 
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal")
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the child is not to write figures either")
 @pytest.mark.usefixtures("no_figures")
 def test_a_run_that_is_killed_again_and_again_is_told_of_and_goes_on_with_equal_results(tmp_path, capsys):
     folder = write_campaign(tmp_path / "block", STRIPES, 1)
     arguments = ["run", str(folder), "--no-report"]
-    command = [sys.executable, "-m", "assessment.cli", *arguments, "--jobs", "1"]
     for number in (1, 2, 3):  # times, each a little further on
-        with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL) as process:
+        with forked(*arguments, "--jobs", "1") as run:
             while not any(
                 stage.name == "campaign" and stage.done and stage.taken + stage.done >= number
                 for stage in read_journal(folder / "output")
             ):
-                assert process.poll() is None
+                assert run.at_work
                 time.sleep(0.02)
-            process.kill()
         store = Store(folder / "output" / FOLDER)
         assert all(store.read(key.name) for key in store.folder.iterdir() if not key.name.startswith("."))
         assert not (folder / "output" / "results.json").exists()
