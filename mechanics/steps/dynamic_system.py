@@ -19,12 +19,13 @@ from mechanics.kernels.dynamics.motion import (
     ENERGIES,
     JOINT,
     LONGER,
+    REMAINS,
     SPRING,
     SUNK,
     remember,
     strain_energy,
 )
-from mechanics.kernels.joint import H
+from mechanics.kernels.joint import H, U
 from mechanics.kernels.law import BED, SHEAR
 from mechanics.kernels.linalg.cholesky import factorise, substitute
 from mechanics.kernels.matrix import diagonal, stiffen
@@ -38,6 +39,7 @@ from mechanics.steps.contact_values import moved_over, spring_forces
 from mechanics.steps.static_system import StaticSystem, static_system
 from mechanics.types import Array, Index
 
+BEDS = [SUNK, *range(REMAINS, JOINT)]  # columns of what a bed remembers
 AHEAD = 0.05  # of the block size: how far a corner may move before contacts are looked for again
 
 
@@ -176,6 +178,8 @@ class DynamicSystem:
             np.zeros(ENERGIES),
         )
         joints[:, SUNK] = lifted
+        if start.beds is not None and not self.system.rigid:
+            self._recall(start.beds, places, joints)
         if self.model.ties:
             joints[self.system.ties, LONGER] = -self.system.stretched
             if start.lengthened is not None:
@@ -185,10 +189,24 @@ class DynamicSystem:
         if not self.system.rigid:
             joints[:, SPRING] = spring_forces(self.contacts, start)
             remember(places, self.system.law, joints, self.model.size)
-            energy[ELASTIC] = strain_energy(places, self.system.law, joints, self.model.size)
+            felt = places.copy()
+            felt[:, U] -= joints[:, SUNK]
+            energy[ELASTIC] = strain_energy(felt, self.system.law, joints, self.model.size)
         return Motion(
             np.stack([start.positions, start.velocities, np.zeros_like(start.positions)]), joints, energy
         )
+
+    def remembered(self, motion: Motion) -> Array:
+        """Return what the beds remember at the end of a motion, as the `beds` (k, 7) of a state."""
+        return np.column_stack([self.contacts.edges, motion.joints[:, BEDS]])
+
+    def _recall(self, beds: Array, places: Array, joints: Array) -> None:
+        """Set what the beds of `joints` (j, JOINT) at places (j, PLACE) remember of a motion before; new ones sink."""
+        joints[:, SUNK] = end_gaps(places).min(axis=1).clip(max=0.0)
+        known = {(int(e), int(f)): row for e, f, *row in beds}
+        for k, (e, f) in enumerate(self.contacts.edges.tolist()):
+            if (e, f) in known:
+                joints[k, BEDS] = known[e, f]
 
     @one_thread()
     def march(self, motion: Motion, base: Array, step: float) -> Recorded:
