@@ -20,9 +20,8 @@ from mechanics.errors import (
 )
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
-from mechanics.procedures.step_control import Bisection, reach
+from mechanics.procedures.step_control import Bisection, follow, reach
 from mechanics.program import Certificate
-from mechanics.progress import tell
 from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
 from mechanics.steps.rest import lifted, motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
@@ -138,42 +137,11 @@ def _followed(
     moving: _Moving, increment: float, to_collapse: bool, tolerances: PushdownTolerances
 ) -> Pushdown:
     """Follow the path of moving supports. Raises as `pushdown`."""
-    full = moving.full
-    path = _Path(moving, increment, tolerances)
-    limit = max(full, _longest(path.model)) if to_collapse else full
-    final, ultimate, bisection = None, None, Bisection(increment)
-    end = message("the whole movement is applied")
-    while path.movement[-1] < limit * (1.0 - 1e-9):
-        if final is not None and len(path.steps) >= tolerances.points:
-            end = path.too_many_points
-            break
-        here = path.movement[-1]
-        by = min(bisection.length, (full if final is None else limit) - here)
-        try:
-            path.advance(by, increment, bisection.shortest)
-        except (NoEquilibriumError, ConvergenceError) as stop:
-            if bisection.shorter():
-                continue
-            if final is None and not isinstance(stop, RunawayError):
-                raise
-            ultimate, end = here if isinstance(stop, RunawayError) else None, stop.message
-            break
-        bisection.longer(path.jumped)
-        tell(
-            (0.5 if to_collapse else 1.0) * path.share
-        )  # how far away collapse is is not known: the second half
-        if final is None and path.applied:
-            try:
-                final = path.settle()
-            except RunawayError as stop:
-                ultimate, end = here, stop.message
-                break
-        elif final is not None and path.moves_as_a_whole(by):
-            end = message("the structure moves with its support as a whole")
-            break
-    if final is None:
-        raise CollapseError(path.collapse(end), path.result(final, ultimate, end))
-    return path.result(final, ultimate, end)
+    path = _Path(moving, increment, to_collapse, tolerances)
+    follow(path, Bisection(increment))
+    if path.final is None:
+        raise CollapseError(path.collapse(), path.result())
+    return path.result()
 
 
 def _longest(model: Assembly) -> float:
@@ -241,11 +209,20 @@ class _Moving:
 
 
 class _Path:
-    """The path as far as it has been followed."""
+    """The path as far as it has been followed; `end`: why it ends, None while it goes on.
 
-    def __init__(self, moving: _Moving, increment: float, tolerances: PushdownTolerances) -> None:
+    `final`: the state at rest after the whole movement, None before; `ultimate` (m): see Pushdown.
+    """
+
+    def __init__(
+        self, moving: _Moving, increment: float, to_collapse: bool, tolerances: PushdownTolerances
+    ) -> None:
         self.moving, self.system, self.model = moving, moving.system, moving.system.model
-        self.tolerances = tolerances
+        self.increment, self.to_collapse, self.tolerances = increment, to_collapse, tolerances
+        self.limit = max(moving.full, _longest(self.model)) if to_collapse else moving.full
+        self.final: State | None = None
+        self.ultimate: float | None = None
+        self.end: Message | None = None
         self.index = self.model.support(moving.movements[0].support)
         self.smallest = 0.0 if self.system.rigid else rest_size(self.model, "elastic")
         start = rest(self.system, self.model.initial)
@@ -270,11 +247,40 @@ class _Path:
         found, self.jumped = reach(problem, guess, last if past.any() else None, shortest)
         return found
 
-    def advance(self, by: float, increment: float, shortest: bool) -> None:
-        """Add the next point, `by` (m) further on; the errors are those of `reach`."""
+    def advance(self, length: float, shortest: bool) -> bool:
+        """Add the next point, at most a length (m) further on; return whether the blocks have jumped to it.
+
+        The whole movement is not passed before the blocks have come to rest there. `shortest`: whether no shorter step
+        is tried after this one. The errors are those of `reach`.
+        """
+        target = self.moving.full if self.final is None else self.limit
+        by = min(length, target - self.movement[-1])
+        self._next(by, shortest)
+        if self.final is None and self.applied:
+            self._settle()
+        elif self.final is not None and self._moves_as_a_whole(by):
+            self.end = message("the structure moves with its support as a whole")
+        if self.end is None and self.movement[-1] >= self.limit * (1.0 - 1e-9):
+            self.end = message("the whole movement is applied")
+        elif self.end is None and self.final is not None and len(self.steps) >= self.tolerances.points:
+            self.end = self._too_many_points
+        return self.jumped
+
+    def stop(self, error: NoEquilibriumError | ConvergenceError) -> None:
+        """End the path at its last point, beyond which the shortest step has failed.
+
+        Raises the error if the whole movement is not applied, and the structure does not fall.
+        """
+        falls = isinstance(error, RunawayError)
+        if self.final is None and not falls:
+            raise error
+        self.ultimate, self.end = self.movement[-1] if falls else None, error.message
+
+    def _next(self, by: float, shortest: bool) -> None:
+        """Add the point `by` (m) further on."""
         here, last = self.movement[-1], self.steps[-1]
         step = self._step(last, self.past, here, by, 0.0, shortest)
-        if by > 0.05 * increment:  # the rate of a shorter step is mostly rounding
+        if by > 0.05 * self.increment:  # the rate of a shorter step is mostly rounding
             moved = (step.state.positions - last.state.positions) / by
             self.past = np.zeros_like(moved) if self.jumped else moved
         self.steps.append(step)
@@ -286,11 +292,12 @@ class _Path:
 
     @property
     def share(self) -> float:
-        """Share of the whole movement that is applied."""
-        return min(self.movement[-1] / self.moving.full, 1.0)
+        """Share of the path that is done: of the whole movement; how far away collapse is is not known."""
+        applied = min(self.movement[-1] / self.moving.full, 1.0)
+        return 0.5 * applied if self.to_collapse else applied
 
     @property
-    def too_many_points(self) -> Message:
+    def _too_many_points(self) -> Message:
         """Why a path to collapse ends after so many points, and what to change."""
         key = "increment_m" if self.moving.shifts else "increment_rad"
         return message(
@@ -302,18 +309,23 @@ class _Path:
         """Whether the whole movement is applied."""
         return self.movement[-1] >= self.moving.full * (1.0 - 1e-9)
 
-    def settle(self) -> State:
-        """Return the state at rest after the movement: blocks that sliding has lifted come down."""
+    def _settle(self) -> None:
+        """Let the blocks that sliding has lifted come down after the whole movement; the path ends if they fall."""
         step = self.steps[-1]
         lift = lifted(step, self.model.weight)
         if lift <= REST.lifted * self.model.size:
-            return step.state
+            self.final = step.state
+            return
         problem = StepProblem(step.system, step.state, self.model.dead_load, max(lift, self.smallest))
-        rested = motion_to_rest(problem, step.state.positions)
+        try:
+            rested = motion_to_rest(problem, step.state.positions)
+        except RunawayError as fall:
+            self.ultimate, self.end = self.movement[-2], fall.message
+            return
         self.certificates.append(rested.certificate)
-        return rested.state
+        self.final = rested.state
 
-    def moves_as_a_whole(self, by: float) -> bool:
+    def _moves_as_a_whole(self, by: float) -> bool:
         """Whether every movable block moved by just the support's translation in the last step, of `by` (m)."""
         moved = self.moving.translation(by)
         if moved is None:
@@ -322,25 +334,27 @@ class _Path:
         apart = abs((after - before)[self.model.movable] - [*moved, 0.0]).max()
         return bool(apart < self.tolerances.whole * float(abs(moved).max()))
 
-    def result(self, final: State | None, ultimate: float | None, end: Message) -> Pushdown:
-        """Return the path as a result."""
+    def result(self) -> Pushdown:
+        """Return the path as a result, once it has ended."""
+        assert self.end is not None
         states = tuple(step.state for step in self.steps)
         return Pushdown(
             np.array(self.movement),
             np.array(self.reactions),
             states,
-            final or states[-1],
-            ultimate,
-            end,
+            self.final or states[-1],
+            self.ultimate,
+            self.end,
             np.array(self.crossed).reshape(-1, 2),
             tuple(self.steps),
             tuple(self.certificates),
             self.system.sliding,
         )
 
-    def collapse(self, reason: Message) -> Message:
+    def collapse(self) -> Message:
         """Return that the structure collapses before it rests after the whole movement, and why."""
-        whole = self.moving.full
+        whole, reason = self.moving.full, self.end
+        assert reason is not None
         if self.applied:
             return message(
                 "the structure collapses after the whole movement of {whole:.4g} m: {reason}",

@@ -28,9 +28,8 @@ from mechanics.procedures.path_start import (
     mechanism_start,
     no_way_from_rest,
 )
-from mechanics.procedures.step_control import PATH, Bisection, reach
+from mechanics.procedures.step_control import PATH, Bisection, follow, reach
 from mechanics.program import Certificate
-from mechanics.progress import tell
 from mechanics.steps.contact_values import moved_over
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
@@ -136,17 +135,7 @@ def pushover(
     require(is_number(until) and 0.0 <= until < 1.0, "until", until, "a share of the peak")
     push = _Push(array_of("control", control, "a point (x, z) in m"), direction, increment, until, tolerances)
     curve = _Curve(push, static_system(model, contacts, sliding), state)
-    bisection = Bisection(increment, curve.first.share * increment)
-    while not curve.end:
-        jumps = len(curve.crossed)
-        try:
-            curve.advance(bisection.length, bisection.shortest)
-        except (NoEquilibriumError, ConvergenceError) as stop:
-            if not bisection.shorter():
-                curve.end, curve.lost = stop.message, isinstance(stop, RunawayError)
-            continue
-        bisection.longer(len(curve.crossed) > jumps)
-        tell(curve.share)
+    follow(curve, Bisection(increment, curve.first.share * increment))
     if curve.system.rigid:
         curve.locate_peak()
     return curve.finished()
@@ -203,16 +192,23 @@ class _Curve:
         )
         return float(now - begun) if self.push.direction == "+x" else float(begun - now)
 
-    def advance(self, length: float, shortest: bool) -> None:
-        """Add the next point, about a length (m) further on; `shortest`: whether no shorter one is tried after it.
+    def advance(self, length: float, shortest: bool) -> bool:
+        """Add the next point, about a length (m) further on; return whether the blocks have jumped.
 
-        Where an elastic curve ends, go on if the structure snaps through. Raises RunawayError where a part or the
+        `shortest`: whether no shorter step is tried after this one. Where an elastic curve ends, go on if the structure
+        snaps through. Raises RunawayError where a part or the
         structure falls, NoEquilibriumError or ConvergenceError where no point is found.
         """
+        jumps = len(self.crossed)
         self._next(length, shortest)
         spent = self.reached and self._overturns()
         if self.end and not self.system.rigid and not spent and len(self.states) < self.tolerances.points:
             self._snap_through()
+        return len(self.crossed) > jumps
+
+    def stop(self, error: NoEquilibriumError | ConvergenceError) -> None:
+        """End the curve at its last point, beyond which the shortest step has failed."""
+        self.end, self.lost = error.message, isinstance(error, RunawayError)
 
     def _next(self, length: float, shortest: bool) -> None:
         """Add the next point, or the last one before α = 0; the errors are those of `advance`."""

@@ -1,13 +1,25 @@
-"""Length of the steps of a path, and what is tried where a step finds no equilibrium."""
+"""A path of equilibria, followed: its steps, their length, and what is tried where one finds no equilibrium.
+
+The same follower serves pushdown and pushover, rigid and elastic:
+
+    until the path ends:
+        predict       the last rate, carried on by a length          advance of the path
+        solve         program and geometry in turns                  find_equilibrium
+        or divide     a step of rigid joints, into short ones        in_short_steps
+        or let move   the shortest step, until it rests or falls     motion_to_rest
+        accept        and lengthen the next step, or halve it        Bisection
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, UnsettledError
-from mechanics.messages import message
+from mechanics.messages import Message, message
+from mechanics.progress import tell
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest, way
 from mechanics.steps.short_steps import in_short_steps
@@ -61,6 +73,39 @@ class Bisection:
     def longer(self, jumped: bool) -> None:
         """Lengthen the step, up to the increment; at once if the blocks have `jumped`: the difficult part is behind."""
         self.length = self.increment if jumped else min(self.increment, PATH.growth * self.length)
+
+
+class Path(Protocol):
+    """A path as far as it has been followed; `end`: why it ends, None while it goes on."""
+
+    end: Message | None
+
+    @property
+    def share(self) -> float:
+        """Share of the path that is done, about."""
+
+    def advance(self, length: float, shortest: bool) -> bool:
+        """Add the next point, at most a length (m) further on, or set `end`; return whether the blocks have jumped.
+
+        `shortest`: whether no shorter step is tried after this one. Raises RunawayError where the structure falls,
+        NoEquilibriumError or ConvergenceError where no point is found.
+        """
+
+    def stop(self, error: NoEquilibriumError | ConvergenceError) -> None:
+        """Set `end` where the shortest step has failed, or raise the error."""
+
+
+def follow(path: Path, steps: Bisection) -> None:
+    """Follow a path to its end. Raises what its `stop` raises."""
+    while not path.end:
+        try:
+            jumped = path.advance(steps.length, steps.shortest)
+        except (NoEquilibriumError, ConvergenceError) as error:
+            if not steps.shorter():
+                path.stop(error)
+            continue
+        steps.longer(jumped)
+        tell(path.share)
 
 
 def reach(
