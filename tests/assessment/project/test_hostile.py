@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import shutil
 import zipfile
 from html.parser import HTMLParser
@@ -15,6 +16,7 @@ from assessment.analyses.checks.demand import demand_spectra
 from assessment.cli.main import main
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.project.project import load_project
+from tests import ROOT
 from tests.support.block_project import ASSESSMENT, PROJECT, PUSHED, block, command, write_block
 from tests.support.hostile.corpus import KINDS, SHEETS, tried
 from tests.support.hostile.judge import COMPLETED, REFUSED
@@ -25,6 +27,20 @@ from tests.support.hostile.named import COMPLETE, FLOOR, REFUSALS
 def test_inputs_of_a_kind(kind):
     counts = tried(KINDS[kind])
     assert counts["tried"] == counts[REFUSED] + counts[COMPLETED] >= KINDS[kind].count
+
+
+def test_the_counts_in_the_docs_are_of_these_inputs():
+    text = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8")
+    table = re.search(r"\| input +\|.*?\n\n", text, re.DOTALL)
+    assert table is not None
+    _, _, *rows = ([cell.strip() for cell in row.split("|")[1:-1]] for row in table[0].splitlines() if row)
+    told = {name: [int(count) for count in counts] for name, *counts in rows}
+    expected = {name: kind.count for name, kind in KINDS.items()} | {"named cases": len(REFUSALS | COMPLETE)}
+    assert {name: counts[0] for name, counts in told.items() if name != "all"} == expected
+    assert told.pop("all") == [sum(column) for column in zip(*told.values(), strict=True)]
+    assert all(
+        made == refused + completed and not failed for made, refused, completed, failed in told.values()
+    )
 
 
 @pytest.mark.parametrize("case", REFUSALS)

@@ -22,7 +22,6 @@ from hypothesis import strategies as st
 from assessment.ntc.demand.hazard import RETURN_PERIODS, site_curve
 from assessment.ntc.demand.hazard_grid import HazardError
 from assessment.project.formats.xlsx import to_xlsx
-from assessment.project.motions import history_motions
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import load_project
 from assessment.project.repair import with_repaired_drawing
@@ -31,6 +30,7 @@ from assessment.report.tables.index import inert
 from assessment.report.text.language import slug
 from assessment.runtime.errors import ProjectError
 from assessment.workflow import output
+from assessment.workflow.dynamic import read_motions
 from mechanics.faults import visible
 from mechanics.messages import headed, message
 from mechanics.records.record import read_record
@@ -48,6 +48,69 @@ Try = Callable[[Any], str]
 WALL = MINIMAL + '[layers.BASE]\nsupport = "base"\n'
 HISTORY = '[[history]]\nrecord = "wave.csv"\ncontacts = "rigid"\nwindow_s = [0.1, 0.9]\ntime_step_s = 0.01\n'
 BLOCK = PROJECT + ASSESSMENT + HISTORY
+EVERY = (
+    BLOCK
+    + """[contacts]
+sliding = "associative"
+collisions = true
+[[tie]]
+name = "chain"
+from_m = [-0.29, -0.1]
+to_m = [-0.29, 4.0]
+yield_force_kN = 5.0
+stiffness_kN_m = 8000.0
+pretension_kN = 0.5
+states = ["strengthened"]
+[[strengthening]]
+name = "strengthened"
+of = "base turned"
+[strengthening.layers.BASE]
+friction = 0.8
+[[mechanism]]
+name = "corner"
+about_m = [0.3, 0.0]
+blocks = [1]
+[sensitivity]
+friction = [0.8, 1.2]
+unit_weight = [0.9, 1.1]
+[identification]
+hypotheses = [{ base = ["x", "rotation"] }]
+downward_only = true
+[[measurement]]
+name = "crack"
+kind = "crack"
+point_m = [0.3, 0.0]
+opening_mm = 3.8
+sigma_mm = 0.4
+[[measurement]]
+name = "lean"
+kind = "lean"
+point_m = [0.0, 2.0]
+rotation_mrad = 2.0
+sigma_mrad = 0.5
+[[measurement]]
+name = "top"
+kind = "relative"
+point_m = [0.0, 4.0]
+from_m = "benchmark"
+component = "x"
+value_mm = 14.0
+sigma_mm = 1.0
+[campaign]
+records = ["wave.csv"]
+settlements = ["base turned"]
+shares = [0.0, 0.5, 1.0]
+signs = [1, -1]
+contacts = "rigid"
+method = "stripes"
+levels_g = [0.1, 0.2]
+measure = "Sa(T)"
+period_s = 0.4
+spectrum_compatible = false
+scale_limits = [0.5, 2.0]
+"""
+)
+"""The block with the tables that it has not: of ties, of what strengthens, of studies, of what was measured."""
 SHEETS = {
     "title": "Wall",
     "geometry": {"drawing": "geometry.dxf", "unit": "m", "depth_m": 0.1},
@@ -115,7 +178,7 @@ def _numbers_of_a_model(folder: Path) -> Try:
     def model() -> None:
         project = load_project(folder)
         build_model(project)
-        history_motions(project)
+        read_motions(project)
         implausible_hazard(project, {})
 
     def attempt(text: str) -> str:
@@ -275,6 +338,9 @@ KINDS: dict[str, Kind] = {
         damaged_lines(CONTRACT, values) | damaged_bytes(CONTRACT.encode()) | values, _project, 1200
     ),
     "numbers of a project": Kind(damaged_lines(BLOCK, numbers), _numbers_of_a_model, 500),
+    "every table of a project": Kind(
+        damaged_lines(EVERY, values) | damaged_lines(EVERY, numbers), _numbers_of_a_model, 300
+    ),
     "drawing": Kind(
         dxf_text.hostile_drawings()
         | damaged_lines(dxf_text.WHOLE, numbers)
