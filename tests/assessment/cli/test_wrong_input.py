@@ -9,6 +9,7 @@ import pytest
 
 from assessment.analyses.static import lateral
 from assessment.cli.main import main
+from assessment.results.schema import FORMAT
 from tests.support.block_project import ASSESSMENT, PROJECT, command, contents, edit, run, write_block
 
 pytestmark = pytest.mark.usefixtures("quick")
@@ -38,7 +39,7 @@ WRONG = {
     "control outside": (
         "[0.3, 4.2]",
         "[0.3, 5.2]",
-        "control.right.point_m: [0.3, 5.2] must be in or on a block",
+        "control.right.point_m: [0.3, 5.2] must be in or on a block (the nearest one is 1 m away); move it there",
     ),
     "unknown layer": ("[layers.BASE]", "[layers.BASIS]", "BASIS"),
     "no support": ('support = "base"\n[[control', "friction = 0.6\n[[control", "support"),
@@ -116,7 +117,7 @@ def test_results_that_are_none(project, capsys, stored):
 
 def test_results_cut_short(project, capsys):
     (project / "output").mkdir()
-    content = {"assesto": "0.1.0", "format": 1, "title": "Block", "model": {}, "states": {}}
+    content = {"assesto": "0.1.0", "format": FORMAT, "title": "Block", "model": {}, "states": {}}
     (project / "output" / "results.json").write_text(json.dumps(content), encoding="utf-8")
     assert main(["report", str(project)]) == 2
     said = capsys.readouterr().err
