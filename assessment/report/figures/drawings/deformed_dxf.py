@@ -17,7 +17,13 @@ from assessment.report.figures.drawings.deformed import found_mechanism
 from assessment.report.figures.drawings.ties import moved_ends
 from assessment.report.text.language import slug
 from assessment.results.configurations.hand_check import mechanisms
-from assessment.results.configurations.joint_states import joint_states, situations, thrust_lines
+from assessment.results.configurations.joint_states import (
+    JointStates,
+    joint_states,
+    loaded,
+    situations,
+    thrust_lines,
+)
 from assessment.results.configurations.outlines import Array, Outlines, outlines
 from assessment.results.schema import Results, State
 from assessment.results.schema.part import Configuration, Point
@@ -25,14 +31,15 @@ from assessment.runtime.files.atomic_files import write_atomically
 
 SIDES = {"+x": "PLUS_X", "-x": "MINUS_X"}
 COLOURS = (7, 1, 5, 3, 6, 30, 140, 94)  # AutoCAD's colour indices, one layer after the other
-HINGE_RADIUS = 0.008  # of the model's size
+HINGE_RADIUS, TEXT_HEIGHT = 0.008, 0.003  # of the model's size
 
 
 def write_deformed(results: Results, path: Path) -> None:
-    """Write a DXF in metres: the drawing and, for every state, each deformed shape, hinges and lines of thrust.
+    """Write a DXF in metres: the drawing and, for every state, each deformed shape, hinges, lines of thrust, joints.
 
-    Layers are DRAWN and NUMBER_STATE_WHAT, the state numbered and named as in the names of the figures. True scale, but
-    for mechanisms, whose virtual displacements have none. The same bytes for the same results.
+    Layers are DRAWN and NUMBER_STATE_WHAT, the state numbered and named as in the names of the figures; those of the
+    joints' values are switched off. True scale, but for mechanisms, whose virtual displacements have none. The same
+    bytes for the same results.
     """
     with _reproducible():
         drawing = _drawing(results)
@@ -62,6 +69,10 @@ def _drawing(results: Results) -> Drawing:
         drawing.layers.add(layer, color=5)
         for start, end in lines:
             space.add_line(start, end, dxfattribs={"layer": layer})
+    for layer, values in _joints(results):
+        drawing.layers.add(layer, color=8).off()
+        for text, place in values:
+            space.add_text(text, height=TEXT_HEIGHT * size, dxfattribs={"layer": layer}).set_placement(place)
     for kind in sorted(drawing.entitydb.dxf_types_in_use()):  # ezdxf leaves their order to chance
         drawing.classes.add_class(kind)
     return drawing
@@ -129,6 +140,29 @@ def _resultants(results: Results) -> Iterator[tuple[str, list[Array]]]:
         if lines:
             where = "REST" if situation.direction is None else SIDES[situation.direction]
             yield f"{_layer(results, situation.state)}_THRUST_{where}", lines
+
+
+def _joints(results: Results) -> Iterator[tuple[str, list[tuple[str, Array]]]]:
+    """Yield layer, and text and place (2,) m of every joint that carries in a situation, at its centre of pressure."""
+    for situation in loaded(results):
+        states = joint_states(results, situation)
+        at = "REST" if situation.direction is None else SIDES[situation.direction]
+        layer = f"{_layer(results, situation.state)}_JOINTS_{situation.contacts.upper()}_{at}"
+        carrying = [k for k, condition in enumerate(states.condition) if condition != "idle"]
+        yield layer, [(_values(states, k), states.point[k]) for k in carrying]
+
+
+def _values(states: JointStates, k: int) -> str:
+    """Write what a joint does: N and T in kN, then eccentricity, contact length, openings and slip in mm, pressure."""
+    pressure = states.pressure[k]
+    parts = [
+        f"N {states.normal[k]:.3g} T {states.shear[k]:.3g} kN",
+        f"e {1e3 * states.eccentricity[k]:.0f} c {1e3 * states.contact[k]:.0f}",
+        f"open {1e3 * max(states.opening[k, 0], 0.0):.1f}/{1e3 * max(states.opening[k, 1], 0.0):.1f}",
+        f"slip {1e3 * states.slip[k]:.1f} mm" if np.isfinite(states.slip[k]) else "mm",
+        f"p {pressure:.3g} kN/m2" if np.isfinite(pressure) else "",
+    ]
+    return "  ".join(filter(None, parts))
 
 
 def _layer(results: Results, state: str) -> str:
