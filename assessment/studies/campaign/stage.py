@@ -338,6 +338,19 @@ def _open_ends(row: CampaignFragility) -> list[Message]:
     return findings
 
 
+def _no_losses(found: Campaign) -> list[Message]:
+    """Return why losses are not told."""
+    if not any(row.share == 0.0 for row in found.loss):
+        return [
+            message(
+                "no loss of capacity: it is relative to the structure as drawn; add 0.0 to shares to have it"
+            )
+        ]
+    if found.static_quantity is None and any(row.share > 0.0 for row in found.loss):
+        return [message("no static loss: it is that of the pushover; add [pushover] to have it")]
+    return []
+
+
 def _findings(found: Campaign) -> list[Message]:
     """Return warnings about the campaign as a whole."""
     findings = []
@@ -369,6 +382,7 @@ def _findings(found: Campaign) -> list[Message]:
             )
             findings.append(headed(title, failed))
         findings += [headed(title, text) for text in _open_ends(row)]
+    findings += _no_losses(found)
     spectrum = found.spectrum
     if spectrum and not spectrum.within:
         low, high = spectrum.lowest_deviation, spectrum.highest_deviation
