@@ -62,7 +62,7 @@ def build_model(project: Project) -> ProjectModel:
             reason = str(error).partition("must be ")[2]
             reason += "".join(f" ({warning})" for warning in drawing.warnings if "$INSUNITS" in warning)
             raise ProjectError(
-                f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}"
+                f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}; move it there"
             ) from None
     chosen_mechanisms(project, assembly)  # raises for wrong mechanisms before any analysis
     gauges(project, assembly)  # likewise
