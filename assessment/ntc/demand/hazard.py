@@ -20,7 +20,7 @@ from assessment.ntc.demand.hazard_grid import (
     read_site_table,
 )
 from assessment.ntc.demand.return_period import EXCEEDANCE, USE_COEFFICIENT, return_period
-from mechanics.errors import require
+from mechanics.errors import ArgumentError, require
 
 Array = NDArray[np.float64]
 
@@ -159,8 +159,17 @@ def site_curve(
 def site_hazard(
     grid: HazardGrid | str | Path, latitude: float, longitude: float, return_period: float
 ) -> Hazard:
-    """Return a_g (g), F0 and T_C* (s) of a site for a return period (years), from the grid or its file."""
-    return site_curve(grid, latitude, longitude).at(return_period)
+    """Return a_g (g), F0 and T_C* (s) of a site for a return period (years), from the grid or its file.
+
+    Raises ArgumentError for a file that cannot be read, HazardError for one that is no grid and a site outside it.
+    """
+    try:
+        curve = site_curve(grid, latitude, longitude)
+    except OSError as error:
+        raise ArgumentError(
+            f"grid = {str(grid)!r}: must be a file that can be read ({error.strerror})"
+        ) from None
+    return curve.at(return_period)
 
 
 def _cell(nodes: Array) -> Sequence[int] | None:

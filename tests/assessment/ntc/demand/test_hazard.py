@@ -21,6 +21,13 @@ def grid():
     return read_grid(GRID_FILE)
 
 
+def test_a_grid_that_is_not_there_is_named():
+    with pytest.raises(
+        ValueError, match=r"grid = 'none.txt': must be a file that can be read \(No such file"
+    ):
+        site_hazard("none.txt", latitude=42.35, longitude=13.40, return_period=475)
+
+
 def _row(i, j, turn=0.1):
     """Return a node of a turned lattice of 5.56 km at 42 N 13 E; a_g = (1 + i + 10 j) × column number."""
     dx, dy = 5.56 * i, 5.56 * j
