@@ -47,6 +47,10 @@ def pytest_configure(config):
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+def pytest_sessionfinish():
+    gc.freeze()  # what is left is thrown away: to look through it took seconds
+
+
 @pytest.fixture(scope="session", autouse=True)
 def one_core():
     """No other processes unless --jobs asks for them: to fork all that tests have loaded takes longer than the work."""

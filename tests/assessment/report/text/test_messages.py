@@ -33,7 +33,8 @@ def calls():
     """Yield where each message is made in the code, and its template."""
     for package in ("assessment", "mechanics"):
         for path in sorted((ROOT / package).rglob("*.py")):
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            text = path.read_text(encoding="utf-8")
+            for node in ast.walk(ast.parse(text if "message(" in text else "")):
                 if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "message":
                     yield f"{path.relative_to(ROOT)}:{node.lineno}", node
 
