@@ -55,7 +55,7 @@ def animation(results: Results, state: str, entry: History) -> bytes:
     with mpl.rc_context(STYLE):  # type: ignore[arg-type]
         page = sheet(bounds_of_views(start, views), border_mm=5.0, height_mm=115.0, below_mm=5.0)
         (axes,) = page.panels
-        axes.add_patch(PathPatch(start.path(range(len(supports))), **GHOST))
+        axes.add_artist(PathPatch(start.path(range(len(supports))), **GHOST))
         groups = [
             (chosen, PathPatch(start.path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45))
             for chosen, grey in ((np.flatnonzero(~supports), "0.92"), (np.flatnonzero(supports), SUPPORT))

@@ -108,10 +108,10 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
     supports = np.array([block.support is not None for block in results.geometry.blocks])
     for axes, (title, view), at in zip(page.panels, views.items(), moved, strict=True):
         axes.set_title(title)
-        axes.add_patch(PathPatch(start.path(range(len(supports))), **GHOST))
+        axes.add_artist(PathPatch(start.path(range(len(supports))), **GHOST))
         for chosen, grey in ((np.flatnonzero(~supports), "0.92"), (np.flatnonzero(supports), SUPPORT)):
             if len(chosen):
-                axes.add_patch(PathPatch(view.path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45))
+                axes.add_artist(PathPatch(view.path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45))
         draw_ties(page, axes, moved_ends(results, state, at))
     label = words.plain("figure.at_rest")
     handles = [Line2D([], [], color="0.55", linewidth=0.8, linestyle=(0, (4, 2)), label=label)]

@@ -63,7 +63,7 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
     page = sheet(union([shape, *views.values()]), len(views), border_mm=5.0, below_mm=8.0, foot_mm=foot([""]))
     for axes, (title, view), at in zip(page.panels, views.items(), moved, strict=True):
         axes.set_title(title)
-        axes.add_patch(PathPatch(shape.path(_all(shape)), **GHOST))
+        axes.add_artist(PathPatch(shape.path(_all(shape)), **GHOST))
         fill_roles(axes, view, results)
         draw_ties(page, axes, moved_ends(results, state, *at))
     _movement(page, shape, results, known(content.settlement))
@@ -81,7 +81,7 @@ def draw_overturned(results: Results, words: Words, states: Sequence[str], direc
     page = sheet(union([*starts, *ends]), len(states), border_mm=7.0, foot_mm=foot([""]))
     for axes, name, start, end, rigid in zip(page.panels, states, starts, ends, pushed, strict=True):
         axes.set_title(f"{words.state(name)}\nd₀ = {words.millimetres(rigid.d_0_m)}")
-        axes.add_patch(PathPatch(start.path(_all(start)), **GHOST))
+        axes.add_artist(PathPatch(start.path(_all(start)), **GHOST))
         fill_roles(axes, end, results)
         draw_ties(page, axes, moved_ends(results, name, rigid.final_configuration))
         push_arrow(page, axes, end.bounds, direction)
@@ -195,7 +195,7 @@ class Mechanism:
 
     def draw(self, page: Sheet, axes: Axes) -> None:
         """Draw start outline, displaced blocks, hinges, sliding joints and ties."""
-        axes.add_patch(PathPatch(self.start.path(_all(self.start)), **GHOST))
+        axes.add_artist(PathPatch(self.start.path(_all(self.start)), **GHOST))
         fill(axes, self.swept, np.flatnonzero(~self.moving), "1.0")
         fill(axes, self.swept, np.flatnonzero(self.moving), MOVING)
         for owner, slide in zip(self.sliding.a, self.slides, strict=True):
@@ -236,7 +236,7 @@ class Mechanism:
 def fill(axes: Axes, shape: Outlines, chosen: Any, grey: str) -> None:
     """Draw the chosen blocks in a grey."""
     if len(chosen):
-        axes.add_patch(PathPatch(shape.path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45))
+        axes.add_artist(PathPatch(shape.path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45))
 
 
 def fill_roles(axes: Axes, shape: Outlines, results: Results) -> None:

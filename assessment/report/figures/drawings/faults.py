@@ -41,10 +41,10 @@ def draw_faults(faulty: FaultyDrawingError, words: Words) -> Figure:
     for support, grey in ((False, "0.95"), (True, SUPPORT)):
         blocks = [each for each in faulty.outlines if each.closed and each.support == support]
         if blocks:
-            axes.add_patch(PathPatch(_curves(blocks), facecolor=grey, edgecolor=INK, linewidth=0.4))
+            axes.add_artist(PathPatch(_curves(blocks), facecolor=grey, edgecolor=INK, linewidth=0.4))
     others = [each for each in faulty.outlines if not each.closed]
     if others:
-        axes.add_patch(PathPatch(_curves(others), fill=False, edgecolor=INK, linewidth=0.4))
+        axes.add_artist(PathPatch(_curves(others), fill=False, edgecolor=INK, linewidth=0.4))
     for fault in faulty.faults:
         _mark(axes, fault)
     marked = [(n, fault) for n, fault in enumerate(faulty.faults, 1) if len(fault.points)]
@@ -76,11 +76,11 @@ def _path(rings: Sequence[tuple[Array, bool]]) -> Curve:
 def _mark(axes: Axes, fault: Fault) -> None:
     lines = [line for line in fault.lines if len(line) > 1]
     if lines and fault.kind in SURFACES:
-        axes.add_patch(PathPatch(_path([(line, True) for line in lines]), **_surface(fault.kind)))
+        axes.add_artist(PathPatch(_path([(line, True) for line in lines]), **_surface(fault.kind)))
     elif lines:
         thick = 2.4 if fault.kind == "gap" else 1.3
         path = _path([(line, False) for line in lines])
-        axes.add_patch(PathPatch(path, fill=False, edgecolor=RED, linewidth=thick, capstyle="round"))
+        axes.add_artist(PathPatch(path, fill=False, edgecolor=RED, linewidth=thick, capstyle="round"))
     if fault.kind == "outline":
         axes.plot(*fault.points.T, linestyle="none", marker="o", markersize=3.5, color=RED)
 

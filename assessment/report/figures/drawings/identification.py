@@ -55,7 +55,7 @@ def draw_identification(results: Results, words: Words) -> Figure:
     page = sheet(union([drawn, shape]), border_mm=8.0, foot_mm=foot([""]))
     axes = page.panels[0]
     axes.set_title(words.plain("figure.settled", times=f"{times:g}"))
-    axes.add_patch(PathPatch(drawn.path(range(len(drawn.centroids))), **GHOST))
+    axes.add_artist(PathPatch(drawn.path(range(len(drawn.centroids))), **GHOST))
     fill_roles(axes, shape, results)
     axes.plot(*marked.T, **MARK)
     labels = Labels(page, axes)
