@@ -10,10 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError
+from mechanics.kernels.joint import H
 from mechanics.model.assembly import State
+from mechanics.model.contacts import end_gaps
 from mechanics.procedures.step_control import reach
+from mechanics.program import end_forces
 from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import StaticSystem
+from mechanics.steps.tolerances import STEP
 from mechanics.types import Array
 
 
@@ -32,6 +36,15 @@ def may_peak(multiplier: ArrayLike, displacement: ArrayLike, least: float) -> li
         if most >= highest + least or (most >= highest and rise[point - 1] >= least):
             found.append((float(most), point))
     return sorted(found, reverse=True)
+
+
+def closes(start: State, end: Equilibrium) -> bool:
+    """Whether the end of a joint carries at the end of a step that is open at its start: without that α has no jump."""
+    system = end.system
+    begun = end.contacts.places(start.positions)
+    apart = (end_gaps(begun) > STEP.inside * system.model.size) | (begun[:, [H]] <= 0.0)
+    carries = end_forces(end.forces, abs(end.places[:, H])) > system.least_force
+    return bool((apart & carries).any())
 
 
 def behind_closing(

@@ -20,7 +20,7 @@ from mechanics.errors import (
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
 from mechanics.model.contacts import Contacts
-from mechanics.procedures.closings import behind_closing, may_peak
+from mechanics.procedures.closings import behind_closing, closes, may_peak
 from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.path_start import (
     PathStart,
@@ -390,9 +390,9 @@ class _Curve:
         jumped = {point for point, step in enumerate(steps, 1) if step in self.crossed}
         added: dict[int, Equilibrium] = {}
         for most, point in may_peak(self.multiplier, self.displacement, self.tolerances.flat * best):
-            if point in jumped or most < best:
-                continue
             start, end = self.states[point - 1], self.steps[point - 1]
+            if point in jumped or most < best or not closes(start, end):
+                continue
             last = self.steps[point - 2] if point > 1 else None
             part = tolerance / max(most - end.alpha, tolerance)
             step = behind_closing(self.system, self.lateral, start, end, last, part)
