@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 
 from mechanics.errors import array_of, is_number, is_whole, require
@@ -62,7 +63,7 @@ class Block:
     `support`: name of the support that the block belongs to (None: movable). `vertical_load` (kN) acts downward at the
     centroid and counts as seismic mass if `load_has_mass`. `segments`: instead of the assembly's segments per joint.
     `layer`, `handle`: origin of the block in the drawing. Raises ArgumentError for fewer than three distinct vertices,
-    zero area, or numbers that are not finite.
+    zero area, an outline that crosses itself, an upward load with mass, or numbers that are not finite.
     """
 
     vertices: ArrayLike
@@ -86,6 +87,9 @@ class Block:
         require(is_number(self.depth) and 0.0 < self.depth < np.inf, "depth", self.depth, "positive, in m")
         load, segments = self.vertical_load, self.segments
         require(is_number(load) and abs(load) < np.inf, "vertical_load", load, "finite, in kN")
+        # an upward force is no mass: it made the mass of a block negative
+        require(load >= 0.0 or not self.load_has_mass, "vertical_load", load,
+                "zero or positive where load_has_mass, in kN")  # fmt: skip
         require(
             segments is None or (is_whole(segments) and segments >= 1),
             "segments",
@@ -94,13 +98,18 @@ class Block:
         )
         require(isinstance(self.material, Material), "material", self.material, "a Material")
         require(
-            self.support is None or isinstance(self.support, str), "support", self.support, "a name, or None"
+            self.support is None or (isinstance(self.support, str) and self.support != ""),
+            "support",
+            self.support,
+            "a name, or None",
         )
         size = float(np.ptp(v, axis=0).max())
         v = v[np.hypot(*(v - np.roll(v, 1, axis=0)).T) > 1e-12 * size]  # repeated vertices are dropped
         require(len(v) >= 3, "vertices", len(v), "three or more distinct points")
         area = _signed_area(v)
         require(abs(area) > 1e-12 * size**2, "vertices", area, "a polygon with an area")
+        require(bool(shapely.is_valid(shapely.polygons(v))), "vertices", "an outline that crosses or touches itself",
+                "a simple polygon")  # fmt: skip
         if area < 0.0:
             v = v[::-1].copy()
         v.flags.writeable = False

@@ -83,7 +83,7 @@ def check_self_weight(model: Assembly, state: State | None = None) -> None:
         raise UnstableError(
             message(
                 "the structure cannot stand under its own weight: some block would start to move with "
-                "{acceleration:.2g} g; check supports, friction and joints (open ones carry nothing)",
+                "{acceleration:.2g} g; check supports, friction, strength and joints (open ones carry nothing)",
                 acceleration=acceleration,
             )
         )

@@ -278,6 +278,19 @@ WRONG = {  # by argument: what is not of its type, or no number
 }
 
 
+IMPOSSIBLE = {
+    "vertices": lambda: Block([[0, 0], [2, 2], [2, 0], [0, 1]], 1.0, STONE),  # a bow tie
+    "support": lambda: Block(FOOT, 1.0, STONE, support=""),
+    "vertical_load": lambda: Block(FOOT, 1.0, STONE, vertical_load=-50.0),  # lighter than nothing
+}
+
+
+@pytest.mark.parametrize(("name", "call"), IMPOSSIBLE.items(), ids=IMPOSSIBLE)
+def test_a_block_that_cannot_be_is_refused(name, call):
+    with pytest.raises(ArgumentError, match=rf"^{name} = .*: must be "):
+        call()
+
+
 @pytest.mark.parametrize(("name", "call"), WRONG.items(), ids=WRONG)
 def test_an_argument_of_another_type_is_named(model, name, call):
     with pytest.raises(ArgumentError, match=rf"^{name} = .*: must be "):
