@@ -164,13 +164,17 @@ def _rigid_notes(curve: RigidPush, path: Pushover) -> Iterator[Message]:
     """Yield what to know about a rigid curve: the other law of friction, local losses, where the mechanism is from."""
     if curve.alpha_0_coulomb is not None:
         yield message(
-            "with friction that does not lift what slides (Coulomb) α0 is {coulomb:.4g}, not {multiplier:.4g}",
+            "with friction that does not lift what slides (Coulomb) α0 is {coulomb:.4g}, not {multiplier:.4g}; "
+            "what its flow lifts is settled to {residual:.1g} of its largest displacement",
             coulomb=curve.alpha_0_coulomb,
             multiplier=curve.alpha_0,
+            residual=curve.sliding_residual or 0.0,
         )
     elif (curve.sliding_residual or 0.0) > LIFTED:
         yield message(
-            "no flow was found in which friction does not lift what slides (Coulomb): α0 by it is not known"
+            "no flow was found in which friction does not lift what slides (Coulomb): α0 by it is not known; what the "
+            "nearest one lifts changes by {residual:.1g} of its largest displacement",
+            residual=curve.sliding_residual or 0.0,
         )
     if curve.local_loss is not None:
         yield loss_sentence(curve.local_loss)

@@ -29,16 +29,16 @@ ALL = (
 )
 MOVES = 1e-6  # of the largest displacement
 RATIOS = {"ratio_SLV_linear": "SLV linear", "zeta_SLV": "SLV", "zeta_SLC": "SLC"}
-OTHER_LAW = ("alpha_0_coulomb", "alpha_0_associative")
+OTHER_LAW = ("alpha_0_coulomb", "alpha_0_associative", "sliding_residual")
 SECOND_SOLVER = ("alpha_0", "alpha_program", "alpha_linear_program", "relative_difference")
 
 
 def mechanisms(results: Results) -> Table:
     """List the rigid mechanism of every state and direction.
 
-    It is that of α0, beside it that by the other law of friction where the two differ; where the control point takes no
-    part in that mechanism, and where α0 is that of another run of an ensemble, `mechanism_alpha` is the multiplier at
-    which the one listed is activated.
+    It is that of α0, beside it that by the other law of friction where the two differ, and how far Coulomb's flow is
+    from settled; where the control point takes no part in that mechanism, and where α0 is that of another run of an
+    ensemble, `mechanism_alpha` is the multiplier at which the one listed is activated.
     """
     rows = []
     for name, direction, rigid in found_mechanisms(results):

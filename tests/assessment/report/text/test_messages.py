@@ -177,9 +177,11 @@ def test_english_messages_stay_as_they_are_but_for_the_state_of_a_sentence():
 
 def test_symbols_of_warnings_are_set_as_symbols():
     told = message(
-        "with friction that does not lift what slides (Coulomb) α0 is {coulomb:.4g}, not {multiplier:.4g}",
+        "with friction that does not lift what slides (Coulomb) α0 is {coulomb:.4g}, not {multiplier:.4g}; "
+        "what its flow lifts is settled to {residual:.1g} of its largest displacement",
         coulomb=0.07,
         multiplier=0.08,
+        residual=2e-4,
     )
     assert as_sentence(told, "en").count("α<sub>0</sub> is") == 1
     assert "α<sub>0</sub> vale 0,07" in as_sentence(told, "it")
