@@ -38,8 +38,8 @@ def build_model(project: Project) -> ProjectModel:
     """Read the drawing, check it, and place control points and ties.
 
     Raises DrawingError for a drawing that cannot be read, FaultyDrawingError, one of them, with all the faults of one
-    that is no assembly, and ProjectError for a control point the end of a tie or a measurement outside every block,
-    a crack or slip at no joint, or a mechanism whose blocks are not there.
+    that is no assembly, and ProjectError for a control point in a support, one, the end of a tie or a measurement
+    outside every block, a crack or slip at no joint, or a mechanism whose blocks are not there.
     """
     drawing = survey_drawing(*how_to_read(project))
     geometry, (tolerance, warnings) = project.geometry, _laid_out(project, drawing)
@@ -57,13 +57,18 @@ def build_model(project: Project) -> ProjectModel:
         raise DrawingError(f"{geometry.drawing}: {error}") from None
     for point in project.control:
         try:
-            assembly.block_at(point.point_m)
+            block = assembly.blocks[assembly.block_at(point.point_m)]
         except ValueError as error:
             reason = str(error).partition("must be ")[2]
             reason += "".join(f" ({warning})" for warning in drawing.warnings if "$INSUNITS" in warning)
             raise ProjectError(
                 f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}; move it there"
             ) from None
+        if block.support is not None:
+            raise ProjectError(
+                f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} is in the support "
+                f'"{block.support}", which no push moves; move it into another block'
+            )
     chosen_mechanisms(project, assembly)  # raises for wrong mechanisms before any analysis
     gauges(project, assembly)  # likewise
     states = state_models(project, assembly)

@@ -41,6 +41,11 @@ WRONG = {
         "[0.3, 5.2]",
         "control.right.point_m: [0.3, 5.2] must be in or on a block (the nearest one is 1 m away); move it there",
     ),
+    "control in a support": (
+        "[0.3, 4.2]",
+        "[0.3, -0.1]",
+        'control.right.point_m: [0.3, -0.1] is in the support "base", which no push moves; move it',
+    ),
     "unknown layer": ("[layers.BASE]", "[layers.BASIS]", "BASIS"),
     "no support": ('support = "base"\n[[control', "friction = 0.6\n[[control", "support"),
     "not TOML": ("[geometry]", "[geometry", ""),
