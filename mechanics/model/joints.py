@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from mechanics.model.block import Block
-from mechanics.types import Array, Index
+from mechanics.types import Array, Index, Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,17 +99,30 @@ def _candidates(start: Array, end: Array, owner: Index, tolerance: float) -> tup
 
 def block_edges(blocks: Sequence[Block]) -> tuple[Array, Array, Index]:
     """Return the straight edges of all blocks: start (e, 2) m, end (e, 2) m, block (e,)."""
-    corners = [_corners(b.polygon) for b in blocks]
-    start = np.concatenate(corners)
-    end = np.concatenate([np.roll(v, -1, axis=0) for v in corners])
-    return start, end, np.repeat(np.arange(len(blocks)), [len(v) for v in corners])
+    vertices = np.concatenate([b.polygon for b in blocks])
+    owner = np.repeat(np.arange(len(blocks)), [len(b.polygon) for b in blocks])
+    corners = _corners(vertices, owner)
+    start, owner = vertices[corners], owner[corners]
+    return start, start[_following(owner)], owner
 
 
-def _corners(v: Array) -> Array:
-    """Return the vertices (n, 2) at which the outline changes direction by more than rounding."""
-    before, after = v - np.roll(v, 1, axis=0), np.roll(v, -1, axis=0) - v
+def _following(owner: Index) -> Index:
+    """Return the number of the next vertex around the block of each (v,); those of a block follow one another."""
+    begin = np.searchsorted(owner, owner)
+    following = np.arange(1, len(owner) + 1)
+    last = np.append(owner[1:] != owner[:-1], True)
+    following[last] = begin[last]
+    return following
+
+
+def _corners(v: Array, owner: Index) -> Mask:
+    """Return at which vertices (n, 2) the outline of their block changes direction by more than rounding."""
+    following = _following(owner)
+    after, before = v[following] - v, np.empty_like(v)
+    before[following] = after
     turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    return v[abs(turn) > 1e-9 * np.hypot(*before.T) * np.hypot(*after.T)]
+    found: Mask = abs(turn) > 1e-9 * np.hypot(*before.T) * np.hypot(*after.T)
+    return found
 
 
 def _lengths(v: Array) -> Array:

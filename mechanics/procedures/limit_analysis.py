@@ -56,8 +56,7 @@ def limit_analysis(
     Assembly.check(model)
     check_sliding(sliding)
     state = model.starting(state)
-    check_self_weight(model, state)
-    return limit_in(model, direction, state, sliding)
+    return _limit(model, direction, check_self_weight(model, state), sliding)
 
 
 def _without_lift(closed: ClosedProgram, lifting: Solution, iterate: Iterate) -> tuple[Solution, float]:
@@ -99,9 +98,13 @@ def limit_in(model: Assembly, direction: Direction, state: State, sliding: Slidi
     slips settle, no joint is lifted. If they do not, see _without_lift: the lift that is left is returned. Raises
     NoEquilibriumError if the load meets no mechanism.
     """
-    closed = closed_program(model, state, model.lateral_load(direction))
-    program = closed.program
-    solution, iterate = solve(program, closed.layout)
+    return _limit(model, direction, closed_program(model, state), sliding)
+
+
+def _limit(model: Assembly, direction: Direction, standing: ClosedProgram, sliding: Sliding) -> Limit:
+    """Return the onset of collapse over the closed joints of a state. Raises as limit_in."""
+    closed = standing.pushed(model, model.lateral_load(direction))
+    solution, iterate = solve(closed.program, closed.layout)
     residual = 0.0
     if sliding == "coulomb" and iterate is not None:
         solution, residual = _without_lift(closed, solution, iterate)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,13 +33,15 @@ class ClosedProgram:
     index: Index
     layout: Elimination
 
+    def pushed(self, model: Assembly, lateral: Array) -> ClosedProgram:
+        """Return the program with a lateral load (b, 3), kN, of free multiplier; it moves blocks by about a step."""
+        work = self.program.step * model.weight
+        program = replace(self.program, lateral=lateral[model.movable].ravel(), work=work)
+        return replace(self, program=program)
 
-def closed_program(
-    model: Assembly, state: State, lateral: Array | None = None, sliding: Sliding = "associative"
-) -> ClosedProgram:
-    """Return the rigid program over the joints closed in a state; its work γ moves the blocks by about a step.
 
-    `lateral` (b, 3), kN: the load with the free multiplier, None: none.
+def closed_program(model: Assembly, state: State, sliding: Sliding = "associative") -> ClosedProgram:
+    """Return the rigid program under gravity over the joints closed in a state.
 
     An end of a joint is closed if its gap is zero within LIMIT.closed. If the joint is known to carry, the gap of its
     nearer end is subtracted first: sliding has lifted that joint.
@@ -63,8 +65,8 @@ def closed_program(
         places=places[index],
         law=law[index],
         load=model.dead_load[movable].ravel(),
-        lateral=None if lateral is None else lateral[movable].ravel(),
-        work=0.0 if lateral is None else step * model.weight,
+        lateral=None,
+        work=0.0,
         mass=None,
         weight=system.weight,
         size=model.size,
@@ -73,8 +75,8 @@ def closed_program(
     return ClosedProgram(program, system.contacts, index, system.layout.take(index))
 
 
-def check_self_weight(model: Assembly, state: State | None = None) -> None:
-    """Raise UnstableError where gravity alone cannot be carried in a state (default: as drawn)."""
+def check_self_weight(model: Assembly, state: State | None = None) -> ClosedProgram:
+    """Return the program of a state (default: as drawn); raise UnstableError where gravity alone cannot be carried."""
     closed = closed_program(model, state or model.initial)
     acceleration = imbalance(closed.program, closed.layout)
     # the last equilibrium of a path lies within the accuracy of the path, not of a program
@@ -87,6 +89,7 @@ def check_self_weight(model: Assembly, state: State | None = None) -> None:
                 acceleration=acceleration,
             )
         )
+    return closed
 
 
 def rest(

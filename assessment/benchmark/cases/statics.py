@@ -199,7 +199,7 @@ def winkler(lean: Array) -> Array:
 
 def wall(name: str, model: Assembly) -> Case:
     """Limit analysis by PIQP at several of its tolerances, against HiGHS."""
-    program = closed_program(model, model.initial, model.lateral_load("+x")).program
+    program = closed_program(model, model.initial).pushed(model, model.lateral_load("+x")).program
     second = lp_highs.solve(program)
     assert second is not None
 

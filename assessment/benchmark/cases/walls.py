@@ -74,7 +74,7 @@ def measured(columns: int, courses: int) -> Wall:
     seconds, limit = seconds_of(lambda: limit_analysis(model))
     memory = peak_memory()
     blocks = int(model.movable.sum())
-    program = closed_program(model, model.initial, model.lateral_load("+x")).program
+    program = closed_program(model, model.initial).pushed(model, model.lateral_load("+x")).program
     if blocks <= REPEATED:
         seconds, baseline = in_turn(lambda: limit_analysis(model), lambda: piqp(program))
     else:
@@ -97,7 +97,7 @@ def measured(columns: int, courses: int) -> Wall:
 
 def _by_highs(model: Assembly, alpha: float) -> tuple[float, float]:
     """The relative difference from the multiplier that HiGHS finds, and its time (s)."""
-    program = closed_program(model, model.initial, model.lateral_load("+x")).program
+    program = closed_program(model, model.initial).pushed(model, model.lateral_load("+x")).program
     seconds, answer = seconds_of(lambda: lp_highs.solve(program))
     assert answer is not None
     return abs(alpha / answer[1] - 1.0), seconds

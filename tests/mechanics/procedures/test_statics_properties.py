@@ -206,7 +206,7 @@ def test_limit_analysis_meets_the_rigid_curve_in_displaced_configurations(name):
 
 def _multiplier_at(model, state):
     """α along +x over the joints that are closed, by HiGHS."""
-    found = lp_highs.solve(closed_program(model, state, model.lateral_load("+x")).program)
+    found = lp_highs.solve(closed_program(model, state).pushed(model, model.lateral_load("+x")).program)
     assert found is not None
     return found[1]
 
@@ -297,7 +297,7 @@ def test_a_turned_support_turns_about_its_centroid():
 
 def multipliers(model):
     for direction in ("+x", "-x"):
-        program = closed_program(model, model.initial, model.lateral_load(direction)).program
+        program = closed_program(model, model.initial).pushed(model, model.lateral_load(direction)).program
         by_highs = lp_highs.solve(program, "highs-ipm")
         assert by_highs is not None
         yield limit_analysis(model, direction).alpha, by_highs[1]

@@ -53,7 +53,7 @@ def problem_of(kind: str) -> tuple[Program, Solution]:
     if kind == "dynamic":
         program, layout = euler_step(model, "elastic", shaken(model, 1), 0.3)
     elif kind in ("rigid", "crushing"):
-        closed = closed_program(model, model.initial, model.lateral_load("+x"))
+        closed = closed_program(model, model.initial).pushed(model, model.lateral_load("+x"))
         program, layout = closed.program, closed.layout
     else:
         system = static_system(model, "elastic")
@@ -202,7 +202,7 @@ def test_multipliers_of_random_assemblies_by_three_solvers():
 
 
 def same_multiplier(model: Assembly, number: int) -> None:
-    closed = closed_program(model, model.initial, model.lateral_load("+x"))
+    closed = closed_program(model, model.initial).pushed(model, model.lateral_load("+x"))
     found, _ = solve(closed.program, closed.layout)
     highs = lp_highs.solve(closed.program)
     assert highs is not None
@@ -259,7 +259,7 @@ def test_an_exact_bed_is_what_many_points_come_to():
 
 def tangent_cuts(model: Assembly, direction: str) -> float:
     """α of rigid joints that crush, by linear programs: N₁, N₂ ≥ κN² by its tangents where it is violated."""
-    program = closed_program(model, model.initial, model.lateral_load(direction)).program
+    program = closed_program(model, model.initial).pushed(model, model.lateral_load(direction)).program
     count, half, b = len(program.law), program.places[:, H], rows(program.places)
     kappa = 1.0 / (4.0 * half * program.law[:, STRENGTH])
     ends = np.stack([b[:, 0] - half[:, None] * b[:, 1], b[:, 0] + half[:, None] * b[:, 1], b[:, 2]], axis=1)
@@ -317,7 +317,7 @@ lengths = st.floats(0.2, 0.6)
 )
 def test_simplex_agrees_on_walls(columns, courses, length, height, friction, full_on_top, direction):
     model = running_bond(columns, courses, length, height, friction, full_on_top=full_on_top)
-    closed = closed_program(model, model.initial, model.lateral_load(direction))
+    closed = closed_program(model, model.initial).pushed(model, model.lateral_load(direction))
     highs = lp_highs.solve(closed.program)
     assert highs is not None
     assert limit_analysis(model, direction).alpha == pytest.approx(highs[1], abs=1e-7)
