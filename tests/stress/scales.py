@@ -34,7 +34,9 @@ def scaled(model: Assembly, size: float = 1.0, weight: float = 1.0, stiffness: f
 
 def by_highs(model: Assembly) -> float:
     """The multiplier of limit analysis by a solver of another kind."""
-    found = lp_highs.solve(closed_program(model, model.initial).pushed(model, model.lateral_load("+x")).program)
+    found = lp_highs.solve(
+        closed_program(model, model.initial).pushed(model, model.lateral_load("+x")).program
+    )
     assert found is not None
     return found[1]
 
