@@ -99,10 +99,15 @@ def run(program: Program, layout: Elimination, start: Iterate, accepted: float) 
     return Iterate(forces, gaps, alpha, x[layout.back]), outcome
 
 
+def resultants(program: Program, iterate: Iterate) -> Array:
+    """Return N, P and T (j, 3), kN and kNm, of an iterate."""
+    n1, n2, t = iterate.forces.T
+    return np.stack([n1 + n2, program.places[:, H] * (n2 - n1), t], axis=1)
+
+
 def solution(program: Program, iterate: Iterate) -> Solution:
     """Return the certified solution of an iterate."""
-    n1, n2, t = iterate.forces.T
-    forces = np.stack([n1 + n2, program.places[:, H] * (n2 - n1), t], axis=1)
+    forces = resultants(program, iterate)
     return Solution(
         forces,
         iterate.alpha,

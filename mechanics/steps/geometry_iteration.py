@@ -118,7 +118,7 @@ def _solve_round(problem: StepProblem, last: Round, residual: float, update_slip
     count = len(system.contacts)
     return Round(
         at,
-        spread(interior.solution(program, found).forces, index, count),
+        spread(interior.resultants(program, found), index, count),
         over_all(found, index, count),
         STEP.go_on * residual,
         slips,

@@ -61,6 +61,6 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
                 message("the structure falls: in a step of {size:.3g} m it gains speed", size=short.size)
             )
         iterate = over_all(found, index, len(system.contacts))
-        forces = spread(interior.solution(program, found).forces, index, len(system.contacts))
+        forces = spread(interior.resultants(program, found), index, len(system.contacts))
         short = replace(short, start=state_at_rest(system, at, forces, short.start))
     return balanced(replace(short, mass=None), at, solves)
