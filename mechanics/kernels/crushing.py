@@ -46,16 +46,24 @@ def divide(half: float, left: Array) -> tuple[float, float, float]:
 
 
 @compiled
+def remains(s: float, half: float, left: Array) -> tuple[float, float]:
+    """What is left at s, r, and its slope there."""
+    residual, slope = 0.0, 0.0
+    for line in range(0, 4, 2):
+        along = 0.5 * (left[line + 1] - left[line]) / half
+        there = 0.5 * (left[line] + left[line + 1]) + along * s
+        if there > residual:
+            residual, slope = there, along
+    return residual, slope
+
+
+@compiled
 def part(number: int, half: float, kinks: Any, left: Array) -> tuple[float, float, float, float]:
     """Middle and half-length of a part of a bed, r in its middle and its slope there."""
     low = -half if number == 0 else kinks[number - 1]
     high = half if number == PARTS - 1 else kinks[number]
-    middle, residual, slope = 0.5 * (low + high), 0.0, 0.0
-    for line in range(0, 4, 2):
-        along = 0.5 * (left[line + 1] - left[line]) / half
-        there = 0.5 * (left[line] + left[line + 1]) + along * middle
-        if there > residual:
-            residual, slope = there, along
+    middle = 0.5 * (low + high)
+    residual, slope = remains(middle, half, left)
     return middle, 0.5 * (high - low), residual, slope
 
 
@@ -112,8 +120,9 @@ def under(
     """Gaps of the two ends of a bed of finite strength under forces within it (Newton, on the energy ψ + Nu + Pφ)."""
     n, m = n1 + n2, half * (n2 - n1)
     w1, w2 = closures(n1, n2, 1.0 / (2.0 * half * stiffness))
-    w1, w2 = w1 - max(left[0], left[2], 0.0), w2 - max(left[1], left[3], 0.0)
     u, phi = 0.5 * (w1 + w2), 0.5 * (w2 - w1) / half
+    residual, slope = remains(m / n, half, left)  # as if all of it were on the line there
+    u, phi = u - (residual - slope * m / n), phi - slope
     for _ in range(NEWTON):
         f, p, c0, c1, c2 = crushed(u, phi, half, stiffness, strength, left)
         rn, rp = f - n, (p - m) / half

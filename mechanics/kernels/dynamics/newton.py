@@ -59,10 +59,10 @@ class Joints(NamedTuple):
 @looped
 def pressed_bed(law: Array, h: float, u: float, phi: float) -> tuple[float, float, float, float, float]:
     """N, P and −∂N/∂u, −∂N/∂φ, −∂P/∂φ of a joint's bed."""
-    if law[SEGMENTS] > 0.0:
-        return points(u, phi, h, law[BED], int(law[SEGMENTS]))
     if law[STRENGTH] < np.inf:
         return crushed(u, phi, h, law[BED], law[STRENGTH], law[LEFT:])
+    if law[SEGMENTS] > 0.0:
+        return points(u, phi, h, law[BED], int(law[SEGMENTS]))
     return stiffened(u, phi, h, law[BED])
 
 

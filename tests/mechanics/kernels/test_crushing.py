@@ -123,3 +123,15 @@ def test_gaps_are_those_that_the_forces_need(half, k, eccentricity, used, before
     assert [c11, -c12, c22] == pytest.approx(
         [expected[0, 0], expected[0, 1], expected[1, 1]], rel=1e-5, abs=1e-6 * abs(expected).max()
     )
+
+
+@pytest.mark.parametrize(("eccentricity", "used"), [(0.994, 0.985), (-0.995, 0.83), (-0.97, 0.97)])
+def test_gaps_are_found_beside_what_is_crushed_deep(eccentricity, used):
+    """Between lines of hundreds of σ/k, near the bound: a search that began on both ends' lines ended in their middle."""
+    half, k = 1.5, 1e6
+    yields = STRENGTH / k
+    left = yields * np.array([10.0, 2.0, -320.0, 503.0] if eccentricity > 0.0 else [503.0, -320.0, 2.0, 10.0])
+    n1, n2 = ends_of(eccentricity, used * 2.0 * half * STRENGTH * (1.0 - abs(eccentricity)))
+    n, p = crushed(*displacements(half, under(n1, n2, half, k, STRENGTH, left)), half, k, STRENGTH, left)[:2]
+    assert n == pytest.approx(n1 + n2, rel=1e-9)
+    assert p == pytest.approx(half * (n2 - n1), abs=1e-9 * n * half)

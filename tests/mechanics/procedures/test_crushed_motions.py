@@ -89,3 +89,14 @@ def test_rigid_joints_that_can_be_crushed_are_refused():
     """They forgot it at every step: a block that should rock sank into its base and stayed there."""
     with pytest.raises(ArgumentError, match=r"contacts = 'rigid'.*compressive_strength"):
         time_history(block(TIMES * WEIGHT), np.zeros(10), 0.01, "rigid")
+
+
+def test_a_bed_of_finite_strength_is_exact_whatever_segments_are_asked_for():
+    """Newton's method let its points bear any pressure, and the interior point crushed the exact bed."""
+    record = 0.3 * np.sin(2.4 * np.pi * np.arange(0.0, 1.5, 0.005))
+    exact = block(20.0 * WEIGHT, 4.0)
+    motions = [
+        time_history(Assembly(exact.blocks, segments_per_joint=number), record, 0.005, "elastic").positions
+        for number in (None, 2)
+    ]
+    assert motions[1] == pytest.approx(motions[0], abs=1e-9)
