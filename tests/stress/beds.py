@@ -1,35 +1,51 @@
-"""The exact bed beside one of 32 points, on random assemblies and the example projects: what fails of each.
+"""The exact bed beside one of 32 points, on random assemblies, templates and example projects: what fails of each.
 
-Every assembly is settled elastically and pushed over from the drawn and from the settled state. `python -m tests.stress
---beds` prints the table.
+Every assembly is settled elastically and pushed over from the drawn and from the settled state; where its project names
+no stiffness of the joints it is STIFFNESS. `python -m tests.stress --beds` prints the table.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from importlib import import_module
 from unittest.mock import patch
 
 import numpy as np
 
+from assessment.benchmark.cases.structures import assembly
+from assessment.project.catalogue.templates import TEMPLATES
 from mechanics import Assembly, pushdown, pushover
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, UnstableError
 from tests.stress.corpus import assemblies
-from tests.support.drawn_projects import drawn, tables
+from tests.support.drawn_projects import FOLDER, drawn
 
+STIFFNESS = 1e6  # kN/m³
 BEDS = {"exact": None, "32 points": 32}
 STEPS = import_module("mechanics.procedures.step_control")
 COLUMNS = ("paths", "lost", "refused", "not solved", "steps", "no equilibrium", "attempts failed")
 
 
 def structures(count: int) -> Iterator[tuple[str, Assembly]]:
-    """Random assemblies, then the projects with elastic joints."""
+    """Random assemblies, then the templates and the example projects as drawn."""
     for number, model in assemblies(count):
         yield f"random {number}", model
-    for name in ("buttressed_arch", "rocking_block"):
-        if "normal_stiffness_kN_m3" in tables(name)["material"]:
-            yield name, drawn(name)
+    for name in TEMPLATES:
+        yield f"template {name}", elastic(assembly(name))
+    for project in sorted(FOLDER.glob("*/project.toml")):
+        yield f"project {project.parent.name}", elastic(drawn(project.parent.name))
+
+
+def elastic(model: Assembly) -> Assembly:
+    """The assembly, with a stiffness for joints that have none."""
+    blocks = [
+        block
+        if block.material.normal_stiffness
+        else replace(block, material=replace(block.material, normal_stiffness=STIFFNESS))
+        for block in model.blocks
+    ]
+    return replace(model, blocks=blocks)
 
 
 def counted(model: Assembly) -> Counter[str]:
@@ -78,7 +94,7 @@ def table(count: int = 100) -> str:
     totals = {name: Counter[str]() for name in BEDS}
     for _, model in structures(count):
         for name, segments in BEDS.items():
-            totals[name] += counted(Assembly(model.blocks, segments, model.tolerance))
+            totals[name] += counted(replace(model, segments_per_joint=segments))
     for name, total in totals.items():
         lines.append(f"| {name} | {' | '.join(str(total[column]) for column in COLUMNS)} |")
     return "\n".join(lines)
