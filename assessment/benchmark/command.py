@@ -224,8 +224,9 @@ BENCHMARKS: dict[str, Benchmark[Any]] = {
     ),
     "campaigns": Benchmark(
         "searches of the level at collapse of an arch, elapsed: motions a minute, and what a combination takes as a "
-        "ratio to this process alone; the least is one over the number of cores in use, or of workers simulated. Tasks "
-        "are independent, the graph has no edges: what is sent and returned is that of a combination.",
+        "ratio to this process alone; the least is one over the number of cores in use, or of workers simulated. A "
+        "search waits for that of its neighbour, in whose bracket it begins; what is sent and returned is that of a "
+        "combination.",
         campaigns.campaigns,
         plain(
             CASE,

@@ -1,6 +1,7 @@
 """Campaigns: what a combination takes in this process, in processes side by side, and on a Dask cluster of them.
 
-And on a cluster of many workers, simulated: the tasks are independent, what they take and what is sent is measured.
+And on a cluster of many workers, simulated: what searches take and what is sent is measured, and which of them waits
+for which is as in a campaign.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import pickle
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import cycle, islice
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -24,15 +25,17 @@ from assessment.project.motions import BaseMotion
 from assessment.project.schema import MotionTable
 from assessment.runtime.cache import packed
 from assessment.runtime.processes.pool import cores
-from assessment.runtime.tasks import Workers
-from assessment.studies.campaign.search import Combination, Reach, search_collapse
+from assessment.runtime.tasks import From, Workers
+from assessment.studies.campaign.search import Combination, Reach, level_found, search_collapse
+from mechanics import pushdown
 from mechanics.records import Record
 
 STEP, DURATION = 0.005, 3.0  # s, of the records
 STRENGTH = 0.3  # g
 REACH = Reach(max_scale=5.0, tolerance=0.05)
 SINGLE = Scatter(1, 0.05)
-MANY, SIMULATED = 200, (4, 16)  # combinations: 20 records, 5 shares, 2 signs; workers
+SHARES, RECORDS, SIGNS = 5, 20, 2  # of the campaign that is simulated: 200 combinations
+SIMULATED = (4, 16)  # workers
 LINK = 1.25e7  # bytes/s in and out of the machine that asks: 100 Mbit/s
 DISPATCH = 1e-3  # s that the scheduler takes for a task, one after the other: the figure of Dask's manual
 
@@ -60,9 +63,9 @@ def campaigns(quick: bool) -> Iterator[Engine]:
     """Elapsed time of some searches on an arch by each engine; `ratio`: of a combination to that in this process.
 
     Each engine has computed one search in every process before it is timed. The results are the same. Of a simulated
-    cluster, MANY combinations, which take what they took in this process, in turn.
+    cluster, a campaign of SHARES, RECORDS and SIGNS, which take what they took in this process, in turn.
     """
-    tasks = _tasks(4 if quick else 16)
+    tasks = _tasks(2 if quick else 8)
     most = cores()
     alone, expected = _timed(Workers(1), tasks, 1)
     yield _row("this process", 1, expected, alone, alone)
@@ -81,15 +84,22 @@ def campaigns(quick: bool) -> Iterator[Engine]:
 
 
 def _tasks(count: int) -> list[tuple[Any, ...]]:
-    """Searches with a number of records: sines of 1 to 3 Hz that grow and end."""
+    """Searches as drawn and settled, by both signs, with a number of records: sines of 1 to 3 Hz that grow and end."""
     project, model = template("arch"), assembly("arch")
+    (table,) = project.settlements
+    settled = pushdown(model, table.support, table.displacement_m, increment=table.increment_m or 0.0).final
     setting = Setting(MotionTable(contacts="rigid"), project.control[0])
     at = np.arange(0.0, DURATION, STEP)
     tasks: list[tuple[Any, ...]] = []
     for frequency in np.linspace(1.0, 3.0, count):
-        record = Record(shaking(STRENGTH, frequency)(at), STEP, f"{frequency:.3g} Hz")
-        motion = BaseMotion(record, record, record.pga, 1.0)
-        tasks.append((model, motion, setting, model.initial, SINGLE, REACH))
+        first = len(tasks)
+        for (start, sign), neighbour in zip(
+            product((model.initial, settled), (1.0, -1.0)), neighbours_of(2, 1, SIGNS), strict=True
+        ):
+            record = Record(sign * shaking(STRENGTH, frequency)(at), STEP, f"{frequency:.3g} Hz")
+            motion = BaseMotion(record, record, record.pga, 1.0)
+            near = None if neighbour is None else From(first + neighbour, level_found)
+            tasks.append((model, motion, setting, start, SINGLE, REACH, (), near))
     return tasks
 
 
@@ -124,10 +134,18 @@ def _simulated_rows(tasks: Sequence[tuple[Any, ...]], found: Sequence[Combinatio
     """Rows of clusters that are simulated; `sent_kB`, `returned_kB`: of a combination, in the mean."""
     sent = [len(pickle.dumps(task)) for task in tasks]
     returned = [len(packed(each).encode()) for each in found]
-    costs = zip([each.seconds for each in found], sent, returned, strict=True)
-    work = list(islice(cycle(costs), MANY))
-    alone = sum(seconds for seconds, _, _ in work)
-    many = list(islice(cycle(found), MANY))
+    each = 2 * SIGNS  # measured of a record: of all shares but the first the same
+    neighbours = neighbours_of(SHARES, RECORDS, SIGNS)
+    shaken = [
+        each * record % len(found) + SIGNS * min(share, 1) + sign
+        for share, record, sign in product(range(SHARES), range(RECORDS), range(SIGNS))
+    ]
+    work = [
+        Task(found[k].seconds, sent[k], returned[k], after)
+        for k, after in zip(shaken, neighbours, strict=True)
+    ]
+    alone = sum(task.seconds for task in work)
+    many = [found[k] for k in shaken]
     for count in SIMULATED:
         row = _row(f"{count} workers, simulated", count, many, simulated(work, count), alone)
         yield replace(
@@ -139,24 +157,59 @@ def _simulated_rows(tasks: Sequence[tuple[Any, ...]], found: Sequence[Combinatio
         )
 
 
-def simulated(work: Sequence[tuple[float, int, int]], workers: int) -> float:
-    """Time (s) of independent tasks on `workers`: each is sent, in order, and computed by the first free worker.
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What a task of a simulated cluster takes (s), its bytes, and the number of the one whose result it needs."""
 
-    `work`: seconds, bytes sent and bytes returned of each task. All pass one link, the scheduler gives out one task
-    after the other; a worker waits for what it is to compute.
+    seconds: float
+    sent: int = 0
+    returned: int = 0
+    after: int | None = None
+
+
+def neighbours_of(shares: int, records: int, signs: int) -> list[int | None]:
+    """The number of each search's neighbour, None: it has none; in the order of a campaign: shares, records, signs.
+
+    A search begins in the bracket of the same record and sign at the share before, at the first share in that of the
+    record's first sign.
+    """
+    found: list[int | None] = []
+    for share, _, sign in product(range(shares), range(records), range(signs)):
+        number = len(found)
+        if share:
+            found.append(number - records * signs)
+        else:
+            found.append(number - sign if sign else None)
+    return found
+
+
+def simulated(work: Sequence[Task], workers: int) -> float:
+    """Time (s) of tasks on `workers`: each is sent when it may be, in order, and computed by the first free worker.
+
+    All pass one link, the scheduler gives out one task after the other; a worker waits for what it is to compute, a
+    task for the result of the one that it comes after to be back.
     """
     free = [0.0] * workers
-    link = 0.0
-    returns: list[tuple[float, int]] = []
-    for seconds, sent, returned in work:
-        link += DISPATCH + sent / LINK
-        ended = max(heapq.heappop(free), link) + seconds
-        heapq.heappush(free, ended)
-        returns.append((ended, returned))
-    arrived = 0.0
-    for ended, returned in sorted(returns):
-        arrived = max(arrived, ended) + returned / LINK
-    return arrived
+    out = back = 0.0
+    sending, ending = 0, 1  # what happens, in the order of time
+    events = [(0.0, sending, number) for number, task in enumerate(work) if task.after is None]
+    followers: dict[int, list[int]] = {}
+    for number, task in enumerate(work):
+        if task.after is not None:
+            followers.setdefault(task.after, []).append(number)
+    while events:
+        now, kind, number = heapq.heappop(events)
+        task = work[number]
+        if kind == sending:
+            out = max(out, now) + DISPATCH + task.sent / LINK
+            ended = max(heapq.heappop(free), out) + task.seconds
+            heapq.heappush(free, ended)
+            heapq.heappush(events, (ended, ending, number))
+        else:
+            back = max(back, now) + task.returned / LINK
+            for follower in followers.get(number, ()):
+                heapq.heappush(events, (back, sending, follower))
+    return back
 
 
 def _row(name: str, count: int, found: list[Combination], seconds: float, alone: float) -> Engine:

@@ -222,22 +222,37 @@ def test_engines_of_a_campaign_are_compared_by_time_and_by_result(monkeypatch):
     monkeypatch.setattr(campaigns, "cores", lambda: 2)
     monkeypatch.setitem(sys.modules, "distributed", None)  # not installed
     alone, four, sixteen, two = campaigns.campaigns(True)
-    assert (alone.combinations, alone.motions, alone.ratio, alone.ideal) == (4, 12, 1.0, 1.0)
+    assert (alone.combinations, alone.motions, alone.ratio, alone.ideal) == (8, 24, 1.0, 1.0)
     assert (two.case, two.ideal, two.equal) == ("2 processes", 0.5, True) and two.ratio > 0.0
     assert four.ratio == pytest.approx(0.25, rel=0.01)
     assert (sixteen.combinations, sixteen.motions) == (200, 600)
-    assert sixteen.ratio == pytest.approx(13 / 200, rel=0.01)  # seconds each: the last of 13 rounds has 8
+    assert sixteen.ratio == pytest.approx(13 / 200, rel=0.01)  # a second each: the last of 13 rounds has 8
     assert 10.0 < sixteen.sent_kB < 100.0 and sixteen.returned_kB < 1.0
 
 
 def test_a_simulated_cluster_computes_side_by_side_what_has_arrived():
-    dispatch, link = campaigns.DISPATCH, campaigns.LINK
-    assert campaigns.simulated([(2.0, 0, 0), (1.0, 0, 0), (1.0, 0, 0)], 2) == pytest.approx(
+    dispatch, link, task = campaigns.DISPATCH, campaigns.LINK, campaigns.Task
+    assert campaigns.simulated([task(2.0), task(1.0), task(1.0)], 2) == pytest.approx(
         2.0 + 3 * dispatch, abs=3e-3
     )
     slow = round(5.0 * link)  # 5 s on the link each: nothing is gained by a second worker
-    assert campaigns.simulated([(1.0, slow, 0)] * 3, 2) == pytest.approx(16.0 + 3 * dispatch)
-    assert campaigns.simulated([(1.0, 0, slow)] * 2, 2) == pytest.approx(11.0 + dispatch)
+    assert campaigns.simulated([task(1.0, slow)] * 3, 2) == pytest.approx(16.0 + 3 * dispatch)
+    assert campaigns.simulated([task(1.0, 0, slow)] * 2, 2) == pytest.approx(11.0 + dispatch)
+
+
+def test_a_simulated_search_waits_for_its_neighbour():
+    dispatch, link, task = campaigns.DISPATCH, campaigns.LINK, campaigns.Task
+    assert campaigns.simulated([task(1.0), task(1.0, after=0)], 2) == pytest.approx(2.0 + 2 * dispatch)
+    slow = round(5.0 * link)  # its result is 5 s on the way back
+    assert campaigns.simulated([task(1.0, 0, slow), task(1.0, after=0)], 2) == pytest.approx(
+        7.0 + 2 * dispatch
+    )
+    first, *others = campaigns.neighbours_of(3, 1, 2)
+    assert first is None and others == [0, 0, 1, 2, 3]  # its other sign; then the share before
+    seven = [task(1.0, after=each) for each in campaigns.neighbours_of(5, 7, 2)]
+    assert campaigns.simulated(seven, 14) == pytest.approx(
+        campaigns.simulated(seven, 70)
+    )  # 14 at once, at most
 
 
 def test_the_command_line_knows_every_benchmark():
