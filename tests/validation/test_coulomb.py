@@ -1,4 +1,7 @@
-"""Friction that does not dilate: a wedge between two supports, walls of Ferris and Tin-Loi (2001)."""
+"""Friction that does not dilate: a wedge between two supports, a block on an incline, walls of Ferris and Tin-Loi.
+
+Closed forms of issue 20 of the project: each voussoir and block slides on both of its faces.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,8 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover
-from tests.support.structures import block_on_base, running_bond
+from mechanics.steps.static_system import Behaviour, Sliding
+from tests.support.structures import block_on_base, rectangle, running_bond
 
 SLOPE = np.radians(20.0)  # of the wedge's faces from vertical
 
@@ -34,6 +38,52 @@ def test_a_wedge_goes_down_along_its_faces(friction: float, increment: float) ->
     sin, cos = np.sin(SLOPE), np.cos(SLOPE)
     thrust = (cos - friction * sin) / (2.0 * (sin + friction * cos))
     assert abs(path.reaction[-1, 0]) / model.weight == pytest.approx(thrust, rel=1e-6)
+
+
+FALL, GRIP = float(np.tan(np.radians(20.0))), 0.5  # of the incline; friction of its block on both faces
+
+
+def drawn_away(increment: float, sliding: Sliding = "coulomb", contacts: Behaviour = "rigid") -> np.ndarray:
+    """A block on an incline that falls to the right, its upright face against a wall; the incline goes to the left.
+
+    How far the block goes down, of the incline's way of 20 mm, and H/W and V/W of the incline at the end.
+    """
+    stone = Material(20.0, GRIP, 1e7)
+    model = Assembly(
+        [
+            Block([[0.0, 0.0], [1.0, -FALL], [1.0, 1.0], [0.0, 1.0]], 1.0, stone),
+            Block([[-1.0, -2.5], [3.0, -2.5], [3.0, -3.0 * FALL], [-1.0, FALL]], 1.0, stone, support="base"),
+            Block(rectangle(-0.5, 0.45, 0.0, 3.0), 1.0, stone, support="wall"),
+        ]
+    )
+    path = pushdown(model, "base", (-0.02, 0.0), increment=increment, sliding=sliding, contacts=contacts)
+    down = path.states[0].positions[0, 1] - path.states[-1].positions[0, 1]
+    return np.r_[down / 0.02, abs(path.reaction[-1]) / model.weight]
+
+
+@pytest.mark.parametrize("increment", [0.001, 0.005])
+def test_a_block_goes_down_along_an_incline(increment: float) -> None:
+    """dz = −δ tan β, H/W = (μ − tan β)/(1 + μ²) = 0.10882, V/W = (1 + μ tan β)/(1 + μ²) = 0.94559."""
+    down, horizontal, vertical = drawn_away(increment)
+    assert down == pytest.approx(FALL, rel=1e-5)
+    assert horizontal == pytest.approx((GRIP - FALL) / (1.0 + GRIP**2), rel=1e-6)
+    assert vertical == pytest.approx((1.0 + GRIP * FALL) / (1.0 + GRIP**2), rel=1e-6)
+
+
+def test_on_elastic_joints_too_a_block_goes_down_along_an_incline() -> None:
+    """Forces to 10⁻⁵; the way but for what the joints yield."""
+    down, horizontal, vertical = drawn_away(0.001, contacts="elastic")
+    assert down == pytest.approx(FALL, abs=4e-4)
+    assert horizontal == pytest.approx(0.108824, rel=1e-5)
+    assert vertical == pytest.approx(0.945588, rel=1e-5)
+
+
+@pytest.mark.parametrize(("increment", "expected"), [(0.001, 0.339), (0.005, 0.239)])
+def test_associative_friction_lifts_a_block_off_its_incline(increment: float, expected: float) -> None:
+    """The more the longer its steps, in place of 0.364 δ; the forces are the same."""
+    down, horizontal, _ = drawn_away(increment, "associative")
+    assert down == pytest.approx(expected, abs=2e-3)
+    assert horizontal == pytest.approx(0.108824, rel=1e-5)
 
 
 def test_the_wall_of_ferris_and_tin_loi_without_dilation() -> None:
