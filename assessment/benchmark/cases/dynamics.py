@@ -14,7 +14,7 @@ from assessment.benchmark.table import Precision, Row
 from mechanics import Assembly, Block, Material, State, TimeHistory, time_history
 from mechanics.model.assembly import Behaviour
 from mechanics.procedures.time_history import HISTORY, HistoryTolerances, Integrator
-from mechanics.types import Array
+from mechanics.types import GRAVITY, Array
 
 INTEGRATORS: dict[Behaviour, tuple[Integrator, ...]] = {
     "rigid": ("implicit-euler", "moreau-jean", "second-order"),
@@ -33,7 +33,9 @@ DAMPING = 0.05
 class Case:
     """A motion to be computed at several steps: `record` gives base accelerations in g at times (k,) s.
 
-    `damping`: ratio; `after` (s): from when on the largest displacement counts.
+    `damping`: ratio; `displaced` (m): where the control point begins; `after` (s): from when on its largest
+    displacement counts; `exact`: that displacement (m) and its time (s) where there is a closed form; `timed`: whether
+    the time is what errors are of.
     """
 
     name: str
@@ -44,7 +46,10 @@ class Case:
     record: Callable[[Array], Array]
     damping: float = 0.0
     state: State | None = None
+    displaced: float = 0.0
     after: float = 0.0
+    exact: tuple[float, float] | None = None
+    timed: bool = False
 
     def run(
         self, step: float, integrator: Integrator, tolerances: HistoryTolerances = HISTORY
@@ -59,6 +64,23 @@ class Case:
         """Base accelerations (k,) in g, a time step (s) apart."""
         times: Array = step * np.arange(round(self.duration / step) + 1, dtype=float)
         return self.record(times)
+
+    def peak(self, motion: TimeHistory) -> tuple[float, float]:
+        """Largest control displacement (m) and its time (s): of the parabola through three samples."""
+        assert motion.displacement is not None
+        d, step = abs(motion.displacement + self.displaced), motion.time[1]
+        first = min(round(self.after / step), len(d) - 1)
+        k = first + int(d[first:].argmax())
+        if k in (first, len(d) - 1):
+            return float(d[k]), float(motion.time[k])
+        a, b, c = d[k - 1 : k + 2]
+        bend = a - 2.0 * b + c
+        shift = 0.5 * (a - c) / bend if bend < 0.0 else 0.0
+        return float(b - 0.25 * (a - c) * shift), float(motion.time[k] + shift * step)
+
+    def error(self, found: tuple[float, float], exact: tuple[float, float]) -> float:
+        """Relative error of a largest displacement, or of its time."""
+        return abs(found[self.timed] / exact[self.timed] - 1.0)
 
 
 def shaking(amplitude: float, frequency: float = 1.5) -> Callable[[Array], Array]:
@@ -93,18 +115,13 @@ def cases(quick: bool) -> list[Case]:
     """Motions that converge, from one block to the buttressed arch; quick: without the costliest."""
     rigid, tall = block_on_base(0.6, 4.2, stiffness=1e6), (0.6, 4.2)
     soft = block_on_base(0.6, 4.2, stiffness=1e5)
-    column = block_on_base(0.5, 2.0, friction=2.0, stiffness=2e6)
     wall, arch = running_bond(), assembly("buttressed-arch")
-    turned = rigid.rotated(1, (0.6, 0.0), -0.5 * float(np.arctan(0.6 / 4.2)))
-    moving = np.zeros_like(column.initial.positions)
-    moving[1] = (-5e-3, 0.0, 5e-3)
-    swinging = State(time_history(column, np.zeros(2), 1e-3, "elastic").start.positions, moving)
     top, springing = (5 * 0.4, 6 * 0.175), template("buttressed-arch").pushover_control("+x").point_m
     some = [
-        Case("rocking block, free, rigid", rigid, "rigid", tall, 3.0, rest, state=turned, after=1.5),
+        rocking_freely(),
         Case("rocking block, pulse, rigid", rigid, "rigid", tall, 3.0, pulse(0.3, 0.5)),
         Case("rocking block, pulse, elastic", soft, "elastic", tall, 3.0, pulse(0.2, 0.5), DAMPING),
-        Case("column, free vibration, elastic", column, "elastic", (0.5, 2.0), 0.5, rest, 0.0, swinging, 0.4),
+        swinging_column(),
         Case("buttressed arch, shaken, elastic", arch, "elastic", springing, 3.0, shaking(0.03), DAMPING),
     ]
     if quick:
@@ -117,23 +134,63 @@ def cases(quick: bool) -> list[Case]:
     ]
 
 
-def peak(motion: TimeHistory, after: float) -> tuple[float, float]:
-    """Largest control displacement (m) after a time (s), and its time: of the parabola through three samples."""
-    assert motion.displacement is not None
-    d, step = abs(motion.displacement), motion.time[1]
-    first = min(round(after / step), len(d) - 1)
-    k = first + int(d[first:].argmax())
-    if k in (0, len(d) - 1):
-        return float(d[k]), float(motion.time[k])
-    a, b, c = d[k - 1 : k + 2]
-    bend = a - 2.0 * b + c
-    shift = 0.5 * (a - c) / bend if bend < 0.0 else 0.0
-    return float(b - 0.25 * (a - c) * shift), float(motion.time[k] + shift * step)
+def rocking_freely(width: float = 0.6, height: float = 4.2) -> Case:
+    """A rigid block (m) released at half its slenderness α: the third peak.
+
+    Housner (1963): θ'' = −p² sin(α − θ), and an impact leaves e² of the energy, e = 1 − 1.5 sin² α.
+    """
+    model, alpha = block_on_base(width, height, stiffness=1e6), float(np.arctan(width / height))
+    p, e = float(np.sqrt(1.5 * GRAVITY / np.hypot(width, height))), 1.0 - 1.5 * float(np.sin(alpha)) ** 2
+    state = model.rotated(1, (width, 0.0), -0.5 * alpha)
+    left = np.cos(0.5 * alpha) - np.cos(alpha)  # of the energy over weight and half-diagonal
+    leans = [0.5 * alpha, *(alpha - float(np.arccos(np.cos(alpha) + left * e ** (2 * n))) for n in (1, 2))]
+    quarters = [quarter_period(lean, alpha, p) for lean in leans]
+    after = quarters[0] + 2.0 * quarters[1]
+    return Case(
+        "rocking block, free, rigid", model, "rigid", (width, height), 3.0, rest, state=state,
+        displaced=height * float(np.sin(leans[0])), after=after,
+        exact=(height * float(np.sin(leans[2])), after + quarters[2]),
+    )  # fmt: skip
+
+
+def quarter_period(lean: float, alpha: float, p: float) -> float:
+    """Time (s) in which a rigid block of slenderness α, released at rest at an angle, comes back upright."""
+    from scipy.integrate import quad
+
+    low = (
+        alpha - lean
+    )  # angle of the half-diagonal from the vertical; the speed vanishes there as a square root
+
+    def pace(angle: float) -> float:
+        fallen = max(angle - low, 1e-12)
+        return float(np.sqrt(fallen / (2.0 * (np.cos(low) - np.cos(low + fallen)))) / p)
+
+    return float(quad(pace, low, alpha, weight="alg", wvar=(-0.5, 0.0))[0])
+
+
+def swinging_column(width: float = 0.5, height: float = 2.0, stiffness: float = 2e6) -> Case:
+    """A block (m) pushed gently, that turns about the middle of its closed joint (kN/m³), whose shear sticks.
+
+    ω² = (k d B³/12 − W H/2) / (m (B² + 4 H²)/12). The time of its seventh quarter of a period, when the top is
+    displaced by H θ'/ω.
+    """
+    model = block_on_base(width, height, friction=2.0, stiffness=stiffness)
+    speed, mass = 5e-3, model.weight / GRAVITY  # rad/s, t
+    moving = np.zeros_like(model.initial.positions)
+    moving[1] = (-0.5 * height * speed, 0.0, speed)
+    state = State(time_history(model, np.zeros(2), 1e-3, "elastic").start.positions, moving)
+    turning = stiffness * width**3 / 12.0 - 0.5 * model.weight * height
+    omega = float(np.sqrt(turning / (mass * (width**2 + 4.0 * height**2) / 12.0)))
+    quarter = 0.5 * np.pi / omega
+    return Case(
+        "column, free vibration, elastic", model, "elastic", (width, height), 8.0 * quarter, rest, state=state,
+        after=6.0 * quarter, exact=(height * speed / omega, 7.0 * quarter), timed=True,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
 class Point(Precision):
-    """The largest displacement found (m), its error, that of its time (s), and what its motion took."""
+    """The largest displacement found (m), its time's error (s), and what its motion took."""
 
     integrator: Integrator
     found_m: float = np.nan
@@ -153,7 +210,7 @@ def dynamics(quick: bool) -> Iterator[Point]:
     for case in cases(quick):
         finest = 4.0 * REFERENCE if quick else REFERENCE
         try:
-            exact = peak(case.run(finest, "second-order"), case.after)
+            exact = case.exact or case.peak(case.run(finest, "second-order"))
         except FAILURES as error:
             yield replace(_point(case, "second-order", "time step [s]", finest), failed=str(error))
             continue
@@ -162,7 +219,7 @@ def dynamics(quick: bool) -> Iterator[Point]:
                 yield measured(case, integrator, "time step [s]", step, exact)
         if len(case.model.blocks) > 2 and case.contacts == "elastic":
             strict = HistoryTolerances(accepted=EXACT)
-            converged = peak(case.run(DEFAULT_STEP, "second-order", strict), case.after)
+            converged = case.peak(case.run(DEFAULT_STEP, "second-order", strict))
             for tolerance in TOLERANCES:
                 yield measured(case, "second-order", "tolerance", tolerance, converged)
 
@@ -184,12 +241,12 @@ def measured(
         return replace(row, failed=str(error))
     programs = history_programs(case.model, case.contacts, motion, case.acceleration(step), _every(motion))
     seconds, each = beside_piqp(run, programs)
-    size, at = peak(motion, case.after)
+    size, at = found = case.peak(motion)
     count = len(motion.time) - 1
     return replace(
         row,
         found_m=size,
-        error=abs(size / exact[0] - 1.0),
+        error=case.error(found, exact),
         time_error_s=at - exact[1],
         steps=count,
         seconds=seconds,

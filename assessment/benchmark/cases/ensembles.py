@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from assessment.benchmark.cases.dynamics import Case, peak, shaking
+from assessment.benchmark.cases.dynamics import Case, shaking
 from assessment.benchmark.cases.structures import assembly, running_bond, template
 from assessment.benchmark.measure import history_programs, piqp
 from assessment.benchmark.table import Precision, number, percent, pivoted
@@ -120,7 +120,7 @@ def members(case: Case, way: Way, step: float, factors: Array) -> list[TimeHisto
 
 def peaks(case: Case, motions: Sequence[TimeHistory]) -> Array:
     """Largest displacements (m) of motions."""
-    return np.array([peak(motion, case.after)[0] for motion in motions])
+    return np.array([case.peak(motion)[0] for motion in motions])
 
 
 def scaled(case: Case, factor: float) -> Case:

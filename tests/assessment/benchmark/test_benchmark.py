@@ -13,7 +13,7 @@ import pytest
 
 from assessment.benchmark import command, table
 from assessment.benchmark.cases import campaigns, chain, ensembles, skips, sliding, statics, steps, walls
-from assessment.benchmark.cases.dynamics import Case, pulse, sine, stack
+from assessment.benchmark.cases.dynamics import Case, pulse, rocking_freely, sine, stack, swinging_column
 from assessment.benchmark.command import BENCHMARKS, Benchmark
 from assessment.benchmark.measure import history_programs, path_programs
 from assessment.cli import arguments, exit_codes
@@ -129,6 +129,26 @@ def test_the_elastic_block_comes_nearer_to_the_winkler_bed_with_every_segment():
 def test_an_elastic_column_has_its_strength():
     case = statics.column(*statics.COLUMNS[2])
     assert case.measure(case.run(np.inf))["α_u"] == pytest.approx(case.exact["α_u"], rel=3e-3)
+
+
+@pytest.mark.parametrize(
+    ("case", "step", "within"), [(rocking_freely(), 0.005, 1e-3), (swinging_column(), 0.00125, 2e-3)]
+)
+def test_motions_in_closed_form(case, step, within):
+    """The third peak of free rocking; the time of a quarter period, of second order in the step, and its size."""
+    found = case.peak(case.run(step, "second-order"))
+    assert found == pytest.approx(case.exact, rel=within)
+    assert case.error(found, case.exact) == pytest.approx(
+        abs(found[case.timed] / case.exact[case.timed] - 1.0)
+    )
+
+
+def test_the_third_peak_of_the_paper():
+    """Over the slenderness: 0.4204 (its §6.1); impacts at 2.0201 and 3.2468 s."""
+    case = rocking_freely()
+    alpha = np.arctan(0.6 / 4.2)
+    assert case.exact[0] == pytest.approx(4.2 * np.sin(0.4204 * alpha), rel=2e-4)
+    assert case.exact[1] == pytest.approx(0.5 * (2.0201 + 3.2468), abs=5e-3)
 
 
 @pytest.fixture
