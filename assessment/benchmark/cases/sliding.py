@@ -45,6 +45,8 @@ def cases(quick: bool) -> list[Case]:
     ]
     if quick:
         return walls
+    second = running_bond(5, 10)  # inferred from its multiplier: tests/validation/test_masonry_wall.py
+    walls.append(Case("Ferris and Tin-Loi's wall 2", second, (5 * 0.4, 10 * 0.175), 0.005))
     arches = []
     for name in ("buttressed-arch", "triumphal-arch"):
         push = template(name).pushover
