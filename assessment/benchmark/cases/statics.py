@@ -13,7 +13,7 @@ from assessment.benchmark.cases.structures import assembly, block_on_base, recta
 from assessment.benchmark.measure import FAILURES, beside_piqp, once_a_step
 from assessment.benchmark.table import Precision
 from mechanics import Assembly, Block, Material, State, pushdown, pushover
-from mechanics.model.assembly import Behaviour
+from mechanics.model.assembly import Behaviour, Direction
 from mechanics.procedures.pushdown import Pushdown
 from mechanics.procedures.pushover import Pushover
 from mechanics.program import Program
@@ -118,6 +118,7 @@ def cases(quick: bool) -> list[Case]:
         pushing("buttressed-arch", "rigid", settled=True),
         settling("buttressed-arch", "elastic"),
         beds("buttressed-arch"),
+        *(beds("buttressed-arch", way) for way in ("+x", "-x")),
         wall("triumphal arch", assembly("triumphal-arch")),
         settling("triumphal-arch", "rigid", fewer=True),
         pushing("triumphal-arch", "rigid", fewer=True),
@@ -245,17 +246,10 @@ def pushing(name: str, contacts: Behaviour, fewer: bool = False, settled: bool =
     project, model = template(name), assembly(name)
     assert project.pushover is not None
     control, increment = project.pushover_control("+x").point_m, project.pushover.increment_m
-
-    @cache
-    def state() -> State:
-        (table,) = project.settlements
-        assert table.increment_m is not None
-        return pushdown(
-            model, table.support, table.displacement_m, increment=table.increment_m, contacts=contacts
-        ).final
+    at_rest = cache(partial(settled_state, name, contacts))
 
     def run(times: float) -> Pushover:
-        return pushover(model, control, "+x", contacts, times * increment, state() if settled else None)
+        return pushover(model, control, "+x", contacts, times * increment, at_rest() if settled else None)
 
     def measure(curve: Pushover) -> Errors:
         if contacts == "elastic":
@@ -266,18 +260,34 @@ def pushing(name: str, contacts: Behaviour, fewer: bool = False, settled: bool =
     return _incremental(f"{_spoken(name)}, {of}pushover, {contacts}", run, measure, fewer)
 
 
-def beds(name: str) -> Case:
-    """The peak of the elastic curve, of beds of points and of the exact one in a quarter of the increments."""
-    project = template(name)
+def settled_state(name: str, contacts: Behaviour, segments: int | None = None) -> State:
+    """A template after its movement; `segments` of its joints, None: the exact bed."""
+    (table,) = template(name).settlements
+    assert table.increment_m is not None
+    model = assembly(name, segments)
+    return pushdown(
+        model, table.support, table.displacement_m, increment=table.increment_m, contacts=contacts
+    ).final
+
+
+def beds(name: str, settled: Direction | None = None) -> Case:
+    """The peak of the elastic curve, of beds of points and of the exact one in a quarter of the increments.
+
+    As drawn towards +x; or towards a direction after its movement, which every bed goes through by itself.
+    """
+    project, way = template(name), settled or "+x"
     assert project.pushover is not None
-    control, increment = project.pushover_control("+x").point_m, project.pushover.increment_m
+    control, increment = project.pushover_control(way).point_m, project.pushover.increment_m
+    at_rest = cache(partial(settled_state, name, "elastic"))
 
     def run(number: float) -> Pushover:
-        fine = 0.25 if number == REFERENCE else 1.0
-        return pushover(assembly(name, _segments(abs(number))), control, "+x", "elastic", fine * increment)
+        fine, segments = 0.25 if number == REFERENCE else 1.0, _segments(abs(number))
+        state = at_rest(segments) if settled else None
+        return pushover(assembly(name, segments), control, way, "elastic", fine * increment, state)
 
-    title = f"{_spoken(name)}, pushover, elastic"
-    return Case(title, "segments", SEGMENTS, run, _peak, reference=REFERENCE, default=np.inf)
+    of = f"settled, {way}" if settled else "pushover"
+    title, values = f"{_spoken(name)}, {of}, elastic", FEWER_SEGMENTS if settled else SEGMENTS
+    return Case(title, "segments", values, run, _peak, reference=REFERENCE, default=np.inf)
 
 
 def _incremental(

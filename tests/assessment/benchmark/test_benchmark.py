@@ -151,6 +151,13 @@ def test_the_third_peak_of_the_paper():
     assert case.exact[1] == pytest.approx(0.5 * (2.0201 + 3.2468), abs=5e-3)
 
 
+def test_beds_of_the_settled_arch_go_through_its_movement_themselves():
+    """The exact one has a quarter of the strength of that of four points."""
+    case = statics.beds("buttressed-arch", "-x")
+    four, exact = (case.measure(case.run(value))["α_u"] for value in (4, np.inf))
+    assert exact == pytest.approx(0.0139, abs=1e-4) and four == pytest.approx(0.0599, abs=1e-3)
+
+
 @pytest.fixture
 def overturning():
     """A block that overturns where its pulse is a little stronger."""
